@@ -1,0 +1,1 @@
+"""The harness: budget, problem, cells, runner, store, conformance checks, command line."""

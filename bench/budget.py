@@ -1,0 +1,98 @@
+"""The metered simulator: the only way a method can simulate, and the place where events are counted."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from avobench.bench.errors import BudgetExhausted, SimulatorError, SupportError
+from avobench.tasks import Task
+
+
+class MeteredSimulator:
+    """Simulates events of a task from its own random stream, and never more than `budget` of them.
+
+    A request that would exceed the budget is refused whole: it raises BudgetExhausted, its events are added to
+    `refused`, and nothing is simulated. `requested == used + refused` always holds. An event is charged before it
+    is simulated, so a simulator that fails is charged too.
+    """
+
+    def __init__(
+        self, task: Task, budget: int, rng: np.random.Generator, progress: Callable[[int], None] | None = None
+    ) -> None:
+        self._task, self._rng, self._progress = task, rng, progress
+        self.budget = budget
+        self.used = 0
+        self.refused = 0
+        self.seconds = 0.0
+        """Spent in the simulator so far."""
+
+    @property
+    def requested(self) -> int:
+        return self.used + self.refused
+
+    @property
+    def remaining(self) -> int:
+        return self.budget - self.used
+
+    def __call__(self, theta: ArrayLike) -> NDArray:
+        """One event per row: theta (n, p) in raw units -> x (n, d).
+
+        Raises SupportError for a theta that is not finite, of the wrong shape or outside the support, BudgetExhausted
+        when fewer than n events remain, SimulatorError when the simulator fails.
+        """
+        theta = _checked(theta, self._task)
+        n = len(theta)
+        if n > self.remaining:
+            self.refused += n
+            raise BudgetExhausted(f"{n} events asked for, {self.remaining} of {self.budget} left")
+        self.used += n
+        start = time.perf_counter()
+        try:
+            x = checked_events(self._task, theta, self._rng)
+        finally:
+            self.seconds += time.perf_counter() - start
+        if self._progress is not None:
+            self._progress(self.used)
+        return x
+
+    def repeat(self, theta: ArrayLike, n: int) -> NDArray:
+        """n events per row: theta (m, p) -> x (m, n, d). Raises as `__call__` does."""
+        theta = np.atleast_2d(theta)
+        return self(np.repeat(theta, n, axis=0)).reshape(len(theta), n, -1)
+
+
+def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+    """Events of `task`, or SimulatorError saying what its simulator did wrong: theta (n, p) -> x (n, d)."""
+    try:
+        x = task.simulate(theta, rng)
+    except Exception as error:
+        raise SimulatorError(f"the simulator of {task.name} raised {type(error).__name__}: {error}") from error
+    expected = (len(theta), task.num_features)
+    if not isinstance(x, np.ndarray) or x.shape != expected:
+        got = f"shape {x.shape}" if isinstance(x, np.ndarray) else type(x).__name__
+        raise SimulatorError(f"the simulator of {task.name} returned {got} where an array {expected} was due")
+    if x.dtype != np.dtype(task.dtype):
+        raise SimulatorError(f"the simulator of {task.name} returned {x.dtype} where {np.dtype(task.dtype)} was due")
+    if x.dtype.kind == "f" and not np.isfinite(x).all():
+        bad = np.flatnonzero(~np.isfinite(x).all(axis=1))
+        raise SimulatorError(
+            f"the simulator of {task.name} returned NaN or infinity in {len(bad)} of {len(x)} events, "
+            f"the first at theta = {theta[bad[0]].tolist()}"
+        )
+    return x
+
+
+def _checked(theta: ArrayLike, task: Task) -> NDArray[np.float64]:
+    theta = np.array(theta, float)  # a copy: a simulator cannot change what the method holds
+    p = len(task.parameter_names)
+    if theta.ndim != 2 or theta.shape[1] != p or len(theta) == 0:
+        raise SupportError(f"theta must have shape (n, {p}) with n > 0, got {theta.shape}")
+    inside = task.support.contains(theta)  # False for NaN
+    if not inside.all():
+        raise SupportError(
+            f"theta = {theta[~inside][0].tolist()} lies outside the support of {task.name}, "
+            f"{list(task.support.low)} to {list(task.support.high)}"
+        )
+    return theta

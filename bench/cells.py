@@ -1,0 +1,267 @@
+"""One cell of the sweep: what identifies it, its random streams, and how it is carried out and scored."""
+
+import hashlib
+import importlib.metadata
+import json
+import math
+import platform
+import subprocess
+import time
+import traceback
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from enum import StrEnum
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.bench import registry
+from avobench.bench.budget import MeteredSimulator, checked_events
+from avobench.bench.errors import BudgetExhausted, SimulatorError, SupportError, UsageError
+from avobench.bench.problem import Problem
+from avobench.methods import Estimate, Method
+from avobench.tasks import Task
+from avobench.tasks.base import stable_hash
+
+SCHEMA_VERSION = 1
+RECORDED_VERSIONS = ("avobench", "numpy", "scipy", "torch", "pyabc", "elfi", "GPy", "pythia8mc")
+
+
+class Status(StrEnum):
+    """Outcome of a cell; `ok` exactly when an estimate was made within the budget."""
+
+    OK = "ok"
+    BUDGET_EXHAUSTED = "budget_exhausted"
+    """The method asked for more events than the budget holds before it had an estimate."""
+    SIMULATOR_ERROR = "simulator_error"
+    """The simulator raised, or returned events of the wrong shape, type or value."""
+    OUTSIDE_SUPPORT = "outside_support"
+    """The method asked for events at parameters where the simulator is not defined."""
+    METHOD_ERROR = "method_error"
+    """The method raised."""
+    INVALID_ESTIMATE = "invalid_estimate"
+    """The method returned something that is not a finite estimate within the support."""
+    CRASHED = "crashed"
+    """The worker process died twice in this cell."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One inference: a task's target, a method, a repetition, under one budget and seed.
+
+    `task` and `method` are names or `module:Class`. `identity` holds everything that determines the result.
+    """
+
+    task: str
+    task_settings: dict[str, Any]
+    method: str
+    method_settings: dict[str, Any]
+    target: int
+    repetition: int
+    budget: int
+    num_observations: int
+    seed: int
+    identity: dict[str, Any] = field(init=False)
+
+    def __post_init__(self) -> None:
+        task, method = self.build_task(), self.build_method()
+        identity = {
+            **registry.identity("task", self.task, task),
+            **registry.identity("method", self.method, method),
+            "theta_true": task.targets()[self.target].tolist(),
+            **{name: getattr(self, name) for name in ("target", "repetition", "budget", "num_observations", "seed")},
+        }
+        object.__setattr__(self, "identity", json.loads(json.dumps(identity)))
+
+    def build_task(self) -> Task:
+        return registry.build("task", self.task, self.task_settings)
+
+    def build_method(self) -> Method:
+        return registry.build("method", self.method, self.method_settings)
+
+    @property
+    def id(self) -> str:
+        return hashlib.sha256(json.dumps(self.identity, sort_keys=True).encode()).hexdigest()[:16]
+
+    @property
+    def label(self) -> str:
+        return f"{self.identity['task']} {self.identity['method']} target {self.target} repetition {self.repetition}"
+
+
+def stream(seed: int, *words: object) -> np.random.Generator:
+    """The random stream that belongs to `words` under the root seed."""
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(stable_hash(*map(str, words)),)))
+
+
+def observe(task: Task, target: int, num_observations: int, seed: int) -> NDArray:
+    """The observed events of a target, the same for every method and repetition: (N, d)."""
+    theta = np.repeat(task.targets()[target : target + 1], num_observations, axis=0)
+    return checked_events(task, theta, stream(seed, "observation", task.name, target))
+
+
+def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bool = False) -> dict[str, Any]:
+    """Carry out a cell and return its record; whatever goes wrong becomes its status and message.
+
+    Only UsageError (something is not installed) and KeyboardInterrupt leave this function. With `debug` the message of
+    a failure carries its traceback.
+    """
+    start = time.perf_counter()
+    started = datetime.now(UTC).isoformat(timespec="seconds")
+    _reset_peak_memory()
+    task, method = cell.build_task(), cell.build_method()
+    words = (task.name, method.name, cell.target, cell.repetition)
+    simulate = MeteredSimulator(task, cell.budget, stream(cell.seed, "simulator", *words), progress)
+    estimate, status, message = None, Status.OK, ""
+    observation_seconds = infer_seconds = 0.0
+    try:
+        problem = Problem.of(task, observe(task, cell.target, cell.num_observations, cell.seed), simulate)
+        observation_seconds = time.perf_counter() - start
+        try:
+            estimate = method.infer(problem, stream(cell.seed, "method", *words))
+        finally:
+            infer_seconds = time.perf_counter() - start - observation_seconds
+        message = estimate.message
+        if fault := _fault(estimate, problem, simulate.used):
+            estimate, status, message = None, Status.INVALID_ESTIMATE, fault
+    except UsageError:
+        raise
+    except BudgetExhausted as error:
+        status, message = Status.BUDGET_EXHAUSTED, str(error)
+    except SimulatorError as error:
+        status, message = Status.SIMULATOR_ERROR, str(error)
+    except SupportError as error:
+        status, message = Status.OUTSIDE_SUPPORT, str(error)
+    except Exception as error:
+        status, message = Status.METHOD_ERROR, f"{type(error).__name__}: {error}"
+        if debug:
+            message = traceback.format_exc()
+    record = {
+        **blank_record(cell, status, message),
+        "started": started,
+        "simulations_requested": simulate.requested,
+        "simulations_used": simulate.used,
+        "simulations_refused": simulate.refused,
+        "observation_seconds": observation_seconds,
+        "simulator_seconds": simulate.seconds,
+        "method_seconds": infer_seconds - simulate.seconds,
+        "peak_memory_mib": _peak_memory_mib(),
+    }
+    if estimate is not None:
+        record |= _scored(estimate, task, cell)
+    record["harness_seconds"] = time.perf_counter() - start - observation_seconds - infer_seconds
+    return record
+
+
+def blank_record(cell: Cell, status: Status, message: str) -> dict[str, Any]:
+    """A record with every field of the schema, for a cell without an estimate."""
+    task = cell.build_task()
+    theta_true = task.targets()[cell.target]
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "id": cell.id,
+        **cell.identity,
+        "parameter_names": list(task.parameter_names),
+        "status": str(status),
+        "message": message,
+        "theta_hat": None,
+        "squared_error": None,
+        "floor": _number(task.floor(theta_true, cell.num_observations, cell.budget)),
+        "floor_likelihood": _number(task.floor(theta_true, cell.num_observations, None)),
+        "how": None,
+        "spread_of": None,
+        "mean": None,
+        "std": None,
+        "trace": [],
+        "simulations_requested": 0,
+        "simulations_used": 0,
+        "simulations_discarded": 0,
+        "simulations_refused": 0,
+        "observation_seconds": 0.0,
+        "simulator_seconds": 0.0,
+        "method_seconds": 0.0,
+        "harness_seconds": 0.0,
+        "peak_memory_mib": None,
+        "started": None,
+        "versions": versions(),
+    }
+
+
+@cache
+def versions() -> dict[str, str | None]:
+    """Versions of what a result depends on, and the commit of the source where it is a git checkout."""
+    found: dict[str, str | None] = {"python": platform.python_version()}
+    for name in RECORDED_VERSIONS:
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            found[name] = None
+    source = Path(__file__).resolve().parent.parent
+    found["commit"] = None
+    if (source / ".git").exists():
+        command = ["git", "-C", str(source), "describe", "--always", "--dirty", "--abbrev=12"]
+        try:
+            found["commit"] = subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+        except (OSError, subprocess.CalledProcessError):
+            found["commit"] = "unknown"
+    return found
+
+
+def _scored(estimate: Estimate, task: Task, cell: Cell) -> dict[str, Any]:
+    theta_true = task.targets()[cell.target]
+    return {
+        "theta_hat": estimate.theta.tolist(),
+        "squared_error": float(((estimate.theta - theta_true) ** 2).sum()),
+        "how": estimate.how,
+        "spread_of": estimate.spread_of,
+        "mean": [_number(value) for value in estimate.mean],
+        "std": [_number(value) for value in estimate.std],
+        "trace": [
+            {
+                "simulations": int(point.simulations),
+                "theta": [_number(value) for value in point.theta],
+                "std": None if point.std is None else [_number(value) for value in point.std],
+            }
+            for point in estimate.trace
+        ],
+        "simulations_discarded": int(estimate.discarded),
+    }
+
+
+def _fault(estimate: object, problem: Problem, used: int) -> str | None:
+    """What keeps `estimate` from being one, in a sentence; None where it is fine."""
+    if not isinstance(estimate, Estimate):
+        return f"the method returned {type(estimate).__name__} instead of an Estimate"
+    p = problem.prior.dim
+    for name in ("theta", "mean", "std"):
+        value = getattr(estimate, name)
+        if not isinstance(value, np.ndarray) or value.shape != (p,):
+            return f"{name} of the estimate must be an array of shape ({p},), got {value!r}"
+    if not np.isfinite(estimate.theta).all() or not problem.support.contains(estimate.theta)[0]:
+        return f"the estimate {estimate.theta.tolist()} is not within the support"
+    if not 0 <= estimate.discarded <= used:
+        return f"discarded must lie between 0 and the {used} events used, got {estimate.discarded}"
+    return None
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _reset_peak_memory() -> None:
+    """Start a new high-water mark (Linux), so that a reused worker reports each cell's own peak."""
+    with suppress(OSError):  # not Linux, or not allowed: the mark of the whole process stands
+        Path("/proc/self/clear_refs").write_text("5")
+
+
+def _peak_memory_mib() -> float | None:
+    """High-water mark of resident memory in MiB since the last reset; None where the system does not tell."""
+    status = Path("/proc/self/status")
+    if not status.exists():
+        return None
+    line = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
+    return int(line.split()[1]) / 1024

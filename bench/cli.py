@@ -1,0 +1,216 @@
+"""The command `avobench`. Exit code 0 when all was done, 1 for failed work, 2 for wrong usage, 130 after Ctrl-C."""
+
+import os
+import signal
+import sys
+from pathlib import Path
+
+import click
+import joblib
+from rich.console import Console
+
+from avobench.bench import check, listing, registry
+from avobench.bench.cells import Cell, Status
+from avobench.bench.errors import AvobenchError, StoreError, UsageError
+from avobench.bench.plan import plan
+from avobench.bench.progress import ProgressView
+from avobench.bench.runner import Sweep, run
+from avobench.bench.store import Store, to_frame, write_atomically
+
+RESULTS = click.option(
+    "--results",
+    type=click.Path(path_type=Path),
+    default=Path("results/local"),
+    show_default=True,
+    help="Folder of the records.",
+)
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.version_option(package_name="avobench")
+@click.option("--debug", is_flag=True, help="Show tracebacks; may stand anywhere.")
+@click.pass_context
+def cli(context: click.Context, debug: bool) -> None:
+    """Benchmark adversarial variational optimization against ABC-SMC and BOLFI under one simulation budget."""
+    context.obj = debug
+
+
+@cli.command("list")
+def list_() -> None:
+    """Show the tasks and methods, with their settings."""
+    click.echo(listing.tasks_and_methods())
+
+
+@cli.command("run")
+@click.option("--task", "tasks", multiple=True, metavar="NAME", help="Task, or module:Class; repeatable.  [all]")
+@click.option("--method", "methods", multiple=True, metavar="NAME", help="Method, or module:Class; repeatable.  [all]")
+@click.option("--targets", default="0-14", show_default=True, help="Indices and ranges, such as 0,3,7-9.")
+@click.option("--budget", type=int, default=160_000, show_default=True, help="Simulated events a cell may use.")
+@click.option("--observations", type=int, default=100_000, show_default=True, help="Observed events of each target.")
+@click.option("--repetitions", type=int, default=1, show_default=True)
+@click.option("--seed", type=int, default=0, show_default=True, help="Root of all random streams.")
+@click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [one a core]")
+@RESULTS
+@click.option("--set", "settings", multiple=True, metavar="METHOD.PARAM=VALUE", help="A setting of a method or task.")
+@click.option("--retry-failed", is_flag=True, help="Make cells again whose status is not ok.")
+@click.option("--figure", type=click.Path(path_type=Path), default=None, metavar="DIR", help="Redraw box plots there.")
+@click.pass_obj
+def run_(
+    debug: bool,
+    tasks: tuple[str, ...],
+    methods: tuple[str, ...],
+    targets: str,
+    budget: int,
+    observations: int,
+    repetitions: int,
+    seed: int,
+    jobs: int | None,
+    results: Path,
+    settings: tuple[str, ...],
+    retry_failed: bool,
+    figure: Path | None,
+) -> None:
+    """Carry out the cells that the results folder lacks: task x method x target x repetition.
+
+    What is finished is kept at once; after Ctrl-C, or worse, the same command goes on from there.
+    """
+    jobs = joblib.cpu_count() if jobs is None else jobs
+    if jobs < 1:
+        raise UsageError(f"--jobs must be at least 1, got {jobs}")
+    tasks, methods = list(tasks) or registry.names("task"), list(methods) or registry.names("method")
+    cells = plan(tasks, methods, targets, repetitions, budget, observations, seed, list(settings))
+    if figure is not None:
+        _folder(figure)
+    store = Store(results, create=True)
+
+    def redraw(sweep: Sweep, cell: Cell) -> None:
+        """After the last cell of a target in a repetition, and after the last of all."""
+        same = (cell.target, cell.repetition)
+        if figure is not None and all((other.target, other.repetition) != same for other in sweep.pending):
+            _draw_benchmark(list(sweep.done.values()), figure)
+
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with ProgressView(Console(stderr=True), redraw) as view:
+        records = run(cells, store, jobs, view, retry_failed=retry_failed, debug=debug)
+    if figure is not None:
+        _draw_benchmark(records, figure)
+    click.echo(listing.status_table(records))
+    failed = [record for record in records if record["status"] != Status.OK]
+    click.echo(f"{len(records) - len(failed)} of {len(records)} cells ok, records in {results}")
+    if failed:
+        sys.exit(1)
+
+
+@cli.command()
+@RESULTS
+def status(results: Path) -> None:
+    """Summarise the records of a results folder, and name failed cells and damaged files."""
+    store = Store(results)
+    records, damaged = store.read()
+    if not records and not damaged:
+        store.read_all()
+    if records:
+        click.echo(listing.status_table(records))
+    for record in records:
+        if record["status"] != Status.OK:
+            message = (record["message"].strip() or "no message").splitlines()[-1]
+            click.echo("{task} {method} target {target} repetition {repetition}: {status}: ".format(**record) + message)
+    for path, reason in damaged.items():
+        click.echo(f"{path} {reason}; `avobench run` sets it aside and makes it again, or delete it", err=True)
+    if damaged:
+        sys.exit(1)
+
+
+@cli.command()
+@click.option("--format", "kind", type=click.Choice(["csv", "parquet"]), required=True)
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="File to write.")
+@RESULTS
+def export(kind: str, out: Path, results: Path) -> None:
+    """Write all records as one table, a row a cell."""
+    _folder(out.parent, make=False)
+    if out.is_dir():
+        raise UsageError(f"{out} is a folder; --out takes the file to write")
+    frame = to_frame(Store(results).read_all())
+    content = frame.to_csv(index=False).encode() if kind == "csv" else frame.to_parquet(index=False)
+    _write(out, content)
+    click.echo(f"{len(frame)} rows in {out}")
+
+
+@cli.group()
+def figure() -> None:
+    """Draw a figure from records."""
+
+
+@figure.command()
+@RESULTS
+@click.option("--out", type=click.Path(path_type=Path), default=Path("reports"), show_default=True, help="Folder.")
+def benchmark(results: Path, out: Path) -> None:
+    """Box plots of the squared error, a panel a task: benchmark.pdf, .png and the numbers as .csv."""
+    _folder(out)
+    for path in _draw_benchmark(Store(results).read_all(), out):
+        click.echo(path)
+
+
+@cli.command("check")
+@click.argument("kind", type=click.Choice(["task", "method"]))
+@click.argument("name")
+def check_(kind: str, name: str) -> None:
+    """Tell whether a task or method keeps its contract; NAME is registered or module:Class."""
+    passed = True
+    for result in check.run(kind, name):
+        passed &= result.passed
+        click.echo(f"{'pass' if result.passed else 'FAIL'}  {result.what}" + (f": {result.why}" if result.why else ""))
+    if not passed:
+        raise AvobenchError(f"{kind} {name} does not keep the contract")
+
+
+def _draw_benchmark(records: list[dict], folder: Path) -> list[Path]:
+    from avobench.reports import benchmark  # here, because matplotlib takes a second to load
+
+    try:
+        return benchmark.draw(records, folder)
+    except OSError as error:
+        raise StoreError(f"the figure could not be written to {folder}: {error.strerror or error}") from error
+
+
+def _folder(path: Path, *, make: bool = True) -> None:
+    """Raise UsageError unless files can be written in the folder `path`."""
+    if path.exists() and not path.is_dir():
+        raise UsageError(f"{path} is not a folder")
+    if not make and not path.exists():
+        raise UsageError(f"there is no folder {path}")
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"the folder {path} cannot be made: {error.strerror or error}") from error
+    if not os.access(path, os.W_OK):
+        raise UsageError(f"the folder {path} is read-only")
+
+
+def _write(path: Path, content: bytes) -> None:
+    try:
+        write_atomically(path, content)
+    except OSError as error:
+        raise StoreError(f"{path} could not be written: {error.strerror or error}") from error
+
+
+def main() -> None:
+    """Run the command line; whatever goes wrong is one line on standard error."""
+    arguments = [argument for argument in sys.argv[1:] if argument != "--debug"]
+    debug = len(arguments) < len(sys.argv) - 1
+    try:
+        sys.exit(cli.main(["--debug"] * debug + arguments, standalone_mode=False))
+    except (KeyboardInterrupt, click.Abort):
+        click.echo("avobench: stopped; what was finished is kept, and the same command goes on from there", err=True)
+        sys.exit(130)
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.ctx.get_help())
+        sys.exit(2)
+    except Exception as error:
+        if debug:
+            raise
+        message = error.format_message() if isinstance(error, click.ClickException) else str(error)
+        if not isinstance(error, (click.ClickException, AvobenchError)):
+            message = f"{type(error).__name__}: {message} (a fault of avobench; --debug shows where)"
+        click.echo(f"avobench: {' '.join(message.split())}", err=True)
+        sys.exit(2 if isinstance(error, (UsageError, click.UsageError)) else 1)

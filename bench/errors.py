@@ -1,0 +1,25 @@
+"""Every error that avobench raises on purpose. The command line prints each as one line."""
+
+
+class AvobenchError(Exception):
+    """Base of all; its text is one sentence that says what to do."""
+
+
+class UsageError(AvobenchError):
+    """The request itself cannot be met: unknown name, impossible number, wrong path. Exit code 2."""
+
+
+class StoreError(AvobenchError):
+    """The results folder cannot be used as it is. Exit code 1."""
+
+
+class SimulatorError(AvobenchError):
+    """A simulator raised, or returned events of the wrong shape, type or value."""
+
+
+class SupportError(AvobenchError):
+    """A method asked for parameters outside the simulator's support, or of the wrong shape."""
+
+
+class BudgetExhausted(AvobenchError):
+    """The metered simulator refused a request because it would exceed the budget. Nothing was simulated for it."""

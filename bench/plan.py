@@ -1,0 +1,85 @@
+"""From what a user asks for to the list of cells, in the order in which they are carried out."""
+
+import json
+from typing import Any
+
+from avobench.bench import registry
+from avobench.bench.cells import Cell
+from avobench.bench.errors import UsageError
+from avobench.tasks.base import NUM_TARGETS
+
+
+def plan(
+    tasks: list[str],
+    methods: list[str],
+    targets: str,
+    repetitions: int,
+    budget: int,
+    num_observations: int,
+    seed: int,
+    settings: list[str],
+) -> list[Cell]:
+    """All cells, ordered so that an interrupted sweep is a complete comparison over fewer targets.
+
+    The order is repetition, target, method as given, task as given. `targets` is text such as `0-2,7`, `settings`
+    are texts NAME.SETTING=VALUE. Raises UsageError for anything that cannot be met, before anything is simulated.
+    """
+    for name, value in (("budget", budget), ("observations", num_observations), ("repetitions", repetitions)):
+        if value < 1:
+            raise UsageError(f"--{name} must be at least 1, got {value}")
+    if seed < 0:
+        raise UsageError(f"--seed must not be negative, got {seed}")
+    indices = parse_targets(targets)
+    built = {kind: {} for kind in ("task", "method")}
+    chosen = parse_settings(settings, {"task": tasks, "method": methods})
+    for kind, specs in (("task", tasks), ("method", methods)):
+        for spec in specs:
+            built[kind][spec] = registry.build(kind, spec, chosen[spec])
+    for method in built["method"].values():
+        for task in built["task"].values():
+            least = method.min_simulations(len(task.parameter_names))
+            if budget < least:
+                raise UsageError(f"--budget {budget} is too small for {method.name} on {task.name}: at least {least}")
+    return [
+        Cell(task, chosen[task], method, chosen[method], target, repetition, budget, num_observations, seed)
+        for repetition in range(repetitions)
+        for target in indices
+        for method in dict.fromkeys(methods)
+        for task in dict.fromkeys(tasks)
+    ]
+
+
+def parse_targets(text: str) -> list[int]:
+    """Target indices from text such as `0-2,7`. Raises UsageError."""
+    chosen: dict[int, None] = {}
+    for part in text.split(","):
+        first, dash, last = part.strip().partition("-")
+        if not first.isdecimal() or (dash and not last.isdecimal()):
+            raise UsageError(f"--targets takes indices and ranges such as 0-14 or 0,3,7-9, got '{text}'")
+        low, high = int(first), int(last or first)
+        if high >= NUM_TARGETS or low > high:
+            raise UsageError(f"--targets must lie within 0-{NUM_TARGETS - 1}, low end first, got '{text}'")
+        chosen |= dict.fromkeys(range(low, high + 1))
+    return list(chosen)
+
+
+def parse_settings(texts: list[str], specs: dict[str, list[str]]) -> dict[str, dict[str, Any]]:
+    """Settings by task or method, from NAME.SETTING=VALUE; VALUE is JSON, or text where it is not.
+
+    NAME is a registered name or the `name` of a `module:Class`; it must be part of the run. Raises UsageError.
+    """
+    chosen: dict[str, dict[str, Any]] = {spec: {} for kind in specs for spec in specs[kind]}
+    by_name = {registry.load(kind, spec).name: spec for kind in specs for spec in specs[kind]}
+    for text in texts:
+        key, equals, value = text.partition("=")
+        name, dot, setting = key.rpartition(".")
+        if not (equals and dot and name and setting):
+            raise UsageError(f"--set takes METHOD.PARAM=VALUE, got '{text}'")
+        spec = by_name.get(name, name)
+        if spec not in chosen:
+            raise UsageError(f"--set {text}: '{name}' is not part of this run, which has {', '.join(by_name)}")
+        try:
+            chosen[spec][setting] = json.loads(value)
+        except json.JSONDecodeError:
+            chosen[spec][setting] = value
+    return chosen

@@ -1,0 +1,81 @@
+"""What a sweep shows while it works: a live display on a terminal, plain lines elsewhere. All on standard error."""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from rich.console import Console
+from rich.live import Live
+from rich.progress_bar import ProgressBar
+from rich.table import Table
+
+from avobench.bench.cells import Cell, Status
+from avobench.bench.runner import Sweep, View
+
+QUIET_SECONDS = 30.0
+"""How often plain output tells how far the running cells are."""
+
+
+class ProgressView(View):
+    """A line for each finished cell; below it, on a terminal, the sweep and the running cells as bars."""
+
+    def __init__(self, console: Console, after_cell: Callable[[Sweep, Cell], None]) -> None:
+        self.console, self.after_cell = console, after_cell
+        self.live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
+        self.last = time.monotonic()
+
+    def __enter__(self) -> "ProgressView":
+        if self.live:
+            self.live.start()
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        if self.live:
+            self.live.stop()
+
+    def note(self, line: str) -> None:
+        self._line(line)
+
+    def finished(self, sweep: Sweep, cell: Cell, record: dict[str, Any]) -> None:
+        seconds = record["simulator_seconds"] + record["method_seconds"]
+        if record["status"] == Status.OK:
+            ratio = f" ({record['squared_error'] / record['floor']:.3g} x floor)" if record["floor"] else ""
+            outcome = f"squared error {record['squared_error']:.3g}{ratio}"
+        else:
+            outcome = f"{record['status']}: {record['message'].strip().splitlines()[-1]}"
+        self._line(f"[{len(sweep.done)}/{len(sweep.cells)}] {cell.label}: {outcome}, {_clock(seconds)}{_left(sweep)}")
+        self.after_cell(sweep, cell)
+        self.last = time.monotonic()
+
+    def tick(self, sweep: Sweep) -> None:
+        labels = {cell.id: cell.label for cell in sweep.pending}
+        running = {labels[id]: share for id, share in sorted(sweep.running.items()) if id in labels}
+        if self.live:
+            table = Table.grid(padding=(0, 1))
+            share = (len(sweep.done) + sum(running.values())) / len(sweep.cells)
+            for label, value in {
+                f"{len(sweep.done)} of {len(sweep.cells)} cells{_left(sweep)}": share,
+                **running,
+            }.items():
+                table.add_row(ProgressBar(total=1, completed=value, width=30), f"{value:4.0%}", label)
+            self.live.update(table, refresh=True)
+        elif time.monotonic() - self.last >= QUIET_SECONDS:
+            self.last = time.monotonic()
+            self._line(
+                "running: " + ", ".join(f"{label} {share:.0%}" for label, share in running.items()) + _left(sweep)
+            )
+
+    def _line(self, line: str) -> None:
+        self.console.print(line, markup=False, highlight=False, soft_wrap=True)
+
+
+def _left(sweep: Sweep) -> str:
+    left = sweep.seconds_left() if sweep.pending else None
+    return "" if left is None else f"; about {_clock(left)} left"
+
+
+def _clock(seconds: float) -> str:
+    if seconds < 60:
+        return f"{seconds:.0f} s" if seconds >= 10 else f"{seconds:.1f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 60 else f"{minutes // 60} h {minutes % 60:02d} min"

@@ -1,0 +1,103 @@
+"""Tasks and methods by name (entry points) or as `module:Class`, with their settings checked."""
+
+import dataclasses
+import difflib
+import hashlib
+import importlib
+import inspect
+import re
+import sys
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from avobench.bench.errors import UsageError
+from avobench.methods import Method
+from avobench.tasks import Task
+
+BASES = {"task": Task, "method": Method}
+GROUPS = {"task": "avobench.tasks", "method": "avobench.methods"}
+REQUIRED = {
+    "task": ("name", "parameter_names", "parameter_units", "source", "prior", "support", "num_features"),
+    "method": ("name", "source"),
+}
+
+
+def names(kind: str) -> list[str]:
+    """Registered names of tasks or methods, sorted."""
+    return sorted({point.name for point in entry_points(group=GROUPS[kind])})
+
+
+def load(kind: str, spec: str) -> type:
+    """The class that `spec` names: a registered name or `module:Class`. Raises UsageError in one line."""
+    if ":" in spec:
+        cls = _import(kind, spec)
+    else:
+        points = [point for point in entry_points(group=GROUPS[kind]) if point.name == spec]
+        if not points:
+            known = names(kind)
+            nearest = difflib.get_close_matches(spec, known, n=1, cutoff=0.4)
+            hint = f"did you mean {nearest[0]}?" if nearest else f"known: {', '.join(known)}, or module:Class"
+            raise UsageError(f"there is no {kind} named '{spec}'; {hint}")
+        cls = points[0].load()
+    if not (inspect.isclass(cls) and issubclass(cls, BASES[kind])):
+        raise UsageError(f"'{spec}' is not a subclass of avobench.{kind}s.{BASES[kind].__name__}")
+    missing = [name for name in REQUIRED[kind] if not hasattr(cls, name)] + sorted(cls.__abstractmethods__)
+    if missing:
+        raise UsageError(f"{kind} '{spec}' does not define {', '.join(missing)}")
+    if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9.-]*", cls.name):
+        raise UsageError(f"the name of {kind} '{spec}' must be letters, digits, dots and dashes, got '{cls.name}'")
+    return cls
+
+
+def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
+    """An instance of the task or method `spec` with `settings`, values as text or typed. Raises UsageError."""
+    cls = load(kind, spec)
+    known = [f.name for f in dataclasses.fields(cls) if f.init] if dataclasses.is_dataclass(cls) else []
+    for name in settings:
+        if name not in known:
+            nearest = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean {nearest[0]}?" if nearest else f"it has: {', '.join(known) or 'none'}"
+            raise UsageError(f"{kind} {cls.name} has no setting '{name}'; {hint}")
+    try:
+        return TypeAdapter(cls).validate_python(settings) if known else cls()
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = f" {'.'.join(map(str, first['loc']))}" if first["loc"] else ""
+        reason = first["msg"].removeprefix("Value error, ")
+        raise UsageError(f"setting{where} of {kind} {cls.name}: {reason}") from error
+
+
+def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:
+    """What determines the behaviour of a task or method: name, version, settings, and the source if it is not ours."""
+    parts = {
+        kind: instance.name,
+        f"{kind}_version": instance.version,
+        f"{kind}_settings": {f.name: getattr(instance, f.name) for f in dataclasses.fields(instance) if f.init}
+        if dataclasses.is_dataclass(instance)
+        else {},
+    }
+    module = inspect.getmodule(type(instance))
+    if not module.__name__.startswith("avobench."):
+        parts[f"{kind}_source_sha256"] = hashlib.sha256(inspect.getsource(module).encode()).hexdigest()
+    return parts
+
+
+def _import(kind: str, spec: str) -> Any:
+    module_name, _, class_name = spec.partition(":")
+    if (here := str(Path.cwd())) not in sys.path:
+        sys.path.insert(0, here)  # `my_module:MyTask` is looked for beside the user first
+    try:
+        module = importlib.import_module(module_name)
+    except ModuleNotFoundError as error:
+        if error.name != module_name:
+            raise UsageError(f"{kind} '{spec}' needs {error.name}, which is not installed") from error
+        raise UsageError(f"there is no module '{module_name}' here or installed, for {kind} '{spec}'") from error
+    except Exception as error:
+        raise UsageError(f"{module_name} of {kind} '{spec}' raised {type(error).__name__}: {error}") from error
+    if not hasattr(module, class_name):
+        nearest = difflib.get_close_matches(class_name, dir(module), n=1)
+        raise UsageError(f"{module_name} has no '{class_name}'" + (f"; did you mean {nearest[0]}?" if nearest else ""))
+    return getattr(module, class_name)

@@ -1,0 +1,168 @@
+"""Records on disk: one JSON file a cell, written whole or not at all. The schema is described in docs/records.md."""
+
+import hashlib
+import json
+import os
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from filelock import FileLock, Timeout
+
+from avobench.bench.cells import SCHEMA_VERSION
+from avobench.bench.errors import StoreError, UsageError
+
+SCHEMA = {"schema": "avobench-records", "version": SCHEMA_VERSION}
+
+
+class Store:
+    """A folder of records: `store.json` names the schema, `records/` holds one file a cell.
+
+    Every record carries a checksum of its content, so that a truncated or edited one is noticed. Only the process that
+    holds `lock()` writes.
+    """
+
+    def __init__(self, path: Path, *, create: bool = False) -> None:
+        """Open the store at `path`; raises UsageError when the folder cannot be one, or is none and not to be made."""
+        self.path = path
+        self.records = path / "records"
+        self.running = path / "running"
+        marker = path / "store.json"
+        if not create and not path.exists():
+            raise UsageError(f"there is no results folder {path}; `avobench run --results {path}` makes one")
+        if path.exists() and not path.is_dir():
+            raise UsageError(f"the results folder {path} is a file; choose a folder with --results")
+        try:
+            if not marker.exists():
+                if path.exists() and any(path.iterdir()):
+                    raise UsageError(f"{path} holds other files and no store.json; choose an empty or new folder")
+                if not create:
+                    raise UsageError(f"{path} is empty; `avobench run --results {path}` fills it")
+                self.records.mkdir(parents=True)
+                write_atomically(marker, (json.dumps(SCHEMA) + "\n").encode())
+            found = json.loads(marker.read_text())
+        except json.JSONDecodeError as error:
+            raise UsageError(f"{marker} is not readable as JSON; restore it to {json.dumps(SCHEMA)}") from error
+        except OSError as error:
+            raise UsageError(f"the results folder {path} cannot be used: {error.strerror or error}") from error
+        if found != SCHEMA:
+            raise UsageError(f"{path} holds the schema {found}, this version of avobench reads {SCHEMA}")
+        if create and not os.access(path, os.W_OK):
+            raise UsageError(f"the results folder {path} is read-only; choose another with --results")
+
+    def lock(self) -> FileLock:
+        """A lock that one sweep at a time can hold; it goes with its process. Raises UsageError if it is taken."""
+        lock = FileLock(self.path / ".lock")
+        try:
+            lock.acquire(timeout=0)
+        except Timeout as error:
+            raise UsageError(f"another avobench run is writing to {self.path}; wait for it or stop it") from error
+        return lock
+
+    def write(self, record: dict[str, Any]) -> Path:
+        """Write one record, whole or not at all. Raises StoreError when the disk does not take it."""
+        self.records.mkdir(exist_ok=True)
+        name = "{task}_{method}_t{target:02d}_r{repetition}_{id}.json".format(**record)
+        try:
+            return write_atomically(self.records / name, encode(record))
+        except OSError as error:
+            raise StoreError(f"the record {name} could not be written: {error.strerror or error}") from error
+
+    def read(self) -> tuple[list[dict[str, Any]], dict[Path, str]]:
+        """All sound records, ordered by file name, and the damaged files with what is wrong with each."""
+        sound, damaged = [], {}
+        for path in sorted(self.records.glob("*.json")):
+            try:
+                sound.append(decode(path.read_bytes()))
+            except ValueError as error:
+                damaged[path] = str(error)
+        return sound, damaged
+
+    def read_all(self) -> list[dict[str, Any]]:
+        """All records; raises StoreError when one is damaged or when there are none."""
+        sound, damaged = self.read()
+        for path, reason in damaged.items():
+            raise StoreError(f"{path} {reason}; `avobench run` sets it aside and makes it again, or delete it")
+        if not sound:
+            raise StoreError(f"there are no records in {self.path}; `avobench run --results {self.path}` makes them")
+        return sound
+
+    def set_aside(self, path: Path) -> Path:
+        """Move a damaged record out of the way, to `damaged/`, never over another file."""
+        folder = self.path / "damaged"
+        folder.mkdir(exist_ok=True)
+        target = folder / path.name
+        number = 1
+        while target.exists():
+            target = folder / f"{path.name}.{number}"
+            number += 1
+        return path.rename(target)
+
+    def remove_leftovers(self) -> None:
+        """Delete what a killed run left half-done: temporary files and marks of running cells. Needs the lock."""
+        for leftover in [*self.records.glob(".*.tmp"), *self.running.glob("*")]:
+            leftover.unlink()
+
+
+def encode(record: dict[str, Any]) -> bytes:
+    """A record as one line of JSON with its checksum."""
+    return (json.dumps({**record, "sha256": _checksum(record)}, allow_nan=False) + "\n").encode()
+
+
+def decode(content: bytes) -> dict[str, Any]:
+    """The record in `content`; raises ValueError saying what is wrong with it."""
+    try:
+        record = json.loads(content)
+        claimed = record.pop("sha256")
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise ValueError("is truncated or not a record") from error
+    if record.get("schema_version") != SCHEMA_VERSION:
+        raise ValueError(f"has schema version {record.get('schema_version')}, not {SCHEMA_VERSION}")
+    if _checksum(record) != claimed:
+        raise ValueError("was changed after it was written (its checksum does not match)")
+    return record
+
+
+def to_frame(records: Iterable[dict[str, Any]]) -> pd.DataFrame:
+    """One row a cell; lists over parameters become columns `theta_true_0`, `theta_true_1`, ...; no trace."""
+    rows = []
+    for record in records:
+        row = dict(record)
+        for name in ("theta_true", "theta_hat", "mean", "std"):
+            values = row.pop(name) or [None] * len(record["theta_true"])
+            row |= {f"{name}_{i}": value for i, value in enumerate(values)}
+        for name in ("task_settings", "method_settings", "versions"):
+            row[name] = json.dumps(row[name], sort_keys=True)
+        row["parameter_names"] = " ".join(row["parameter_names"])
+        del row["trace"]
+        rows.append(row)
+    frame = pd.DataFrame(rows)
+    per_parameter = frame.columns[frame.columns.str.fullmatch(r"(theta_true|theta_hat|mean|std)_\d+")]
+    numbers = [*per_parameter, "squared_error", "floor", "floor_likelihood", "peak_memory_mib"]
+    frame[numbers] = frame[numbers].astype(float)
+    leading = ["task", "method", "target", "repetition", "seed", "status", "message", *sorted(per_parameter)]
+    leading += ["squared_error", "floor", "num_observations", "budget", "simulations_used"]
+    leading += ["simulator_seconds", "method_seconds"]
+    return frame[leading + [name for name in frame.columns if name not in leading]]
+
+
+def write_atomically(path: Path, content: bytes) -> Path:
+    """Write `content` to `path` so that a reader, or a crash, sees all of it or nothing."""
+    handle, temporary = tempfile.mkstemp(prefix=".", suffix=".tmp", dir=path.parent)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, path)
+    except BaseException:
+        os.unlink(temporary)
+        raise
+    return path
+
+
+def _checksum(record: dict[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(record, sort_keys=True).encode()).hexdigest()

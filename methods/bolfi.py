@@ -1,0 +1,155 @@
+"""Bayesian optimisation for likelihood-free inference with ELFI, within a hard budget."""
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+from scipy.stats import qmc
+
+from avobench.bench.errors import UsageError
+from avobench.bench.problem import Problem
+from avobench.methods.base import Estimate, Method, TracePoint, global_seed, optional_dependency
+
+if TYPE_CHECKING:
+    from elfi import BOLFI, ElfiModel
+
+
+@dataclass(frozen=True)
+class Bolfi(Method):
+    """BOLFI as ELFI runs it by default: a Gaussian process of the distance between summaries, as a function of theta.
+
+    The first evaluations are drawn from the prior, each later one is where the lower confidence bound of the process
+    (LCBSC) is least. The posterior is ELFI's, prior times P(distance < h) under the process, h the minimum of its mean,
+    hence largest where the mean is least. Its mean and standard deviation are taken by importance sampling.
+    The number of evaluations is fixed before the start: the budget left, divided by `events_per_theta`.
+    """
+
+    name: ClassVar[str] = "bolfi"
+    source: ClassVar[str] = (
+        "Gutmann and Corander, Journal of Machine Learning Research 17 (2016) 125; "
+        "Lintusaari et al., Journal of Machine Learning Research 19 (2018) 16"
+    )
+
+    events_per_theta: int = 128
+    """Events simulated for each evaluated theta."""
+    initial_evidence: int | None = None
+    """Evaluations at draws from the prior; None is ELFI's default, max(10, 2^p + 1) for p parameters."""
+    update_interval: int = 10
+    """Evaluations between two fits of the process's hyper-parameters."""
+    exploration_rate: float = 10.0
+    """1 / delta of the lower confidence bound."""
+    acq_noise_var: float = 0.0
+    """Variance of the noise added to each acquired theta."""
+    num_trace_points: int = 20
+    num_posterior_points: int = 4096
+    """Points of a scrambled Sobol sequence in the prior box: where the search for the maximum starts, and the sample
+    that is weighted by the posterior for its mean and standard deviation. A power of two."""
+
+    def __post_init__(self) -> None:
+        if min(self.events_per_theta, self.update_interval, self.num_trace_points) < 1:
+            raise UsageError("bolfi needs events_per_theta, update_interval and num_trace_points of at least 1")
+        if self.initial_evidence is not None and self.initial_evidence < 1:
+            raise UsageError(f"bolfi needs initial_evidence >= 1, got {self.initial_evidence}")
+        if self.exploration_rate <= 0 or self.acq_noise_var < 0:
+            raise UsageError("bolfi needs exploration_rate > 0 and acq_noise_var >= 0")
+        if self.num_posterior_points < 2 or self.num_posterior_points & (self.num_posterior_points - 1):
+            raise UsageError(f"bolfi needs a power of two as num_posterior_points, got {self.num_posterior_points}")
+
+    def min_simulations(self, num_parameters: int) -> int:
+        """The initial evidence, after which ELFI fits the process for the first time, and one acquisition."""
+        return (self._num_initial(num_parameters) + 1) * self.events_per_theta
+
+    def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
+        """As `Method.infer`. Raises BudgetExhausted when the budget ends before `min_simulations`."""
+        elfi = _import_elfi()
+        num_initial = self._num_initial(problem.prior.dim)
+        # With too little left the metered simulator refuses, rather than ELFI answering without a fitted process.
+        num_evidence = max(problem.simulate.remaining // self.events_per_theta, num_initial + 1)
+        traced = set(np.linspace(num_initial, num_evidence, self.num_trace_points).astype(int).tolist())
+        seed = int(rng.integers(2**32, dtype=np.uint32))
+        unit = qmc.Sobol(problem.prior.dim, rng=rng).random(self.num_posterior_points)
+        points = qmc.scale(unit, problem.prior.low, problem.prior.high)
+        trace = []
+        with global_seed(rng), _own_client(elfi):
+            model = self._elfi_model(elfi, problem)
+            bolfi = elfi.BOLFI(
+                model,
+                "distance",
+                bounds=dict(zip(model.parameter_names, zip(problem.prior.low, problem.prior.high))),
+                initial_evidence=num_initial,
+                update_interval=self.update_interval,
+                acq_noise_var=float(self.acq_noise_var),
+                exploration_rate=self.exploration_rate,
+                seed=seed,
+            )
+            bolfi.set_objective(num_evidence)
+            while not bolfi.finished:
+                bolfi.iterate()
+                if bolfi.n_evidence in traced:
+                    theta, mean, std = _posterior_summary(bolfi, points)
+                    trace.append(TracePoint(problem.simulate.used, theta, std))
+        return Estimate(
+            theta=theta,
+            how="maximum of ELFI's posterior, where the mean of the Gaussian process of the distance is least",
+            spread_of="posterior",
+            mean=mean,
+            std=std,
+            trace=trace,
+        )
+
+    def _num_initial(self, num_parameters: int) -> int:
+        return self.initial_evidence or max(10, 2**num_parameters + 1)
+
+    def _elfi_model(self, elfi, problem: Problem) -> "ElfiModel":
+        model = elfi.ElfiModel()  # never ELFI's current default model
+        theta = [
+            # ELFI sorts parameters by name: zero-padded numbers keep the order of the problem.
+            elfi.Prior("uniform", low, width, model=model, name=f"theta_{i:03d}")
+            for i, (low, width) in enumerate(zip(problem.prior.low, problem.prior.width))
+        ]
+
+        def summaries(*theta: NDArray, batch_size: int, random_state: np.random.RandomState) -> NDArray:
+            x = problem.simulate.repeat(np.column_stack(theta), self.events_per_theta)
+            return np.stack([problem.summary(events) for events in x])
+
+        observed = problem.summary(problem.x_observed)[None]
+        simulator = elfi.Simulator(summaries, *theta, observed=observed, model=model, name="summaries")
+        elfi.Distance("euclidean", simulator, model=model, name="distance")
+        return model
+
+
+def _posterior_summary(bolfi: "BOLFI", points: NDArray[np.float64]) -> tuple[NDArray, NDArray, NDArray]:
+    """Maximum, mean and standard deviation, (p,) each, of the posterior so far, by way of points (m, p) in its box."""
+    posterior = bolfi.extract_posterior()
+    log_density = posterior.logpdf(points)
+    start = points[log_density.argmax()]
+    best = minimize(
+        lambda theta: -posterior.logpdf(theta[None])[0], start, method="L-BFGS-B", bounds=bolfi.target_model.bounds
+    )
+    weights = np.exp(log_density - log_density.max())
+    weights /= weights.sum()
+    mean = weights @ points
+    return best.x, mean, np.sqrt(weights @ (points - mean) ** 2)
+
+
+def _import_elfi():
+    # ELFI's dependencies tell Python to ignore every DeprecationWarning when imported; that is undone here.
+    with optional_dependency("bolfi"), warnings.catch_warnings():
+        import elfi
+    return elfi
+
+
+@contextmanager
+def _own_client(elfi) -> Iterator[None]:
+    """Let ELFI evaluate in this process with a client of our own, and put its global one back afterwards."""
+    previous = elfi.get_client()
+    elfi.set_client("native")
+    try:
+        yield
+    finally:
+        elfi.set_client(previous)

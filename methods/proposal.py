@@ -1,0 +1,84 @@
+"""The proposal q(theta | psi) of AVO: a Gaussian with a diagonal covariance, truncated to the support."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr, ndtri
+
+from avobench.tasks import Box
+
+SQRT_2PI = np.sqrt(2 * np.pi)
+
+
+class TruncatedGaussian:
+    """q(theta | psi) with psi = (mean, log std) of shape (2, p), in standardised coordinates.
+
+    The coordinates are u = (theta - centre of the prior) / (standard deviation of the uniform prior): the prior box
+    becomes [-sqrt 3, sqrt 3], so that the paper's "zero mean and unit variance" has the moments of the prior.
+    Every parameter is truncated to the support, where the simulator is defined; score and entropy contain the
+    normalisation Z, so they are those of the distribution that is sampled.
+    """
+
+    def __init__(self, prior: Box, support: Box) -> None:
+        self.center, self.scale, self.support = prior.center, prior.width / np.sqrt(12), support
+        self.low, self.high = self.to_standard(np.array(support.low)), self.to_standard(np.array(support.high))
+
+    def to_standard(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        return (theta - self.center) / self.scale
+
+    def to_raw(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.clip(u * self.scale + self.center, self.support.low, self.support.high)  # rounding at the edge
+
+    def sample(self, psi: NDArray[np.float64], n: int, rng: np.random.Generator) -> NDArray[np.float64]:
+        """Draws by inversion of the distribution function, exact in both tails: psi (2, p) -> u (n, p)."""
+        mean, std, a, b = self._standard_bounds(psi)
+        flip = a > 0  # invert in the lower tail, where the distribution function keeps its precision
+        below, above = ndtr(np.where(flip, -b, a)), ndtr(np.where(flip, -a, b))
+        z = ndtri(below + rng.uniform(size=(n, len(mean))) * (above - below))
+        return np.clip(mean + std * np.where(flip, -z, z), self.low, self.high)
+
+    def score(self, psi: NDArray[np.float64], u: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Gradient of log q(u | psi) with respect to psi: u (n, p) -> (n, 2, p)."""
+        mean, std, a, b = self._standard_bounds(psi)
+        z = (u - mean) / std
+        first, second, _ = _moments(a, b)
+        return np.stack([(z - first) / std, z**2 - second], axis=1)
+
+    def log_density(self, psi: NDArray[np.float64], u: NDArray[np.float64]) -> NDArray[np.float64]:
+        """log q(u | psi) per parameter: u (n, p) within the support -> (n, p)."""
+        mean, std, a, b = self._standard_bounds(psi)
+        return -(((u - mean) / std) ** 2) / 2 - np.log(std * SQRT_2PI * _moments(a, b)[2])
+
+    def entropy_gradient(self, psi: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Gradient of the entropy H = log(std Z sqrt(2 pi)) + E[z^2] / 2, summed over parameters: (2, p).
+
+        With m_k = E[z^k] of the truncated z, dH/d mean = (m_3 - m_1 m_2) / (2 std) and
+        dH/d log std = (m_4 - m_2^2) / 2: both are the covariance of the score with z^2 / 2.
+        """
+        _, std, a, b = self._standard_bounds(psi)
+        m1, m2, z = _moments(a, b)
+        density_a, density_b = np.exp(-(a**2) / 2) / SQRT_2PI, np.exp(-(b**2) / 2) / SQRT_2PI
+        m3 = 2 * m1 + (a**2 * density_a - b**2 * density_b) / z
+        m4 = 3 * m2 + (a**3 * density_a - b**3 * density_b) / z
+        return np.stack([(m3 - m1 * m2) / (2 * std), (m4 - m2**2) / 2])
+
+    def mode(self, psi: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Mode of the truncated density: psi (2, p) -> u (p,)."""
+        return np.clip(psi[0], self.low, self.high)
+
+    def mean_and_std(self, psi: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Mean and standard deviation of the truncated density: psi (2, p) -> u (p,), (p,)."""
+        mean, std, a, b = self._standard_bounds(psi)
+        m1, m2, _ = _moments(a, b)
+        return mean + std * m1, std * np.sqrt(m2 - m1**2)
+
+    def _standard_bounds(self, psi: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+        mean, std = psi[0], np.exp(psi[1])
+        return mean, std, (self.low - mean) / std, (self.high - mean) / std
+
+
+def _moments(a: NDArray[np.float64], b: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    """E[z], E[z^2] and Z of a standard Gaussian truncated to [a, b]."""
+    flip = a > 0
+    z = ndtr(np.where(flip, -a, b)) - ndtr(np.where(flip, -b, a))
+    density_a, density_b = np.exp(-(a**2) / 2) / SQRT_2PI, np.exp(-(b**2) / 2) / SQRT_2PI
+    return (density_a - density_b) / z, 1 + (a * density_a - b * density_b) / z, z

@@ -1,0 +1,122 @@
+"""The contract of a task: a simulator with named parameters, its prior, its support, and how it is scored."""
+
+import hashlib
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+NUM_TARGETS = 15
+"""Target parameters of every task (paper, Section 4.3)."""
+
+
+@dataclass(frozen=True)
+class Box:
+    """A box of parameters, `low < high` in every coordinate, bounds included. Raises ValueError otherwise."""
+
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        low, high = np.asarray(self.low, float), np.asarray(self.high, float)
+        if low.ndim != 1 or low.shape != high.shape or not (np.isfinite(low) & np.isfinite(high) & (low < high)).all():
+            raise ValueError(f"a box needs finite low < high of one length, got low={self.low}, high={self.high}")
+        object.__setattr__(self, "low", tuple(low.tolist()))
+        object.__setattr__(self, "high", tuple(high.tolist()))
+
+    @property
+    def dim(self) -> int:
+        return len(self.low)
+
+    @property
+    def center(self) -> NDArray[np.float64]:
+        """(p,)"""
+        return (np.array(self.low) + np.array(self.high)) / 2
+
+    @property
+    def width(self) -> NDArray[np.float64]:
+        """(p,)"""
+        return np.array(self.high) - np.array(self.low)
+
+    def contains(self, theta: ArrayLike) -> NDArray[np.bool_]:
+        """Rows of theta (n, p) that lie in the box: (n,)."""
+        theta = np.atleast_2d(theta)
+        return ((theta >= self.low) & (theta <= self.high)).all(axis=1)
+
+    def sample(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
+        """Uniform draws: (n, p)."""
+        return rng.uniform(self.low, self.high, (n, self.dim))
+
+
+@dataclass(frozen=True)
+class Discriminator:
+    """The network that the paper gives to a task (Section 4.3): an MLP with PReLU activations and one logit."""
+
+    hidden: tuple[int, ...] = (100, 100, 100)
+    standardise: bool = True
+    """Shift and scale each feature by the mean and standard deviation of the observed events before the first layer."""
+
+
+class Task(ABC):
+    """A simulator and what is needed to pose and score an inference problem with it.
+
+    A subclass sets the class variables and defines `simulate`, `summary` and `floor`. Settings that a user may
+    change are dataclass fields of the subclass (decorate it with `@dataclass(frozen=True)`); they are part of what
+    identifies a result, as is `version`: raise it when the events, the summary or the floor change their meaning.
+    """
+
+    name: ClassVar[str]
+    version: ClassVar[str] = "1"
+    parameter_names: ClassVar[tuple[str, ...]]
+    parameter_units: ClassVar[tuple[str, ...]]
+    source: ClassVar[str]
+    """Where the simulator comes from."""
+    prior: ClassVar[Box]
+    """Uniform prior; the targets are drawn from it."""
+    support: ClassVar[Box]
+    """Where the simulator is defined; contains the prior."""
+    num_features: ClassVar[int]
+    dtype: ClassVar[DTypeLike] = np.float64
+    discriminator: ClassVar[Discriminator] = Discriminator()
+
+    @abstractmethod
+    def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        """One event per row of theta: (n, p) within the support -> (n, d) of `dtype`.
+
+        Rows are independent given theta, and all randomness comes from `rng`. Raises ValueError outside the support.
+        """
+
+    @abstractmethod
+    def summary(self, x: NDArray) -> NDArray[np.float64]:
+        """The summary statistic of a set of events, for the methods that need one: (n, d) -> (k,)."""
+
+    @abstractmethod
+    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
+        """Expected squared error, in raw units summed over parameters, of the best estimator at theta (p,).
+
+        With `num_simulations`, for a method that knows the model only through that many events; with None, for one
+        that knows the likelihood.
+        """
+
+    def targets(self, n: int = NUM_TARGETS) -> NDArray[np.float64]:
+        """Target parameters, drawn from the prior with a seed that belongs to the task's name: (n, p)."""
+        return self.prior.sample(n, np.random.default_rng(stable_hash("targets", self.name)))
+
+
+def stable_hash(*words: str) -> int:
+    """A 128-bit integer that names `words`, the same on every machine and in every process."""
+    return int.from_bytes(hashlib.sha256("\0".join(words).encode()).digest()[:16], "big")
+
+
+def histogram(x: NDArray, edges: Sequence[float] | NDArray, *, overflow: bool = False) -> NDArray[np.float64]:
+    """Share of the events in each bin, one histogram a feature, joined: (n, d) -> (d * bins,).
+
+    Bins are [low, high), the last one closed; with `overflow` everything outside falls in two more bins a feature.
+    """
+    edges = np.asarray(edges, float)
+    if overflow:
+        edges = np.concatenate([[-np.inf], edges, [np.inf]])
+    return np.concatenate([np.histogram(feature, edges)[0] for feature in x.T]) / len(x)

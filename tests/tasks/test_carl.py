@@ -1,0 +1,119 @@
+"""The unmixed events against their exact distributions, component by component, the summary, and the floor."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from avobench.tasks.carl import MIXING, Carl
+
+TASK = Carl()
+
+
+def components(theta: np.ndarray, seed: int, batch: int) -> np.ndarray:
+    """z = R^-1 x (n, 5), one event per row of theta, simulated `batch` rows at a time."""
+    rng = np.random.default_rng(seed)
+    x = np.vstack([TASK.simulate(theta[i : i + batch], rng) for i in range(0, len(theta), batch)])
+    return np.linalg.solve(MIXING, x.T).T
+
+
+def cdfs(alpha: float, beta: float) -> list:
+    return [
+        stats.norm(alpha, 1).cdf,
+        stats.norm(beta, 3).cdf,
+        lambda z: (stats.norm(-2, 1).cdf(z) + stats.norm(2, 0.5).cdf(z)) / 2,
+        stats.expon(scale=1 / 3).cdf,
+        stats.expon(scale=2).cdf,
+    ]
+
+
+def p_values(z: np.ndarray, alpha: float, beta: float) -> np.ndarray:
+    return np.array([stats.kstest(z[:, i], cdf).pvalue for i, cdf in enumerate(cdfs(alpha, beta))])
+
+
+def moments(alpha: float, beta: float) -> tuple[np.ndarray, np.ndarray]:
+    """Exact means and variances of z; the mixture's variance is (1 + 1/4) / 2 + 2^2."""
+    return np.array([alpha, beta, 0, 1 / 3, 2]), np.array([1, 9, 4.625, 1 / 9, 4])
+
+
+def test_the_mixing_matrix_is_symmetric_invertible_and_cannot_be_changed():
+    np.testing.assert_array_equal(MIXING, MIXING.T)
+    assert np.linalg.cond(MIXING) < 20
+    with pytest.raises(ValueError, match="read-only"):
+        MIXING[0, 0] = 1
+
+
+@pytest.mark.parametrize("theta", [(-2.0, 2.0), (0.7, -1.1)])
+@pytest.mark.parametrize(("batch", "n"), [(1, 2_000), (1_000, 40_000)])
+def test_unmixed_events_follow_the_exact_distributions(theta, batch, n):
+    z = components(np.tile(theta, (n, 1)), 0, batch)
+    assert (p_values(z, *theta) > 1e-4).all()
+    mean, variance = moments(*theta)
+    assert (np.abs(z.mean(axis=0) - mean) < 4 * np.sqrt(variance / n)).all()
+    kurtosis = np.array([3, 3, (3 * (1 + 1 / 16) / 2 + 6 * 4 * 1.25 / 2 + 16) / 4.625**2, 9, 9])
+    assert (np.abs(z.var(axis=0) / variance - 1) < 4 * np.sqrt((kurtosis - 1) / n)).all()
+
+
+def test_components_are_independent_of_one_another():
+    z = components(np.zeros((40_000, 2)), 1, 1_000)
+    for w in (z, (z - z.mean(axis=0)) ** 2):
+        assert np.abs(np.corrcoef(w.T) - np.eye(5)).max() < 5 / np.sqrt(len(z))
+
+
+@pytest.mark.parametrize(
+    ("component", "wrong"),
+    [
+        (0, stats.norm(0.05, 1).cdf),
+        (1, stats.norm(0, np.sqrt(3)).cdf),  # 3 taken for a variance
+        (2, lambda z: (stats.norm(-2, 1).cdf(z) + stats.norm(2, np.sqrt(0.5)).cdf(z)) / 2),
+        (3, stats.expon(scale=3).cdf),  # a rate taken for a scale
+        (4, stats.expon(scale=0.5).cdf),
+    ],
+)
+def test_the_check_of_the_distributions_sees_the_usual_mistakes(component, wrong):
+    z = components(np.zeros((40_000, 2)), 0, 1_000)
+    assert stats.kstest(z[:, component], wrong).pvalue < 1e-4
+
+
+def test_each_row_has_its_own_theta_and_its_own_mixture_component():
+    theta = np.tile([(-2.0, 1.0), (2.0, -1.0)], (20_000, 1))
+    z = components(theta, 2, 1_000)
+    assert (p_values(z[::2], -2, 1) > 1e-4).all()
+    assert (p_values(z[1::2], 2, -1) > 1e-4).all()
+    mean, variance = moments(0, 0)
+    mean = np.hstack([theta, np.tile(mean[2:], (len(theta), 1))])
+    residual = (z - mean) / np.sqrt(variance)
+    assert (np.abs((residual[1:] * residual[:-1]).mean(axis=0)) < 4 / np.sqrt(len(z))).all()
+
+
+def test_the_summary_counts_what_is_out_of_range():
+    x = np.array([[-15.0, 15.0, 0, 0, 0], [-15.1, 15.1, 0, 0, 0], [-1e9, 1e9, 0.5, 0, 0], [14.5, 14.5, 0.9, 0, 0]])
+    shares = TASK.summary(x).reshape(5, 32)
+    assert shares[0, [0, 1, 30, 31]].tolist() == [0.5, 0.25, 0.25, 0]
+    assert shares[1, [0, 30, 31]].tolist() == [0, 0.25, 0.75]
+    assert shares[2, 16] == 1  # bins are one wide, [0, 1) is the sixteenth
+
+
+def test_the_summary_follows_its_settings():
+    shares = Carl(num_bins=2, bin_limit=1.0).summary(np.array([[-2.0, -0.5, 0.0, 0.5, 2.0]])).reshape(5, 4)
+    assert shares.argmax(axis=1).tolist() == [0, 1, 2, 2, 3]
+
+
+@pytest.mark.parametrize("bin_limit", [0.0, -1.0, np.inf, np.nan])
+def test_a_bin_limit_that_is_not_positive_and_finite_is_refused(bin_limit):
+    with pytest.raises(ValueError, match="bin_limit must be positive and finite"):
+        Carl(bin_limit=bin_limit)
+
+
+def test_the_floor_is_the_error_that_the_best_estimator_makes():
+    """The means of z0 and z1, against their exact values and against those of n simulated events."""
+    repetitions, num_observations, num_simulations = 2_000, 20, 32
+    mean = [
+        components(np.zeros((repetitions * n, 2)), seed, 1_000)[:, :2].reshape(repetitions, n, 2).mean(axis=1)
+        for seed, n in ((3, num_observations), (4, num_simulations))
+    ]
+    theta = np.zeros(2)
+    assert (mean[0] ** 2).sum(axis=1).mean() == pytest.approx(TASK.floor(theta, num_observations, None), rel=0.1)
+    assert ((mean[0] - mean[1]) ** 2).sum(axis=1).mean() == pytest.approx(
+        TASK.floor(theta, num_observations, num_simulations), rel=0.1
+    )
+    assert TASK.floor(theta, 100_000, 160_000) == pytest.approx(1.625e-4)

@@ -1,0 +1,82 @@
+"""Counts against the exact Poisson distribution, the summary, and the floor."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from avobench.tasks.poisson import Poisson
+
+TASK = Poisson()
+
+
+def events(theta: np.ndarray, seed: int, batch: int) -> np.ndarray:
+    """One event per row of theta, simulated `batch` rows at a time."""
+    rng = np.random.default_rng(seed)
+    return np.vstack([TASK.simulate(theta[i : i + batch], rng) for i in range(0, len(theta), batch)])
+
+
+def p_value(x: np.ndarray, theta: float) -> float:
+    """Chi-square of counts (n,) against the exact probabilities, with bins of at least 5 expected events."""
+    rate = np.exp(theta)
+    inner = stats.poisson.ppf([10 / len(x), 1 - 10 / len(x)], rate).astype(int)
+    edges = np.arange(inner[0], inner[1] + 1)
+    expected = np.diff(stats.poisson.cdf([-1, *edges, np.inf], rate)) * len(x)
+    observed = np.histogram(x, [-np.inf, *(edges + 0.5), np.inf])[0]
+    return stats.chisquare(observed, expected).pvalue
+
+
+@pytest.mark.parametrize("theta", [0.0, 1.9, 4.0])
+@pytest.mark.parametrize(("batch", "n"), [(1, 2_000), (1_000, 40_000)])
+def test_counts_follow_the_exact_distribution(theta, batch, n):
+    x = events(np.full((n, 1), theta), 0, batch)[:, 0]
+    rate = np.exp(theta)
+    assert abs(x.mean() - rate) < 4 * np.sqrt(rate / n)
+    assert abs(x.var() / rate - 1) < 4 * np.sqrt((2 + 1 / rate) / n)
+    assert p_value(x, theta) > 1e-4
+
+
+def test_the_check_of_the_distribution_sees_a_theta_that_is_wrong_by_a_twentieth():
+    assert p_value(events(np.full((40_000, 1), 2.0), 0, 1_000)[:, 0], 2.05) < 1e-4
+
+
+def test_each_row_has_its_own_rate_and_rows_are_independent():
+    theta = np.tile([[0.0], [3.0]], (20_000, 1))
+    x = events(theta, 1, 1_000)[:, 0]
+    assert p_value(x[::2], 0.0) > 1e-4
+    assert p_value(x[1::2], 3.0) > 1e-4
+    residual = (x - np.exp(theta[:, 0])) / np.exp(theta[:, 0] / 2)
+    assert abs(np.mean(residual[1:] * residual[:-1])) < 4 / np.sqrt(len(x))
+
+
+def test_the_summary_has_a_bin_for_each_count_and_one_above():
+    x = np.array([[0], [0], [99], [100], [22_026]])
+    summary = TASK.summary(x)
+    assert summary.shape == (101,)
+    assert summary[[0, 99, 100]].tolist() == [0.4, 0.2, 0.4]
+    assert Poisson(num_bins=1).summary(x).tolist() == [0.4, 0.6]
+
+
+def test_the_summary_refuses_a_negative_count():
+    with pytest.raises(ValueError, match="negative"):
+        TASK.summary(np.array([[-1]]))
+
+
+def test_the_summary_estimates_the_exact_probabilities():
+    x = events(np.full((40_000, 1), 1.0), 2, 1_000)
+    np.testing.assert_allclose(TASK.summary(x)[:10], stats.poisson.pmf(np.arange(10), np.exp(1)), atol=0.01)
+
+
+@pytest.mark.parametrize(("num_simulations", "two_samples"), [(None, False), (160, True)])
+def test_the_floor_is_the_error_that_the_best_estimator_makes(num_simulations, two_samples):
+    """The maximum-likelihood estimate of theta, less the error of n simulated events where they are all one has."""
+    theta, num_observations, repetitions = 2.0, 100, 4_000
+    rng = np.random.default_rng(3)
+
+    def log_mean(n: int) -> np.ndarray:
+        x = TASK.simulate(np.full((repetitions * n, 1), theta), rng)
+        return np.log(x.reshape(repetitions, n).mean(axis=1))
+
+    error = log_mean(num_observations) - (log_mean(160) if two_samples else theta)
+    floor = TASK.floor(np.array([theta]), num_observations, num_simulations)
+    assert np.mean(error**2) == pytest.approx(floor, rel=0.1)
+    assert TASK.floor(np.array([theta]), 100_000, None) == pytest.approx(1e-5 * np.exp(-2))
