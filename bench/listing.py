@@ -7,7 +7,7 @@ import pandas as pd
 
 from avobench.bench import registry
 from avobench.bench.cells import Status
-from avobench.bench.store import to_frame
+from avobench.bench.store import labels, to_frame
 
 
 def tasks_and_methods() -> str:
@@ -33,6 +33,7 @@ def tasks_and_methods() -> str:
 def status_table(records: list[dict[str, Any]]) -> str:
     """One line a task and method: cells, failures, median squared error, its ratio to the floor, seconds a cell."""
     frame = to_frame(records)
+    frame["task"], frame["method"] = labels(records)
     frame["ok"] = frame["status"] == Status.OK
     frame["ratio"] = frame["squared_error"] / frame["floor"]
     frame["seconds"] = frame["simulator_seconds"] + frame["method_seconds"]

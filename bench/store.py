@@ -4,7 +4,7 @@ import hashlib
 import json
 import os
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -146,6 +146,38 @@ def to_frame(records: Iterable[dict[str, Any]]) -> pd.DataFrame:
     leading += ["squared_error", "floor", "num_observations", "budget", "simulations_used"]
     leading += ["simulator_seconds", "method_seconds"]
     return frame[leading + [name for name in frame.columns if name not in leading]]
+
+
+def labels(records: list[dict[str, Any]]) -> tuple[list[str], list[str]]:
+    """A label for the task and for the method of each record: its name, and whatever else tells like-named ones apart.
+
+    So records of one method under two settings, versions, budgets or numbers of observations are never pooled.
+    """
+    tasks = _labels(records, "task", lambda record: record["task"], ())
+    common = ("budget", "num_observations")
+    methods = _labels(records, "method", lambda record: (record["task"], record["method"]), common)
+    return tasks, methods
+
+
+def _labels(
+    records: list[dict[str, Any]], kind: str, group: Callable[[dict[str, Any]], Any], common: tuple[str, ...]
+) -> list[str]:
+    parts = [
+        {"version": record[f"{kind}_version"], "source": record.get(f"{kind}_source_sha256", "")[:6]}
+        | {name: record[name] for name in common}
+        | record[f"{kind}_settings"]
+        for record in records
+    ]
+    seen: dict[Any, dict[str, set[str]]] = {}
+    for record, part in zip(records, parts, strict=True):
+        for name, value in part.items():
+            seen.setdefault(group(record), {}).setdefault(name, set()).add(json.dumps(value))
+    result = []
+    for record, part in zip(records, parts, strict=True):
+        values = seen[group(record)]
+        extra = [f"{name}={value}" for name, value in part.items() if len(values[name]) > 1]
+        result.append(" ".join([record[kind], *extra]))
+    return result
 
 
 def write_atomically(path: Path, content: bytes) -> Path:

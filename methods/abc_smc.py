@@ -74,7 +74,10 @@ class AbcSmc(Method):
             abc = pyabc.ABCSMC(
                 model,
                 pyabc.Distribution(
-                    {n: pyabc.RV("uniform", low, width) for n, low, width in zip(names, prior.low, prior.width)}
+                    {
+                        name: pyabc.RV("uniform", low, width)
+                        for name, low, width in zip(names, prior.low, prior.width, strict=True)
+                    }
                 ),
                 pyabc.PNormDistance(p=2),
                 population_size=self.population_size,
@@ -84,27 +87,28 @@ class AbcSmc(Method):
             try:
                 abc.run()
                 message = (
-                    f"pyABC stopped by itself with {problem.simulate.remaining} events left: half of the last "
-                    "generation reproduces the observed summary exactly, so its threshold cannot fall"
+                    f"pyABC stopped by itself with {problem.simulate.remaining} events left: "
+                    "the acceptance threshold is 0, all particles reproduce the observed summary exactly"
                 )
             except BudgetExhausted:
                 if history.n_populations == 0:
                     raise
-            generations = history.get_all_populations().sort_values("t")  # the calibration sample is t = -1
-            used = used_before + self.events_per_theta * generations["samples"].cumsum().to_numpy()
-            particles = [history.get_distribution(t=t) for t in range(history.n_populations)]
+            evaluations = history.get_all_populations().sort_values("t")["samples"]  # t = -1 is the calibration sample
+            used = used_before + self.events_per_theta * evaluations.cumsum().to_numpy()
+            generations = [history.get_distribution(t=t) for t in range(history.n_populations)]
 
         trace = []
-        for simulations, (theta, weights) in zip(used[1:], particles):
-            trace.append(TracePoint(int(simulations), _density_mode(theta[list(names)].to_numpy(), weights, prior)))
-        theta = theta[list(names)].to_numpy()
-        mean = weights @ theta
+        for simulations, (particles, weights) in zip(used[1:], generations, strict=True):
+            theta = particles[list(names)].to_numpy()
+            mean = weights @ theta
+            std = np.sqrt(weights @ (theta - mean) ** 2)
+            trace.append(TracePoint(int(simulations), _density_mode(theta, weights, prior), std))
         return Estimate(
             theta=trace[-1].theta,
             how="maximum of a weighted kernel density estimate of the last complete generation",
             spread_of="posterior",
             mean=mean,
-            std=np.sqrt(weights @ (theta - mean) ** 2),
+            std=std,
             trace=trace,
             discarded=problem.simulate.used - trace[-1].simulations,
             message=message,
@@ -118,7 +122,7 @@ def _density_mode(theta: NDArray[np.float64], weights: NDArray[np.float64], box:
     """
     density = gaussian_kde(theta.T, weights=weights)
     start = theta[density.logpdf(theta.T).argmax()]
-    bounds = list(zip(box.low, box.high))
+    bounds = list(zip(box.low, box.high, strict=True))
     return minimize(lambda point: -density.logpdf(point)[0], start, method="L-BFGS-B", bounds=bounds).x
 
 

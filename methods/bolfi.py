@@ -75,12 +75,13 @@ class Bolfi(Method):
         unit = qmc.Sobol(problem.prior.dim, rng=rng).random(self.num_posterior_points)
         points = qmc.scale(unit, problem.prior.low, problem.prior.high)
         trace = []
+        bounds = zip(problem.prior.low, problem.prior.high, strict=True)
         with global_seed(rng), _own_client(elfi):
             model = self._elfi_model(elfi, problem)
             bolfi = elfi.BOLFI(
                 model,
                 "distance",
-                bounds=dict(zip(model.parameter_names, zip(problem.prior.low, problem.prior.high))),
+                bounds=dict(zip(model.parameter_names, bounds, strict=True)),
                 initial_evidence=num_initial,
                 update_interval=self.update_interval,
                 acq_noise_var=float(self.acq_noise_var),
@@ -110,7 +111,7 @@ class Bolfi(Method):
         theta = [
             # ELFI sorts parameters by name: zero-padded numbers keep the order of the problem.
             elfi.Prior("uniform", low, width, model=model, name=f"theta_{i:03d}")
-            for i, (low, width) in enumerate(zip(problem.prior.low, problem.prior.width))
+            for i, (low, width) in enumerate(zip(problem.prior.low, problem.prior.width, strict=True))
         ]
 
         def summaries(*theta: NDArray, batch_size: int, random_state: np.random.RandomState) -> NDArray:

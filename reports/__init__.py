@@ -1,0 +1,1 @@
+"""Figures from records: one module a figure. Nothing here simulates or infers."""

@@ -42,9 +42,9 @@ class Box:
         return np.array(self.high) - np.array(self.low)
 
     def contains(self, theta: ArrayLike) -> NDArray[np.bool_]:
-        """Rows of theta (n, p) that lie in the box: (n,)."""
-        theta = np.atleast_2d(theta)
-        return ((theta >= self.low) & (theta <= self.high)).all(axis=1)
+        """Rows of theta (n, p) that lie in the box: (n,). Raises ValueError for another number of columns."""
+        columns = zip(np.atleast_2d(theta).T, self.low, self.high, strict=True)
+        return np.all([(column >= low) & (column <= high) for column, low, high in columns], axis=0)
 
     def sample(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
         """Uniform draws: (n, p)."""

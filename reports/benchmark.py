@@ -1,0 +1,100 @@
+"""The paper's box plots (Figure 4): squared error of each method, a panel a task, with the floor drawn in."""
+
+import io
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import pandas as pd
+import seaborn as sns
+from matplotlib.figure import Figure
+
+from avobench.bench.cells import Status
+from avobench.bench.store import labels, to_frame, write_atomically
+
+TASK_ORDER = ("poisson", "carl", "weinberg", "alignment")
+STYLE = {**sns.axes_style("whitegrid"), **sns.plotting_context("paper"), "font.size": 9, "pdf.fonttype": 42}
+
+
+def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
+    """Write benchmark.pdf, benchmark.png and benchmark.csv to `folder`, each whole or not at all.
+
+    Boxes show quartiles, whiskers reach to the extreme points, every cell is a point. The dashed line is the median
+    floor over the targets shown and the band spans their floors. Cells that are not `ok` have no squared error; their
+    number stands below the method's name.
+    """
+    frame = to_frame(records)
+    frame["task"], frame["method"] = labels(records)
+    with matplotlib.rc_context(STYLE):
+        figure = _figure(frame)
+        paths = []
+        for suffix, options in (("pdf", {"metadata": {"CreationDate": None}}), ("png", {"dpi": 200})):
+            content = io.BytesIO()
+            figure.savefig(content, format=suffix, bbox_inches="tight", **options)
+            paths.append(write_atomically(folder / f"benchmark.{suffix}", content.getvalue()))
+    table = numbers(frame).to_csv(index=False, float_format="%.6g")
+    return [*paths, write_atomically(folder / "benchmark.csv", table.encode())]
+
+
+def numbers(frame: pd.DataFrame) -> pd.DataFrame:
+    """What the figure shows, a row a box: cells, failures, quartiles of the squared error, the floor, median ratio."""
+    rows = []
+    for (task, method), cells in frame.groupby(["task", "method"], sort=False):
+        errors, floors = cells["squared_error"].dropna(), cells["floor"]
+        quartiles = errors.quantile([0, 0.25, 0.5, 0.75, 1]).tolist()
+        rows.append(
+            {
+                "task": task,
+                "method": method,
+                "targets": cells["target"].nunique(),
+                "cells": len(cells),
+                "failed": int((cells["status"] != Status.OK).sum()),
+                **dict(zip(("min", "lower_quartile", "median", "upper_quartile", "max"), quartiles, strict=True)),
+                "mean": errors.mean(),
+                "median_floor": floors.median(),
+                "median_error_over_floor": (errors / floors).median(),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _figure(frame: pd.DataFrame) -> Figure:
+    known = {task: place for place, task in enumerate(TASK_ORDER)}
+    tasks = sorted(frame["task"].unique(), key=lambda label: (known.get(label.split()[0], len(known)), label))
+    methods = sorted(frame["method"].unique())
+    colours = dict(zip(methods, sns.color_palette("colorblind", len(methods)), strict=True))
+    columns = min(2, len(tasks))
+    rows = -(-len(tasks) // columns)
+    figure = Figure(figsize=(3.5 * columns, 2.8 * rows), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False).flat
+    for axis, task in zip(axes, tasks, strict=False):
+        _panel(axis, frame[frame["task"] == task], [method for method in methods], colours)
+        axis.set_title(task)
+    for axis in list(axes)[len(tasks) :]:
+        axis.set_visible(False)
+    return figure
+
+
+def _panel(axis: Any, cells: pd.DataFrame, methods: list[str], colours: dict[str, Any]) -> None:
+    shown = [method for method in methods if (cells["method"] == method).any()]
+    common = {"data": cells, "x": "method", "y": "squared_error", "order": shown, "ax": axis}
+    sns.boxplot(**common, hue="method", palette=colours, whis=(0, 100), width=0.6, linewidth=0.9, legend=False)
+    sns.stripplot(**common, color="0.15", size=2.5, jitter=0.15)
+    floors = cells.drop_duplicates("target")["floor"].dropna()
+    if len(floors):
+        axis.axhspan(floors.min(), floors.max(), color="0.5", alpha=0.2, lw=0)
+        axis.axhline(floors.median(), color="0.25", ls="--", lw=1)
+        axis.annotate(
+            "floor", (1, floors.median()), xycoords=("axes fraction", "data"), ha="right", va="bottom", fontsize=8
+        )
+    axis.set_yscale("log")
+    axis.set_xlabel("")
+    axis.set_ylabel(r"squared error $\|\hat\theta - \theta^*\|^2$")
+    ticks = []
+    for method in shown:
+        status = cells.loc[cells["method"] == method, "status"]
+        failed = int((status != Status.OK).sum())
+        ticks.append(
+            method.replace(" ", "\n") + f"\n{len(status) - failed} cells" + f", {failed} failed" * bool(failed)
+        )
+    axis.set_xticks(range(len(shown)), ticks)

@@ -1,0 +1,183 @@
+import logging
+import random
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from avobench.bench.budget import MeteredSimulator
+from avobench.bench.errors import BudgetExhausted, SimulatorError, UsageError
+from avobench.bench.problem import Problem
+from avobench.methods.abc_smc import AbcSmc, _density_mode
+from avobench.tasks import Box, Task
+
+METHOD = AbcSmc(population_size=40, events_per_theta=16)
+TRUTH = np.array([1.0])
+
+
+class GaussianMean(Task):
+    """x ~ N(mu, 1) with a U(-3, 3) prior: the posterior given N events is N(mean(x), 1/N)."""
+
+    name, parameter_names, parameter_units, source = "gaussian-mean", ("mu",), ("1",), "textbook"
+    prior, support, num_features = Box((-3,), (3,)), Box((-3,), (3,)), 1
+
+    def simulate(self, theta, rng):
+        return rng.normal(theta, 1)
+
+    def summary(self, x):
+        return x.mean(axis=0)
+
+    def floor(self, theta, num_observations, num_simulations):
+        return 1 / num_observations
+
+
+class GaussianMeans(GaussianMean):
+    """Two means, with names whose alphabetical order is not their order."""
+
+    parameter_names, parameter_units, num_features = ("second", "first"), ("1", "1"), 2
+    prior = support = Box((-3, 10), (3, 14))
+
+
+class Failing(GaussianMean):
+    def simulate(self, theta, rng):
+        raise ZeroDivisionError("the detector is off")
+
+
+class Constant(GaussianMean):
+    """Every theta reproduces the observed summary."""
+
+    def summary(self, x):
+        return np.ones(1)
+
+
+def gaussian_problem(task: Task, budget: int, truth=TRUTH, seed: int = 0) -> Problem:
+    rng = np.random.default_rng(seed)
+    x_observed = rng.normal(truth, 1, (10_000, task.num_features))
+    return Problem.of(task, x_observed, MeteredSimulator(task, budget, rng))
+
+
+def infer(budget: int = 6000, seed: int = 1, method: AbcSmc = METHOD, task: Task | None = None, **of):
+    problem = gaussian_problem(task or GaussianMean(), budget, **of)
+    return method.infer(problem, np.random.default_rng(seed)), problem
+
+
+def test_finds_the_mean_of_a_gaussian():
+    estimate, problem = infer(16 * 1250, method=AbcSmc(population_size=100, events_per_theta=16))
+    assert estimate.theta == pytest.approx(TRUTH, abs=0.25)
+    assert estimate.mean == pytest.approx(TRUTH, abs=0.15)
+    assert 0.01 < estimate.std[0] < 0.35  # the noise of a mean of 16 events is 0.25, the prior's width 1.7
+    assert estimate.message == ""
+    assert problem.simulate.refused == 16
+
+
+def test_keeps_the_order_of_the_parameters():
+    estimate, _ = infer(16 * 2000, task=GaussianMeans(), truth=np.array([-1.5, 12.0]))
+    assert estimate.theta == pytest.approx([-1.5, 12.0], abs=0.5)
+    assert estimate.mean.shape == estimate.std.shape == (2,)
+    assert estimate.mean == pytest.approx([-1.5, 12.0], abs=0.5)
+
+
+@pytest.mark.parametrize("budget", [4 * 40 * 16, 7001, 12_345])
+def test_budget_is_spent_but_never_exceeded_and_every_event_is_accounted_for(budget):
+    estimate, problem = infer(budget)
+    sim = problem.simulate
+    assert budget - METHOD.events_per_theta < sim.used <= budget
+    assert estimate.trace[-1].simulations + estimate.discarded == sim.used
+    assert estimate.discarded % METHOD.events_per_theta == 0
+
+
+def test_trace_ends_at_the_estimate_and_narrows():
+    estimate, problem = infer(12_000)
+    simulations = [point.simulations for point in estimate.trace]
+    assert len(simulations) >= 3
+    assert simulations == sorted(set(simulations))
+    assert simulations[0] >= 2 * 40 * 16  # calibration and first generation
+    assert (estimate.trace[-1].theta == estimate.theta).all()
+    assert (estimate.trace[-1].std == estimate.std).all()
+    assert estimate.std < estimate.trace[0].std
+    assert all(problem.prior.contains(point.theta).all() for point in estimate.trace)
+
+
+def test_calibration_costs_one_population_and_the_first_generation_accepts_about_half():
+    """What `min_simulations` rests on: N evaluations calibrate, 2 N are expected for the first generation."""
+    first = [infer(3500, seed=seed)[0].trace[0].simulations / (16 * 40) for seed in range(8)]
+    assert min(first) >= 2
+    assert np.mean(first) == pytest.approx(3, abs=0.5)
+    assert METHOD.min_simulations(1) == 4 * 40 * 16
+
+
+def test_a_budget_that_ends_within_the_first_generation_is_exhausted():
+    with pytest.raises(BudgetExhausted):
+        infer(2 * 40 * 16 - 1)
+    with pytest.raises(BudgetExhausted):
+        infer(15)
+
+
+def test_the_seed_alone_decides():
+    np.random.seed(1)
+    first, _ = infer()
+    np.random.seed(2)
+    np.random.random(7)
+    second, _ = infer()
+    other, _ = infer(seed=2)
+    assert (first.theta == second.theta).all()
+    assert (first.std == second.std).all()
+    assert [p.simulations for p in first.trace] == [p.simulations for p in second.trace]
+    assert first.theta != other.theta
+
+
+def test_leaves_global_state_and_the_working_folder_alone(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    infer(3000)  # pyABC is imported
+    numpy_state, python_state, level = (
+        np.random.get_state()[1].copy(),
+        random.getstate(),
+        logging.getLogger("ABC").level,
+    )
+    capfd.readouterr()
+    infer(3000)
+    assert (np.random.get_state()[1] == numpy_state).all()
+    assert random.getstate() == python_state
+    assert logging.getLogger("ABC").level == level
+    assert capfd.readouterr() == ("", "")
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_error_of_the_simulator_propagates():
+    with pytest.raises(SimulatorError, match="the detector is off"):
+        infer(task=Failing())
+
+
+def test_says_why_when_pyabc_stops_before_the_budget():
+    estimate, problem = infer(task=Constant())
+    assert "pyABC stopped by itself" in estimate.message
+    assert f"{problem.simulate.remaining} events left" in estimate.message
+    assert estimate.discarded == 0
+
+
+@pytest.mark.parametrize("wrong", [{"population_size": 1}, {"events_per_theta": 0}])
+def test_refuses_impossible_settings(wrong):
+    with pytest.raises(UsageError, match="abc-smc needs"):
+        AbcSmc(**wrong)
+
+
+def test_refuses_a_population_too_small_for_a_density():
+    with pytest.raises(UsageError, match="population_size > 2"):
+        infer(method=AbcSmc(population_size=2), task=GaussianMeans(), truth=np.array([0.0, 12.0]))
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 2**32), st.floats(-0.9, 0.9))
+def test_density_mode_is_the_highest_point_of_the_box(seed, center):
+    rng = np.random.default_rng(seed)
+    theta, weights = rng.normal(center, 0.3, (40, 1)), rng.dirichlet(np.ones(40))
+    inside = np.abs(theta[:, 0]) < 1
+    theta, weights = theta[inside], weights[inside] / weights[inside].sum()
+    mode = _density_mode(theta, weights, Box((-1,), (1,)))
+    grid = np.linspace(-1, 1, 2001)
+    spread = np.sqrt(np.cov(theta[:, 0], aweights=weights) * (weights @ weights) ** 0.4)  # Scott: n_eff^(-1/5)
+    density = (weights * np.exp(-((grid[:, None] - theta[:, 0]) ** 2) / (2 * spread**2))).sum(axis=1)
+    at_mode = (weights * np.exp(-((mode - theta[:, 0]) ** 2) / (2 * spread**2))).sum()
+    assert at_mode >= 0.98 * density.max()  # a second mode within 2 % may win the start among particles
+    assert -1 <= mode <= 1
