@@ -125,9 +125,10 @@ def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bo
             estimate = method.infer(problem, stream(cell.seed, "method", *words))
         finally:
             infer_seconds = time.perf_counter() - start - observation_seconds
-        message = estimate.message
         if fault := _fault(estimate, problem, simulate.used):
             estimate, status, message = None, Status.INVALID_ESTIMATE, fault
+        else:
+            message = estimate.message
     except UsageError:
         raise
     except BudgetExhausted as error:

@@ -1,5 +1,6 @@
 """Bayesian optimisation for likelihood-free inference with ELFI, within a hard budget."""
 
+import gc
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,9 +15,10 @@ from scipy.stats import qmc
 from avobench.bench.errors import UsageError
 from avobench.bench.problem import Problem
 from avobench.methods.base import Estimate, Method, TracePoint, global_seed, optional_dependency
+from avobench.tasks import Box
 
 if TYPE_CHECKING:
-    from elfi import BOLFI, ElfiModel
+    from elfi import BOLFI
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,11 @@ class Bolfi(Method):
     """1 / delta of the lower confidence bound."""
     acq_noise_var: float = 0.0
     """Variance of the noise added to each acquired theta."""
+    unit_box: bool = True
+    """Let ELFI see theta in the unit box of the prior rather than in raw units. Its kernel has one length scale for all
+    parameters, of prior mean a third of the span of all bounds together: 16 for weinberg, with ranges of 4 and 2."""
     num_trace_points: int = 20
+    """Evenly spaced from the first fit of the process to the end."""
     num_posterior_points: int = 4096
     """Points of a scrambled Sobol sequence in the prior box: where the search for the maximum starts, and the sample
     that is weighted by the posterior for its mean and standard deviation. A power of two."""
@@ -67,21 +73,37 @@ class Bolfi(Method):
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
         """As `Method.infer`. Raises BudgetExhausted when the budget ends before `min_simulations`."""
         elfi = _import_elfi()
-        num_initial = self._num_initial(problem.prior.dim)
+        prior = problem.prior
+        num_initial = self._num_initial(prior.dim)
         # With too little left the metered simulator refuses, rather than ELFI answering without a fitted process.
         num_evidence = max(problem.simulate.remaining // self.events_per_theta, num_initial + 1)
-        traced = set(np.linspace(num_initial, num_evidence, self.num_trace_points).astype(int).tolist())
+        traced = set(np.linspace(num_evidence, num_initial, self.num_trace_points).astype(int).tolist())
         seed = int(rng.integers(2**32, dtype=np.uint32))
-        unit = qmc.Sobol(problem.prior.dim, rng=rng).random(self.num_posterior_points)
-        points = qmc.scale(unit, problem.prior.low, problem.prior.high)
+        box = Box((0,) * prior.dim, (1,) * prior.dim) if self.unit_box else prior
+        unit = qmc.Sobol(prior.dim, rng=rng).random(self.num_posterior_points)
+        points = qmc.scale(unit, box.low, box.high)
+
+        def raw(theta: NDArray) -> NDArray:
+            return (1 - theta) * prior.low + theta * prior.high if self.unit_box else theta  # exact at the bounds
+
+        def summaries(*theta: NDArray, batch_size: int, random_state: np.random.RandomState) -> NDArray:
+            x = problem.simulate.repeat(raw(np.column_stack(theta)), self.events_per_theta)
+            return np.stack([problem.summary(events) for events in x])
+
         trace = []
-        bounds = zip(problem.prior.low, problem.prior.high, strict=True)
         with global_seed(rng), _own_client(elfi):
-            model = self._elfi_model(elfi, problem)
+            model = elfi.ElfiModel()  # never ELFI's current default model
+            # ELFI sorts parameters by name: zero-padded numbers keep the order of the problem.
+            names = [f"theta_{i:03d}" for i in range(prior.dim)]
+            theta = [
+                elfi.Prior("uniform", *of, model=model, name=name)
+                for name, of in zip(names, zip(box.low, box.width, strict=True), strict=True)
+            ]
+            observed = problem.summary(problem.x_observed)[None]
+            simulator = elfi.Simulator(summaries, *theta, observed=observed, model=model, name="summaries")
             bolfi = elfi.BOLFI(
-                model,
-                "distance",
-                bounds=dict(zip(model.parameter_names, bounds, strict=True)),
+                elfi.Distance("euclidean", simulator, model=model, name="distance"),
+                bounds=dict(zip(names, zip(box.low, box.high, strict=True), strict=True)),
                 initial_evidence=num_initial,
                 update_interval=self.update_interval,
                 acq_noise_var=float(self.acq_noise_var),
@@ -91,11 +113,17 @@ class Bolfi(Method):
             bolfi.set_objective(num_evidence)
             while not bolfi.finished:
                 bolfi.iterate()
+                if bolfi.n_evidence % 10 == 0:
+                    # ELFI builds a new process for each evaluation; reference cycles keep the old ones, gigabytes
+                    # after some hundred evaluations, because Python counts objects and not their size.
+                    gc.collect()
                 if bolfi.n_evidence in traced:
-                    theta, mean, std = _posterior_summary(bolfi, points)
-                    trace.append(TracePoint(problem.simulate.used, theta, std))
+                    best, weights = _posterior(bolfi, points)
+                    mean = weights @ raw(points)
+                    std = np.sqrt(weights @ (raw(points) - mean) ** 2)
+                    trace.append(TracePoint(problem.simulate.used, raw(best), std))
         return Estimate(
-            theta=theta,
+            theta=trace[-1].theta,
             how="maximum of ELFI's posterior, where the mean of the Gaussian process of the distance is least",
             spread_of="posterior",
             mean=mean,
@@ -106,36 +134,19 @@ class Bolfi(Method):
     def _num_initial(self, num_parameters: int) -> int:
         return self.initial_evidence or max(10, 2**num_parameters + 1)
 
-    def _elfi_model(self, elfi, problem: Problem) -> "ElfiModel":
-        model = elfi.ElfiModel()  # never ELFI's current default model
-        theta = [
-            # ELFI sorts parameters by name: zero-padded numbers keep the order of the problem.
-            elfi.Prior("uniform", low, width, model=model, name=f"theta_{i:03d}")
-            for i, (low, width) in enumerate(zip(problem.prior.low, problem.prior.width, strict=True))
-        ]
 
-        def summaries(*theta: NDArray, batch_size: int, random_state: np.random.RandomState) -> NDArray:
-            x = problem.simulate.repeat(np.column_stack(theta), self.events_per_theta)
-            return np.stack([problem.summary(events) for events in x])
-
-        observed = problem.summary(problem.x_observed)[None]
-        simulator = elfi.Simulator(summaries, *theta, observed=observed, model=model, name="summaries")
-        elfi.Distance("euclidean", simulator, model=model, name="distance")
-        return model
-
-
-def _posterior_summary(bolfi: "BOLFI", points: NDArray[np.float64]) -> tuple[NDArray, NDArray, NDArray]:
-    """Maximum, mean and standard deviation, (p,) each, of the posterior so far, by way of points (m, p) in its box."""
+def _posterior(bolfi: "BOLFI", points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Maximum (p,) of the posterior so far, searched from the best of the points (m, p), and their weights (m,)."""
     posterior = bolfi.extract_posterior()
     log_density = posterior.logpdf(points)
-    start = points[log_density.argmax()]
     best = minimize(
-        lambda theta: -posterior.logpdf(theta[None])[0], start, method="L-BFGS-B", bounds=bolfi.target_model.bounds
+        lambda theta: -posterior.logpdf(theta[None])[0],
+        points[log_density.argmax()],
+        method="L-BFGS-B",
+        bounds=bolfi.target_model.bounds,
     )
     weights = np.exp(log_density - log_density.max())
-    weights /= weights.sum()
-    mean = weights @ points
-    return best.x, mean, np.sqrt(weights @ (points - mean) ** 2)
+    return best.x, weights / weights.sum()
 
 
 def _import_elfi():

@@ -13,6 +13,8 @@ from avobench.bench.cells import Status
 from avobench.bench.store import labels, to_frame, write_atomically
 
 TASK_ORDER = ("poisson", "carl", "weinberg", "alignment")
+METHOD_ORDER = ("avo", "avo-paper", "abc-smc", "bolfi")
+"""The paper's orders; whatever else is in the records follows by name."""
 STYLE = {**sns.axes_style("whitegrid"), **sns.plotting_context("paper"), "font.size": 9, "pdf.fonttype": 42}
 
 
@@ -59,20 +61,25 @@ def numbers(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def _figure(frame: pd.DataFrame) -> Figure:
-    known = {task: place for place, task in enumerate(TASK_ORDER)}
-    tasks = sorted(frame["task"].unique(), key=lambda label: (known.get(label.split()[0], len(known)), label))
-    methods = sorted(frame["method"].unique())
+    tasks = _ordered(frame["task"], TASK_ORDER)
+    methods = _ordered(frame["method"], METHOD_ORDER)
     colours = dict(zip(methods, sns.color_palette("colorblind", len(methods)), strict=True))
     columns = min(2, len(tasks))
     rows = -(-len(tasks) // columns)
     figure = Figure(figsize=(3.5 * columns, 2.8 * rows), layout="constrained")
-    axes = figure.subplots(rows, columns, squeeze=False).flat
+    axes = figure.subplots(rows, columns, squeeze=False).flatten()
     for axis, task in zip(axes, tasks, strict=False):
-        _panel(axis, frame[frame["task"] == task], [method for method in methods], colours)
+        _panel(axis, frame[frame["task"] == task], methods, colours)
         axis.set_title(task)
-    for axis in list(axes)[len(tasks) :]:
+    for axis in axes[len(tasks) :]:
         axis.set_visible(False)
     return figure
+
+
+def _ordered(labels: pd.Series, order: tuple[str, ...]) -> list[str]:
+    """Distinct labels, first those whose name is in `order`."""
+    place = {name: index for index, name in enumerate(order)}
+    return sorted(labels.unique(), key=lambda label: (place.get(label.split()[0], len(place)), label))
 
 
 def _panel(axis: Any, cells: pd.DataFrame, methods: list[str], colours: dict[str, Any]) -> None:

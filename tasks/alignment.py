@@ -30,12 +30,15 @@ SETTINGS = (
     "ParticleDecays:limitTau0 = on",
 )
 NEUTRINOS = (12, 14, 16)
-DECAY_PRODUCT = 91
-"""In Pythia's event record, particles with |status| of at least this came from the decay of their `mother1`."""
+PRIMARY_HADRON, DECAY_PRODUCT = 81, 91
+"""In Pythia's event record, a |status| of 81 or more is a primary hadron or, from 91, what its `mother1` decayed to."""
 
-INFORMATION_THETA = (0.0, 0.5, 1.0, 1.5)
-INFORMATION = (np.nan, np.nan, np.nan, np.nan)
-"""Fisher information per event [1/mm^2] at |theta| = INFORMATION_THETA with the default settings."""
+STEP = 0.1
+"""Of the numerical derivative with respect to theta [mm], a tenth of a cell."""
+INFORMATION_THETA = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5)
+INFORMATION = (1.011, 1.022, 1.048, 1.105, 1.182, 1.308, 1.503)
+"""Fisher information per event [1/mm^2] at |theta| = INFORMATION_THETA with the default settings: `fisher_information`
+with 200 000 events and seed 0, averaged over the two signs, which differ by less than 1.3 %."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +54,7 @@ class Particles:
     energy: NDArray[np.float64]
     """[GeV]: (m,)."""
     reach: NDArray[np.float64]
-    """Proper lifetime over mass [mm/GeV]: it decays at position + reach * momentum; infinite if it does not decay: (m,)."""
+    """Proper lifetime over mass [mm/GeV], infinite if it does not decay: it ends at position + reach * momentum: (m,)."""
 
     def __len__(self) -> int:
         return len(self.offsets) - 1
@@ -73,10 +76,10 @@ class Alignment(Task):
     |eta| > 5 is lost. An event is a 32 x 32 image, [eta, phi], flattened row by row. theta / radius is the shift in
     eta of a central track: with radius 3.2 mm, theta = 1 mm shifts it by one cell.
 
-    Pythia has its own random numbers, and starting it costs as much as 700 events. So a task holds one stream of events:
-    the first call with a given Generator object starts Pythia anew, seeded from it, and later calls with the
-    same object go on in that stream. A call with another object ends the stream. The events do not depend on how
-    many are asked for at a time, and none is repeated within a stream.
+    Pythia has its own random numbers, and starting it costs as much as 700 events. So a task holds one stream of
+    events: the first call with a given Generator object starts Pythia anew, seeded from it, and later calls with the
+    same object go on in that stream. A call with another object ends the stream. The events do not depend on how many
+    are asked for at a time, and none is repeated within a stream. A pickled task leaves its stream behind.
 
     Raises ValueError for settings that make no sense.
     """
@@ -90,7 +93,7 @@ class Alignment(Task):
     particles: Literal["charged", "visible"] = "charged"
     """Which particles are recorded; "visible" is everything but neutrinos."""
     max_tau0: float = 1000.0
-    """Particles of longer mean lifetime c tau_0 [mm] do not decay. At 1000, Pythia's own choice, K0S and Lambda decay."""
+    """Particles of longer mean lifetime c tau_0 [mm] do not decay. At 1000, Pythia's own limit, K0S and Lambda do."""
 
     name = "alignment"
     parameter_names = ("theta",)
@@ -104,7 +107,7 @@ class Alignment(Task):
     discriminator = Discriminator((600,) * 9, standardise=False)  # most cells of an image are zero, the others one
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.radius) and self.support.contains(self.prior.high).all()):
+        if not (0 < self.radius < np.inf and self.support.contains(self.prior.high).all()):
             raise ValueError(f"radius must be finite and leave the prior inside the sphere, got {self.radius}")
         if self.response not in ("hit", "energy"):
             raise ValueError(f'response must be "hit" or "energy", got {self.response!r}')
@@ -157,7 +160,7 @@ class Alignment(Task):
             yield particles
 
     def detect(self, particles: Particles, theta: NDArray[np.float64]) -> NDArray:
-        """The image of each event of `particles`: theta (n, 1) [mm] -> (n, 1024). Raises ValueError outside the support."""
+        """The images of the n events of `particles`: theta (n, 1) [mm] -> (n, 1024). Raises ValueError as `simulate`."""
         self._check(theta)
         event = np.repeat(np.arange(len(particles)), np.diff(particles.offsets))
         p, r = particles.momentum, particles.position.copy()
@@ -187,18 +190,18 @@ class Alignment(Task):
 
     def summary(self, x: NDArray) -> NDArray[np.float64]:
         """The average image: (n, 1024) -> (1024,)."""
-        return x.mean(axis=0)
+        return x.mean(axis=0, dtype=np.float64)
 
     def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
-        """(1/N + 1/n) / I(theta), with I the linear Fisher information of an event's row sums; 1/n only with n simulations.
+        """(1/N + 1/n) / I(theta) [mm^2], with I the linear Fisher information in the row sums of one event.
 
-        An upper bound on the floor: an image may hold more than its row sums. I was measured with the default settings
-        within the prior; for other settings or beyond it the floor is unknown, and NaN.
+        N observations, n simulations; without them no 1/n. An upper bound on the floor: an image may hold more than its
+        row sums. I was measured within the prior with the default settings; elsewhere the floor is unknown, and NaN.
         """
         if self != Alignment():
             return np.nan
         information = np.interp(abs(theta[0]), INFORMATION_THETA, INFORMATION, right=np.nan)
-        return float((1 / num_observations + (1 / num_simulations if num_simulations else 0)) / information)
+        return float((1 / num_observations + (0 if num_simulations is None else 1 / num_simulations)) / information)
 
     def _check(self, theta: NDArray[np.float64]) -> None:
         inside = self.support.contains(theta)
@@ -206,27 +209,31 @@ class Alignment(Task):
             raise ValueError(f"theta = {theta[~inside][0].tolist()}: the interaction point is not inside the sphere")
 
 
-def fisher_information(task: Alignment, theta: float, num_events: int, rng: np.random.Generator) -> float:
-    """Linear Fisher information on theta in the row sums of one image, measured with `num_events` events [1/mm^2].
+def fisher_information(
+    task: Alignment, theta: NDArray[np.float64], num_events: int, rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """Linear Fisher information on theta in the row sums of one image: theta (k,) [mm] -> (k,) [1/mm^2].
 
     I = m'^T C^-1 m' with m' the derivative of the mean of the 32 row sums and C their covariance. The derivative is a
-    central difference over the same generated events, so that their fluctuations cancel.
+    central difference over the same `num_events` generated events, so that their fluctuations cancel; all k points
+    share them too. Raises ValueError within STEP of the support's end.
     """
-    step = 0.1
-    total, outer, difference = np.zeros(NUM_ROWS), np.zeros((NUM_ROWS, NUM_ROWS)), np.zeros(NUM_ROWS)
+    total, outer = np.zeros((len(theta), NUM_ROWS)), np.zeros((len(theta), NUM_ROWS, NUM_ROWS))
+    rise = np.zeros((len(theta), NUM_ROWS))
     for particles in task.generate(num_events, rng):
-        low, sums, high = (
-            task.detect(particles, np.full((len(particles), 1), t))
-            .reshape(-1, NUM_ROWS, NUM_COLUMNS)
-            .sum(axis=2, dtype=float)
-            for t in (theta - step, theta, theta + step)
-        )
-        total += sums.sum(axis=0)
-        outer += sums.T @ sums
-        difference += (high - low).sum(axis=0)
-    mean, slope = total / num_events, difference / (2 * step * num_events)
-    covariance = outer / num_events - np.outer(mean, mean)
-    return float(slope @ np.linalg.solve(covariance, slope))
+        for i, t in enumerate(theta):
+            low, here, high = (
+                task.detect(particles, np.full((len(particles), 1), at))
+                .reshape(-1, NUM_ROWS, NUM_COLUMNS)
+                .sum(axis=2, dtype=float)
+                for at in (t - STEP, t, t + STEP)
+            )
+            total[i] += here.sum(axis=0)
+            outer[i] += here.T @ here
+            rise[i] += (high - low).sum(axis=0)
+    mean, slope = total / num_events, rise / (2 * STEP * num_events)
+    covariance = outer / num_events - mean[:, :, None] * mean[:, None, :]
+    return np.einsum("ki,ki->k", slope, np.linalg.solve(covariance, slope[:, :, None])[:, :, 0])
 
 
 class _Stream:
@@ -248,15 +255,14 @@ class _Stream:
         return particles
 
     def _generate(self) -> Particles:
-        # Pythia asks its user to skip the rare event that it cannot finish; the 2 makes it raise if half of them fail.
+        # Pythia skips the rare event that it cannot finish; the 2 makes it raise RuntimeError if half of them fail.
         records = self._pythia.nextBatch(CHUNK, 2.0)["prt"].layout.to_packed()
         if len(records) != CHUNK:
             raise RuntimeError(f"Pythia generated {len(records)} of {CHUNK} events")
         particles, starts = records.content, records.offsets.data
         ids, status, mother, tau, mass = (particles[k].data for k in ("id", "status", "mother1", "tau", "m"))
         p = [particles["p"][k].data for k in ("px", "py", "pz")]
-        # Partons and beams do not end up here: they are not final and have no lifetime.
-        kept = np.flatnonzero((status > 0) | (tau > 0))
+        kept = np.flatnonzero((status > 0) | ((status <= -PRIMARY_HADRON) & (tau > 0)))  # no partons, beams, or Z
         kept = kept[self._counts[np.searchsorted(self._ids, np.abs(ids[kept]))]]
         offsets = np.searchsorted(kept, starts)
         reach = np.full(len(kept), np.inf)

@@ -72,7 +72,7 @@ def test_finds_the_mean_of_a_gaussian():
 
 
 def test_keeps_the_order_of_the_parameters():
-    estimate, _ = infer(16 * 2000, task=GaussianMeans(), truth=np.array([-1.5, 12.0]))
+    estimate, _ = infer(16 * 1250, task=GaussianMeans(), truth=np.array([-1.5, 12.0]))
     assert estimate.theta == pytest.approx([-1.5, 12.0], abs=0.5)
     assert estimate.mean.shape == estimate.std.shape == (2,)
     assert estimate.mean == pytest.approx([-1.5, 12.0], abs=0.5)

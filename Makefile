@@ -1,0 +1,40 @@
+# One command is enough on a bare machine: every target first makes .venv with everything pinned.
+PYTHON ?= python3
+BIN := .venv/bin
+METHODS := --method avo-paper --method abc-smc --method bolfi
+# Populations of 25 give ABC-SMC several generations from a tenth of the events.
+QUICK := --budget 16000 --observations 20000 --targets 0-2 --set abc-smc.population_size=25
+
+.DEFAULT_GOAL := help
+.PHONY: help venv benchmark quick figures test lint bench-cost clean
+
+help:  ## show these lines
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
+
+venv: .venv/ready  ## create .venv with everything, pinned by constraints.txt
+
+.venv/ready: pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "avobench needs Python 3.11 or newer, this is $$($(PYTHON) --version); try make PYTHON=python3.11"; exit 2; }
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	@touch $@
+
+benchmark: venv  ## the paper's comparison: 4 tasks x 3 methods x 15 targets into results/local, figure in reports/
+	$(BIN)/avobench run $(METHODS) --figure reports
+
+quick: venv  ## all tasks and methods on 3 targets at a tenth of the budget, into results/quick, figure in reports/
+	$(BIN)/avobench run $(METHODS) $(QUICK) --results results/quick --figure reports/quick
+
+figures: venv  ## draw the committed records of results/reference into docs/figures
+	$(BIN)/avobench figure benchmark --results results/reference --out docs/figures
+
+test: venv  ## the test suite
+	$(BIN)/python -m pytest
+
+lint: venv  ## style
+	$(BIN)/ruff check . && $(BIN)/ruff format --check .
+
+clean:  ## remove .venv and caches; keeps every record
+	rm -rf .venv build .pytest_cache .ruff_cache .hypothesis *.egg-info
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,66 @@
+"""A cell's record: scored on success, named on failure, reproducible always."""
+
+import numpy as np
+import pytest
+
+from avobench.bench.cells import execute, observe
+from avobench.bench.plan import plan
+
+
+def cell(*settings, budget=4000, target="0", repetitions=1, seed=0):
+    return plan(["toys:Normal"], ["toys:Moment"], target, repetitions, budget, 2000, seed, list(settings))[-1]
+
+
+def test_a_record_holds_the_estimate_its_score_and_what_it_took():
+    record = execute(cell())
+    truth, estimate = np.array(record["theta_true"]), np.array(record["theta_hat"])
+    assert record["status"] == "ok"
+    assert record["squared_error"] == pytest.approx(((truth - estimate) ** 2).sum())
+    assert record["squared_error"] < 30 * record["floor"]
+    assert record["floor"] == pytest.approx(1 / 2000 + 1 / 4000)
+    assert record["floor_likelihood"] == pytest.approx(1 / 2000)
+    assert record["simulations_used"] == record["simulations_requested"] == 4000
+    assert [point["simulations"] for point in record["trace"]] == [1000, 2000, 3000, 4000]
+    assert record["method_seconds"] > 0 < record["simulator_seconds"]
+    assert record["versions"]["numpy"] == np.__version__
+
+
+@pytest.mark.parametrize(
+    ("setting", "status", "message"),
+    [
+        ("moment.fault=greedy", "budget_exhausted", "4000 events asked for, 0 of 4000 left"),
+        ("moment.fault=raises", "method_error", "RuntimeError: lost the thread"),
+        ("moment.fault=outside", "invalid_estimate", "not within the support"),
+        ("moment.fault=nothing", "invalid_estimate", "NoneType instead of an Estimate"),
+        ("moment.fault=support", "outside_support", "theta = [100.0] lies outside"),
+        ("normal.fault=raises", "simulator_error", "the simulator of normal raised RuntimeError"),
+        ("normal.fault=nan", "simulator_error", "NaN or infinity"),
+    ],
+)
+def test_a_failure_is_a_record_with_its_reason(setting, status, message):
+    settings = [setting, "moment.steps=8"]  # 500 events a request: the faulty simulator fails after the observation
+    record = execute(cell(*settings))
+    assert record["status"] == status
+    assert message in record["message"]
+    assert record["theta_hat"] is None
+    assert record["squared_error"] is None
+    assert set(record) == set(execute(cell()))
+    assert record["simulations_used"] <= 4000
+    assert record["simulations_requested"] == record["simulations_used"] + record["simulations_refused"]
+
+
+def test_every_method_and_repetition_sees_the_same_observation():
+    task = cell().build_task()
+    np.testing.assert_array_equal(observe(task, 0, 100, 0), observe(task, 0, 100, 0))
+    assert not np.array_equal(observe(task, 0, 100, 0), observe(task, 0, 100, 1))
+    first, second = execute(cell(repetitions=1)), execute(cell(repetitions=2))
+    assert first["theta_true"] == second["theta_true"]
+    assert first["theta_hat"] != second["theta_hat"]
+
+
+def test_the_global_random_state_does_not_matter():
+    estimates = []
+    for seed in (1, 2):
+        np.random.seed(seed)
+        estimates.append(execute(cell())["theta_hat"])
+    assert estimates[0] == estimates[1]

@@ -1,0 +1,153 @@
+import random
+import subprocess
+import sys
+import warnings
+
+import numpy as np
+import pytest
+
+from avobench.bench.budget import MeteredSimulator
+from avobench.bench.errors import BudgetExhausted, SimulatorError, UsageError
+from avobench.bench.problem import Problem
+from avobench.methods.bolfi import Bolfi
+from avobench.tasks import Box, Task
+
+METHOD = Bolfi(events_per_theta=16, num_trace_points=3)
+TRUTH = np.array([1.0])
+
+
+class GaussianMean(Task):
+    """x ~ N(mu, 1) with a U(-3, 3) prior: the posterior given N events is N(mean(x), 1/N)."""
+
+    name, parameter_names, parameter_units, source = "gaussian-mean", ("mu",), ("1",), "textbook"
+    prior, support, num_features = Box((-3,), (3,)), Box((-3,), (3,)), 1
+
+    def simulate(self, theta, rng):
+        return rng.normal(theta, 1)
+
+    def summary(self, x):
+        return x.mean(axis=0)
+
+    def floor(self, theta, num_observations, num_simulations):
+        return 1 / num_observations
+
+
+class GaussianMeans(GaussianMean):
+    """Two means in boxes that do not overlap: exchanged parameters would leave the support."""
+
+    parameter_names, parameter_units, num_features = ("second", "first"), ("1", "1"), 2
+    prior = support = Box((-3, 10), (3, 14))
+
+
+class Failing(GaussianMean):
+    def simulate(self, theta, rng):
+        raise ZeroDivisionError("the detector is off")
+
+
+def infer(budget: int = 18 * 16, seed: int = 1, method: Bolfi = METHOD, task: Task | None = None, truth=TRUTH):
+    task, rng = task or GaussianMean(), np.random.default_rng(0)
+    x_observed = rng.normal(truth, 1, (10_000, task.num_features))
+    problem = Problem.of(task, x_observed, MeteredSimulator(task, budget, rng))
+    return method.infer(problem, np.random.default_rng(seed)), problem
+
+
+def test_finds_the_mean_of_a_gaussian():
+    estimate, problem = infer(40 * 64, method=Bolfi(events_per_theta=64, num_trace_points=3))
+    assert estimate.theta == pytest.approx(TRUTH, abs=0.15)  # one evaluation alone knows it to 0.125
+    assert estimate.mean == pytest.approx(TRUTH, abs=0.3)
+    assert 0 < estimate.std[0] < 0.5  # the prior's is 1.7
+    assert problem.simulate.used == 40 * 64
+
+
+@pytest.mark.parametrize("unit_box", [True, False])
+def test_keeps_the_order_of_the_parameters(unit_box):
+    method = Bolfi(events_per_theta=16, num_trace_points=2, unit_box=unit_box)
+    estimate, _ = infer(30 * 16, method=method, task=GaussianMeans(), truth=np.array([-1.5, 12.0]))
+    assert estimate.theta == pytest.approx([-1.5, 12.0], abs=0.7)
+    assert estimate.mean.shape == estimate.std.shape == (2,)
+
+
+@pytest.mark.parametrize("budget", [11 * 16, 20 * 16 + 15])
+def test_uses_all_evaluations_that_fit_the_budget_and_traces_them(budget):
+    estimate, problem = infer(budget)
+    assert problem.simulate.used == budget - budget % 16
+    assert problem.simulate.refused == 0
+    simulations = [point.simulations for point in estimate.trace]
+    assert simulations == sorted(set(simulations))
+    assert simulations[0] == 10 * 16
+    assert simulations[-1] == problem.simulate.used
+    assert (estimate.trace[-1].theta == estimate.theta).all()
+    assert (estimate.trace[-1].std == estimate.std).all()
+    assert all(problem.prior.contains(point.theta).all() for point in estimate.trace)
+
+
+def test_the_trace_does_not_disturb_the_run():
+    plain, _ = infer(method=Bolfi(events_per_theta=16, num_trace_points=1))
+    traced, _ = infer(method=Bolfi(events_per_theta=16, num_trace_points=8))
+    assert (plain.theta == traced.theta).all()
+    assert (plain.std == traced.std).all()
+
+
+def test_min_simulations_is_the_least_that_works():
+    assert METHOD.min_simulations(1) == METHOD.min_simulations(3) == 11 * 16
+    assert METHOD.min_simulations(4) == 18 * 16  # 2^4 + 1 initial evaluations
+    assert Bolfi(initial_evidence=30).min_simulations(1) == 31 * 128
+    with pytest.raises(BudgetExhausted):
+        infer(METHOD.min_simulations(1) - 1)
+
+
+def test_the_seed_alone_decides_and_no_state_is_left(tmp_path, monkeypatch, capfd):
+    import elfi
+
+    monkeypatch.chdir(tmp_path)
+    client, default_model = elfi.get_client(), elfi.get_default_model()
+    capfd.readouterr()
+    np.random.seed(1)
+    first, _ = infer()
+    np.random.seed(2)
+    numpy_state, python_state, filters = np.random.get_state()[1].copy(), random.getstate(), list(warnings.filters)
+    second, _ = infer()
+    other, _ = infer(seed=2)
+    assert (first.theta == second.theta).all()
+    assert (first.std == second.std).all()
+    assert first.theta != other.theta
+    assert (np.random.get_state()[1] == numpy_state).all()
+    assert random.getstate() == python_state
+    assert warnings.filters == filters
+    assert elfi.get_client() is client
+    assert elfi.get_default_model() is default_model
+    assert not default_model.nodes
+    assert capfd.readouterr() == ("", "")
+    assert not list(tmp_path.iterdir())
+
+
+def test_importing_elfi_does_not_hide_later_deprecation_warnings():
+    script = (
+        "import warnings; before = list(warnings.filters)\n"
+        "from avobench.methods.bolfi import _import_elfi; _import_elfi()\n"
+        "ours = [f for f in warnings.filters if f[2] is DeprecationWarning]\n"
+        "assert ours == [f for f in before if f[2] is DeprecationWarning], ours\n"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True)
+
+
+def test_an_error_of_the_simulator_propagates():
+    with pytest.raises(SimulatorError, match="the detector is off"):
+        infer(task=Failing())
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"events_per_theta": 0},
+        {"initial_evidence": 0},
+        {"update_interval": 0},
+        {"num_trace_points": 0},
+        {"exploration_rate": 0.0},
+        {"acq_noise_var": -1.0},
+        {"num_posterior_points": 1000},
+    ],
+)
+def test_refuses_impossible_settings(wrong):
+    with pytest.raises(UsageError, match="bolfi needs"):
+        Bolfi(**wrong)

@@ -1,0 +1,308 @@
+"""Alignment: real Pythia events, exact geometry, and a stream that neither repeats nor depends on how it is asked."""
+
+import dataclasses
+import pickle
+import sys
+from functools import cache
+from itertools import chain
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from avobench.tasks import alignment
+from avobench.tasks.alignment import NUM_COLUMNS, NUM_ROWS, Alignment, Particles, fisher_information
+
+TASK = Alignment()
+
+
+@cache
+def generated() -> list[Particles]:
+    """4000 events, shared by the tests that only look at them."""
+    return list(Alignment().generate(4000, np.random.default_rng(2019)))
+
+
+def images(theta: float, task: Alignment = TASK) -> NDArray:
+    """The shared events seen at theta: (4000, 32, 32)."""
+    seen = [task.detect(particles, np.full((len(particles), 1), theta)) for particles in generated()]
+    return np.concatenate(seen).reshape(-1, NUM_ROWS, NUM_COLUMNS)
+
+
+def simulate(theta: float | NDArray, n: int, seed: int = 0) -> NDArray:
+    return Alignment().simulate(np.broadcast_to(np.reshape(theta, (-1, 1)), (n, 1)), np.random.default_rng(seed))
+
+
+def one(position: tuple, momentum: tuple, reach: float = np.inf, energy: float = 1.0) -> Particles:
+    return Particles(
+        np.array([0, 1]),
+        np.array([position], float).T,
+        np.array([momentum], float).T,
+        np.array([energy]),
+        np.array([reach]),
+    )
+
+
+def cells(particles: Particles, theta: float = 0.0, task: Alignment = TASK) -> list[tuple[int, int]]:
+    image = task.detect(particles, np.array([[theta]])).reshape(NUM_ROWS, NUM_COLUMNS)
+    return [(int(row), int(column)) for row, column in np.argwhere(image)]
+
+
+def p_value(samples: NDArray, expected: NDArray | float) -> float:
+    """That the mean of samples (n, k) is `expected`, whatever the correlations inside an event."""
+    deviation = samples.mean(axis=0) - expected
+    return chi2.sf(len(samples) * deviation @ np.linalg.solve(np.cov(samples.T), deviation), samples.shape[1])
+
+
+# Pythia
+
+
+def test_charged_multiplicity_is_the_measured_one() -> None:
+    final = np.concatenate([np.add.reduceat(np.isinf(p.reach), p.offsets[:-1], dtype=int) for p in generated()])
+    assert len(final) == 4000
+    assert final.mean() == pytest.approx(20.71, abs=5 * 6.52 * np.sqrt(1 / 4000 + 1 / 3000))  # LEP: 20.76 +- 0.16
+    assert final.std() == pytest.approx(6.52, abs=0.4)  # LEP: 6.3 to 6.5
+
+
+def test_fewer_charged_particles_when_k0s_and_lambda_are_stable() -> None:
+    particles = next(Alignment(max_tau0=10).generate(1000, np.random.default_rng(0)))
+    assert np.isinf(particles.reach).sum() / 1000 == pytest.approx(18.5, abs=5 * 6.5 / np.sqrt(1000))
+
+
+@pytest.mark.parametrize("counted", ["charged", "visible"])
+def test_particles_are_those_of_pythias_own_event_record(counted: str) -> None:
+    particles = next(Alignment(particles=counted).generate(200, np.random.default_rng(7)))
+    seed = np.random.default_rng(7).integers(1, 900_000_000, endpoint=True)
+    pythia = alignment._start((*alignment.SETTINGS, "ParticleDecays:tau0Max = 1000", f"Random:seed = {seed}"))
+    for i in range(200):
+        assert pythia.next()
+        record = [
+            (q.xProd(), q.yProd(), q.zProd(), q.px(), q.py(), q.pz(), q.e(), np.inf if q.isFinal() else q.tau() / q.m())
+            for q in pythia.event
+            if q.isFinal() or ((q.isHadron() or q.isLepton()) and q.tau() > 0)
+            if q.isCharged() or (counted == "visible" and q.idAbs() not in (12, 14, 16))
+        ]
+        event = particles.events(i, i + 1)
+        ours = np.vstack([event.position, event.momentum, event.energy, event.reach]).T
+        np.testing.assert_allclose(ours, record, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("package", ["pythia8mc", "awkward"])
+def test_missing_package_is_named(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(ImportError, match=rf"{package} is not installed: pip install 'avobench\[alignment\]'"):
+        simulate(0.0, 1)
+
+
+def test_pythia_that_cannot_run_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(alignment, "SETTINGS", (*alignment.SETTINGS, "Beams:eCM = 1."))
+    with pytest.raises(RuntimeError, match="initialise"):
+        simulate(0.0, 1)
+    monkeypatch.setattr(alignment, "SETTINGS", ("No:such = thing",))
+    with pytest.raises(RuntimeError, match="No:such"):
+        simulate(0.0, 1)
+
+
+# Detector
+
+
+@settings(deadline=None)
+@given(eta=st.floats(-4.99, 4.99), phi=st.floats(0, 6.28))
+def test_track_from_the_centre_hits_the_cell_it_points_to(eta: float, phi: float) -> None:
+    row, column = (eta + 5) * NUM_ROWS / 10, phi * NUM_COLUMNS / (2 * np.pi)
+    momentum = (np.cos(phi), np.sin(phi), np.sinh(eta))
+    (hit,) = cells(one((0, 0, 0), momentum))
+    assert hit[0] == pytest.approx(row - 0.5, abs=0.5 + 1e-6)
+    assert hit[1] == pytest.approx(column - 0.5, abs=0.5 + 1e-6)
+
+
+@settings(deadline=None)
+@given(
+    theta=st.floats(-3.1, 3.1),
+    position=st.tuples(*[st.floats(-0.05, 0.05)] * 3),
+    eta=st.floats(-3, 3),
+    phi=st.floats(0, 6.28),
+)
+def test_hit_is_where_the_track_leaves_the_sphere(theta: float, position: tuple, eta: float, phi: float) -> None:
+    direction = np.array([np.cos(phi), np.sin(phi), np.sinh(eta)]) / np.cosh(eta)
+    start = np.add(position, (0, 0, theta))
+    # March along the track to the sphere by bisection: an independent way to the same point.
+    low, high = 0.0, 10.0
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if np.linalg.norm(start + middle * direction) < 3.2 else (low, middle)
+    x, y, z = start + low * direction
+    found = cells(one(position, tuple(5 * direction)), theta)
+    row, column = (np.arctanh(z / 3.2) + 5) * NUM_ROWS / 10, np.arctan2(y, x) % (2 * np.pi) * NUM_COLUMNS / (2 * np.pi)
+    if min(row % 1, 1 - row % 1, column % 1, 1 - column % 1) > 1e-6:  # not on an edge
+        assert found == [(int(row), int(column))]
+
+
+def test_transverse_track_moves_by_one_cell_at_theta_1() -> None:
+    assert [cells(one((0, 0, 0), (1, 1e-3, 1e-3)), theta) for theta in (0, 1, -1)] == [[(16, 0)], [(17, 0)], [(14, 0)]]
+
+
+def test_forward_tracks_are_lost() -> None:
+    assert cells(one((0, 0, 0), (1, 0, np.sinh(4.99)))) == [(31, 0)]
+    for pz in (np.sinh(5.01), -np.sinh(5.01), 1e9):
+        assert cells(one((0, 0, 0), (1, 0, pz))) == []
+    assert cells(one((0, 0, 0), (0, 0, 1))) == []
+
+
+def test_only_what_starts_inside_and_lives_to_leave_is_recorded() -> None:
+    momentum = (2.0, 0.1, 0.1)
+    assert cells(one((3.1, 0, 0), momentum)) == [(16, 0)]
+    assert cells(one((3.3, 0, 0), momentum)) == []
+    assert cells(one((-3.3, 0, 0), momentum)) == []  # enters and leaves, but comes from outside
+    assert cells(one((0, 0, 0), momentum, reach=1.55)) == []  # decays at x = 3.1 mm
+    assert cells(one((0, 0, 0), momentum, reach=1.65)) == [(16, 0)]
+    # The sphere is narrower where the interaction point is off centre: what decays inside at 0 decays outside at 1.5.
+    assert cells(one((0, 0, 0), momentum, reach=1.55), theta=1.5) != []
+    assert cells(one((2.9, 0, 0), momentum), theta=0) != []
+    assert cells(one((2.9, 0, 0), momentum), theta=1.5) == []
+
+
+def test_energy_of_a_cell_is_the_sum_and_log1p_its_logarithm() -> None:
+    two = Particles(np.array([0, 2, 2]), np.zeros((3, 2)), np.ones((3, 2)), np.array([1.5, 2.0]), np.full(2, np.inf))
+    theta = np.zeros((2, 1))
+    energy = Alignment(response="energy").detect(two, theta)
+    log = Alignment(response="energy", log1p=True).detect(two, theta)
+    assert energy.dtype == log.dtype == np.float32
+    assert energy.sum(axis=1).tolist() == [3.5, 0.0]
+    assert log.sum(axis=1).tolist() == [np.float32(np.log(4.5)), 0.0]
+    assert TASK.detect(two, theta).sum(axis=1).tolist() == [1, 0]
+
+
+def test_average_image_is_uniform_in_phi() -> None:
+    columns = images(0.0).sum(axis=1, dtype=float)
+    assert p_value(columns[:, 1:] - columns[:, :1], 0.0) > 1e-4
+
+
+def test_average_image_at_minus_theta_is_the_mirror_image() -> None:
+    rows = images(1.0).sum(axis=2, dtype=float)
+    mirrored = images(-1.0)[:, ::-1].sum(axis=2, dtype=float)
+    assert p_value((rows - mirrored)[:, 2:-2], 0.0) > 1e-4
+    assert p_value((rows - mirrored[:, ::-1])[:, 2:-2], 0.0) < 1e-9  # and not the same image
+
+
+def test_average_image_moves_by_about_one_cell_at_theta_1() -> None:
+    centres = [np.average(np.arange(NUM_ROWS), weights=images(theta).sum(axis=(0, 2))) for theta in (-1.0, 0.0, 1.0)]
+    assert np.diff(centres) == pytest.approx([1, 1], abs=0.15)
+
+
+def test_summary_is_the_average_image() -> None:
+    x = images(0.5).reshape(-1, TASK.num_features)
+    assert np.array_equal(TASK.summary(x), np.sum(x, axis=0, dtype=float) / len(x))
+
+
+# The stream
+
+
+@pytest.mark.parametrize("n", [1, 1000])
+def test_an_event_is_one_flat_image_of_hits(n: int) -> None:
+    x = simulate(0.3, n)
+    assert x.shape == (n, TASK.num_features)
+    assert x.dtype == TASK.dtype == np.uint8
+    assert x.max() == 1
+    assert x.sum(axis=1).min() > 0
+
+
+def test_events_do_not_depend_on_how_calls_are_split() -> None:
+    theta = np.linspace(-1.5, 1.5, 2200)[:, None]
+    task, rng = Alignment(), np.random.default_rng(0)
+    whole = task.simulate(theta, rng)
+    rng = np.random.default_rng(0)  # the same seed and another object: a new stream
+    parts = [task.simulate(part, rng) for part in np.split(theta, [1, 32, 33, 1000, 1016])]
+    assert np.array_equal(whole, np.concatenate(parts))
+
+
+def test_rows_depend_on_their_own_theta_only() -> None:
+    mixed = simulate(np.tile([-1.4, 1.4], 500), 1000)
+    assert np.array_equal(mixed[::2], simulate(-1.4, 1000)[::2])
+    assert np.array_equal(mixed[1::2], simulate(1.4, 1000)[1::2])
+
+
+def test_neighbouring_events_are_uncorrelated() -> None:
+    hits = images(0.0).sum(axis=(1, 2))
+    for lag in (1, 2, 1000):
+        assert abs(np.corrcoef(hits[lag:], hits[:-lag])[0, 1]) < 4 / np.sqrt(len(hits) - lag)
+
+
+def test_seed_decides_the_events() -> None:
+    assert np.array_equal(simulate(0.0, 50, seed=1), simulate(0.0, 50, seed=1))
+    assert not np.array_equal(simulate(0.0, 50, seed=1), simulate(0.0, 50, seed=2))
+
+
+def test_no_event_comes_twice() -> None:
+    task = Alignment()
+    rng = np.random.default_rng(2019)  # the seed of generated(), then another
+    streams = chain(task.generate(5000, rng), task.generate(500, rng), task.generate(500, np.random.default_rng(1)))
+    events = [piece.events(i, i + 1) for piece in streams for i in range(len(piece))]
+    assert len({event.momentum.tobytes() for event in events}) == len(events) == 6000
+
+
+def test_a_pickled_task_is_the_same_task_without_the_stream() -> None:
+    task = Alignment(radius=4.0)
+    theta, rng = np.zeros((20, 1)), np.random.default_rng(5)
+    x = task.simulate(theta, rng)
+    other = pickle.loads(pickle.dumps(task))
+    assert other == task
+    assert dataclasses.asdict(other) == dataclasses.asdict(task)
+    assert np.array_equal(other.simulate(theta, np.random.default_rng(5)), x)
+    assert not np.array_equal(task.simulate(theta, rng), x)
+
+
+# Bounds and floor
+
+
+@pytest.mark.parametrize("theta", [3.2, -3.2, np.nan, np.inf, 3.19])
+def test_interaction_point_outside_the_sphere_is_refused(theta: float) -> None:
+    with pytest.raises(ValueError, match="not inside the sphere"):
+        simulate(np.array([0.0, theta]), 2)
+    with pytest.raises(ValueError, match="not inside the sphere"):
+        TASK.detect(one((0, 0, 0), (1, 0, 0)), np.array([[theta]]))
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"radius": 1.5},
+        {"radius": -3.2},
+        {"radius": np.nan},
+        {"radius": np.inf},
+        {"response": "miss"},
+        {"log1p": True},
+        {"particles": "neutral"},
+        {"max_tau0": -1},
+        {"max_tau0": 1e4},
+        {"max_tau0": np.nan},
+    ],
+)
+def test_settings_that_make_no_sense_are_refused(changed: dict) -> None:
+    with pytest.raises(ValueError, match=next(iter(changed))):
+        Alignment(**changed)
+
+
+def test_floor_is_what_the_fisher_information_allows() -> None:
+    theta = np.array([0.0, -0.75, 1.5])
+    measured = fisher_information(Alignment(), theta, 5000, np.random.default_rng(11))
+    floors = [TASK.floor(np.array([t]), 100_000, 160_000) for t in theta]
+    assert floors == pytest.approx((1 / 100_000 + 1 / 160_000) / measured, rel=0.15)
+    assert TASK.floor(np.zeros(1), 100_000, None) == pytest.approx(floors[0] / (1 + 1 / 1.6))
+
+
+def test_fisher_information_predicts_a_real_estimator() -> None:
+    """A linear estimator of theta from sets of events has the variance that the information says."""
+    rows, step = images(0.0).sum(axis=2, dtype=float), 0.1
+    slope = (images(step).sum(axis=2, dtype=float) - images(-step).sum(axis=2, dtype=float)).mean(axis=0) / (2 * step)
+    weights = np.linalg.solve(np.cov(rows.T), slope)
+    estimates = (rows - rows.mean(axis=0)) @ weights / (slope @ weights)
+    information = fisher_information(Alignment(), np.zeros(1), 3000, np.random.default_rng(12))
+    assert 1 / estimates.var() == pytest.approx(information[0], rel=0.15)
+
+
+def test_floor_is_unknown_where_it_was_not_measured() -> None:
+    assert np.isnan(TASK.floor(np.array([1.6]), 1000, 1000))
+    assert np.isnan(Alignment(radius=10).floor(np.zeros(1), 1000, 1000))
