@@ -3,18 +3,20 @@
 import json
 import os
 import signal
+import sys
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from joblib import Parallel, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
-from avobench.bench.cells import Cell, Status, blank_record, execute
+from avobench.bench.cells import Cell, Status, blank_record, execute, versions
 from avobench.bench.store import Store, write_atomically
 
 HEARTBEAT_SECONDS = 1.0
@@ -32,7 +34,6 @@ class Sweep:
     """Records of the finished cells by id."""
     running: dict[str, float] = field(default_factory=dict)
     """Share of the budget used, by id."""
-    started: float = field(default_factory=time.monotonic)
     fresh: int = 0
     """Cells finished by this run."""
 
@@ -101,7 +102,7 @@ def run(
             done = {id: record for id, record in done.items() if record["status"] == Status.OK}
         sweep = Sweep(list(wanted.values()), jobs, done)
         crashes: dict[str, int] = {}
-        with _ticking(sweep, store, view):
+        with _logged(sweep, store), _ticking(sweep, store, view):
             while pending := sweep.pending:
                 suspects = [cell for cell in pending if cell.id in crashes]
                 batch = suspects[:1] or pending  # a suspect runs alone, so that it alone is blamed
@@ -171,6 +172,27 @@ def _ticking(sweep: Sweep, store: Store, view: View) -> Iterator[None]:
     finally:
         stop.set()
         thread.join()
+
+
+@contextmanager
+def _logged(sweep: Sweep, store: Store) -> Iterator[None]:
+    """Log what this run did, however it ends short of a kill, if it finished any cell."""
+    started, wall, cpu = datetime.now(UTC).isoformat(timespec="seconds"), time.monotonic(), time.process_time()
+    try:
+        yield
+    finally:
+        if sweep.fresh:
+            store.log_sweep(
+                {
+                    "started": started,
+                    "command": " ".join(["avobench", *sys.argv[1:]]),
+                    "jobs": sweep.jobs,
+                    "cells": sweep.fresh,
+                    "wall_seconds": time.monotonic() - wall,
+                    "cpu_seconds": time.process_time() - cpu,  # of the sweep itself, not of its workers
+                    "versions": versions(),
+                }
+            )
 
 
 def _marks(folder: Path) -> dict[str, float]:

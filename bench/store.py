@@ -70,6 +70,17 @@ class Store:
         except OSError as error:
             raise StoreError(f"the record {name} could not be written: {error.strerror or error}") from error
 
+    def log_sweep(self, entry: dict[str, Any]) -> None:
+        """Add a line to `sweeps.jsonl`, which tells how the records were made: command, time taken, versions."""
+        with (self.path / "sweeps.jsonl").open("a") as file:
+            file.write(json.dumps(entry) + "\n")
+
+    def sweeps(self) -> list[dict[str, Any]]:
+        """The lines of `sweeps.jsonl`, oldest first; a last line cut short by a crash is left out."""
+        path = self.path / "sweeps.jsonl"
+        lines = path.read_text().splitlines(keepends=True) if path.exists() else []
+        return [json.loads(line) for line in lines if line.endswith("\n")]
+
     def read(self) -> tuple[list[dict[str, Any]], dict[Path, str]]:
         """All sound records, ordered by file name, and the damaged files with what is wrong with each."""
         sound, damaged = [], {}

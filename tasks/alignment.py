@@ -54,7 +54,7 @@ class Particles:
     energy: NDArray[np.float64]
     """[GeV]: (m,)."""
     reach: NDArray[np.float64]
-    """Proper lifetime over mass [mm/GeV], infinite if it does not decay: it ends at position + reach * momentum: (m,)."""
+    """Proper lifetime over mass [mm/GeV], infinite if stable: it decays at position + reach * momentum: (m,)."""
 
     def __len__(self) -> int:
         return len(self.offsets) - 1
@@ -160,7 +160,7 @@ class Alignment(Task):
             yield particles
 
     def detect(self, particles: Particles, theta: NDArray[np.float64]) -> NDArray:
-        """The images of the n events of `particles`: theta (n, 1) [mm] -> (n, 1024). Raises ValueError as `simulate`."""
+        """The images of the events of `particles`: theta (n, 1) [mm] -> (n, 1024). Raises ValueError as `simulate`."""
         self._check(theta)
         event = np.repeat(np.arange(len(particles)), np.diff(particles.offsets))
         p, r = particles.momentum, particles.position.copy()
@@ -242,7 +242,7 @@ class _Stream:
     def __init__(self, rng: np.random.Generator, particles: str, max_tau0: float) -> None:
         seed = rng.integers(1, 900_000_000, endpoint=True)  # the range that Pythia accepts
         self.rng = rng  # kept, so that no other Generator can have its identity
-        self._pythia = _start((*SETTINGS, f"ParticleDecays:tau0Max = {max_tau0}", f"Random:seed = {seed}"))
+        self._pythia = start_pythia((*SETTINGS, f"ParticleDecays:tau0Max = {max_tau0}", f"Random:seed = {seed}"))
         self._ids, self._counts = _counted(self._pythia, particles)
         self._left: Particles | None = None
 
@@ -283,7 +283,11 @@ class _Stream:
         return Particles(offsets, position, momentum, particles["p"]["e"].data[kept], reach)
 
 
-def _start(settings: tuple[str, ...]) -> "Pythia":
+def start_pythia(settings: tuple[str, ...]) -> "Pythia":
+    """Pythia, initialised with `settings` and its own seed in them.
+
+    Raises ImportError without the extra `alignment`, RuntimeError for a setting it does not know or if it fails.
+    """
     try:
         import awkward  # noqa: F401 - nextBatch needs it
         from pythia8mc import Pythia

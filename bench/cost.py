@@ -1,0 +1,73 @@
+"""Where the time of a sweep goes, from its records, and Pythia's speed against a bare loop: `make bench-cost`."""
+
+import statistics
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from avobench.bench.store import Store, labels, to_frame
+from avobench.tasks.alignment import SETTINGS, Alignment, start_pythia
+
+PARTS = ("observation", "simulator", "method", "harness")
+
+
+def cost_table(store: Store) -> pd.DataFrame:
+    """Mean seconds of a cell and peak memory of its worker, a row a task and method."""
+    records = store.read_all()
+    frame = to_frame(records)
+    frame["task"], frame["method"] = labels(records)
+    groups = frame.groupby(["task", "method"])
+    columns = {f"{part} [s]": groups[f"{part}_seconds"].mean() for part in PARTS}
+    return pd.DataFrame({"cells": groups.size(), **columns, "peak memory [MiB]": groups["peak_memory_mib"].max()})
+
+
+def harness_share(store: Store) -> float:
+    """Share of all processor time spent that is neither observation, simulator nor method.
+
+    In the workers it is what the records call harness; in the process that leads the sweep, its own processor time
+    (with one job the two are one process, whose time outside of the cells is wall time less that of the cells).
+    """
+    frame = to_frame(store.read_all())
+    work = sum(frame[f"{part}_seconds"].sum() for part in PARTS[:-1])
+    harness = frame["harness_seconds"].sum()
+    for sweep in store.sweeps():
+        own = sweep["wall_seconds"] - work - harness if sweep["jobs"] == 1 else sweep["cpu_seconds"]
+        harness += max(own, 0.0)
+    return harness / (work + harness)
+
+
+def pythia_rates(rounds: int = 9, num_events: int = 4000) -> tuple[list[float], list[float]]:
+    """Events per second of `Alignment.simulate` and of a bare `nextBatch` loop, taken in turns."""
+    task, rng = Alignment(), np.random.default_rng(0)
+    pythia = start_pythia((*SETTINGS, "Random:seed = 1"))
+    theta = np.zeros((num_events, 1))
+    task.simulate(theta, rng)
+    ours, bare = [], []
+    for _ in range(rounds):
+        start = time.perf_counter()
+        for _ in range(num_events // 1000):
+            pythia.nextBatch(1000)
+        bare.append(num_events / (time.perf_counter() - start))
+        start = time.perf_counter()
+        task.simulate(theta, rng)
+        ours.append(num_events / (time.perf_counter() - start))
+    return ours, bare
+
+
+def main() -> None:
+    store = Store(Path(sys.argv[1] if len(sys.argv) > 1 else "results/reference"))
+    print(cost_table(store).round({f"{part} [s]": 2 for part in PARTS} | {"peak memory [MiB]": 0}).to_markdown())
+    print(f"\nharness: {harness_share(store):.2%} of the processor time of the whole sweep")
+    ours, bare = pythia_rates()
+    ratio = statistics.median(a / b for a, b in zip(ours, bare, strict=True))
+    print(
+        f"Pythia: {statistics.median(ours):.0f} events/s simulated, {statistics.median(bare):.0f} in a bare nextBatch "
+        f"loop, median ratio {ratio:.2f} over {len(ours)} rounds side by side"
+    )
+
+
+if __name__ == "__main__":
+    main()
