@@ -439,6 +439,8 @@ class _Trial:
         _expect(used <= self.cell.budget, f"used {used} events")
         for name in ("how", "spread_of"):
             _expect(_is_text(self.record[name]), f"{name} of the estimate must be text, got {self.record[name]!r}")
+        message = self.record["message"]
+        _expect(isinstance(message, str), f"message of the estimate must be text, got {message!r}")
         std = self.record["std"]
         _expect(all(value is None or value >= 0 for value in std), f"std of the estimate is negative: {std}")
 

@@ -85,8 +85,9 @@ def _ordered(labels: pd.Series, order: tuple[str, ...]) -> list[str]:
 def _panel(axis: Any, cells: pd.DataFrame, methods: list[str], colours: dict[str, Any]) -> None:
     shown = [method for method in methods if (cells["method"] == method).any()]
     common = {"data": cells, "x": "method", "y": "squared_error", "order": shown, "ax": axis}
-    sns.boxplot(**common, hue="method", palette=colours, whis=(0, 100), width=0.6, linewidth=0.9, legend=False)
-    sns.stripplot(**common, color="0.15", size=2.5, jitter=0.15)
+    if cells["squared_error"].notna().any():  # seaborn cannot draw a panel without a single value
+        sns.boxplot(**common, hue="method", palette=colours, whis=(0, 100), width=0.6, linewidth=0.9, legend=False)
+        sns.stripplot(**common, color="0.15", size=2.5, jitter=0.15)
     floors = cells.drop_duplicates("target")["floor"].dropna()
     if len(floors):
         axis.axhspan(floors.min(), floors.max(), color="0.5", alpha=0.2, lw=0)

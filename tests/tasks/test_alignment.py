@@ -75,7 +75,7 @@ def test_fewer_charged_particles_when_k0s_and_lambda_are_stable() -> None:
 def test_particles_are_those_of_pythias_own_event_record(counted: str) -> None:
     particles = next(Alignment(particles=counted).generate(200, np.random.default_rng(7)))
     seed = np.random.default_rng(7).integers(1, 900_000_000, endpoint=True)
-    pythia = alignment._start((*alignment.SETTINGS, "ParticleDecays:tau0Max = 1000", f"Random:seed = {seed}"))
+    pythia = alignment.start_pythia((*alignment.SETTINGS, "ParticleDecays:tau0Max = 1000", f"Random:seed = {seed}"))
     for i in range(200):
         assert pythia.next()
         record = [

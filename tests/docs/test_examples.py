@@ -1,0 +1,114 @@
+"""The examples of the pages on adding a task and a method: quoted as they are, and every command shown works."""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.stats import exponnorm
+
+from avobench.bench import registry
+from avobench.bench.budget import MeteredSimulator
+from avobench.bench.cells import observe
+from avobench.bench.problem import Problem
+from avobench.tasks.carl import Carl
+
+DOCS = Path(__file__).parents[2] / "docs"
+EXAMPLES = DOCS / "examples"
+PAGES = {"add-a-method.md": ("method", "nearest_summary.py"), "add-a-task.md": ("task", "decay_time.py")}
+every_page = pytest.mark.parametrize(("page", "kind", "example"), [(page, *rest) for page, rest in PAGES.items()])
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder of a user's own, with the examples in it."""
+    for path in EXAMPLES.glob("*.py"):
+        shutil.copy(path, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    yield tmp_path
+    for path in EXAMPLES.glob("*.py"):
+        sys.modules.pop(path.stem, None)
+
+
+def blocks(page, language):
+    return re.findall(rf"^```{language}\n(.*?)^```$", (DOCS / page).read_text(), re.MULTILINE | re.DOTALL)
+
+
+def avobench(*arguments, **variables):
+    command = [sys.executable, "-m", "avobench.bench", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, env=os.environ | variables)
+
+
+@every_page
+def test_the_page_quotes_its_example(page, kind, example):
+    assert blocks(page, "python") == [(EXAMPLES / example).read_text()]
+    assert len((EXAMPLES / example).read_text().splitlines()) <= 100
+
+
+@every_page
+def test_every_command_of_the_page_works_and_prints_what_is_shown(page, kind, example, folder):
+    shown = [re.split(r"^\$ avobench (.*)\n", block, flags=re.MULTILINE)[1:] for block in blocks(page, "console")]
+    assert [len(block) // 2 for block in shown] == [3, 1]
+    for command, output in [pair for block in shown for pair in zip(block[::2], block[1::2], strict=True)]:
+        done = avobench(*shlex.split(command))
+        assert done.returncode == 0, done.stderr
+        assert output in ("", done.stdout)
+    assert list((folder / "results" / "local").iterdir())
+
+
+@every_page
+def test_an_entry_point_gives_the_example_its_name(page, kind, example, folder):
+    (text,) = blocks(page, "toml")
+    ((group, points),) = tomllib.loads(text)["project"]["entry-points"].items()
+    ((name, value),) = points.items()
+    assert group == registry.GROUPS[kind]
+    assert registry.load(kind, value).name == name
+    installed = folder / "example-1.0.dist-info"  # what installing a distribution leaves behind
+    installed.mkdir()
+    (installed / "METADATA").write_text("Metadata-Version: 2.1\nName: example\nVersion: 1.0\n")
+    (installed / "entry_points.txt").write_text(f"[{group}]\n{name} = {value}\n")
+    listed = avobench("list", PYTHONPATH=str(folder))
+    assert f"  {name}: " in listed.stdout, listed.stderr
+
+
+def test_decay_times_have_the_moments_and_the_distribution_of_their_density(folder):
+    task = registry.build("task", "decay_time:DecayTime", {"resolution": 0.7})
+    x = task.simulate(np.full((100_000, 1), 2.5), np.random.default_rng(0))[:, 0]
+    assert x.mean() == pytest.approx(2.5, abs=5 * 2.6 / np.sqrt(len(x)))
+    assert x.var() == pytest.approx(2.5**2 + 0.7**2, rel=0.05)
+    for t in (0, 1, 5):
+        expected = exponnorm.cdf(t, 2.5 / 0.7, scale=0.7)
+        assert (x < t).mean() == pytest.approx(expected, abs=5 * np.sqrt(expected * (1 - expected) / len(x)))
+
+
+def test_the_floor_of_decay_times_is_what_the_score_says_and_without_resolution_the_lifetime_squared(folder):
+    theta = np.array([2.0])
+    sharp = registry.build("task", "decay_time:DecayTime", {"resolution": 0.01})
+    assert sharp.floor(theta, 100, None) == pytest.approx(2.0**2 / 100, rel=1e-3)
+    assert sharp.floor(theta, 100, 50) == pytest.approx(2.0**2 * (1 / 100 + 1 / 50), rel=1e-3)
+    blurred = registry.build("task", "decay_time:DecayTime", {"resolution": 1.0})
+    x = blurred.simulate(np.full((200_000, 1), 2.0), np.random.default_rng(0))[:, 0]
+    score = (exponnorm.logpdf(x, 2.001) - exponnorm.logpdf(x, 1.999)) / 0.002
+    assert blurred.information(2.0) == pytest.approx((score**2).mean(), rel=0.03)
+
+
+def test_the_method_keeps_the_parameters_with_the_nearest_summaries(folder):
+    task = Carl()
+    simulate = MeteredSimulator(task, 64_050, np.random.default_rng(1))
+    problem = Problem.of(task, observe(task, 0, 10_000, 0), simulate)
+    method = registry.build("method", "nearest_summary:NearestSummary", {"share_kept": 0.02, "num_trace_points": 4})
+    estimate = method.infer(problem, np.random.default_rng(2))
+    assert simulate.used == 500 * 128
+    assert estimate.how == "mean of the 10 parameters with the nearest summaries, of 500"
+    assert [point.simulations for point in estimate.trace] == [2 * 128, 168 * 128, 334 * 128, 500 * 128]
+    assert (estimate.trace[-1].theta == estimate.theta).all()
+    prior_std = task.prior.width / np.sqrt(12)
+    assert (np.abs(estimate.theta - task.targets()[0]) < prior_std).all()
+    assert (estimate.std < prior_std).all()
