@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 
 from avobench.bench import registry
 from avobench.bench.budget import MeteredSimulator, checked_events
-from avobench.bench.errors import BudgetExhausted, SimulatorError, SupportError, UsageError
+from avobench.bench.errors import BudgetExhausted, InvalidEstimate, SimulatorError, SupportError, UsageError
 from avobench.bench.problem import Problem
-from avobench.methods import Estimate, Method
+from avobench.methods import Estimate, Method, TracePoint
 from avobench.tasks import Task
 from avobench.tasks.base import stable_hash
 
@@ -116,7 +116,7 @@ def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bo
     task, method = cell.build_task(), cell.build_method()
     words = (task.name, method.name, cell.target, cell.repetition)
     simulate = MeteredSimulator(task, cell.budget, stream(cell.seed, "simulator", *words), progress)
-    estimate, status, message = None, Status.OK, ""
+    scored, status, message = {}, Status.OK, ""
     observation_seconds = infer_seconds = 0.0
     try:
         problem = Problem.of(task, observe(task, cell.target, cell.num_observations, cell.seed), simulate)
@@ -125,10 +125,10 @@ def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bo
             estimate = method.infer(problem, stream(cell.seed, "method", *words))
         finally:
             infer_seconds = time.perf_counter() - start - observation_seconds
-        if fault := _fault(estimate, problem, simulate.used):
-            estimate, status, message = None, Status.INVALID_ESTIMATE, fault
-        else:
-            message = estimate.message
+        _check(estimate, problem, simulate.used)
+        scored, message = _scored(estimate, task, cell), estimate.message
+    except InvalidEstimate as error:
+        status, message = Status.INVALID_ESTIMATE, str(error)
     except UsageError:
         raise
     except BudgetExhausted as error:
@@ -151,9 +151,8 @@ def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bo
         "simulator_seconds": simulate.seconds,
         "method_seconds": infer_seconds - simulate.seconds,
         "peak_memory_mib": _peak_memory_mib(),
+        **scored,
     }
-    if estimate is not None:
-        record |= _scored(estimate, task, cell)
     record["harness_seconds"] = time.perf_counter() - start - observation_seconds - infer_seconds
     return record
 
@@ -233,20 +232,27 @@ def _scored(estimate: Estimate, task: Task, cell: Cell) -> dict[str, Any]:
     }
 
 
-def _fault(estimate: object, problem: Problem, used: int) -> str | None:
-    """What keeps `estimate` from being one, in a sentence; None where it is fine."""
+def _check(estimate: object, problem: Problem, used: int) -> None:
+    """Raise InvalidEstimate unless `estimate` is one that a record can hold."""
     if not isinstance(estimate, Estimate):
-        return f"the method returned {type(estimate).__name__} instead of an Estimate"
+        raise InvalidEstimate(f"the method returned {type(estimate).__name__} instead of an Estimate")
     p = problem.prior.dim
-    for name in ("theta", "mean", "std"):
-        value = getattr(estimate, name)
-        if not isinstance(value, np.ndarray) or value.shape != (p,):
-            return f"{name} of the estimate must be an array of shape ({p},), got {value!r}"
+    vectors = [("theta", estimate.theta), ("mean", estimate.mean), ("std", estimate.std)]
+    for point in estimate.trace:
+        if not (isinstance(point, TracePoint) and isinstance(point.simulations, int | np.integer)):
+            raise InvalidEstimate(f"the trace must be a list of TracePoint, got {point!r}")
+        vectors += [("theta of the trace", point.theta)]
+        vectors += [] if point.std is None else [("std of the trace", point.std)]
+    for name, value in vectors:
+        if not isinstance(value, np.ndarray) or value.shape != (p,) or value.dtype.kind != "f":
+            raise InvalidEstimate(f"{name} of the estimate must be a float array of shape ({p},), got {value!r}")
     if not np.isfinite(estimate.theta).all() or not problem.support.contains(estimate.theta)[0]:
-        return f"the estimate {estimate.theta.tolist()} is not within the support"
-    if not 0 <= estimate.discarded <= used:
-        return f"discarded must lie between 0 and the {used} events used, got {estimate.discarded}"
-    return None
+        raise InvalidEstimate(f"the estimate {estimate.theta.tolist()} is not within the support")
+    if not (isinstance(estimate.discarded, int | np.integer) and 0 <= estimate.discarded <= used):
+        raise InvalidEstimate(f"discarded must be a number from 0 to the {used} used, got {estimate.discarded!r}")
+    for name in ("how", "spread_of", "message"):
+        if not isinstance(getattr(estimate, name), str):
+            raise InvalidEstimate(f"{name} of the estimate must be text, got {getattr(estimate, name)!r}")
 
 
 def _number(value: float) -> float | None:

@@ -23,3 +23,7 @@ class SupportError(AvobenchError):
 
 class BudgetExhausted(AvobenchError):
     """The metered simulator refused a request because it would exceed the budget. Nothing was simulated for it."""
+
+
+class InvalidEstimate(AvobenchError):
+    """What a method returned cannot be recorded as an estimate."""

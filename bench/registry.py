@@ -63,6 +63,8 @@ def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
             raise UsageError(f"{kind} {cls.name} has no setting '{name}'; {hint}")
     try:
         return TypeAdapter(cls).validate_python(settings) if known else cls()
+    except TypeError as error:
+        raise UsageError(f"{kind} '{spec}' cannot be made without arguments: {error}") from error
     except ValidationError as error:
         first = error.errors()[0]
         where = f" {'.'.join(map(str, first['loc']))}" if first["loc"] else ""
@@ -71,7 +73,10 @@ def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
 
 
 def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:
-    """What determines the behaviour of a task or method: name, version, settings, and the source if it is not ours."""
+    """What determines the behaviour of a task or method: name, version, settings, and the source if it is not ours.
+
+    The source is that of the class's own module; what it imports is not followed.
+    """
     parts = {
         kind: instance.name,
         f"{kind}_version": instance.version,
@@ -81,7 +86,8 @@ def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:
     }
     module = inspect.getmodule(type(instance))
     if not module.__name__.startswith("avobench."):
-        parts[f"{kind}_source_sha256"] = hashlib.sha256(inspect.getsource(module).encode()).hexdigest()
+        source = type(instance).__qualname__ + inspect.getsource(module)
+        parts[f"{kind}_source_sha256"] = hashlib.sha256(source.encode()).hexdigest()
     return parts
 
 

@@ -103,7 +103,8 @@ class AvoPaper(Method):
             std = proposal.mean_and_std(psi.numpy())[1] * proposal.scale
             return TracePoint(problem.simulate.used, proposal.to_raw(proposal.mode(psi.numpy())), std)
 
-        num_iterations = problem.simulate.remaining // self.events_per_iteration
+        # With less than one iteration left the simulator refuses it, rather than an estimate being made of nothing.
+        num_iterations = max(1, problem.simulate.remaining // self.events_per_iteration)
         trace = [trace_point()]
         for iteration in range(1, num_iterations + 1):
             if self.schedule == "shared":

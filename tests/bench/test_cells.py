@@ -32,6 +32,7 @@ def test_a_record_holds_the_estimate_its_score_and_what_it_took():
         ("moment.fault=raises", "method_error", "RuntimeError: lost the thread"),
         ("moment.fault=outside", "invalid_estimate", "not within the support"),
         ("moment.fault=nothing", "invalid_estimate", "NoneType instead of an Estimate"),
+        ("moment.fault=trace", "invalid_estimate", "the trace must be a list of TracePoint, got 1"),
         ("moment.fault=support", "outside_support", "theta = [100.0] lies outside"),
         ("normal.fault=raises", "simulator_error", "the simulator of normal raised RuntimeError"),
         ("normal.fault=nan", "simulator_error", "NaN or infinity"),

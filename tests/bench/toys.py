@@ -73,6 +73,8 @@ class Moment(Method):
             problem.simulate(np.array([[100.0]]))
         if self.fault == "nothing":
             return None
+        if self.fault == "trace":
+            trace = [1, 2]
         if self.fault == "dies":
             os.kill(os.getpid(), signal.SIGKILL)
         std = np.full(1, problem.simulate.used**-0.5)
