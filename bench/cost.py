@@ -34,8 +34,8 @@ def harness_share(store: Store) -> float:
     work = sum(frame[f"{part}_seconds"].sum() for part in PARTS[:-1])
     harness = frame["harness_seconds"].sum()
     for sweep in store.sweeps():
-        own = sweep["wall_seconds"] - work - harness if sweep["jobs"] == 1 else sweep["cpu_seconds"]
-        harness += max(own, 0.0)
+        alone = sweep["jobs"] == 1
+        harness += sweep["wall_seconds"] - sweep["cell_seconds"] if alone else sweep["cpu_seconds"]
     return harness / (work + harness)
 
 
@@ -59,7 +59,7 @@ def pythia_rates(rounds: int = 9, num_events: int = 4000) -> tuple[list[float], 
 
 def main() -> None:
     store = Store(Path(sys.argv[1] if len(sys.argv) > 1 else "results/reference"))
-    print(cost_table(store).round({f"{part} [s]": 2 for part in PARTS} | {"peak memory [MiB]": 0}).to_markdown())
+    print(cost_table(store).round({f"{part} [s]": 2 for part in PARTS} | {"peak memory [MiB]": 0}).reset_index().to_string(index=False))
     print(f"\nharness: {harness_share(store):.2%} of the processor time of the whole sweep")
     ours, bare = pythia_rates()
     ratio = statistics.median(a / b for a, b in zip(ours, bare, strict=True))

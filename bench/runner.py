@@ -34,8 +34,8 @@ class Sweep:
     """Records of the finished cells by id."""
     running: dict[str, float] = field(default_factory=dict)
     """Share of the budget used, by id."""
-    fresh: int = 0
-    """Cells finished by this run."""
+    fresh: list[dict[str, Any]] = field(default_factory=list)
+    """Records that this run made."""
 
     @property
     def pending(self) -> list[Cell]:
@@ -49,20 +49,23 @@ class Sweep:
         """
         total: dict[tuple[str, str], list[float]] = {}
         for record in self.done.values():
-            parts = ("observation", "simulator", "method", "harness")
-            seconds = sum(record[f"{part}_seconds"] for part in parts)
             task, method = record["task"], record["method"]
             for key in ((task, method), ("", method), ("", "")):
-                total.setdefault(key, []).append(seconds)
+                total.setdefault(key, []).append(seconds(record))
         if not total:
             return None
         left, longest = 0.0, 0.0
         for cell in self.pending:
             task, method = cell.identity["task"], cell.identity["method"]
             key = next(key for key in ((task, method), ("", method), ("", "")) if key in total)
-            seconds = sum(total[key]) / len(total[key]) * (1 - self.running.get(cell.id, 0.0))
-            left, longest = left + seconds, max(longest, seconds)
+            expected = sum(total[key]) / len(total[key]) * (1 - self.running.get(cell.id, 0.0))
+            left, longest = left + expected, max(longest, expected)
         return max(left / self.jobs, longest)
+
+
+def seconds(record: dict[str, Any]) -> float:
+    """What a cell took, all in all."""
+    return sum(record[f"{part}_seconds"] for part in ("observation", "simulator", "method", "harness"))
 
 
 class View:
@@ -151,7 +154,7 @@ def _keep(record: dict[str, Any], cell: Cell, store: Store, sweep: Sweep, view: 
     store.write(record)
     (store.running / cell.id).unlink(missing_ok=True)
     sweep.done[cell.id] = record
-    sweep.fresh += 1
+    sweep.fresh.append(record)
     view.finished(sweep, cell, record)
 
 
@@ -187,7 +190,8 @@ def _logged(sweep: Sweep, store: Store) -> Iterator[None]:
                     "started": started,
                     "command": " ".join(["avobench", *sys.argv[1:]]),
                     "jobs": sweep.jobs,
-                    "cells": sweep.fresh,
+                    "cells": len(sweep.fresh),
+                    "cell_seconds": sum(seconds(record) for record in sweep.fresh),
                     "wall_seconds": time.monotonic() - wall,
                     "cpu_seconds": time.process_time() - cpu,  # of the sweep itself, not of its workers
                     "versions": versions(),
