@@ -22,19 +22,32 @@ class MeteredSimulator:
         self, task: Task, budget: int, rng: np.random.Generator, progress: Callable[[int], None] | None = None
     ) -> None:
         self._task, self._rng, self._progress = task, rng, progress
-        self.budget = budget
-        self.used = 0
-        self.refused = 0
-        self.seconds = 0.0
-        """Spent in the simulator so far."""
+        self._budget, self._used, self._refused, self._seconds = budget, 0, 0, 0.0
+
+    @property
+    def budget(self) -> int:
+        return self._budget
+
+    @property
+    def used(self) -> int:
+        return self._used
+
+    @property
+    def refused(self) -> int:
+        return self._refused
 
     @property
     def requested(self) -> int:
-        return self.used + self.refused
+        return self._used + self._refused
 
     @property
     def remaining(self) -> int:
-        return self.budget - self.used
+        return self._budget - self._used
+
+    @property
+    def seconds(self) -> float:
+        """Spent in the simulator so far."""
+        return self._seconds
 
     def __call__(self, theta: ArrayLike) -> NDArray:
         """One event per row: theta (n, p) in raw units -> x (n, d).
@@ -45,14 +58,14 @@ class MeteredSimulator:
         theta = _checked(theta, self._task)
         n = len(theta)
         if n > self.remaining:
-            self.refused += n
+            self._refused += n
             raise BudgetExhausted(f"{n} events asked for, {self.remaining} of {self.budget} left")
-        self.used += n
+        self._used += n
         start = time.perf_counter()
         try:
             x = checked_events(self._task, theta, self._rng)
         finally:
-            self.seconds += time.perf_counter() - start
+            self._seconds += time.perf_counter() - start
         if self._progress is not None:
             self._progress(self.used)
         return x
@@ -67,7 +80,7 @@ def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Genera
     """Events of `task`, or SimulatorError saying what its simulator did wrong: theta (n, p) -> x (n, d)."""
     try:
         x = task.simulate(theta, rng)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise SimulatorError(f"the simulator of {task.name} raised {type(error).__name__}: {error}") from error
     expected = (len(theta), task.num_features)
     if not isinstance(x, np.ndarray) or x.shape != expected:
@@ -82,6 +95,17 @@ def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Genera
             f"the first at theta = {theta[bad[0]].tolist()}"
         )
     return x
+
+
+def checked_summary(task: Task, x: NDArray) -> NDArray[np.float64]:
+    """The summary statistic of events (n, d) -> (k,), or SimulatorError saying what is wrong with it."""
+    try:
+        summary = task.summary(x)
+    except (Exception, SystemExit) as error:
+        raise SimulatorError(f"the summary of {task.name} raised {type(error).__name__}: {error}") from error
+    if not (isinstance(summary, np.ndarray) and summary.ndim == 1 and np.isfinite(summary).all()):
+        raise SimulatorError(f"the summary of {task.name} must be a finite array (k,), got {summary!r:.100}")
+    return summary
 
 
 def _checked(theta: ArrayLike, task: Task) -> NDArray[np.float64]:

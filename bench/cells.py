@@ -4,6 +4,7 @@ import hashlib
 import importlib.metadata
 import json
 import math
+import numbers
 import platform
 import subprocess
 import time
@@ -22,7 +23,14 @@ from numpy.typing import NDArray
 
 from avobench.bench import registry
 from avobench.bench.budget import MeteredSimulator, checked_events
-from avobench.bench.errors import BudgetExhausted, InvalidEstimate, SimulatorError, SupportError, UsageError
+from avobench.bench.errors import (
+    AvobenchError,
+    BudgetExhausted,
+    InvalidEstimate,
+    SimulatorError,
+    SupportError,
+    UsageError,
+)
 from avobench.bench.problem import Problem
 from avobench.methods import Estimate, Method, TracePoint
 from avobench.tasks import Task
@@ -39,7 +47,7 @@ class Status(StrEnum):
     BUDGET_EXHAUSTED = "budget_exhausted"
     """The method asked for more events than the budget holds before it had an estimate."""
     SIMULATOR_ERROR = "simulator_error"
-    """The simulator raised, or returned events of the wrong shape, type or value."""
+    """The task's simulator, summary or floor raised, or returned something of the wrong shape, type or value."""
     OUTSIDE_SUPPORT = "outside_support"
     """The method asked for events at parameters where the simulator is not defined."""
     METHOD_ERROR = "method_error"
@@ -48,6 +56,14 @@ class Status(StrEnum):
     """The method returned something that is not a finite estimate within the support."""
     CRASHED = "crashed"
     """The worker process died twice in this cell."""
+
+
+STATUS_OF = {
+    BudgetExhausted: Status.BUDGET_EXHAUSTED,
+    SimulatorError: Status.SIMULATOR_ERROR,
+    SupportError: Status.OUTSIDE_SUPPORT,
+    InvalidEstimate: Status.INVALID_ESTIMATE,
+}
 
 
 @dataclass(frozen=True)
@@ -73,10 +89,14 @@ class Cell:
         identity = {
             **registry.identity("task", self.task, task),
             **registry.identity("method", self.method, method),
-            "theta_true": task.targets()[self.target].tolist(),
+            "theta_true": registry.blamed(lambda: task.targets()[self.target].tolist(), f"task '{self.task}'"),
             **{name: getattr(self, name) for name in ("target", "repetition", "budget", "num_observations", "seed")},
         }
-        object.__setattr__(self, "identity", json.loads(json.dumps(identity)))
+        try:
+            object.__setattr__(self, "identity", json.loads(json.dumps(identity, allow_nan=False)))
+        except (TypeError, ValueError) as error:
+            given = {**identity["task_settings"], **identity["method_settings"]}
+            raise UsageError(f"settings must be finite numbers, texts or lists of them, got {given}") from error
 
     def build_task(self) -> Task:
         return registry.build("task", self.task, self.task_settings)
@@ -93,6 +113,11 @@ class Cell:
         return f"{self.identity['task']} {self.identity['method']} target {self.target} repetition {self.repetition}"
 
 
+def reason(record: dict[str, Any]) -> str:
+    """Status and message of a cell that failed, in a line."""
+    return f"{record['status']}: {' '.join(record['message'].split()) or 'no message'}"
+
+
 def stream(seed: int, *words: object) -> np.random.Generator:
     """The random stream that belongs to `words` under the root seed."""
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(stable_hash(*map(str, words)),)))
@@ -107,8 +132,7 @@ def observe(task: Task, target: int, num_observations: int, seed: int) -> NDArra
 def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bool = False) -> dict[str, Any]:
     """Carry out a cell and return its record; whatever goes wrong becomes its status and message.
 
-    Only UsageError (something is not installed) and KeyboardInterrupt leave this function. With `debug` the message of
-    a failure carries its traceback.
+    Only KeyboardInterrupt leaves this function. With `debug` the traceback of a failure goes to standard error.
     """
     start = time.perf_counter()
     started = datetime.now(UTC).isoformat(timespec="seconds")
@@ -116,9 +140,11 @@ def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bo
     task, method = cell.build_task(), cell.build_method()
     words = (task.name, method.name, cell.target, cell.repetition)
     simulate = MeteredSimulator(task, cell.budget, stream(cell.seed, "simulator", *words), progress)
-    scored, status, message = {}, Status.OK, ""
+    floors: dict[str, float | None] = {}
+    scored, status, message, problem = {}, Status.OK, "", None
     observation_seconds = infer_seconds = 0.0
     try:
+        floors = _floors(task, cell)
         problem = Problem.of(task, observe(task, cell.target, cell.num_observations, cell.seed), simulate)
         observation_seconds = time.perf_counter() - start
         try:
@@ -127,26 +153,23 @@ def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bo
             infer_seconds = time.perf_counter() - start - observation_seconds
         _check(estimate, problem, simulate.used)
         scored, message = _scored(estimate, task, cell), estimate.message
-    except InvalidEstimate as error:
-        status, message = Status.INVALID_ESTIMATE, str(error)
-    except UsageError:
-        raise
-    except BudgetExhausted as error:
-        status, message = Status.BUDGET_EXHAUSTED, str(error)
-    except SimulatorError as error:
-        status, message = Status.SIMULATOR_ERROR, str(error)
-    except SupportError as error:
-        status, message = Status.OUTSIDE_SUPPORT, str(error)
-    except Exception as error:
-        status, message = Status.METHOD_ERROR, f"{type(error).__name__}: {error}"
+    except (Exception, SystemExit) as error:
+        status = next((word for kind, word in STATUS_OF.items() if isinstance(error, kind)), Status.METHOD_ERROR)
+        message = str(error)
+        if not isinstance(error, AvobenchError):
+            message = f"{type(error).__name__}: {error}"
+            if problem is None:  # the observation was too much, e.g. for memory: no method has run
+                status = Status.SIMULATOR_ERROR
         if debug:
-            message = traceback.format_exc()
+            traceback.print_exc()
     record = {
         **blank_record(cell, status, message),
+        **floors,
         "started": started,
         "simulations_requested": simulate.requested,
         "simulations_used": simulate.used,
         "simulations_refused": simulate.refused,
+        "simulations_discarded": simulate.used,  # unless an estimate was made of them
         "observation_seconds": observation_seconds,
         "simulator_seconds": simulate.seconds,
         "method_seconds": infer_seconds - simulate.seconds,
@@ -158,29 +181,27 @@ def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bo
 
 
 def blank_record(cell: Cell, status: Status, message: str) -> dict[str, Any]:
-    """A record with every field of the schema, for a cell without an estimate."""
-    task = cell.build_task()
-    theta_true = task.targets()[cell.target]
+    """A record with every field of the schema, for a cell of which nothing more is known."""
     return {
         "schema_version": SCHEMA_VERSION,
         "id": cell.id,
         **cell.identity,
-        "parameter_names": list(task.parameter_names),
+        "parameter_names": list(cell.build_task().parameter_names),
         "status": str(status),
         "message": message,
         "theta_hat": None,
         "squared_error": None,
-        "floor": _number(task.floor(theta_true, cell.num_observations, cell.budget)),
-        "floor_likelihood": _number(task.floor(theta_true, cell.num_observations, None)),
+        "floor": None,
+        "floor_likelihood": None,
         "how": None,
         "spread_of": None,
         "mean": None,
         "std": None,
         "trace": [],
-        "simulations_requested": 0,
-        "simulations_used": 0,
-        "simulations_discarded": 0,
-        "simulations_refused": 0,
+        "simulations_requested": None,
+        "simulations_used": None,
+        "simulations_discarded": None,
+        "simulations_refused": None,
         "observation_seconds": 0.0,
         "simulator_seconds": 0.0,
         "method_seconds": 0.0,
@@ -211,6 +232,19 @@ def versions() -> dict[str, str | None]:
     return found
 
 
+def _floors(task: Task, cell: Cell) -> dict[str, float | None]:
+    floors = {}
+    for name, num_simulations in (("floor", cell.budget), ("floor_likelihood", None)):
+        try:
+            floor = task.floor(task.targets()[cell.target], cell.num_observations, num_simulations)
+        except (Exception, SystemExit) as error:
+            raise SimulatorError(f"the floor of {task.name} raised {type(error).__name__}: {error}") from error
+        if not isinstance(floor, numbers.Real):
+            raise SimulatorError(f"the floor of {task.name} must be a number, got {floor!r:.100}")
+        floors[name] = _number(floor)
+    return floors
+
+
 def _scored(estimate: Estimate, task: Task, cell: Cell) -> dict[str, Any]:
     theta_true = task.targets()[cell.target]
     return {
@@ -237,6 +271,8 @@ def _check(estimate: object, problem: Problem, used: int) -> None:
     if not isinstance(estimate, Estimate):
         raise InvalidEstimate(f"the method returned {type(estimate).__name__} instead of an Estimate")
     p = problem.prior.dim
+    if not isinstance(estimate.trace, list):
+        raise InvalidEstimate(f"the trace must be a list of TracePoint, got {estimate.trace!r:.100}")
     vectors = [("theta", estimate.theta), ("mean", estimate.mean), ("std", estimate.std)]
     for point in estimate.trace:
         if not (isinstance(point, TracePoint) and isinstance(point.simulations, int | np.integer)):

@@ -10,7 +10,7 @@ import joblib
 from rich.console import Console
 
 from avobench.bench import check, listing, registry
-from avobench.bench.cells import Cell, Status
+from avobench.bench.cells import Cell, Status, reason
 from avobench.bench.errors import AvobenchError, StoreError, UsageError
 from avobench.bench.plan import plan
 from avobench.bench.progress import ProgressView
@@ -113,10 +113,10 @@ def status(results: Path) -> None:
         click.echo(listing.status_table(records))
     for record in records:
         if record["status"] != Status.OK:
-            message = (record["message"].strip() or "no message").splitlines()[-1]
-            click.echo("{task} {method} target {target} repetition {repetition}: {status}: ".format(**record) + message)
-    for path, reason in damaged.items():
-        click.echo(f"{path} {reason}; `avobench run` sets it aside and makes it again, or delete it", err=True)
+            cell = "{task} {method} target {target} repetition {repetition}".format(**record)
+            click.echo(f"{cell}: {reason(record)}")
+    for path, fault in damaged.items():
+        click.echo(f"{path} {fault}; `avobench run` sets it aside and makes it again, or delete it", err=True)
     if damaged:
         sys.exit(1)
 

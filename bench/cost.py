@@ -39,6 +39,18 @@ def harness_share(store: Store) -> float:
     return harness / (work + harness)
 
 
+def format_cost(store: Store) -> str:
+    """The cost table as text, and below it what the harness adds."""
+    table = cost_table(store).reset_index().to_string(index=False, float_format=lambda value: f"{value:.4g}")
+    busy = sum(to_frame(store.read_all())[f"{part}_seconds"].sum() for part in PARTS)
+    available = sum(sweep["wall_seconds"] * sweep["jobs"] for sweep in store.sweeps())
+    return (
+        f"{table}\n\nharness: {harness_share(store):.2%} of the processor time of all sweeps\n"
+        f"workers were in a cell for {busy / available:.1%} of the time; "
+        "the rest is starting them and waiting for the last cell"
+    )
+
+
 def pythia_rates(rounds: int = 9, num_events: int = 4000) -> tuple[list[float], list[float]]:
     """Events per second of `Alignment.simulate` and of a bare `nextBatch` loop, taken in turns."""
     task, rng = Alignment(), np.random.default_rng(0)
@@ -59,8 +71,7 @@ def pythia_rates(rounds: int = 9, num_events: int = 4000) -> tuple[list[float], 
 
 def main() -> None:
     store = Store(Path(sys.argv[1] if len(sys.argv) > 1 else "results/reference"))
-    print(cost_table(store).round({f"{part} [s]": 2 for part in PARTS} | {"peak memory [MiB]": 0}).reset_index().to_string(index=False))
-    print(f"\nharness: {harness_share(store):.2%} of the processor time of the whole sweep")
+    print(format_cost(store))
     ours, bare = pythia_rates()
     ratio = statistics.median(a / b for a, b in zip(ours, bare, strict=True))
     print(

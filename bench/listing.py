@@ -40,6 +40,7 @@ def status_table(records: list[dict[str, Any]]) -> str:
     groups = frame.groupby(["task", "method"], sort=True)
     table = pd.DataFrame(
         {
+            "targets": groups["target"].nunique(),
             "cells": groups.size(),
             "ok": groups["ok"].sum(),
             "median squared error": groups["squared_error"].median(),

@@ -1,11 +1,16 @@
 """From what a user asks for to the list of cells, in the order in which they are carried out."""
 
 import json
+from functools import partial
 from typing import Any
 
+import numpy as np
+
 from avobench.bench import registry
+from avobench.bench.budget import checked_events
 from avobench.bench.cells import Cell
-from avobench.bench.errors import UsageError
+from avobench.bench.errors import SimulatorError, UsageError
+from avobench.tasks import Task
 from avobench.tasks.base import NUM_TARGETS
 
 
@@ -27,17 +32,23 @@ def plan(
     for name, value in (("budget", budget), ("observations", num_observations), ("repetitions", repetitions)):
         if value < 1:
             raise UsageError(f"--{name} must be at least 1, got {value}")
-    if seed < 0:
-        raise UsageError(f"--seed must not be negative, got {seed}")
+    if not 0 <= seed < 2**63:
+        raise UsageError(f"--seed must lie between 0 and 2^63 - 1, got {seed}")
     indices = parse_targets(targets)
     built = {kind: {} for kind in ("task", "method")}
     chosen = parse_settings(settings, {"task": tasks, "method": methods})
     for kind, specs in (("task", tasks), ("method", methods)):
         for spec in specs:
             built[kind][spec] = registry.build(kind, spec, chosen[spec])
-    for method in built["method"].values():
+            registry.require_packages(kind, built[kind][spec])
+    for spec, task in built["task"].items():
+        if ":" in spec:
+            require_generator(task)
+    for spec, method in built["method"].items():
         for task in built["task"].values():
-            least = method.min_simulations(len(task.parameter_names))
+            least = registry.blamed(partial(method.min_simulations, len(task.parameter_names)), f"method '{spec}'")
+            if not isinstance(least, int):
+                raise UsageError(f"min_simulations of method '{spec}' must return a whole number, got {least!r}")
             if budget < least:
                 raise UsageError(f"--budget {budget} is too small for {method.name} on {task.name}: at least {least}")
     return [
@@ -47,6 +58,23 @@ def plan(
         for method in dict.fromkeys(methods)
         for task in dict.fromkeys(tasks)
     ]
+
+
+def require_generator(task: Task) -> None:
+    """Raise UsageError when a user's simulator does not draw from the generator that it is given, and only from it.
+
+    A simulator that fails is left to the sweep, which records why.
+    """
+    theta = registry.blamed(partial(task.prior.sample, 200, np.random.default_rng(0)), f"task {task.name}")
+    try:
+        first, again, other = (checked_events(task, theta, np.random.default_rng(seed)) for seed in (1, 1, 2))
+    except SimulatorError:
+        return
+    if not np.array_equal(first, again) or np.array_equal(first, other):
+        raise UsageError(
+            f"the simulator of {task.name} ignores its generator: all of its randomness must come from `rng` "
+            "(`avobench check task` tells more)"
+        )
 
 
 def parse_targets(text: str) -> list[int]:

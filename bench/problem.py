@@ -6,13 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.bench.budget import MeteredSimulator
+from avobench.bench.budget import MeteredSimulator, checked_summary
 from avobench.tasks import Box, Discriminator, Task
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One inference problem. It holds neither the true parameters nor any other way to simulate."""
+    """One inference problem: all that a method may use. It offers neither the true parameters nor a second way to
+    simulate."""
 
     parameter_names: tuple[str, ...]
     prior: Box
@@ -31,5 +32,11 @@ class Problem:
     def of(cls, task: Task, x_observed: NDArray, simulate: MeteredSimulator) -> "Problem":
         x_observed.setflags(write=False)
         return cls(
-            task.parameter_names, task.prior, task.support, x_observed, simulate, task.summary, task.discriminator
+            task.parameter_names,
+            task.prior,
+            task.support,
+            x_observed,
+            simulate,
+            lambda x: checked_summary(task, x),
+            task.discriminator,
         )

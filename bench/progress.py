@@ -9,7 +9,7 @@ from rich.live import Live
 from rich.progress_bar import ProgressBar
 from rich.table import Table
 
-from avobench.bench.cells import Cell, Status
+from avobench.bench.cells import Cell, Status, reason
 from avobench.bench.runner import Sweep, View
 
 QUIET_SECONDS = 30.0
@@ -42,7 +42,7 @@ class ProgressView(View):
             ratio = f" ({record['squared_error'] / record['floor']:.3g} x floor)" if record["floor"] else ""
             outcome = f"squared error {record['squared_error']:.3g}{ratio}"
         else:
-            outcome = f"{record['status']}: {record['message'].strip().splitlines()[-1]}"
+            outcome = reason(record)
         self._line(f"[{len(sweep.done)}/{len(sweep.cells)}] {cell.label}: {outcome}, {_clock(seconds)}{_left(sweep)}")
         self.after_cell(sweep, cell)
         self.last = time.monotonic()
@@ -70,8 +70,10 @@ class ProgressView(View):
 
 
 def _left(sweep: Sweep) -> str:
-    left = sweep.seconds_left() if sweep.pending else None
-    return "" if left is None else f"; about {_clock(left)} left"
+    if not sweep.pending:
+        return ""
+    left, known = sweep.seconds_left()
+    return f"; {'about' if known else 'at least'} {_clock(left)} left" if left else ""
 
 
 def _clock(seconds: float) -> str:

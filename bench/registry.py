@@ -7,7 +7,10 @@ import importlib
 import inspect
 import re
 import sys
+from collections.abc import Callable
+from functools import partial
 from importlib.metadata import entry_points
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +44,7 @@ def load(kind: str, spec: str) -> type:
             nearest = difflib.get_close_matches(spec, known, n=1, cutoff=0.4)
             hint = f"did you mean {nearest[0]}?" if nearest else f"known: {', '.join(known)}, or module:Class"
             raise UsageError(f"there is no {kind} named '{spec}'; {hint}")
-        cls = points[0].load()
+        cls = blamed(points[0].load, f"{kind} '{spec}'")
     if not (inspect.isclass(cls) and issubclass(cls, BASES[kind])):
         raise UsageError(f"'{spec}' is not a subclass of avobench.{kind}s.{BASES[kind].__name__}")
     missing = [name for name in REQUIRED[kind] if not hasattr(cls, name)] + sorted(cls.__abstractmethods__)
@@ -62,9 +65,7 @@ def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
             hint = f"did you mean {nearest[0]}?" if nearest else f"it has: {', '.join(known) or 'none'}"
             raise UsageError(f"{kind} {cls.name} has no setting '{name}'; {hint}")
     try:
-        return TypeAdapter(cls).validate_python(settings) if known else cls()
-    except TypeError as error:
-        raise UsageError(f"{kind} '{spec}' cannot be made without arguments: {error}") from error
+        return blamed(lambda: TypeAdapter(cls).validate_python(settings) if known else cls(), f"{kind} '{spec}'")
     except ValidationError as error:
         first = error.errors()[0]
         where = f" {'.'.join(map(str, first['loc']))}" if first["loc"] else ""
@@ -75,7 +76,7 @@ def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
 def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:
     """What determines the behaviour of a task or method: name, version, settings, and the source if it is not ours.
 
-    The source is that of the class's own module; what it imports is not followed.
+    The source is that of the modules of the class and its bases; what else they import is not followed.
     """
     parts = {
         kind: instance.name,
@@ -84,11 +85,33 @@ def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:
         if dataclasses.is_dataclass(instance)
         else {},
     }
-    module = inspect.getmodule(type(instance))
-    if not module.__name__.startswith("avobench."):
-        source = type(instance).__qualname__ + inspect.getsource(module)
+    modules = dict.fromkeys(base.__module__ for base in type(instance).__mro__ if base is not object)
+    theirs = [name for name in modules if not name.startswith("avobench.") and name not in sys.stdlib_module_names]
+    if theirs:
+        sources = [blamed(partial(inspect.getsource, sys.modules[name]), f"{kind} '{spec}'") for name in theirs]
+        source = "\0".join([type(instance).__qualname__, *sources])
         parts[f"{kind}_source_sha256"] = hashlib.sha256(source.encode()).hexdigest()
     return parts
+
+
+def require_packages(kind: str, instance: Any) -> None:
+    """Raise UsageError when a package that the task or method needs is not installed."""
+    for package in instance.packages:
+        if find_spec(package) is None:
+            raise UsageError(
+                f"{kind} {instance.name} needs {package}, which is not installed"
+                + (f": pip install 'avobench[{instance.extra}]'" if instance.extra else "")
+            )
+
+
+def blamed(make: Callable[[], Any], what: str) -> Any:
+    """The value of `make()`; what a user's class raises on the way is a UsageError that names it."""
+    try:
+        return make()
+    except (UsageError, ValidationError):
+        raise
+    except (Exception, SystemExit) as error:
+        raise UsageError(f"{what} cannot be used, it raised {type(error).__name__}: {error}") from error
 
 
 def _import(kind: str, spec: str) -> Any:
@@ -101,7 +124,7 @@ def _import(kind: str, spec: str) -> Any:
         if error.name != module_name:
             raise UsageError(f"{kind} '{spec}' needs {error.name}, which is not installed") from error
         raise UsageError(f"there is no module '{module_name}' here or installed, for {kind} '{spec}'") from error
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise UsageError(f"{module_name} of {kind} '{spec}' raised {type(error).__name__}: {error}") from error
     if not hasattr(module, class_name):
         nearest = difflib.get_close_matches(class_name, dir(module), n=1)

@@ -7,7 +7,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -17,6 +17,7 @@ from joblib import Parallel, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from avobench.bench.cells import Cell, Status, blank_record, execute, versions
+from avobench.bench.errors import AvobenchError
 from avobench.bench.store import Store, write_atomically
 
 HEARTBEAT_SECONDS = 1.0
@@ -41,26 +42,25 @@ class Sweep:
     def pending(self) -> list[Cell]:
         return [cell for cell in self.cells if cell.id not in self.done]
 
-    def seconds_left(self) -> float | None:
-        """Expected time to the end, from the cells finished so far; None before there are any.
+    def seconds_left(self) -> tuple[float, bool]:
+        """Expected time to the end, and whether every pending method has a finished cell to judge from.
 
-        A pending cell is expected to take as long as finished cells of its task and method did, else of its method,
-        else of any.
+        A pending cell is expected to take as long as finished cells of its task and method did, else of its method;
+        one of a method that has none yet counts as nothing.
         """
         total: dict[tuple[str, str], list[float]] = {}
-        for record in self.done.values():
+        for record in list(self.done.values()):
             task, method = record["task"], record["method"]
-            for key in ((task, method), ("", method), ("", "")):
+            for key in ((task, method), ("", method)):
                 total.setdefault(key, []).append(seconds(record))
-        if not total:
-            return None
-        left, longest = 0.0, 0.0
+        left, longest, known = 0.0, 0.0, True
         for cell in self.pending:
             task, method = cell.identity["task"], cell.identity["method"]
-            key = next(key for key in ((task, method), ("", method), ("", "")) if key in total)
-            expected = sum(total[key]) / len(total[key]) * (1 - self.running.get(cell.id, 0.0))
+            durations = total.get((task, method)) or total.get(("", method)) or [0.0]
+            known &= ("", method) in total
+            expected = sum(durations) / len(durations) * (1 - self.running.get(cell.id, 0.0))
             left, longest = left + expected, max(longest, expected)
-        return max(left / self.jobs, longest)
+        return max(left / self.jobs, longest), known
 
 
 def seconds(record: dict[str, Any]) -> float:
@@ -112,7 +112,11 @@ def run(
                 try:
                     for record in _parallel(batch, store, jobs, debug):
                         _keep(record, wanted[record["id"]], store, sweep, view)
-                except TerminatedWorkerError:
+                except TerminatedWorkerError as error:
+                    if not any((store.running / cell.id).exists() for cell in batch):
+                        raise AvobenchError(
+                            "worker processes die before they begin; is there enough memory?"
+                        ) from error
                     for cell in batch:
                         if (store.running / cell.id).exists() and cell.id not in sweep.done:
                             crashes[cell.id] = crashes.get(cell.id, 0) + 1
@@ -144,9 +148,13 @@ def _work(cell: Cell, mark: Path, parent: int, debug: bool) -> dict[str, Any]:
             os._exit(1)  # the sweep was killed: nobody is left to take the record
         if time.monotonic() - last >= HEARTBEAT_SECONDS:
             last = time.monotonic()
-            write_atomically(mark, json.dumps(used / cell.budget).encode())
+            tell(used / cell.budget)
 
-    write_atomically(mark, b"0")
+    def tell(share: float) -> None:
+        with suppress(OSError):  # a full disk costs the display, not the cell
+            write_atomically(mark, json.dumps(share).encode())
+
+    tell(0)
     return execute(cell, heartbeat, debug)
 
 

@@ -5,6 +5,7 @@ import json
 import os
 import tempfile
 from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
@@ -36,14 +37,14 @@ class Store:
             raise UsageError(f"the results folder {path} is a file; choose a folder with --results")
         try:
             if not marker.exists():
-                if path.exists() and any(path.iterdir()):
+                if path.exists() and any(not inside.name.startswith(".") for inside in path.iterdir()):
                     raise UsageError(f"{path} holds other files and no store.json; choose an empty or new folder")
                 if not create:
                     raise UsageError(f"{path} is empty; `avobench run --results {path}` fills it")
-                self.records.mkdir(parents=True)
+                path.mkdir(parents=True, exist_ok=True)
                 write_atomically(marker, (json.dumps(SCHEMA) + "\n").encode())
             found = json.loads(marker.read_text())
-        except json.JSONDecodeError as error:
+        except ValueError as error:
             raise UsageError(f"{marker} is not readable as JSON; restore it to {json.dumps(SCHEMA)}") from error
         except OSError as error:
             raise UsageError(f"the results folder {path} cannot be used: {error.strerror or error}") from error
@@ -52,23 +53,21 @@ class Store:
         if create and not os.access(path, os.W_OK):
             raise UsageError(f"the results folder {path} is read-only; choose another with --results")
 
-    def lock(self) -> FileLock:
+    def lock(self) -> AbstractContextManager[Any]:
         """A lock that one sweep at a time can hold; it goes with its process. Raises UsageError if it is taken."""
         lock = FileLock(self.path / ".lock")
         try:
-            lock.acquire(timeout=0)
+            return lock.acquire(timeout=0)
         except Timeout as error:
             raise UsageError(f"another avobench run is writing to {self.path}; wait for it or stop it") from error
-        return lock
 
     def write(self, record: dict[str, Any]) -> Path:
         """Write one record, whole or not at all. Raises StoreError when the disk does not take it."""
-        self.records.mkdir(exist_ok=True)
-        name = "{task}_{method}_t{target:02d}_r{repetition}_{id}.json".format(**record)
         try:
-            return write_atomically(self.records / name, encode(record))
+            self.records.mkdir(exist_ok=True)
+            return write_atomically(self.records / file_name(record), encode(record))
         except OSError as error:
-            raise StoreError(f"the record {name} could not be written: {error.strerror or error}") from error
+            raise StoreError(f"a record could not be written to {self.records}: {error.strerror or error}") from error
 
     def log_sweep(self, entry: dict[str, Any]) -> None:
         """Add a line to `sweeps.jsonl`, which tells how the records were made: command, time taken, versions."""
@@ -86,7 +85,10 @@ class Store:
         sound, damaged = [], {}
         for path in sorted(self.records.glob("*.json")):
             try:
-                sound.append(decode(path.read_bytes()))
+                record = decode(path.read_bytes())
+                if path.name != file_name(record):
+                    raise ValueError(f"is a copy of {file_name(record)}, or was renamed")
+                sound.append(record)
             except ValueError as error:
                 damaged[path] = str(error)
         return sound, damaged
@@ -115,6 +117,11 @@ class Store:
         """Delete what a killed run left half-done: temporary files and marks of running cells. Needs the lock."""
         for leftover in [*self.records.glob(".*.tmp"), *self.running.glob("*")]:
             leftover.unlink()
+
+
+def file_name(record: dict[str, Any]) -> str:
+    """Where a record is kept: what it is of, in words, and its id."""
+    return "{task}_{method}_t{target:02d}_r{repetition}_{id}.json".format(**record)
 
 
 def encode(record: dict[str, Any]) -> bytes:
@@ -153,6 +160,8 @@ def to_frame(records: Iterable[dict[str, Any]]) -> pd.DataFrame:
     per_parameter = frame.columns[frame.columns.str.fullmatch(r"(theta_true|theta_hat|mean|std)_\d+")]
     numbers = [*per_parameter, "squared_error", "floor", "floor_likelihood", "peak_memory_mib"]
     frame[numbers] = frame[numbers].astype(float)
+    counts = [f"simulations_{what}" for what in ("requested", "used", "discarded", "refused")]
+    frame[counts] = frame[counts].astype("Int64")
     leading = ["task", "method", "target", "repetition", "seed", "status", "message", *sorted(per_parameter)]
     leading += ["squared_error", "floor", "num_observations", "budget", "simulations_used"]
     leading += ["simulator_seconds", "method_seconds"]
@@ -162,19 +171,19 @@ def to_frame(records: Iterable[dict[str, Any]]) -> pd.DataFrame:
 def labels(records: list[dict[str, Any]]) -> tuple[list[str], list[str]]:
     """A label for the task and for the method of each record: its name, and whatever else tells like-named ones apart.
 
-    So records of one method under two settings, versions, budgets or numbers of observations are never pooled.
+    So records of two settings, versions, budgets or numbers of observations are never pooled. Settings and versions
+    are told where they differ within a method, budget and observations where they differ within a task.
     """
-    tasks = _labels(records, "task", lambda record: record["task"], ())
     common = ("budget", "num_observations")
-    methods = _labels(records, "method", lambda record: (record["task"], record["method"]), common)
-    return tasks, methods
+    tasks = _labels(records, "task", lambda record: record["task"], common)
+    return tasks, _labels(records, "method", lambda record: (record["task"], record["method"]), ())
 
 
 def _labels(
     records: list[dict[str, Any]], kind: str, group: Callable[[dict[str, Any]], Any], common: tuple[str, ...]
 ) -> list[str]:
     parts = [
-        {"version": record[f"{kind}_version"], "source": record.get(f"{kind}_source_sha256", "")[:6]}
+        {"version": record[f"{kind}_version"], "source": record.get(f"{kind}_source_sha256", "built-in")[:8]}
         | {name: record[name] for name in common}
         | record[f"{kind}_settings"]
         for record in records
@@ -186,13 +195,20 @@ def _labels(
     result = []
     for record, part in zip(records, parts, strict=True):
         values = seen[group(record)]
-        extra = [f"{name}={value}" for name, value in part.items() if len(values[name]) > 1]
+        extra = [f"{name}={value}".replace(" ", "") for name, value in part.items() if len(values[name]) > 1]
         result.append(" ".join([record[kind], *extra]))
     return result
 
 
 def write_atomically(path: Path, content: bytes) -> Path:
-    """Write `content` to `path` so that a reader, or a crash, sees all of it or nothing."""
+    """Write `content` to `path` so that a reader, or a crash, sees all of it or nothing.
+
+    A link stays a link; what is not a regular file, such as a terminal, is written to as it is.
+    """
+    path = path.resolve()
+    if path.exists() and not path.is_file():
+        path.write_bytes(content)
+        return path
     handle, temporary = tempfile.mkstemp(prefix=".", suffix=".tmp", dir=path.parent)
     try:
         with os.fdopen(handle, "wb") as file:

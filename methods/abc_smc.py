@@ -13,7 +13,7 @@ from scipy.stats import gaussian_kde
 
 from avobench.bench.errors import BudgetExhausted, UsageError
 from avobench.bench.problem import Problem
-from avobench.methods.base import Estimate, Method, TracePoint, global_seed, optional_dependency
+from avobench.methods.base import Estimate, Method, TracePoint, global_seed
 from avobench.tasks import Box
 
 
@@ -32,6 +32,8 @@ class AbcSmc(Method):
     """
 
     name: ClassVar[str] = "abc-smc"
+    packages: ClassVar = ("pyabc",)
+    extra: ClassVar = "abc-smc"
     source: ClassVar[str] = (
         "Toni and Stumpf, Bioinformatics 26 (2010) 104; Schaelte et al., Journal of Open Source Software 7 (2022) 4304"
     )
@@ -52,17 +54,18 @@ class AbcSmc(Method):
         """Four populations: one calibrates, and the first generation, accepting about half, takes about two more.
 
         The fourth is a margin for chance. It is used up in 1 of 700 runs with a population of 100, 1 of 60 with 50,
-        1 of 7 with 10; such a run raises BudgetExhausted.
+        1 of 7 with 10; such a run raises BudgetExhausted. A population must have more particles than parameters, so
+        that its covariance has full rank; raises UsageError otherwise.
         """
+        if self.population_size <= num_parameters:
+            raise UsageError(f"abc-smc needs population_size > {num_parameters}, the number of parameters")
         return 4 * self.population_size * self.events_per_theta
 
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
         """As `Method.infer`. Raises BudgetExhausted when the budget ends within the first generation."""
-        with optional_dependency("abc-smc"):
-            import pyabc
+        import pyabc
+
         names, prior = problem.parameter_names, problem.prior
-        if self.population_size <= len(names):
-            raise UsageError(f"abc-smc needs population_size > {len(names)}, the number of parameters")
 
         def model(parameter: pyabc.Parameter) -> dict[str, NDArray]:
             theta = [[parameter[name] for name in names]]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.bench.problem import Problem
-from avobench.methods.base import Estimate, Method, TracePoint, optional_dependency
+from avobench.methods.base import Estimate, Method, TracePoint
 from avobench.methods.proposal import TruncatedGaussian
 
 TRACE_POINTS = 100
@@ -27,6 +27,7 @@ class AvoPaper(Method):
     """
 
     name = "avo-paper"
+    packages, extra = ("torch",), "avo"
     source = "G. Louppe, J. Hermans, K. Cranmer, Adversarial Variational Optimization, AISTATS 2019, Algorithm 1"
 
     discriminator_steps: int = 1
@@ -77,10 +78,9 @@ class AvoPaper(Method):
         return self.events_per_iteration
 
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
-        with optional_dependency("avo"):
-            import torch
+        import torch
 
-            from avobench.methods.discriminator import Discriminator
+        from avobench.methods.discriminator import Discriminator
 
         proposal = TruncatedGaussian(problem.prior, problem.support)
         shape = (2, problem.prior.dim)

@@ -9,7 +9,6 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.bench.errors import UsageError
 from avobench.bench.problem import Problem
 
 
@@ -54,10 +53,16 @@ class Method(ABC):
     version: ClassVar[str] = "1"
     source: ClassVar[str]
     """The paper or package that the method follows."""
+    packages: ClassVar[tuple[str, ...]] = ()
+    """Modules that must be importable, checked before a sweep begins; `extra` is the extra that installs them."""
+    extra: ClassVar[str] = ""
 
     @abstractmethod
     def min_simulations(self, num_parameters: int) -> int:
-        """The smallest budget, in events, from which this method can make an estimate."""
+        """The smallest budget, in events, from which this method can make an estimate.
+
+        Raises UsageError when its settings suit no problem of so many parameters.
+        """
 
     @abstractmethod
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
@@ -81,12 +86,3 @@ def global_seed(rng: np.random.Generator) -> Iterator[None]:
     finally:
         np.random.set_state(numpy_state)
         random.setstate(python_state)
-
-
-@contextmanager
-def optional_dependency(extra: str) -> Iterator[None]:
-    """Turn a missing package inside the block into a UsageError that names the extra to install."""
-    try:
-        yield
-    except ModuleNotFoundError as error:
-        raise UsageError(f"{error.name} is not installed: pip install 'avobench[{extra}]'") from error

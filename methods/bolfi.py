@@ -14,7 +14,7 @@ from scipy.stats import qmc
 
 from avobench.bench.errors import UsageError
 from avobench.bench.problem import Problem
-from avobench.methods.base import Estimate, Method, TracePoint, global_seed, optional_dependency
+from avobench.methods.base import Estimate, Method, TracePoint, global_seed
 from avobench.tasks import Box
 
 if TYPE_CHECKING:
@@ -32,6 +32,8 @@ class Bolfi(Method):
     """
 
     name: ClassVar[str] = "bolfi"
+    packages: ClassVar = ("elfi", "GPy")
+    extra: ClassVar = "bolfi"
     source: ClassVar[str] = (
         "Gutmann and Corander, Journal of Machine Learning Research 17 (2016) 125; "
         "Lintusaari et al., Journal of Machine Learning Research 19 (2018) 16"
@@ -151,7 +153,7 @@ def _posterior(bolfi: "BOLFI", points: NDArray[np.float64]) -> tuple[NDArray[np.
 
 def _import_elfi():
     # ELFI's dependencies tell Python to ignore every DeprecationWarning when imported; that is undone here.
-    with optional_dependency("bolfi"), warnings.catch_warnings():
+    with warnings.catch_warnings():
         import elfi
     return elfi
 

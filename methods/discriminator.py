@@ -21,7 +21,7 @@ class Discriminator(Module):
             std = problem.x_observed.std(axis=0).astype(np.float32)
             self.scale = np.where(std > 0, std, np.float32(1))
         widths = (d, *hidden)
-        with torch.random.fork_rng():
+        with torch.random.fork_rng(devices=[]):
             torch.manual_seed(int(rng.integers(2**63)))
             layers = [layer for pair in zip(widths, hidden, strict=False) for layer in (Linear(*pair), PReLU())]
             self.network = Sequential(*layers, Linear(widths[-1], 1), Flatten(0))

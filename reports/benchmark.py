@@ -22,11 +22,13 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
     """Write benchmark.pdf, benchmark.png and benchmark.csv to `folder`, each whole or not at all.
 
     Boxes show quartiles, whiskers reach to the extreme points, every cell is a point. The dashed line is the median
-    floor over the targets shown and the band spans their floors. Cells that are not `ok` have no squared error; their
-    number stands below the method's name.
+    floor over the targets shown and the band spans their floors. A panel shows the targets that all of its methods
+    have, so that the boxes of an unfinished sweep compare like with like; all targets where there are none in common.
+    Cells that are not `ok` have no squared error; their number stands below the method's name.
     """
     frame = to_frame(records)
     frame["task"], frame["method"] = labels(records)
+    frame = pd.concat([_comparable(cells) for _, cells in frame.groupby("task", sort=False)])
     with matplotlib.rc_context(STYLE):
         figure = _figure(frame)
         paths = []
@@ -60,6 +62,12 @@ def numbers(frame: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def _comparable(cells: pd.DataFrame) -> pd.DataFrame:
+    """The cells of a task whose target every method has; all of them where no target is in common."""
+    common = set.intersection(*(set(own["target"]) for _, own in cells.groupby("method")))
+    return cells[cells["target"].isin(common)] if common else cells
+
+
 def _figure(frame: pd.DataFrame) -> Figure:
     tasks = _ordered(frame["task"], TASK_ORDER)
     methods = _ordered(frame["method"], METHOD_ORDER)
@@ -69,8 +77,10 @@ def _figure(frame: pd.DataFrame) -> Figure:
     figure = Figure(figsize=(3.5 * columns, 2.8 * rows), layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False).flatten()
     for axis, task in zip(axes, tasks, strict=False):
-        _panel(axis, frame[frame["task"] == task], methods, colours)
-        axis.set_title(task)
+        cells = frame[frame["task"] == task]
+        _panel(axis, cells, methods, colours)
+        num_targets = cells["target"].nunique()
+        axis.set_title(f"{task}: {num_targets} target{'s' * (num_targets > 1)}")
     for axis in axes[len(tasks) :]:
         axis.set_visible(False)
     return figure

@@ -96,6 +96,7 @@ class Alignment(Task):
     """Particles of longer mean lifetime c tau_0 [mm] do not decay. At 1000, Pythia's own limit, K0S and Lambda do."""
 
     name = "alignment"
+    packages, extra = ("pythia8mc", "awkward"), "alignment"
     parameter_names = ("theta",)
     parameter_units = ("mm",)
     source = (
@@ -134,7 +135,7 @@ class Alignment(Task):
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """One image per row: theta (n, 1) [mm] -> (n, 1024), uint8 for hits and float32 for energies.
 
-        Raises ValueError outside the support, ImportError without the extra `alignment`, RuntimeError if Pythia fails.
+        Raises ValueError outside the support, RuntimeError if Pythia fails.
         """
         self._check(theta)
         x = np.empty((len(theta), self.num_features), self.dtype)
@@ -148,7 +149,7 @@ class Alignment(Task):
     def generate(self, num_events: int, rng: np.random.Generator) -> Iterator[Particles]:
         """The next events of the stream that belongs to `rng`, in pieces of at most CHUNK events.
 
-        Raises ImportError without the extra `alignment`, RuntimeError if Pythia fails.
+        Raises RuntimeError if Pythia fails.
         """
         stream = self._stream
         if stream is None or stream.rng is not rng:
@@ -286,13 +287,10 @@ class _Stream:
 def start_pythia(settings: tuple[str, ...]) -> "Pythia":
     """Pythia, initialised with `settings` and its own seed in them.
 
-    Raises ImportError without the extra `alignment`, RuntimeError for a setting it does not know or if it fails.
+    Raises RuntimeError for a setting it does not know or if it fails.
     """
-    try:
-        import awkward  # noqa: F401 - nextBatch needs it
-        from pythia8mc import Pythia
-    except ModuleNotFoundError as error:
-        raise ImportError(f"{error.name} is not installed: pip install 'avobench[alignment]'") from error
+    from pythia8mc import Pythia
+
     pythia = Pythia("", False)  # no banner
     for setting in ("Random:setSeed = on", *settings):
         if not pythia.readString(setting):

@@ -81,6 +81,9 @@ class Task(ABC):
     num_features: ClassVar[int]
     dtype: ClassVar[DTypeLike] = np.float64
     discriminator: ClassVar[Discriminator] = Discriminator()
+    packages: ClassVar[tuple[str, ...]] = ()
+    """Modules that must be importable, checked before a sweep begins; `extra` is the extra that installs them."""
+    extra: ClassVar[str] = ""
 
     @abstractmethod
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:

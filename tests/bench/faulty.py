@@ -180,6 +180,11 @@ class Unpicklable(SoundTask):
         self.trick = lambda: None
 
 
+class FailsWhenMade(SoundTask):
+    def __init__(self):
+        raise RuntimeError("no detector")
+
+
 class NeedsAnArgument(SoundTask):
     def __init__(self, scale):
         self.scale = scale
@@ -229,6 +234,12 @@ class Greedy(SoundMethod):
         return problem.simulate.repeat(problem.prior.sample(1, rng), problem.simulate.budget + 1)
 
 
+class RaisesItsBudget(SoundMethod):
+    def draws(self, problem, rng):
+        problem.simulate.budget *= 2
+        return super().draws(problem, rng)
+
+
 class UnderstatesMinimum(SoundMethod):
     def draws(self, problem, rng):
         problem.simulate.repeat(problem.prior.center, 150)
@@ -256,6 +267,11 @@ class WideEstimate(SoundMethod):
 class NegativeSpread(SoundMethod):
     def estimate(self, problem, theta):
         return Estimate(theta, "nearest", "posterior", theta, -np.ones_like(theta))
+
+
+class SaysNothing(SoundMethod):
+    def estimate(self, problem, theta):
+        return Estimate(theta, " ", "posterior", theta, theta * 0)
 
 
 class AsksOutside(SoundMethod):
@@ -291,6 +307,12 @@ class TracesBeyond(SoundMethod):
 class TracesTooMuch(SoundMethod):
     def estimate(self, problem, theta):
         trace = [TracePoint(problem.simulate.used, np.append(theta, 0))]
+        return Estimate(theta, "nearest", "posterior", theta, theta * 0, trace)
+
+
+class TracesNotANumber(SoundMethod):
+    def estimate(self, problem, theta):
+        trace = [TracePoint(problem.simulate.used, theta * np.nan)]
         return Estimate(theta, "nearest", "posterior", theta, theta * 0, trace)
 
 

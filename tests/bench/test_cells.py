@@ -36,6 +36,11 @@ def test_a_record_holds_the_estimate_its_score_and_what_it_took():
         ("moment.fault=support", "outside_support", "theta = [100.0] lies outside"),
         ("normal.fault=raises", "simulator_error", "the simulator of normal raised RuntimeError"),
         ("normal.fault=nan", "simulator_error", "NaN or infinity"),
+        ("normal.fault=exits", "simulator_error", "the simulator of normal raised SystemExit: 0"),
+        ("normal.fault=floor", "simulator_error", "the floor of normal must be a number, got None"),
+        ("moment.fault=exits", "method_error", "SystemExit: 0"),
+        ("moment.fault=usage", "method_error", "not like this"),
+        ("moment.fault=cheats", "method_error", "AttributeError"),
     ],
 )
 def test_a_failure_is_a_record_with_its_reason(setting, status, message):
@@ -48,6 +53,19 @@ def test_a_failure_is_a_record_with_its_reason(setting, status, message):
     assert set(record) == set(execute(cell()))
     assert record["simulations_used"] <= 4000
     assert record["simulations_requested"] == record["simulations_used"] + record["simulations_refused"]
+
+
+def test_a_summary_that_is_not_finite_is_named():
+    record = execute(cell("normal.fault=summary", "moment.fault=summary"))
+    assert record["status"] == "simulator_error"
+    assert "the summary of normal must be a finite array" in record["message"]
+
+
+def test_an_observation_that_does_not_fit_in_memory_is_not_blamed_on_the_method():
+    (huge,) = plan(["toys:Normal"], ["toys:Moment"], "0", 1, 400, 10**15, 0, [])
+    record = execute(huge)
+    assert record["status"] == "simulator_error"
+    assert "MemoryError" in record["message"]
 
 
 def test_every_method_and_repetition_sees_the_same_observation():

@@ -24,7 +24,6 @@ NEIGHBOURS = "makes neighbouring rows independent"
 SUMMARY = "summarises events whatever their number and order"
 FLOOR = "has a floor that more events do not raise"
 PICKLE = "can be sent to a worker process"
-BUILT = "can be built with its default settings"
 
 MINIMUM = "declares the smallest budget it can use"
 LEAST = ("makes an estimate on poisson from 100 events", "makes an estimate on carl from 100 events")
@@ -111,17 +110,24 @@ def test_a_faulty_task_fails_on_what_it_breaks(name, expected, why):
         ("HoldsATask", {RECORDABLE}, "a record cannot hold the settings"),
         ("UnpicklableMethod", {PICKLE}, "lambda"),
         ("Greedy", {*LEAST, *AMPLE}, "budget_exhausted: 101 events asked for, 100 of 100 left"),
+        ("RaisesItsBudget", {*LEAST, *AMPLE}, "method_error: AttributeError: property 'budget'"),
         ("UnderstatesMinimum", {*LEAST}, "budget_exhausted: 150 events asked for"),
         ("Makeshift", {TOO_SMALL}, "status ok after 0 events"),
         ("OutsideEstimate", {*LEAST, *AMPLE}, "invalid_estimate: the estimate"),
         ("WideEstimate", {*LEAST, *AMPLE}, "invalid_estimate: theta of the estimate must be a float array"),
         ("NegativeSpread", {*LEAST, *AMPLE}, "std of the estimate is negative"),
+        ("SaysNothing", {*LEAST, *AMPLE}, "how of the estimate must be text, got ' '"),
         ("AsksOutside", {*LEAST, *AMPLE}, "outside_support: theta = [11.0] lies outside the support of poisson"),
         ("WritesPlainly", {*LEAST, *AMPLE}, "method_error: ValueError: assignment destination is read-only"),
         ("ForcesAWrite", {OBSERVED}, "infer changed the events in x_observed"),
         ("TracesBackwards", {TRACE}, "goes from 100 to 50 events"),
         ("TracesBeyond", {TRACE}, "goes from 0 to 101 events, of 100 used"),
-        ("TracesTooMuch", {*LEAST, *AMPLE}, "invalid_estimate: theta of the trace of the estimate must be a float array"),
+        (
+            "TracesTooMuch",
+            {*LEAST, *AMPLE},
+            "invalid_estimate: theta of the trace of the estimate must be a float array",
+        ),
+        ("TracesNotANumber", {TRACE}, "has theta = [None] after 100 events, where finite numbers are due"),
         ("Quits", {LEFT_OVER}, "left 2901 of 3001 events on poisson, and no message"),
         ("GlobalRandomMethod", {GLOBAL_STATE, SAME_ESTIMATE}, "infer changes numpy.random"),
         ("FixedGlobalSeed", {GLOBAL_STATE}, "infer changes numpy.random"),
@@ -142,9 +148,19 @@ def test_a_later_stage_is_tried_only_when_the_one_before_passed():
     assert [result.what for result in check.run("task", "faulty:Burning")][-1] == SIMULATES
 
 
+def test_a_task_that_cannot_be_made_is_named():
+    with pytest.raises(UsageError, match=r"faulty:FailsWhenMade.*RuntimeError: no detector"):
+        list(check.run("task", "faulty:FailsWhenMade"))
+
+
 def test_a_name_that_does_not_exist_is_wrong_usage():
     with pytest.raises(UsageError, match="did you mean poisson"):
         list(check.run("task", "poison"))
+
+
+def test_a_class_that_needs_an_argument_is_wrong_usage():
+    with pytest.raises(UsageError, match=r"'faulty:NeedsAnArgument' cannot be used, it raised TypeError: .*'scale'"):
+        list(check.run("task", "faulty:NeedsAnArgument"))
 
 
 def test_the_command_prints_every_check_and_fails_with_one_line(avobench):

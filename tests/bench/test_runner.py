@@ -72,6 +72,15 @@ def test_a_failed_cell_does_not_stop_the_sweep_and_is_tried_again_only_on_reques
     assert len(view.order) == 4
 
 
+def test_a_failure_without_a_message_does_not_stop_the_sweep(avobench, tmp_path):
+    arguments = ["run", "--task", "toys:Normal", "--method", "toys:Moment", "--targets", "0-1", "--budget", 400]
+    arguments += ["--observations", 100, "--jobs", 1, "--results", tmp_path / "r", "--set", "moment.fault=quiet"]
+    code, out, err = avobench(*arguments)
+    assert code == 1
+    assert "0 of 2 cells ok" in out
+    assert err.count("budget_exhausted: no message") == 2
+
+
 def test_a_worker_that_dies_costs_its_own_cell_only(tmp_path):
     records, view = sweep(tmp_path, methods=("toys:Moment", "toys:Dying"), targets="0-1", jobs=2)
     assert [record["status"] for record in records] == ["ok", "crashed"] * 2

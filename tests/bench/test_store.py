@@ -32,7 +32,7 @@ def test_what_is_written_is_read(store):
 def test_one_line_of_pandas_reads_a_store(store):
     for record in records():
         store.write(record)
-    frame = pd.concat([pd.read_json(path, lines=True) for path in store.records.glob("*.json")])
+    frame = pd.DataFrame(json.loads(path.read_text()) for path in store.records.glob("*.json"))
     assert set(frame["target"]) == {0, 1}
     assert frame["squared_error"].dtype == float
 
@@ -62,6 +62,30 @@ def test_a_damaged_record_is_named_and_set_aside_whole(store, damage, message):
     bad.write_text(content)
     assert store.set_aside(bad).name.endswith(".json.1")  # never over another file
     assert good.exists()
+
+
+def test_a_copy_of_a_record_is_not_counted_twice(store):
+    path = store.write(records()[0])
+    copy = path.with_name(path.name.replace("t00", "t05"))
+    copy.write_bytes(path.read_bytes())
+    sound, damaged = store.read()
+    assert len(sound) == 1
+    assert "is a copy of" in damaged[copy]
+
+
+def test_a_store_whose_making_was_killed_is_finished_by_the_next(tmp_path):
+    (tmp_path / "new").mkdir()
+    (tmp_path / "new" / ".abc.tmp").write_text("{")
+    Store(tmp_path / "new", create=True).write(records()[0])
+    assert len(Store(tmp_path / "new").read_all()) == 1
+
+
+def test_a_link_stays_a_link(tmp_path):
+    (tmp_path / "file").write_text("old")
+    (tmp_path / "link").symlink_to("file")
+    write_atomically(tmp_path / "link", b"new")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "file").read_bytes() == b"new"
 
 
 def test_folders_that_cannot_be_a_store_are_refused_in_one_line(tmp_path):
@@ -95,7 +119,8 @@ def test_folders_that_cannot_be_a_store_are_refused_in_one_line(tmp_path):
 def test_one_sweep_at_a_time(store):
     with store.lock(), pytest.raises(UsageError, match="another avobench run"):
         Store(store.path).lock()
-    store.lock().release()
+    with store.lock():
+        pass
 
 
 def test_an_interrupted_write_leaves_the_old_content(tmp_path, monkeypatch):
@@ -119,7 +144,7 @@ def test_the_table_has_a_row_a_cell_and_the_promised_columns():
 
 def test_like_named_methods_of_other_settings_are_never_pooled():
     mixed = [*records(), *records(settings=["moment.steps=2"]), *records(budget=800)]
-    _, methods = labels(mixed)
-    assert len(set(methods)) == 3
-    assert any("steps=2" in label for label in methods)
-    assert labels(records())[1] == ["moment", "moment"]
+    tasks, methods = labels(mixed)
+    assert methods == ["moment steps=4"] * 2 + ["moment steps=2"] * 2 + ["moment steps=4"] * 2
+    assert tasks == ["normal budget=400"] * 4 + ["normal budget=800"] * 2
+    assert labels(records()) == (["normal"] * 2, ["moment"] * 2)

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from avobench.bench.errors import BudgetExhausted, UsageError
 from avobench.methods import Estimate, Method, TracePoint
 from avobench.tasks import Box, Task
 
@@ -30,14 +31,18 @@ class Normal(Task):
     def simulate(self, theta, rng):
         if self.fault == "raises" and len(theta) < 1000:
             raise RuntimeError("the detector\nis on fire")
+        if self.fault == "exits":
+            raise SystemExit(0)
         if self.fault == "nan":
             return np.full((len(theta), 1), np.nan)
         return rng.normal(theta, self.scale)
 
     def summary(self, x):
-        return x.mean(axis=0)
+        return x.mean(axis=0) * (np.nan if self.fault == "summary" else 1)
 
     def floor(self, theta, num_observations, num_simulations):
+        if self.fault == "floor":
+            return None
         return self.scale**2 * (1 / num_observations + (1 / num_simulations if num_simulations else 0))
 
 
@@ -67,6 +72,16 @@ class Moment(Method):
             problem.simulate.repeat(theta, problem.simulate.budget)
         if self.fault == "raises":
             raise RuntimeError("lost the thread")
+        if self.fault == "summary":
+            problem.summary(problem.x_observed)
+        if self.fault == "exits":
+            raise SystemExit(0)
+        if self.fault == "quiet":
+            raise BudgetExhausted
+        if self.fault == "usage":
+            raise UsageError("not like this")
+        if self.fault == "cheats":
+            problem.simulate.budget = 10**6
         if self.fault == "outside":
             theta = theta + 100
         if self.fault == "support":
@@ -87,3 +102,29 @@ class Dying(Moment):
 
     name: ClassVar = "dying"
     fault: str = "dies"
+
+
+class Careless(Normal):
+    """Draws from the global generator."""
+
+    name: ClassVar = "careless"
+
+    def simulate(self, theta, rng):
+        return np.random.normal(theta)
+
+
+class Unready(Normal):
+    """Needs a package that nobody has."""
+
+    name: ClassVar = "unready"
+    packages: ClassVar = ("no_such_package",)
+    extra: ClassVar = "unready"
+
+
+class Fragile(Normal):
+    """Cannot be made."""
+
+    name: ClassVar = "fragile"
+
+    def __post_init__(self):
+        raise RuntimeError("out of order")

@@ -40,7 +40,7 @@ def test_a_box_a_method_and_setting_and_a_panel_a_task_with_its_floor(records, m
     )
     benchmark.draw(records, tmp_path)
     panels = [axis for axis in figures[0].axes if axis.get_visible()]
-    assert [axis.get_title() for axis in panels] == ["poisson", "weinberg"]
+    assert [axis.get_title() for axis in panels] == ["poisson: 5 targets", "weinberg: 5 targets"]
     assert [len(axis.get_xticks()) for axis in panels] == [2, 1]
     for axis, shown in zip(panels, (records[:5] + records[10:], records[5:10]), strict=True):
         assert axis.get_yscale() == "log"
@@ -53,3 +53,11 @@ def test_a_box_a_method_and_setting_and_a_panel_a_task_with_its_floor(records, m
 def test_nothing_but_failures_still_makes_a_figure(records, tmp_path):
     paths = benchmark.draw([failed(record) for record in records[:2]], tmp_path)
     assert all(path.stat().st_size for path in paths)
+
+
+def test_only_targets_that_all_methods_have_are_compared(records, tmp_path):
+    weinberg, other = records[5:10], [{**record, "method": "other"} for record in records[6:8]]
+    benchmark.draw([*weinberg, *other], tmp_path)
+    table = pd.read_csv(tmp_path / "benchmark.csv").set_index("method")
+    assert table["targets"].tolist() == [2, 2]
+    assert table.loc["avo-paper", "median"] == pytest.approx(table.loc["other", "median"])
