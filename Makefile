@@ -29,6 +29,9 @@ quick: venv  ## all tasks and methods on 3 targets at a tenth of the budget, int
 figures: venv  ## draw the committed records of results/reference into docs/figures
 	$(BIN)/avobench figure benchmark --results results/reference --out docs/figures
 
+bench-cost: venv  ## where the time goes: a table from results/reference, and Pythia against a bare loop
+	$(BIN)/python -m avobench.bench.cost results/reference
+
 test: venv  ## the test suite
 	$(BIN)/python -m pytest
 

@@ -113,10 +113,8 @@ def _checked(theta: ArrayLike, task: Task) -> NDArray[np.float64]:
     p = len(task.parameter_names)
     if theta.ndim != 2 or theta.shape[1] != p or len(theta) == 0:
         raise SupportError(f"theta must have shape (n, {p}) with n > 0, got {theta.shape}")
-    inside = task.support.contains(theta)  # False for NaN
-    if not inside.all():
-        raise SupportError(
-            f"theta = {theta[~inside][0].tolist()} lies outside the support of {task.name}, "
-            f"{list(task.support.low)} to {list(task.support.high)}"
-        )
+    try:
+        task.require_support(theta)
+    except ValueError as error:
+        raise SupportError(str(error)) from error
     return theta

@@ -10,6 +10,7 @@ import pandas as pd
 
 from avobench.bench.store import Store, labels, to_frame
 from avobench.tasks.alignment import SETTINGS, Alignment, start_pythia
+from avobench.tasks.base import NUM_TARGETS
 
 PARTS = ("observation", "simulator", "method", "harness")
 
@@ -44,10 +45,17 @@ def format_cost(store: Store) -> str:
     table = cost_table(store).reset_index().to_string(index=False, float_format=lambda value: f"{value:.4g}")
     busy = sum(to_frame(store.read_all())[f"{part}_seconds"].sum() for part in PARTS)
     available = sum(sweep["wall_seconds"] * sweep["jobs"] for sweep in store.sweeps())
-    return (
-        f"{table}\n\nharness: {harness_share(store):.2%} of the processor time of all sweeps\n"
-        f"workers were in a cell for {busy / available:.1%} of the time; "
-        "the rest is starting them and waiting for the last cell"
+    target = sum(cost_table(store)[f"{part} [s]"].sum() for part in PARTS) / 60
+    return "\n".join(
+        [
+            table,
+            "",
+            f"one target of every task with every method: {target:.0f} core-minutes; "
+            f"all {NUM_TARGETS}: {NUM_TARGETS * target / 60:.1f} core-hours",
+            f"harness: {harness_share(store):.2%} of the processor time of all sweeps",
+            f"workers were in a cell for {busy / available:.1%} of the time; "
+            "the rest is starting them and waiting for the last cell",
+        ]
     )
 
 

@@ -137,7 +137,7 @@ class Alignment(Task):
 
         Raises ValueError outside the support, RuntimeError if Pythia fails.
         """
-        self._check(theta)
+        self.require_support(theta)
         x = np.empty((len(theta), self.num_features), self.dtype)
         start = 0
         for particles in self.generate(len(theta), rng):
@@ -162,7 +162,7 @@ class Alignment(Task):
 
     def detect(self, particles: Particles, theta: NDArray[np.float64]) -> NDArray:
         """The images of the events of `particles`: theta (n, 1) [mm] -> (n, 1024). Raises ValueError as `simulate`."""
-        self._check(theta)
+        self.require_support(theta)
         event = np.repeat(np.arange(len(particles)), np.diff(particles.offsets))
         p, r = particles.momentum, particles.position.copy()
         r[2] += theta[event, 0]
@@ -203,11 +203,6 @@ class Alignment(Task):
             return np.nan
         information = np.interp(abs(theta[0]), INFORMATION_THETA, INFORMATION, right=np.nan)
         return float((1 / num_observations + (0 if num_simulations is None else 1 / num_simulations)) / information)
-
-    def _check(self, theta: NDArray[np.float64]) -> None:
-        inside = self.support.contains(theta)
-        if not inside.all():
-            raise ValueError(f"theta = {theta[~inside][0].tolist()}: the interaction point is not inside the sphere")
 
 
 def fisher_information(

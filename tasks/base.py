@@ -85,6 +85,15 @@ class Task(ABC):
     """Modules that must be importable, checked before a sweep begins; `extra` is the extra that installs them."""
     extra: ClassVar[str] = ""
 
+    def require_support(self, theta: NDArray[np.float64]) -> None:
+        """Raise ValueError unless all rows of theta (n, p) lie within the support."""
+        inside = self.support.contains(theta)
+        if not inside.all():
+            raise ValueError(
+                f"theta = {theta[~inside][0].tolist()} lies outside the support of {self.name}, "
+                f"{list(self.support.low)} to {list(self.support.high)}"
+            )
+
     @abstractmethod
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """One event per row of theta: (n, p) within the support -> (n, d) of `dtype`.

@@ -58,8 +58,7 @@ class Carl(Task):
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
         """One event per row: theta (n, 2) -> x (n, 5). Raises ValueError outside the support."""
-        if not self.support.contains(theta).all():
-            raise ValueError(f"theta lies outside the support {self.support.low} to {self.support.high} of {self.name}")
+        self.require_support(theta)
         n = len(theta)
         normal, exponential = rng.standard_normal((3, n)), rng.standard_exponential((2, n))
         z = np.stack(

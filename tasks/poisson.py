@@ -40,8 +40,7 @@ class Poisson(Task):
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.int64]:
         """One count per row: theta (n, 1) -> x (n, 1). Raises ValueError outside the support."""
-        if not self.support.contains(theta).all():
-            raise ValueError(f"theta lies outside the support {self.support.low} to {self.support.high} of {self.name}")
+        self.require_support(theta)
         return rng.poisson(np.exp(theta))
 
     def summary(self, x: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -56,8 +56,7 @@ class Weinberg(Task):
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
         """One event per row: theta (n, 2) -> x (n, 1). Raises ValueError outside the support, or where |c| > 2."""
-        if not self.support.contains(theta).all():
-            raise ValueError(f"theta lies outside the support {self.support.low} to {self.support.high} of {self.name}")
+        self.require_support(theta)
         return sample_cosine(self.asymmetry(theta), rng)[:, None]
 
     def summary(self, x: NDArray[np.float64]) -> NDArray[np.float64]:

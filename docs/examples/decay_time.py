@@ -41,8 +41,7 @@ class DecayTime(Task):
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
         """One measured time per row: theta (n, 1) -> x (n, 1). Raises ValueError outside the support."""
-        if not self.support.contains(theta).all():
-            raise ValueError(f"theta lies outside the support {self.support.low} to {self.support.high} of {self.name}")
+        self.require_support(theta)
         return rng.exponential(theta) + rng.normal(0, self.resolution, theta.shape)
 
     def summary(self, x: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -2,7 +2,6 @@
 
 import dataclasses
 import pickle
-import sys
 from functools import cache
 from itertools import chain
 
@@ -89,13 +88,6 @@ def test_particles_are_those_of_pythias_own_event_record(counted: str) -> None:
         np.testing.assert_allclose(ours, record, rtol=1e-9, atol=1e-9)
 
 
-@pytest.mark.parametrize("package", ["pythia8mc", "awkward"])
-def test_missing_package_is_named(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, package, None)
-    with pytest.raises(ImportError, match=rf"{package} is not installed: pip install 'avobench\[alignment\]'"):
-        simulate(0.0, 1)
-
-
 def test_pythia_that_cannot_run_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(alignment, "SETTINGS", (*alignment.SETTINGS, "Beams:eCM = 1."))
     with pytest.raises(RuntimeError, match="initialise"):
@@ -137,7 +129,7 @@ def test_hit_is_where_the_track_leaves_the_sphere(theta: float, position: tuple,
     found = cells(one(position, tuple(5 * direction)), theta)
     row, column = (np.arctanh(z / 3.2) + 5) * NUM_ROWS / 10, np.arctan2(y, x) % (2 * np.pi) * NUM_COLUMNS / (2 * np.pi)
     if min(row % 1, 1 - row % 1, column % 1, 1 - column % 1) > 1e-6:  # not on an edge
-        assert found == [(int(row), int(column))]
+        assert found == ([(int(row), int(column))] if 0 < row < NUM_ROWS else [])  # lost beyond |eta| = 5
 
 
 def test_transverse_track_moves_by_one_cell_at_theta_1() -> None:
@@ -259,9 +251,9 @@ def test_a_pickled_task_is_the_same_task_without_the_stream() -> None:
 
 @pytest.mark.parametrize("theta", [3.2, -3.2, np.nan, np.inf, 3.19])
 def test_interaction_point_outside_the_sphere_is_refused(theta: float) -> None:
-    with pytest.raises(ValueError, match="not inside the sphere"):
+    with pytest.raises(ValueError, match="outside the support of alignment"):
         simulate(np.array([0.0, theta]), 2)
-    with pytest.raises(ValueError, match="not inside the sphere"):
+    with pytest.raises(ValueError, match="outside the support of alignment"):
         TASK.detect(one((0, 0, 0), (1, 0, 0)), np.array([[theta]]))
 
 

@@ -112,7 +112,7 @@ def test_no_event_is_made_outside_the_support(task):
     corners = np.array([task.support.low, task.support.high])
     assert np.isfinite(task.simulate(corners, np.random.default_rng(5))).all()
     for theta in (corners[:1] - 1e-6, corners[1:] + 1e-6, np.full((1, task.prior.dim), np.nan)):
-        with pytest.raises(ValueError, match=f"outside the support .* of {task.name}"):
+        with pytest.raises(ValueError, match=f"outside the support of {task.name}"):
             task.simulate(np.vstack([task.prior.center, theta]), np.random.default_rng(5))
 
 
