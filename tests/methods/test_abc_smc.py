@@ -6,55 +6,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from avobench.bench.budget import MeteredSimulator
 from avobench.bench.errors import BudgetExhausted, SimulatorError, UsageError
-from avobench.bench.problem import Problem
 from avobench.methods.abc_smc import AbcSmc, _density_mode
 from avobench.tasks import Box, Task
+from gaussian import TRUTH, Constant, Failing, GaussianMean, GaussianMeans, gaussian_problem
 
 METHOD = AbcSmc(population_size=40, events_per_theta=16)
-TRUTH = np.array([1.0])
-
-
-class GaussianMean(Task):
-    """x ~ N(mu, 1) with a U(-3, 3) prior: the posterior given N events is N(mean(x), 1/N)."""
-
-    name, parameter_names, parameter_units, source = "gaussian-mean", ("mu",), ("1",), "textbook"
-    prior, support, num_features = Box((-3,), (3,)), Box((-3,), (3,)), 1
-
-    def simulate(self, theta, rng):
-        return rng.normal(theta, 1)
-
-    def summary(self, x):
-        return x.mean(axis=0)
-
-    def floor(self, theta, num_observations, num_simulations):
-        return 1 / num_observations
-
-
-class GaussianMeans(GaussianMean):
-    """Two means, with names whose alphabetical order is not their order."""
-
-    parameter_names, parameter_units, num_features = ("second", "first"), ("1", "1"), 2
-    prior = support = Box((-3, 10), (3, 14))
-
-
-class Failing(GaussianMean):
-    def simulate(self, theta, rng):
-        raise ZeroDivisionError("the detector is off")
-
-
-class Constant(GaussianMean):
-    """Every theta reproduces the observed summary."""
-
-    def summary(self, x):
-        return np.ones(1)
-
-
-def gaussian_problem(task: Task, budget: int, truth=TRUTH, seed: int = 0) -> Problem:
-    rng = np.random.default_rng(seed)
-    x_observed = rng.normal(truth, 1, (10_000, task.num_features))
-    return Problem.of(task, x_observed, MeteredSimulator(task, budget, rng))
 
 
 def infer(budget: int = 6000, seed: int = 1, method: AbcSmc = METHOD, task: Task | None = None, **of):
@@ -164,7 +121,7 @@ def test_refuses_impossible_settings(wrong):
 
 def test_refuses_a_population_too_small_for_a_density():
     with pytest.raises(UsageError, match="population_size > 2"):
-        infer(method=AbcSmc(population_size=2), task=GaussianMeans(), truth=np.array([0.0, 12.0]))
+        AbcSmc(population_size=2).min_simulations(num_parameters=2)
 
 
 @settings(max_examples=25, deadline=None)

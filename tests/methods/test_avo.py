@@ -1,49 +1,31 @@
 """Algorithm 1: gradients against closed forms, events against the schedules, and convergence on an easy problem."""
 
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import torch
 
-from avobench.bench.budget import MeteredSimulator
-from avobench.bench.problem import Problem
 from avobench.methods.avo import AvoPaper, baseline
 from avobench.methods.discriminator import Discriminator
 from avobench.methods.proposal import TruncatedGaussian
-from avobench.tasks import Box, Task
+from avobench.tasks import Box
+from gaussian import GaussianMean, gaussian_problem
 
 
-@dataclass(frozen=True)
-class Shift(Task):
-    """x ~ N(theta, 1) in two dimensions."""
+class GaussianShifts(GaussianMean):
+    """Two means, of which the support holds far more than the prior."""
 
-    name: ClassVar = "shift"
-    parameter_names: ClassVar = ("a", "b")
-    parameter_units: ClassVar = ("1", "1")
-    source: ClassVar = "test"
-    prior: ClassVar = Box((-2, -2), (2, 2))
-    support: ClassVar = Box((-9, -9), (9, 9))
-    num_features: ClassVar = 2
-
-    def simulate(self, theta, rng):
-        return rng.normal(theta)
-
-    def summary(self, x):
-        return x.mean(axis=0)
-
-    def floor(self, theta, num_observations, num_simulations):
-        return 2 / num_observations + (2 / num_simulations if num_simulations else 0)
+    parameter_names, parameter_units, num_features = ("a", "b"), ("1", "1"), 2
+    prior, support = Box((-2, -2), (2, 2)), Box((-9, -9), (9, 9))
 
 
 THETA = np.array([0.8, -0.5])
 
 
-def problem(budget, seed=0, num_observations=20_000):
-    task, rng = Shift(), np.random.default_rng(seed)
-    x = task.simulate(np.repeat(THETA[None], num_observations, axis=0), rng)
-    return Problem.of(task, x, MeteredSimulator(task, budget, rng))
+def problem(budget, num_observations=10_000):
+    given = gaussian_problem(GaussianShifts(), budget, THETA)
+    return replace(given, x_observed=given.x_observed[:num_observations])
 
 
 FAST = {"hidden": (16, 16), "learning_rate": 3e-3, "proposal_learning_rate": 3e-3}
@@ -83,7 +65,7 @@ def test_same_stream_same_estimate_whatever_the_global_state():
 
 def test_optimal_baseline_has_the_least_variance():
     rng = np.random.default_rng(0)
-    proposal = TruncatedGaussian(Shift.prior, Shift.support)
+    proposal = TruncatedGaussian(GaussianShifts.prior, GaussianShifts.support)
     psi = np.array([[0.3, 0.0], [-0.5, 0.2]])
     u = proposal.sample(psi, 200_000, rng)
     f = -3 + (u @ [1.0, -0.5]) + 0.3 * rng.normal(size=len(u))
@@ -104,7 +86,7 @@ def test_optimal_baseline_has_the_least_variance():
 
 def test_score_gradient_is_the_gradient_of_the_expected_value():
     """For f(u) = u the expectation over a wide Gaussian is its mean, so the gradient in the mean is 1."""
-    method, proposal = AvoPaper(), TruncatedGaussian(Shift.prior, Shift.support)
+    method, proposal = AvoPaper(), TruncatedGaussian(GaussianShifts.prior, GaussianShifts.support)
     psi = np.array([[0.4, -0.2], [-1.0, -1.0]])
     u = proposal.sample(psi, 400_000, np.random.default_rng(0))
     gradient = method._proposal_gradient(proposal, psi, u, u[:, 0])
@@ -112,7 +94,7 @@ def test_score_gradient_is_the_gradient_of_the_expected_value():
 
 
 def test_entropy_penalty_makes_the_proposal_tighter():
-    proposal, psi = TruncatedGaussian(Shift.prior, Shift.support), np.zeros((2, 2))
+    proposal, psi = TruncatedGaussian(GaussianShifts.prior, GaussianShifts.support), np.zeros((2, 2))
     u, flat = proposal.sample(psi, 1000, np.random.default_rng(0)), np.zeros(1000)
     gradient = AvoPaper(entropy=0.5)._proposal_gradient(proposal, psi, u, flat)
     np.testing.assert_allclose(gradient[1], 0.5, atol=1e-3)  # dH / d log std of a Gaussian is 1

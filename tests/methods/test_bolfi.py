@@ -6,48 +6,16 @@ import warnings
 import numpy as np
 import pytest
 
-from avobench.bench.budget import MeteredSimulator
 from avobench.bench.errors import BudgetExhausted, SimulatorError, UsageError
-from avobench.bench.problem import Problem
 from avobench.methods.bolfi import Bolfi
-from avobench.tasks import Box, Task
+from avobench.tasks import Task
+from gaussian import TRUTH, Failing, GaussianMean, GaussianMeans, gaussian_problem
 
 METHOD = Bolfi(events_per_theta=16, num_trace_points=3)
-TRUTH = np.array([1.0])
-
-
-class GaussianMean(Task):
-    """x ~ N(mu, 1) with a U(-3, 3) prior: the posterior given N events is N(mean(x), 1/N)."""
-
-    name, parameter_names, parameter_units, source = "gaussian-mean", ("mu",), ("1",), "textbook"
-    prior, support, num_features = Box((-3,), (3,)), Box((-3,), (3,)), 1
-
-    def simulate(self, theta, rng):
-        return rng.normal(theta, 1)
-
-    def summary(self, x):
-        return x.mean(axis=0)
-
-    def floor(self, theta, num_observations, num_simulations):
-        return 1 / num_observations
-
-
-class GaussianMeans(GaussianMean):
-    """Two means in boxes that do not overlap: exchanged parameters would leave the support."""
-
-    parameter_names, parameter_units, num_features = ("second", "first"), ("1", "1"), 2
-    prior = support = Box((-3, 10), (3, 14))
-
-
-class Failing(GaussianMean):
-    def simulate(self, theta, rng):
-        raise ZeroDivisionError("the detector is off")
 
 
 def infer(budget: int = 18 * 16, seed: int = 1, method: Bolfi = METHOD, task: Task | None = None, truth=TRUTH):
-    task, rng = task or GaussianMean(), np.random.default_rng(0)
-    x_observed = rng.normal(truth, 1, (10_000, task.num_features))
-    problem = Problem.of(task, x_observed, MeteredSimulator(task, budget, rng))
+    problem = gaussian_problem(task or GaussianMean(), budget, truth)
     return method.infer(problem, np.random.default_rng(seed)), problem
 
 
