@@ -116,7 +116,7 @@ class Store:
     def remove_leftovers(self) -> None:
         """Delete what a killed run left half-done: temporary files and marks of running cells. Needs the lock."""
         for leftover in [*self.records.glob(".*.tmp"), *self.running.glob("*")]:
-            leftover.unlink()
+            leftover.unlink(missing_ok=True)  # the workers of a killed run may still be ending
 
 
 def file_name(record: dict[str, Any]) -> str:

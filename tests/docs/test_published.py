@@ -1,0 +1,61 @@
+"""Every published number is one that a command prints from the committed records."""
+
+import re
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from avobench.bench import cli
+from avobench.bench.cost import format_cost
+from avobench.bench.plan import plan
+from avobench.bench.store import Store
+from avobench.reports import benchmark
+
+ROOT = Path(__file__).parents[2]
+REFERENCE = Store(ROOT / "results" / "reference")
+
+
+def blocks(page):
+    """The fenced blocks of a page, without the white space at line ends."""
+    return [strip(block) for block in re.findall(r"^```\n(.*?)^```$", (ROOT / page).read_text(), re.M | re.S)]
+
+
+def strip(text):
+    return "\n".join(line.rstrip() for line in text.strip("\n").splitlines())
+
+
+def test_the_readme_shows_what_status_prints(monkeypatch, capsys):
+    monkeypatch.chdir(ROOT)
+    monkeypatch.setattr("sys.argv", ["avobench", "status", "--results", "results/reference"])
+    with pytest.raises(SystemExit):
+        cli.main()
+    assert strip(capsys.readouterr().out) in blocks("README.md")
+
+
+def test_the_page_on_cost_shows_what_the_records_say():
+    assert strip(format_cost(REFERENCE)) in blocks("docs/performance.md")
+
+
+def test_the_committed_figure_is_of_the_committed_records(tmp_path):
+    benchmark.draw(REFERENCE.read_all(), tmp_path)
+    drawn, committed = tmp_path / "benchmark.csv", ROOT / "docs" / "figures" / "benchmark.csv"
+    pd.testing.assert_frame_equal(pd.read_csv(drawn), pd.read_csv(committed))
+
+
+def test_the_reference_records_are_the_cells_of_todays_defaults():
+    """A changed default or version would leave the published records behind: they would have to be made again."""
+    records = REFERENCE.read_all()
+    cells = plan(
+        tasks=["poisson", "carl", "weinberg", "alignment"],
+        methods=["avo-paper", "abc-smc", "bolfi"],
+        targets="0-2",
+        repetitions=1,
+        budget=160_000,
+        num_observations=100_000,
+        seed=0,
+        settings=[],
+    )
+    assert {cell.id for cell in cells} <= {record["id"] for record in records}
+    assert all(record["simulations_used"] <= 160_000 for record in records)
+    assert {record["status"] for record in records} == {"ok"}
