@@ -1,19 +1,21 @@
 """ELFI's default Gaussian process, in time linear in the evidence: its kernel matrix has a low numerical rank."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dpotrf, dpotri, dtrtrs
+from scipy.linalg.lapack import dpotrf, dpotri, dpotrs, dtrtrs
 from scipy.spatial.distance import cdist
 from scipy.special import gammaln
 
 Array = NDArray[np.float64]
 
-TOLERANCE = 1e-14
+TOLERANCE = 1e-13
 """Largest part of a point's prior variance that the low-rank kernel may miss at the evidence."""
+RELIABLE = 1e-6
+"""The same for pivots that are taken over: below, only the largest is one, lest the rounding of a small one spread."""
 JITTER = 1e-8
 """What GPy adds to the noise variance of the evidence (its ExactGaussianInference)."""
 
@@ -26,10 +28,6 @@ class Hyperparameters:
     lengthscale: float
     bias: float
     noise: float
-
-    def to_array(self) -> Array:
-        """In the order of the fields, (4,)."""
-        return np.array([self.variance, self.lengthscale, self.bias, self.noise])
 
 
 @dataclass(frozen=True)
@@ -98,10 +96,11 @@ class Posterior:
         features = self._with_bias(rows)
         features[-1, m:] = 0  # the bias does not depend on x
         whitened = _solve(self._small, features)
-        # The prior variance that L misses away from the evidence, and s a^T B^-1 a: no cancellation between the two.
+        # The prior variance that L misses away from the evidence, and s a^T B^-1 a. The last pivots are inexact, by a
+        # rounding of their square; that cancels in the sum, so the first term may be negative and is not cut off.
         missed, kept = self.hyperparameters.variance, self.noise
         row, white = rows[:, :m], whitened[:, :m]
-        variance = missed * np.maximum(1 - (row**2).sum(0), 0) + kept * (white**2).sum(0)
+        variance = missed * (1 - (row**2).sum(0)) + kept * (white**2).sum(0)
         if not derivatives:
             return Moments(mean, variance)
 
@@ -124,10 +123,8 @@ class Posterior:
 
     def log_likelihood(self) -> tuple[float, Array]:
         """Logarithm of the marginal likelihood of the evidence, and its gradient (4,) in the hyper-parameters."""
-        n, s, a, weights = len(self.y), self.noise, self._factor, self._weights
-        of = self.hyperparameters
-        r = len(self.pivots)
-        alpha = self._alpha
+        n, r, s, of = len(self.y), len(self.pivots), self.noise, self.hyperparameters
+        a, weights, alpha = self._factor, self._weights, self._alpha
         log_determinant = (n - r - 1) * np.log(s) + 2 * np.log(self._small.diagonal()).sum()
         value = -(s * alpha @ alpha + weights @ weights + log_determinant + n * np.log(2 * np.pi)) / 2
 
@@ -140,15 +137,16 @@ class Posterior:
 
         # dK / d lengthscale is K times squared distances / lengthscale^3, element by element, and with coordinates as
         # diagonal matrices D_i: K * |x - x'|^2 = sum_i D_i^2 K + K D_i^2 - 2 D_i K D_i, which needs only A.
-        x = self.x - self.x.mean(axis=0)
+        # For M = D_i L, M^T (K + s I)^-1 M = |M - A W|^2 / s + |W|^2 with W = B^-1 A^T M, a sum of positive terms.
+        x = self.x - self._centre
         left = a[:, :r]
-        squared = a.T @ ((x**2).sum(1)[:, None] * left)
-        trace = (inverse[:r] * squared.T).sum() - squared[:r].trace() / s
-        quadratic = (alpha * (x**2).sum(1)) @ left @ weights[:r]
+        squares = (x**2).sum(1)
+        trace = (inverse[:r] * (a.T @ (squares[:, None] * left)).T).sum()
+        quadratic = (alpha * squares) @ left @ weights[:r]
         for coordinate in x.T:
             moved = coordinate[:, None] * left
-            product = a.T @ moved
-            trace += (product * (inverse @ product)).sum() / s
+            within, _ = dpotrs(self._small, a.T @ moved, lower=1)
+            trace -= ((moved - a @ within) ** 2).sum() / s + (within**2).sum()
             quadratic -= ((alpha @ moved) ** 2).sum()
         return value, np.array([variance, (quadratic - trace) / of.lengthscale**3, bias, noise])
 
@@ -166,7 +164,7 @@ class Posterior:
         block, info = dpotrf(kernel[:, pivots], lower=1)
         if info:
             block = block[: info - 1, : info - 1]
-        small = np.flatnonzero(block.diagonal() ** 2 < TOLERANCE)
+        small = np.flatnonzero(block.diagonal() ** 2 < RELIABLE)
         r = small[0] if small.size else len(block)
         pivots = pivots[:r]
         rows = np.empty((len(self.x), len(self.x)))  # of which the operating system provides what is written
@@ -211,18 +209,22 @@ class GaussianProcess:
 
     @property
     def n_evidence(self) -> int:
+        """Number of evaluations seen."""
         return 0 if self.posterior is None else len(self.posterior.y)
 
     @property
     def X(self) -> Array:
+        """Thetas of the evidence, (n, p)."""
         return self.posterior.x
 
     @property
     def Y(self) -> Array:
+        """Distances of the evidence, (n, 1)."""
         return self.posterior.y[:, None]
 
     @property
     def noise(self) -> float:
+        """Variance of the noise."""
         return self.posterior.hyperparameters.noise
 
     def predict(self, x: Array, noiseless: bool = False) -> tuple[Array, Array]:
@@ -269,7 +271,7 @@ class GaussianProcess:
         """Log likelihood and prior of the hyper-parameters, up to a constant, and the gradient (4,) in log(exp(.) - 1),
         the coordinates in which GPy optimises; the prior includes their Jacobian."""
         value, gradient = at.log_likelihood()
-        theta = at.hyperparameters.to_array()
+        theta = np.array(astuple(at.hyperparameters))
         shape, prior = self._prior_mean, theta[:3]
         jacobian = -np.expm1(-theta)
         value += ((shape - 1) * np.log(prior) - prior - gammaln(shape) + np.log(jacobian[:3])).sum()
@@ -283,16 +285,16 @@ class GaussianProcess:
         @lru_cache(maxsize=1)  # SCG asks for the gradient where it has just asked for the value
         def objective(key: bytes) -> tuple[float, Array]:
             hyperparameters = Hyperparameters(*_positive(np.frombuffer(key)).tolist())
-            if hyperparameters.lengthscale < 1e-100:  # a step too far: its powers are not numbers
-                return np.inf, np.zeros(4)
+            if hyperparameters.lengthscale < 1e-100 or max(astuple(hyperparameters)) > 1e100:
+                return np.inf, np.zeros(4)  # a step too far, whose powers overflow: SCG tries a shorter one
             try:
-                self.posterior = self._refitted(hyperparameters)
-            except np.linalg.LinAlgError:  # a step too far, which GPy refuses in the same way
-                return np.inf, np.zeros(4)
+                self.posterior = self._refitted(hyperparameters)  # from the pivots of the last step
+            except np.linalg.LinAlgError:
+                return np.inf, np.zeros(4)  # a step too far, which GPy refuses in the same way
             value, gradient = self.log_posterior(self.posterior)
             return -value, -gradient
 
-        theta = self.posterior.hyperparameters.to_array()
+        theta = np.array(astuple(self.posterior.hyperparameters))
         best, *_ = SCG(
             lambda z: objective(z.tobytes())[0],
             lambda z: objective(z.tobytes())[1],
