@@ -59,7 +59,7 @@ def summary(table: pd.DataFrame) -> str:
     line += f"fast {errors[1].median():.2e}"
     if len(table) >= LEAST_FOR_TEST:
         p = wilcoxon(np.log(errors[0]), np.log(errors[1])).pvalue
-        line += f", p = {p:.2f} that they are the same in {len(table)} pairs (Wilcoxon)"
+        line += f", no difference in {len(table)} pairs has p = {p:.2f} (Wilcoxon)"
     return line
 
 
