@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +15,11 @@ from scipy.stats import qmc
 from avobench.bench.errors import UsageError
 from avobench.bench.problem import Problem
 from avobench.methods.base import Estimate, Method, TracePoint, global_seed
+from avobench.methods.gaussian_process import GaussianProcess
 from avobench.tasks import Box
 
 if TYPE_CHECKING:
-    from elfi import BOLFI
+    from elfi import BOLFI, ElfiModel
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,9 @@ class Bolfi(Method):
     """Evaluations at draws from the prior; None is ELFI's default, max(10, 2^p + 1) for p parameters."""
     update_interval: int = 10
     """Evaluations between two fits of the process's hyper-parameters."""
+    surrogate: Literal["fast", "gpy"] = "fast"
+    """The process: ELFI's own, in GPy, or the same one by a factorisation of low rank, whose acquisitions are searched
+    from all starting points together. Both have the same kernel, priors, noise, schedule and random stream."""
     exploration_rate: float = 10.0
     """1 / delta of the lower confidence bound."""
     acq_noise_var: float = 0.0
@@ -63,6 +67,8 @@ class Bolfi(Method):
             raise UsageError("bolfi needs events_per_theta, update_interval and num_trace_points of at least 1")
         if self.initial_evidence is not None and self.initial_evidence < 1:
             raise UsageError(f"bolfi needs initial_evidence >= 1, got {self.initial_evidence}")
+        if self.surrogate not in ("fast", "gpy"):
+            raise UsageError(f"bolfi needs surrogate fast or gpy, got {self.surrogate!r}")
         if self.exploration_rate <= 0 or self.acq_noise_var < 0:
             raise UsageError("bolfi needs exploration_rate > 0 and acq_noise_var >= 0")
         if self.num_posterior_points < 2 or self.num_posterior_points & (self.num_posterior_points - 1):
@@ -103,20 +109,22 @@ class Bolfi(Method):
             ]
             observed = problem.summary(problem.x_observed)[None]
             simulator = elfi.Simulator(summaries, *theta, observed=observed, model=model, name="summaries")
+            bounds = dict(zip(names, zip(box.low, box.high, strict=True), strict=True))
             bolfi = elfi.BOLFI(
                 elfi.Distance("euclidean", simulator, model=model, name="distance"),
-                bounds=dict(zip(names, zip(box.low, box.high, strict=True), strict=True)),
+                bounds=bounds,
                 initial_evidence=num_initial,
                 update_interval=self.update_interval,
                 acq_noise_var=float(self.acq_noise_var),
                 exploration_rate=self.exploration_rate,
                 seed=seed,
+                **(self._fast(model, bounds, seed) if self.surrogate == "fast" else {}),
             )
             bolfi.set_objective(num_evidence)
             while not bolfi.finished:
                 bolfi.iterate()
-                if bolfi.n_evidence % 10 == 0:
-                    # ELFI builds a new process for each evaluation; reference cycles keep the old ones, gigabytes
+                if self.surrogate == "gpy" and bolfi.n_evidence % 10 == 0:
+                    # ELFI builds a new GPy process for each evaluation; reference cycles keep the old ones, gigabytes
                     # after some hundred evaluations, because Python counts objects and not their size.
                     gc.collect()
                 if bolfi.n_evidence in traced:
@@ -135,6 +143,22 @@ class Bolfi(Method):
 
     def _num_initial(self, num_parameters: int) -> int:
         return self.initial_evidence or max(10, 2**num_parameters + 1)
+
+    def _fast(self, model: "ElfiModel", bounds: dict[str, tuple[float, float]], seed: int) -> dict[str, Any]:
+        """What takes the place of ELFI's process and acquisition."""
+        from elfi.model.extensions import ModelPrior
+
+        from avobench.methods.lower_confidence_bound import BatchedLCBSC
+
+        process = GaussianProcess(list(bounds), list(bounds.values()))
+        acquisition = BatchedLCBSC(
+            process,
+            prior=ModelPrior(model, parameter_names=process.parameter_names),
+            noise_var=float(self.acq_noise_var),
+            exploration_rate=self.exploration_rate,
+            seed=seed,
+        )
+        return {"target_model": process, "acquisition_method": acquisition}
 
 
 def _posterior(bolfi: "BOLFI", points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

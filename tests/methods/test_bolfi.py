@@ -27,6 +27,33 @@ def test_finds_the_mean_of_a_gaussian():
     assert problem.simulate.used == 40 * 64
 
 
+def test_both_surrogates_acquire_the_same_points():
+    class Recording(GaussianMean):
+        def simulate(self, theta, rng):
+            seen[-1].append(theta[0, 0])
+            return super().simulate(theta, rng)
+
+    seen, estimates = [], []
+    for surrogate in ("fast", "gpy"):
+        seen.append([])
+        method = Bolfi(events_per_theta=64, num_trace_points=2, surrogate=surrogate)
+        estimates.append(infer(30 * 64, method=method, task=Recording())[0])
+    assert len(set(seen[0])) == 30
+    assert seen[0] == pytest.approx(seen[1], abs=1e-4)
+    assert estimates[0].theta == pytest.approx(estimates[1].theta, abs=1e-4)
+    assert estimates[0].std == pytest.approx(estimates[1].std, abs=1e-4)
+
+
+@pytest.mark.parametrize("surrogate", ["fast", "gpy"])
+def test_acquisition_noise_and_many_initial_evaluations(surrogate):
+    method = Bolfi(
+        events_per_theta=16, num_trace_points=2, surrogate=surrogate, acq_noise_var=0.01, initial_evidence=12
+    )
+    estimate, problem = infer(20 * 16, method=method)
+    assert problem.simulate.used == 20 * 16
+    assert estimate.theta == pytest.approx(TRUTH, abs=1)
+
+
 @pytest.mark.parametrize("unit_box", [True, False])
 def test_keeps_the_order_of_the_parameters(unit_box):
     method = Bolfi(events_per_theta=16, num_trace_points=2, unit_box=unit_box)
@@ -111,6 +138,7 @@ def test_an_error_of_the_simulator_propagates():
         {"initial_evidence": 0},
         {"update_interval": 0},
         {"num_trace_points": 0},
+        {"surrogate": "exact"},
         {"exploration_rate": 0.0},
         {"acq_noise_var": -1.0},
         {"num_posterior_points": 1000},
