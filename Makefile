@@ -6,7 +6,7 @@ METHODS := --method avo-paper --method abc-smc --method bolfi
 QUICK := --budget 16000 --observations 20000 --targets 0-2 --set abc-smc.population_size=25
 
 .DEFAULT_GOAL := help
-.PHONY: help venv benchmark quick figures test lint bench-cost clean
+.PHONY: help venv benchmark quick figures bench-cost bench-speed test lint clean
 
 help:  ## show these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -28,6 +28,9 @@ quick: venv  ## all tasks and methods on 3 targets at a tenth of the budget, int
 
 figures: venv  ## draw the committed records of results/reference into docs/figures
 	$(BIN)/avobench figure benchmark --results results/reference --out docs/figures
+
+bench-speed: venv  ## BOLFI with its fast process against ELFI's own, side by side in one run
+	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.bolfi_speed
 
 bench-cost: venv  ## where the time goes: a table from results/reference, and Pythia against a bare loop
 	$(BIN)/python -m avobench.bench.cost results/reference

@@ -224,9 +224,11 @@ def versions() -> dict[str, str | None]:
     source = Path(__file__).resolve().parent.parent
     found["commit"] = None
     if (source / ".git").exists():
-        command = ["git", "-C", str(source), "describe", "--always", "--dirty", "--abbrev=12"]
+        git = ["git", "-C", str(source)]
         try:
-            found["commit"] = subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+            head = subprocess.run([*git, "rev-parse", "--short=12", "HEAD"], capture_output=True, text=True, check=True)
+            changed = subprocess.run([*git, "diff", "--quiet", "HEAD", "--", "tasks", "methods", "bench"])
+            found["commit"] = head.stdout.strip() + "-changed" * (changed.returncode != 0)
         except (OSError, subprocess.CalledProcessError):
             found["commit"] = "unknown"
     return found

@@ -205,18 +205,18 @@ def write_atomically(path: Path, content: bytes) -> Path:
 
     A link stays a link; what is not a regular file, such as a terminal, is written to as it is.
     """
-    path = path.resolve()
-    if path.exists() and not path.is_file():
-        path.write_bytes(content)
+    target = path.resolve()
+    if target.exists() and not target.is_file():
+        target.write_bytes(content)
         return path
-    handle, temporary = tempfile.mkstemp(prefix=".", suffix=".tmp", dir=path.parent)
+    handle, temporary = tempfile.mkstemp(prefix=".", suffix=".tmp", dir=target.parent)
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
         os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
+        os.replace(temporary, target)
     except BaseException:
         os.unlink(temporary)
         raise

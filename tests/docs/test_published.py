@@ -25,12 +25,15 @@ def strip(text):
     return "\n".join(line.rstrip() for line in text.strip("\n").splitlines())
 
 
-def test_the_readme_shows_what_status_prints(monkeypatch, capsys):
+@pytest.mark.parametrize(
+    ("page", "results"), [("README.md", "results/reference"), ("docs/performance.md", "results/bolfi-gpy")]
+)
+def test_a_page_shows_what_status_prints(page, results, monkeypatch, capsys):
     monkeypatch.chdir(ROOT)
-    monkeypatch.setattr("sys.argv", ["avobench", "status", "--results", "results/reference"])
+    monkeypatch.setattr("sys.argv", ["avobench", "status", "--results", results])
     with pytest.raises(SystemExit):
         cli.main()
-    assert strip(capsys.readouterr().out) in blocks("README.md")
+    assert strip(capsys.readouterr().out) in blocks(page)
 
 
 def test_the_page_on_cost_shows_what_the_records_say():
