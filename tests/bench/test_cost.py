@@ -16,7 +16,7 @@ def test_the_parts_of_a_sweep_add_up_to_its_time(tmp_path):
     assert {record["status"] for record in records} == {Status.OK}
     table = cost_table(store)
     assert table["cells"].tolist() == [4]
-    assert table["method [s]"].iloc[0] == pytest.approx(0.2, rel=0.3)  # four pauses
+    assert table["method [s]"].iloc[0] >= 0.2  # four pauses of 0.05 s
     share = harness_share(store)
     spent = sum(record[f"{part}_seconds"] for record in records for part in PARTS[:-1])
     (sweep,) = store.sweeps()
