@@ -102,9 +102,8 @@ def _panel(axis: Any, cells: pd.DataFrame, methods: list[str], colours: dict[str
     if len(floors):
         axis.axhspan(floors.min(), floors.max(), color="0.5", alpha=0.2, lw=0)
         axis.axhline(floors.median(), color="0.25", ls="--", lw=1)
-        axis.annotate(
-            "floor", (1, floors.median()), xycoords=("axes fraction", "data"), ha="right", va="bottom", fontsize=8
-        )
+        beside = {"xycoords": ("axes fraction", "data"), "ha": "left", "va": "center", "annotation_clip": False}
+        axis.annotate("floor", (1.01, floors.median()), fontsize=8, **beside)
     axis.set_yscale("log")
     axis.set_xlabel("")
     axis.set_ylabel(r"squared error $\|\hat\theta - \theta^*\|^2$")
