@@ -47,6 +47,16 @@ def test_one_worker_or_two_give_the_same_records_bit_for_bit(tmp_path):
     assert results(one) == results(two)
 
 
+def test_the_real_methods_too_do_not_depend_on_the_number_of_workers(tmp_path):
+    settings = ["avo-paper.hidden=[8]", "abc-smc.population_size=10", "abc-smc.events_per_theta=16"]
+    settings += ["bolfi.events_per_theta=64", "bolfi.num_trace_points=2"]
+    methods = ["avo-paper", "abc-smc", "bolfi"]
+    cells = plan(["weinberg", "alignment"], methods, "0", 1, 1280, 500, 0, settings)
+    one, two = (run(cells, Store(tmp_path / str(jobs), create=True), jobs, Notes()) for jobs in (1, 2))
+    assert [record["status"] for record in one] == ["ok"] * 6
+    assert results(one) == results(two)
+
+
 def test_a_second_run_does_only_what_is_missing(tmp_path):
     first, _ = sweep(tmp_path, targets="0-1")
     second, view = sweep(tmp_path, targets="0-3")
