@@ -27,6 +27,10 @@ class Problem:
     """Summary statistic of a set of events: (n, d) -> (k,)."""
     discriminator: Discriminator
     """The network that the paper gives to this task."""
+    event_shape: tuple[int, ...] = ()
+    """Of an event whose features form an image; () where they are a plain list."""
+    cyclic_axes: tuple[int, ...] = ()
+    """Axes of `event_shape` along which a cyclic shift of an event is as probable as the event."""
 
     @classmethod
     def of(cls, task: Task, x_observed: NDArray, simulate: MeteredSimulator) -> "Problem":
@@ -39,4 +43,6 @@ class Problem:
             simulate,
             lambda x: checked_summary(task, x),
             task.discriminator,
+            task.event_shape,
+            task.cyclic_axes,
         )

@@ -79,6 +79,12 @@ class Task(ABC):
     support: ClassVar[Box]
     """Where the simulator is defined; contains the prior."""
     num_features: ClassVar[int]
+    feature_names: ClassVar[tuple[str, ...]] = ()
+    """One a feature, where they have names; tables and figures say x1, x2, ... otherwise."""
+    event_shape: ClassVar[tuple[int, ...]] = ()
+    """Of an event whose features form an image, row by row, e.g. (32, 32); () where they are a plain list."""
+    cyclic_axes: ClassVar[tuple[int, ...]] = ()
+    """Axes of `event_shape` along which a cyclic shift of an event is as probable as the event, whatever theta."""
     dtype: ClassVar[DTypeLike] = np.float64
     discriminator: ClassVar[Discriminator] = Discriminator()
     packages: ClassVar[tuple[str, ...]] = ()

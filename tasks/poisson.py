@@ -31,6 +31,7 @@ class Poisson(Task):
     prior: ClassVar = Box((0,), (4,))
     support: ClassVar = Box((-10,), (10,))
     num_features: ClassVar = 1
+    feature_names: ClassVar = ("count",)
     dtype: ClassVar = np.int64
     discriminator: ClassVar = Discriminator(hidden=(600,) * 3)
 

@@ -44,6 +44,7 @@ class Weinberg(Task):
     prior: ClassVar = Box((43, 0), (47, 2))
     support: ClassVar = Box((42.8, -0.2), (47.2, 2.2))
     num_features: ClassVar = 1
+    feature_names: ClassVar = ("cos_angle",)
     discriminator: ClassVar = Discriminator(hidden=(1000,) * 4)
 
     def __post_init__(self) -> None:

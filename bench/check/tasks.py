@@ -62,6 +62,10 @@ def _described(task: Task) -> None:
     expect(inside, f"the support {task.support} must contain the prior {task.prior}")
     d = task.num_features
     expect(isinstance(d, numbers.Integral) and d >= 1, f"num_features must be a whole number from 1, got {d!r}")
+    names, shape, axes = task.feature_names, task.event_shape, task.cyclic_axes
+    expect(len(names) in (0, d) and len(set(names)) == len(names), f"feature_names must be {d} names, or none: {names}")
+    expect(not shape or np.prod(shape) == d, f"event_shape {shape} does not hold {d} features")
+    expect(set(axes) <= set(range(len(shape))), f"cyclic_axes {axes} are not axes of event_shape {shape}")
     expect(np.dtype(task.dtype).kind in "biuf", f"dtype must be a type of real numbers, got {task.dtype!r}")
     expect(isinstance(task.discriminator, Discriminator), f"discriminator must be one, got {task.discriminator!r}")
 

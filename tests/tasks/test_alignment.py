@@ -298,3 +298,12 @@ def test_fisher_information_predicts_a_real_estimator() -> None:
 def test_floor_is_unknown_where_it_was_not_measured() -> None:
     assert np.isnan(TASK.floor(np.array([1.6]), 1000, 1000))
     assert np.isnan(Alignment(radius=10).floor(np.zeros(1), 1000, 1000))
+
+
+def test_the_azimuth_is_cyclic():
+    """Beams along z: the mean occupancy of a column does not depend on which it is, to within its counting error."""
+    assert TASK.event_shape == (32, 32)
+    assert TASK.cyclic_axes == (1,)
+    occupancy = TASK.simulate(np.full((4000, 1), 1.0), np.random.default_rng(5)).reshape(-1, 32, 32).sum(axis=1)
+    mean, error = occupancy.mean(axis=0), occupancy.std(axis=0) / np.sqrt(len(occupancy))
+    assert (((mean - mean.mean()) / error) ** 2).sum() < 62  # 31 degrees of freedom: p = 0.001
