@@ -147,13 +147,15 @@ class AvoPaper(Method):
         return gradient
 
 
-def baseline(kind: str, score: NDArray[np.float64], f: NDArray[np.float64]) -> NDArray[np.float64] | float:
-    """The constant per component of psi that is subtracted from f: score (M, 2, p), f (M,) -> (2, p).
+def baseline(
+    kind: str, score: NDArray[np.float64], f: NDArray[np.float64], weight: NDArray[np.float64] | float = 1.0
+) -> NDArray[np.float64] | float:
+    """The constant per component of psi that is subtracted from f: score (M, 2, p), f (M,), weight (M, 1, 1) -> (2, p).
 
     The variance of the estimate is least at E[s^2 f] / E[s^2]; Equation 13 prints f^2 (`as_printed`).
     """
     if kind == "none":
         return 0.0
     values = f if kind == "optimal" else f**2
-    weight = score**2
-    return (weight * values[:, None, None]).mean(axis=0) / weight.mean(axis=0)
+    square = weight * score**2
+    return (square * values[:, None, None]).mean(axis=0) / square.mean(axis=0)
