@@ -24,12 +24,13 @@ class Inputs:
         if not whiten:
             covariance = np.diag(np.diag(covariance))
         variance, axes = np.linalg.eigh(covariance)
-        spread = np.sqrt(variance.clip(0) + LEAST_VARIANCE * variance.mean()) + np.finfo(float).tiny
-        self._shift, self._whiten = x.mean(axis=0, dtype=float).astype(np.float32), (axes / spread) @ axes.T
+        spread = np.sqrt(variance.clip(0) + LEAST_VARIANCE * variance.mean())
+        whitening = (axes / np.where(spread > 0, spread, 1)) @ axes.T
+        self._shift, self._whitening = (a.astype(np.float32) for a in (x.mean(axis=0, dtype=float), whitening))
 
     def __call__(self, x: NDArray) -> NDArray[np.float32]:
         """x (n, d) -> (n, k), with k = d unless an image is summed."""
-        return (self._sum(x) - self._shift) @ self._whiten.astype(np.float32)
+        return (self._sum(x) - self._shift) @ self._whitening
 
     def _sum(self, x: NDArray) -> NDArray[np.float32]:
         if self._symmetric:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import eigh
 
 WIDTH = 1.25
 """Of the kernel over theta, in standard deviations of the proposal. A wider one takes in more events, which a quadratic
@@ -12,6 +13,8 @@ REACH = 3.0
 """Events beyond so many kernel widths are left out."""
 RIDGE = 1e-4
 """Share of its variance that is added to each feature's, for features that are nearly copies of each other."""
+SIGNIFICANT = 5.0
+"""Standard deviations by which the information along a combination of parameters must exceed pure noise."""
 MAX_STEPS = 50
 STANDS_STILL = 1e-3
 """The polish ends with a step below this share of the standard error, in 3 to 10 steps as a rule."""
@@ -66,7 +69,8 @@ def polish(
         weighted = terms * np.exp(-distance[near] / 2)[:, None]
         rows = (np.linalg.pinv(terms.T @ weighted, hermitian=True) @ weighted.T)[: 1 + p]  # the value, and the slopes
         fit = (rows.astype(np.float32) @ synthetic[near]).astype(float)
-        difference, jacobian = -fit[0], fit[1:] / width[:, None]  # observed features have mean zero
+        difference = -fit[0]  # the observed features have mean zero
+        jacobian = significant(fit[1:] / width[:, None], inverse, rows[1:] / width[:, None])
         num_effective = 1 / (1 / len(real) + (rows[0] ** 2).sum())
         precision = num_effective * jacobian @ inverse @ jacobian.T + np.eye(p)
         move = np.linalg.solve(precision, num_effective * jacobian @ inverse @ difference - mean)
@@ -75,6 +79,22 @@ def polish(
         if (np.abs(move) < STANDS_STILL * error).all():
             return Polished(mean, error, step, converged=True)
     return Polished(mean, error, MAX_STEPS, converged=False)
+
+
+def significant(
+    jacobian: NDArray[np.float64], inverse: NDArray[np.float64], rows: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """The part of the Jacobian (p, k) along those combinations of parameters in which it is more than noise.
+
+    rows (p, n) are the weights with which it was made of n events. Where E[phi] does not depend on theta, the
+    information that the Jacobian seems to hold, in units of its noise, is a chi-squared of k degrees of freedom; left
+    in, it would outweigh the prior and send the mean anywhere along a degeneracy.
+    """
+    k = jacobian.shape[1]
+    noise = rows @ rows.T + np.finfo(float).tiny * np.eye(len(rows))
+    value, axes = eigh(jacobian @ inverse @ jacobian.T, noise)  # axes.T @ noise @ axes = 1
+    axes = axes[:, value > k + SIGNIFICANT * np.sqrt(2 * k)]
+    return noise @ axes @ (axes.T @ jacobian)
 
 
 def quadratic(z: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,0 +1,49 @@
+"""What avo's discriminator sees."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from avobench.methods.inputs import Inputs
+from gaussian import GaussianMean, gaussian_problem
+
+
+class Image(GaussianMean):
+    """Images of 3 x 4, on which a shift along the second axis means nothing."""
+
+    num_features, event_shape, cyclic_axes = 12, (3, 4), (1,)
+
+
+def observed(x, task=GaussianMean):
+    return replace(gaussian_problem(task(), 1), x_observed=x)
+
+
+@pytest.mark.parametrize("whiten", [True, False])
+def test_inputs_have_zero_mean_and_unit_spread(whiten):
+    x = np.random.default_rng(0).multivariate_normal([5, -3], [[4, 1.2], [1.2, 1]], 20_000)
+    seen = Inputs(observed(x), symmetric=True, whiten=whiten)(x)
+    assert seen.dtype == np.float32
+    np.testing.assert_allclose(seen.mean(axis=0), 0, atol=1e-4)
+    covariance = np.cov(seen.T)
+    np.testing.assert_allclose(np.diag(covariance), 1, rtol=0.05)
+    assert (abs(covariance[0, 1]) < 0.01) == whiten
+
+
+def test_images_are_summed_over_their_cyclic_axes():
+    x = np.random.default_rng(1).poisson(2, (500, 12)).astype(np.uint8)
+    rolled = np.roll(x.reshape(-1, 3, 4), 1, axis=2).reshape(-1, 12)
+    symmetric = Inputs(observed(x, Image), symmetric=True, whiten=True)
+    assert symmetric(x).shape == (500, 3)
+    np.testing.assert_array_equal(symmetric(x), symmetric(rolled))
+    flat = Inputs(observed(x, Image), symmetric=False, whiten=True)
+    assert flat(x).shape == (500, 12)
+    assert np.abs(flat(x) - flat(rolled)).max() > 1
+
+
+def test_a_feature_that_never_varied_stays_finite():
+    x = np.random.default_rng(2).normal(size=(100, 2)) * [1, 0]
+    seen = Inputs(observed(x), symmetric=True, whiten=True)
+    assert np.abs(seen(np.ones((3, 2)))).max() < 1.2 / np.sqrt(1e-3 / 2)
+    constant = Inputs(observed(x * 0), symmetric=True, whiten=True)
+    np.testing.assert_array_equal(constant(x * 0), 0)

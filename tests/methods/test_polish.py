@@ -1,0 +1,82 @@
+"""The polish against answers known in closed form."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from avobench.methods.polish import polish, quadratic
+
+EDGE = 4.0
+
+
+def polished(real, synthetic, u, start, std=0.3):
+    p = u.shape[1]
+    bounds = np.full(p, -EDGE), np.full(p, EDGE)
+    return polish(real.astype(np.float32), synthetic.astype(np.float32), u, np.full(p, start), np.full(p, std), *bounds)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 2**32), st.floats(-1.5, 1.5), st.floats(-0.3, 0.3))
+def test_estimate_and_error_of_a_gaussian_mean(seed, truth, off):
+    """x ~ N(u, 1): the best estimate is the observed mean minus that simulated at the same place."""
+    rng = np.random.default_rng(seed)
+    u = rng.normal(truth + off, 0.3, (20_000, 1))
+    real, synthetic = rng.normal(truth, 1, (10_000, 1)), rng.normal(u, 1)
+    answer = polished(real, synthetic, u, truth + off)
+    assert answer.converged
+    assert abs(answer.mean[0] - truth) < 5 * answer.error[0]
+    best = np.sqrt(1 / 10_000 + 1 / 20_000)
+    assert best < answer.error[0] < 1.4 * best
+    assert abs(answer.mean[0] - real.mean()) < 5 * np.sqrt(answer.error[0] ** 2 - 1 / 10_000)
+
+
+def test_the_width_of_the_proposal_does_not_bias_a_curved_mean():
+    """E[x | u] = exp u / 4, where an average over N(u, 0.3^2) would be 4.6 % too large, seven standard errors of u."""
+    rng = np.random.default_rng(1)
+    u = rng.normal(1.2, 0.3, (200_000, 1))
+    real, synthetic = rng.normal(np.exp(1) / 4, 1, (200_000, 1)), rng.normal(np.exp(u) / 4, 1)
+    answer = polished(real, synthetic, u, 1.2)
+    assert abs(answer.mean[0] - 1) < 3 * answer.error[0]
+    assert answer.error[0] < 0.007
+
+
+def test_several_features_and_parameters():
+    rng = np.random.default_rng(2)
+    mixing, truth = rng.normal(size=(2, 3)), np.array([0.5, -0.8])
+    u = truth + 0.2 + rng.normal(0, 0.3, (40_000, 2))
+    real = truth @ mixing + rng.normal(size=(40_000, 3))
+    answer = polished(real, u @ mixing + rng.normal(size=(40_000, 3)), u, 0.0, std=0.4)
+    errors = np.sqrt(np.diag(np.linalg.inv(mixing @ mixing.T)) * 2 / 40_000)
+    np.testing.assert_array_less(np.abs(answer.mean - truth), 4 * answer.error)
+    np.testing.assert_array_less(errors, answer.error)
+    np.testing.assert_array_less(answer.error, 1.6 * errors)
+
+
+def test_the_prior_decides_where_the_events_say_nothing():
+    """x depends on u_1 + u_2 alone, so the answer is the point of that line nearest to the prior's mean."""
+    rng = np.random.default_rng(3)
+    u = rng.normal([1.2, 0.1], 0.5, (40_000, 2))
+    real, synthetic = rng.normal(1.0, 1, (40_000, 1)), rng.normal(u.sum(axis=1, keepdims=True), 1)
+    answer = polished(real, synthetic, u, 0.8, std=0.5)
+    np.testing.assert_allclose(answer.mean, [0.5, 0.5], atol=0.05)  # the slopes know the line to 0.01
+    assert answer.error.min() > 0.5  # of the prior's order
+
+
+def test_answer_stays_within_the_bounds():
+    rng = np.random.default_rng(4)
+    u = rng.normal(3.5, 0.4, (5000, 1)).clip(-EDGE, EDGE)
+    answer = polished(rng.normal(9, 1, (5000, 1)), rng.normal(u, 1), u, 3.5)
+    assert answer.mean == [EDGE]
+
+
+def test_a_constant_feature_and_a_copy_change_nothing():
+    rng = np.random.default_rng(5)
+    u = rng.normal(0, 0.3, (5000, 1))
+    real, synthetic = rng.normal(0.1, 1, (5000, 1)), rng.normal(u, 1)
+    alone = polished(real, synthetic, u, 0.0)
+    crowded = polished(*(np.hstack([x, x, np.ones_like(x)]) for x in (real, synthetic)), u, 0.0)
+    np.testing.assert_allclose(crowded.mean, alone.mean, atol=1e-3 * alone.error[0])
+
+
+def test_quadratic_terms():
+    np.testing.assert_array_equal(quadratic(np.array([[2.0, 3.0]])), [[1, 2, 3, 4, 6, 9]])
