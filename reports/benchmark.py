@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from avobench.bench.cells import Status
 from avobench.bench.store import labels, to_frame
+from avobench.reports.quantities import comparable
 from avobench.reports.style import FLOOR, METHOD_ORDER, STYLE, TASK_ORDER, colours, ordered, panels, save
 
 
@@ -23,7 +24,7 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
     """
     frame = to_frame(records)
     frame["task"], frame["method"] = labels(records)
-    frame = pd.concat([_comparable(cells) for _, cells in frame.groupby("task", sort=False)])
+    frame = pd.concat([comparable(cells) for _, cells in frame.groupby("task", sort=False)])
     with matplotlib.rc_context(STYLE):
         return save(_figure(frame), numbers(frame), folder, "benchmark")
 
@@ -50,12 +51,6 @@ def numbers(frame: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _comparable(cells: pd.DataFrame) -> pd.DataFrame:
-    """The cells of a task whose target every method has; all of them where no target is in common."""
-    common = set.intersection(*(set(own["target"]) for _, own in cells.groupby("method")))
-    return cells[cells["target"].isin(common)] if common else cells
-
-
 def _figure(frame: pd.DataFrame) -> Figure:
     tasks = ordered(frame["task"], TASK_ORDER)
     methods = ordered(frame["method"], METHOD_ORDER)
@@ -72,14 +67,16 @@ def _panel(axis: Any, cells: pd.DataFrame, methods: list[str], colours: dict[str
     shown = [method for method in methods if (cells["method"] == method).any()]
     common = {"data": cells, "x": "method", "y": "squared_error", "order": shown, "ax": axis}
     if cells["squared_error"].notna().any():  # seaborn cannot draw a panel without a single value
-        sns.boxplot(**common, hue="method", palette=colours, whis=(0, 100), width=0.6, linewidth=0.9, legend=False)
+        sns.boxplot(
+            **common, hue="method", palette=colours, whis=(0, 100), width=0.6, linewidth=0.9, saturation=1, legend=False
+        )
         sns.stripplot(**common, color="0.15", size=2.5, jitter=0.15)
     floors = cells.drop_duplicates("target")["floor"].dropna()
     if len(floors):
         axis.axhspan(floors.min(), floors.max(), color=FLOOR, alpha=0.2, lw=0)
         axis.axhline(floors.median(), color=FLOOR, ls="--", lw=1)
         beside = {"xycoords": ("axes fraction", "data"), "ha": "left", "va": "center", "annotation_clip": False}
-        axis.annotate("floor", (1.01, floors.median()), fontsize=8, **beside)
+        axis.annotate("floor", (1.01, floors.median()), fontsize="small", **beside)
     axis.set_yscale("log")
     axis.set_xlabel("")
     axis.set_ylabel(r"squared error $\|\hat\theta - \theta^*\|^2$")
@@ -87,7 +84,6 @@ def _panel(axis: Any, cells: pd.DataFrame, methods: list[str], colours: dict[str
     for method in shown:
         status = cells.loc[cells["method"] == method, "status"]
         failed = int((status != Status.OK).sum())
-        ticks.append(
-            method.replace(" ", "\n") + f"\n{len(status) - failed} cells" + f", {failed} failed" * bool(failed)
-        )
-    axis.set_xticks(range(len(shown)), ticks)
+        name = method.replace(" ", "\n").replace("-", "-\n", 1)
+        ticks.append(f"{name}\n{len(status) - failed} cells" + f", {failed} failed" * bool(failed))
+    axis.set_xticks(range(len(shown)), ticks, fontsize="small")

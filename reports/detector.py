@@ -43,13 +43,12 @@ def _figure(record: dict[str, Any]) -> Figure:
         for axis, name in zip(row, names, strict=True):
             image = cells[name].to_numpy().reshape(NUM_ROWS, NUM_COLUMNS)
             look = {"cmap": "viridis", "vmin": 0, "vmax": table["mean"].max()} if name == "mean" else {"cmap": "Greys"}
-            shown = axis.imshow(image, origin="lower", extent=EXTENT, aspect="auto", interpolation="nearest", **look)
-            if name == "mean":
-                figure.colorbar(shown, ax=axis, location="left", pad=0.02)
-        row[0].set_ylabel(rf"$\theta = {theta:g}$ mm" + "\n" + r"$\eta$")
+            axis.imshow(image, origin="lower", extent=EXTENT, aspect="auto", interpolation="nearest", **look)
+        row[0].set_ylabel(rf"$\theta = {theta:g}$ mm,  $\eta$")
     for axis, name in zip(axes[0], names, strict=True):
-        mean = f"average of {record['num_events']:,} events".replace(",", "\u202f")
-        axis.set_title(mean if name == "mean" else f"event {int(name[6:]) + 1}", fontsize="medium")
+        axis.set_title("average" if name == "mean" else f"event {int(name[6:]) + 1}")
+    bar = figure.colorbar(axes[0, 0].images[0], ax=axes[:, 0], location="left", aspect=40)
+    bar.set_label(f"share of {record['num_events']:,} events that hit the cell".replace(",", " "))
     for axis in axes[-1]:
         axis.set(xlabel=r"$\phi$", xticks=(0, np.pi, 2 * np.pi), xticklabels=("0", "π", "2π"))
     return figure

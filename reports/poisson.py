@@ -53,7 +53,7 @@ def _figure(shown: dict[float, list[dict[str, Any]]]) -> tuple[Figure, pd.DataFr
 
     first = next(record for records in shown.values() for record in records)
     true = first["theta_true"][0]
-    axes["models"].bar(COUNTS, poisson.pmf(COUNTS, np.exp(true)), color="0.85", label="true distribution")
+    axes["models"].bar(COUNTS, poisson.pmf(COUNTS, np.exp(true)), color="0.85", label="true")
     pmf = poisson.pmf(COUNTS, np.exp(true))
     rows.append(pd.DataFrame({"panel": "models", "curve": "true", "repetition": -1, "x": COUNTS, "y": pmf}))
     line("proposals", "before", 0, THETA, density(first, THETA, final=False), color=TRUTH, ls=":", label="before")
@@ -65,11 +65,12 @@ def _figure(shown: dict[float, list[dict[str, Any]]]) -> tuple[Figure, pd.DataFr
             line("models", name, repetition, COUNTS, model(record, COUNTS), **look)
             curve = convergence(record)
             line("loss", name, repetition, curve["simulations"], curve["loss"], **look)
-    axes["proposals"].axvline(true, color=TRUTH, lw=1)
-    axes["proposals"].annotate(r"$\theta^* = \log 7$", (true, 0.02), (-4, 0), textcoords="offset points", ha="right")
-    axes["proposals"].set(xlabel=r"$\theta = \log\lambda$", ylabel=r"$q(\theta\,|\,\psi)$", title="proposals after")
-    axes["models"].set(xlabel="$x$", ylabel=r"$q(x\,|\,\psi)$", title="model distributions")
+    axes["proposals"].axvline(true, color=TRUTH, lw=1, label=r"$\theta^* = \log 7$")
+    axes["proposals"].set(xlabel=r"$\theta = \log\lambda$", ylabel=r"$q(\theta\,|\,\psi)$", title="proposals")
+    axes["models"].set(xlabel="$x$", ylabel=r"$q(x\,|\,\psi)$", title="models after")
     axes["loss"].set(xlabel="simulations", ylabel=r"$-\log q(\theta^*\,|\,\psi)$")
-    for axis in axes.values():
-        axis.legend()
+    for axis, told in ((axes["proposals"], ("before", r"$\theta^* = \log 7$")), (axes["models"], ("true",))):
+        handles = [handle for handle in axis.get_legend_handles_labels()[0] if handle.get_label() in told]
+        axis.legend(handles=handles)
+    axes["loss"].legend()
     return figure, pd.concat(rows)
