@@ -96,9 +96,15 @@ def run_(
 
 @cli.command()
 @RESULTS
-def status(results: Path) -> None:
+@click.option("--targets", is_flag=True, help="Show instead whether avo is where it should be, beside the others.")
+def status(results: Path, targets: bool) -> None:
     """Summarise the records of a results folder, and name failed cells and damaged files."""
     store = Store(results)
+    if targets:
+        from avobench.reports.targets import format_table  # here, because it takes a second to load
+
+        click.echo(format_table(store.read_all()))
+        return
     records, damaged = store.read()
     if not records and not damaged:
         store.read_all()

@@ -54,7 +54,7 @@ def numbers(frame: pd.DataFrame) -> pd.DataFrame:
 def _figure(frame: pd.DataFrame) -> Figure:
     tasks = ordered(frame["task"], TASK_ORDER)
     methods = ordered(frame["method"], METHOD_ORDER)
-    figure, axes = panels(tasks)
+    figure, axes = panels(tasks, size=(3.6, 2.7))
     for axis, task in zip(axes, tasks, strict=True):
         cells = frame[frame["task"] == task]
         _panel(axis, cells, methods, colours(methods))
@@ -84,6 +84,6 @@ def _panel(axis: Any, cells: pd.DataFrame, methods: list[str], colours: dict[str
     for method in shown:
         status = cells.loc[cells["method"] == method, "status"]
         failed = int((status != Status.OK).sum())
-        name = method.replace(" ", "\n").replace("-", "-\n", 1)
+        name = method.replace(" ", "\n")
         ticks.append(f"{name}\n{len(status) - failed} cells" + f", {failed} failed" * bool(failed))
     axis.set_xticks(range(len(shown)), ticks, fontsize="small")

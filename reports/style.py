@@ -69,7 +69,7 @@ def save(figure: Figure, table: pd.DataFrame, folder: Path, name: str) -> list[P
     for suffix, options in (("pdf", {"metadata": {"CreationDate": None}}), ("png", {"dpi": 200})):
         content = io.BytesIO()
         with matplotlib.rc_context(STYLE):  # some of it is read only now
-            figure.savefig(content, format=suffix, bbox_inches="tight", **options)
+            figure.savefig(content, format=suffix, **options)
         paths.append(write_atomically(folder / f"{name}.{suffix}", content.getvalue()))
     content = table.to_csv(index=False, float_format="%.6g").encode()
     return [*paths, write_atomically(folder / f"{name}.csv", content)]

@@ -51,7 +51,7 @@ def _figure(cells: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
         axis.set_title(method)
     for axis in axes[-1]:
         axis.set_xlabel(r"$\cos A$")
-    figure.supylabel("density")
+    figure.supylabel("density", fontsize="medium")
     return figure, pd.concat(rows)
 
 
