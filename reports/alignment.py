@@ -9,6 +9,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from avobench.bench.cells import Status
+from avobench.bench.errors import StoreError
 from avobench.reports.proposals import convergence, density
 from avobench.reports.style import METHOD_COLOURS, STYLE, TRUTH, save
 
@@ -22,8 +24,10 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
 
 
 def chosen(records: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The records of the study `alignment`, by repetition."""
-    found = [record for record in records if record["task"] == "alignment-example" and record["status"] == "ok"]
+    """The records of the study `alignment`, by repetition; raises StoreError when there are none."""
+    found = [record for record in records if record["task"] == "alignment-example" and record["status"] == Status.OK]
+    if not found:
+        raise StoreError("there are no such records; `avobench study alignment` makes them")
     return sorted(found, key=lambda record: record["repetition"])
 
 

@@ -10,7 +10,7 @@ from rich.console import Console
 
 from avobench.bench import listing, study
 from avobench.bench.errors import StoreError, UsageError
-from avobench.bench.options import require_folder, results_option
+from avobench.bench.options import RESULTS, require_folder, results_option, write_file
 from avobench.bench.progress import ProgressView
 from avobench.bench.runner import run
 from avobench.bench.store import Store
@@ -67,6 +67,26 @@ def figure(names: tuple[str, ...], results: Path | None, out: Path) -> None:
             click.echo(path)
 
 
+@click.command("report")
+@RESULTS
+@click.option(
+    "--studies",
+    type=click.Path(path_type=Path),
+    default=None,
+    help="Folder of the studies, for the paper's figures and claims.  [results/studies where there is one]",
+)
+@OUT
+def report(results: Path, studies: Path | None, out: Path) -> None:
+    """Write one page with everything, index.html: it needs no network and no other file."""
+    from avobench.reports.page import render  # here, because it takes seconds to load
+
+    require_folder(out)
+    default = Path("results/studies")
+    page = render(results, default if studies is None and default.exists() else studies)
+    write_file(out / "index.html", page.encode())
+    click.echo(out / "index.html")
+
+
 def draw(name: str, records: list[dict[str, Any]], folder: Path) -> list[Path]:
     """Draw one figure of FIGURES; raises StoreError when the files cannot be written."""
     module = importlib.import_module(f"avobench.reports.{name}")  # here, because matplotlib takes a second to load
@@ -81,4 +101,4 @@ def records_for(name: str, store: Store) -> list[dict[str, Any]]:
     return [study.read_detector(store.path)] if name == "detector" else store.read_all()
 
 
-COMMANDS = (study_, figure)
+COMMANDS = (study_, figure, report)

@@ -10,6 +10,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.stats import poisson
 
+from avobench.bench.cells import Status
+from avobench.bench.errors import StoreError
 from avobench.reports.proposals import convergence, density, proposal
 from avobench.reports.style import PALETTE, STYLE, TRUTH, save
 
@@ -26,13 +28,13 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
 
 
 def chosen(records: list[dict[str, Any]], gamma: float, entropy_gradient: str = "closed_form") -> list[dict[str, Any]]:
-    """The records of the study `poisson` with this coefficient, by repetition."""
+    """The records of the study `poisson` with this coefficient, by repetition; raises StoreError without any."""
     wanted = {"entropy": gamma, "entropy_gradient": entropy_gradient}
-    found = [record for record in records if record["task"] == "poisson-example" and record["status"] == "ok"]
-    return sorted(
-        (record for record in found if wanted.items() <= record["method_settings"].items()),
-        key=lambda record: record["repetition"],
-    )
+    found = [record for record in records if record["task"] == "poisson-example" and record["status"] == Status.OK]
+    found = [record for record in found if wanted.items() <= record["method_settings"].items()]
+    if not found:
+        raise StoreError(f"there are no such records with gamma = {gamma:g}; `avobench study poisson` makes them")
+    return sorted(found, key=lambda record: record["repetition"])
 
 
 def model(record: dict[str, Any], counts: NDArray[np.int64]) -> NDArray[np.float64]:
