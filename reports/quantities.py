@@ -9,6 +9,7 @@ from scipy.stats import chi2
 from scipy.stats.qmc import Sobol
 
 from avobench.bench import registry
+from avobench.bench.cells import Status
 from avobench.bench.store import labels, to_frame
 from avobench.tasks import Task
 
@@ -21,8 +22,8 @@ def labelled(records: list[dict[str, Any]]) -> pd.DataFrame:
     """
     frame = to_frame(records)
     frame["task"], frame["method"] = labels(records)
-    frame["squared_error"] = frame["squared_error"].fillna(np.inf)
     frame["ratio"] = frame["squared_error"] / frame["floor"]
+    frame.loc[frame["status"] != Status.OK, ["squared_error", "ratio"]] = np.inf
     frame["seconds"] = frame["simulator_seconds"] + frame["method_seconds"]
     frame["record"] = records
     return frame

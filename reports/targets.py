@@ -73,7 +73,8 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     """
     frame = labelled(records)
     methods = ordered(frame["method"], METHOD_ORDER)
-    shown = {task: comparable(cells) for task, cells in frame.groupby("task")}
+    known = frame[[task_of(record) is not None for record in records]]
+    shown = {task: comparable(cells) for task, cells in known.groupby("task")}
     rows = []
     for target in TARGETS:
         cells = shown.get(target.task, frame[:0])
