@@ -1,4 +1,4 @@
-"""The paper's single experiments (Sections 4.1 and 4.2): two inferences as cells of their own, and the detector."""
+"""The paper's single experiments (Sections 4.1 and 4.2) and a check of its reasoning: cells beside the benchmark."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from avobench.bench.cells import SCHEMA_VERSION, Cell, stream, versions
 from avobench.bench.errors import StoreError
 from avobench.bench.store import decode, encode, write_atomically
-from avobench.tasks.alignment import CHUNK, Alignment
-from avobench.tasks.base import Box
+from avobench.tasks.alignment import CHUNK, NUM_COLUMNS, NUM_ROWS, Alignment
+from avobench.tasks.base import NUM_TARGETS, Box
 from avobench.tasks.poisson import Poisson
 
 THETA_ITSELF = Box((-np.sqrt(3),), (np.sqrt(3),))
@@ -19,9 +19,10 @@ THETA_ITSELF = Box((-np.sqrt(3),), (np.sqrt(3),))
 give the proposal's start and learning rate in theta. The prior has no other part in them."""
 
 NUM_OBSERVATIONS = 100_000
-"""The paper does not say how many events these experiments observe; this is the number of its benchmark."""
+"""The paper does not say how many events its examples observe; this is the number of its benchmark."""
 REPETITIONS = {"poisson": 5, "alignment": 3}
 """The paper shows one run each."""
+SUMMARY_TARGETS = 3
 
 
 @dataclass(frozen=True)
@@ -49,13 +50,38 @@ class AlignmentExample(Alignment):
         return Alignment().floor(theta, num_observations, num_simulations)
 
 
-def cells(study: str, seed: int = 0) -> list[Cell]:
-    """The cells of the study `poisson` or `alignment`: avo-paper with the experiment's own settings.
+@dataclass(frozen=True)
+class AlignmentRows(Alignment):
+    """The benchmark's alignment with another summary statistic, which knows that nothing depends on the azimuth."""
 
+    name = "alignment-rows"
+
+    def summary(self, x: NDArray) -> NDArray[np.float64]:
+        """The sums of an average image over azimuth: (n, 1024) -> (32,)."""
+        return super().summary(x).reshape(NUM_ROWS, NUM_COLUMNS).sum(axis=1)
+
+    def targets(self, n: int = NUM_TARGETS) -> NDArray[np.float64]:
+        return Alignment().targets(n)
+
+    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
+        return Alignment().floor(theta, num_observations, num_simulations)
+
+
+def cells(study: str, seed: int = 0) -> list[Cell]:
+    """The cells of the study `poisson` or `alignment`, avo-paper with the experiment's own settings, or of `summary`.
+
+    `summary` is ABC-SMC and BOLFI on the first targets of alignment with AlignmentRows, all else as in the benchmark.
     The paper's example has gamma = 0 and 1e-4; 1e-2, and 1e-4 with the gradient of the entropy as printed, are there to
     tell what gamma does. Both studies count 32 events an iteration, as Section 4.2 does with its 5 000 iterations for
     160 000 simulations: the schedule `shared`.
     """
+    if study == "summary":
+        spec = f"{__name__}:AlignmentRows"
+        return [
+            Cell(spec, {}, method, {}, target, 0, 160_000, NUM_OBSERVATIONS, seed)
+            for target in range(SUMMARY_TARGETS)
+            for method in ("abc-smc", "bolfi")
+        ]
     if study == "poisson":  # Section 4.1: 3 000 iterations
         spec, budget = f"{__name__}:PoissonExample", 3000 * 32
         common = {"schedule": "shared", "hidden": [20, 20, 20], "initial_std": 0.5}

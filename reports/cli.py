@@ -15,23 +15,25 @@ from avobench.bench.progress import ProgressView
 from avobench.bench.runner import run
 from avobench.bench.store import Store
 
-STUDIES = results_option("results/studies")
+STUDY_RESULTS = results_option("results/studies")
 OUT = click.option("--out", type=click.Path(path_type=Path), default=Path("reports"), show_default=True, help="Folder.")
 FIGURES = ("benchmark", "weinberg", "efficiency", "cost", "poisson", "alignment", "detector")
+STUDIES = ("poisson", "alignment", "detector", "summary")
 STUDY_FIGURES = ("poisson", "alignment", "detector")
 """Drawn from the records of the study of that name; the others from those of a benchmark."""
 
 
 @click.command("study")
-@click.argument("name", type=click.Choice(STUDY_FIGURES))
-@STUDIES
+@click.argument("name", type=click.Choice(STUDIES))
+@STUDY_RESULTS
 @click.option("--seed", type=int, default=0, show_default=True, help="Root of all random streams.")
 @click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [one a core]")
 @click.pass_obj
 def study_(debug: bool, name: str, results: Path, seed: int, jobs: int | None) -> None:
     """Carry out one of the paper's single experiments, as far as the results folder lacks it.
 
-    poisson and alignment are runs of avo-paper (Sections 4.1 and 4.2), detector is the average response at two offsets.
+    poisson and alignment are runs of avo-paper (Sections 4.1 and 4.2), detector is the average response at two offsets,
+    summary runs abc-smc and bolfi on alignment with a better summary statistic.
     """
     jobs = joblib.cpu_count() if jobs is None else jobs
     if jobs < 1:
