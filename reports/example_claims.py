@@ -1,5 +1,7 @@
 """The paper's claims on its single experiments (Sections 4.1 and 4.2), from the records of the studies."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from scipy.stats import poisson
@@ -10,6 +12,17 @@ from avobench.reports.poisson import COUNTS, model
 from avobench.reports.poisson import chosen as poisson_runs
 from avobench.reports.proposals import convergence, proposal
 from avobench.tasks.alignment import NUM_COLUMNS, NUM_ROWS
+
+CONCENTRATES = (
+    "Criterion: in every run theta* lies within one standard deviation of the final proposal's mean, which has made "
+    "three quarters of its way to it."
+)
+
+
+def _left(run: dict[str, Any]) -> float:
+    """Share of the distance from theta* at the start that is left at the end."""
+    distance = convergence(run)["distance"]
+    return float(distance.iloc[-1] / distance.iloc[0])
 
 
 def _poisson_table(evidence: Evidence) -> pd.DataFrame:
@@ -29,6 +42,7 @@ def _poisson_table(evidence: Evidence) -> pd.DataFrame:
                 "mean - theta*": np.median(ends[:, 0] - true),
                 "std": np.median(ends[:, 1]),
                 "largest |mean - theta*| / std": np.max(np.abs(ends[:, 0] - true) / ends[:, 1]),
+                "left": max(_left(run) for run in runs),
                 "distance of model": np.median([np.abs(model(run, COUNTS) - pmf).sum() / 2 for run in runs]),
                 "loss before": np.median([loss.iloc[0] for loss in losses]),
                 "loss after": np.median([loss.iloc[-1] for loss in losses]),
@@ -40,10 +54,10 @@ def _poisson_table(evidence: Evidence) -> pd.DataFrame:
 
 def concentration(evidence: Evidence) -> Finding:
     numbers = _poisson_table(evidence)
-    columns = ["gamma", "entropy gradient", "runs", "mean - theta*", "std", "largest |mean - theta*| / std"]
+    columns = ["gamma", "entropy gradient", "runs", "mean - theta*", "std", "largest |mean - theta*| / std", "left"]
     paper = numbers[numbers["gamma"].isin(["0", "0.0001"])]
-    good = (paper["largest |mean - theta*| / std"] < 1).all()
-    reading = "Criterion: in every run theta* lies within one standard deviation of the final proposal's mean."
+    good = (paper["largest |mean - theta*| / std"] < 1).all() and (paper["left"] < 0.25).all()
+    reading = f"*Left* is the largest share of the starting distance that is left. {CONCENTRATES}"
     return Finding("reproduced" if good else "not reproduced", reading, numbers[columns])
 
 
@@ -131,6 +145,7 @@ def _alignment_table(evidence: Evidence) -> pd.DataFrame:
                 "mean": curve["mean"].iloc[-1],
                 "std": curve["std"].iloc[-1],
                 "|mean - theta*| / std": curve["distance"].iloc[-1] / curve["std"].iloc[-1],
+                "left": _left(run),
                 "squared error / floor": run["squared_error"] / run["floor"],
                 "loss before": curve["loss"].iloc[0],
                 "loss at 3/4": late["loss"].iloc[0],
@@ -143,9 +158,9 @@ def _alignment_table(evidence: Evidence) -> pd.DataFrame:
 
 def alignment_centres(evidence: Evidence) -> Finding:
     numbers = _alignment_table(evidence)
-    columns = ["run", "mean", "std", "|mean - theta*| / std", "squared error / floor"]
-    good = (numbers["|mean - theta*| / std"] < 1).all()
-    reading = "Criterion: in every run theta* = 1 mm lies within one standard deviation of the final proposal's mean."
+    columns = ["run", "mean", "std", "|mean - theta*| / std", "left", "squared error / floor"]
+    good = (numbers["|mean - theta*| / std"] < 1).all() and (numbers["left"] < 0.25).all()
+    reading = f"*Left* is the share of the starting distance that is left. {CONCENTRATES}"
     return Finding("reproduced" if good else "not reproduced", reading, numbers[columns])
 
 
@@ -160,11 +175,11 @@ def alignment_unfinished(evidence: Evidence) -> Finding:
 
 def alignment_bump(evidence: Evidence) -> Finding:
     numbers = _alignment_table(evidence)[["run", "largest later rise of |theta* - mean|", "std"]]
-    seen = (numbers["largest later rise of |theta* - mean|"] > 0.05).all()
+    seen = int((numbers["largest later rise of |theta* - mean|"] > 0.05).sum())
     reading = (
         "Criterion: after its lowest point so far, the distance of the mean from theta* rises by more than 0.05 mm."
     )
-    return Finding("reproduced" if seen else "not reproduced", reading, numbers)
+    return Finding(f"seen in {seen} of {len(numbers)} runs", reading, numbers)
 
 
 EXAMPLE = ("avobench study poisson", "avobench figure poisson")
@@ -229,6 +244,6 @@ CLAIMS = (
         "Around 100 000 simulations the mean of the proposal temporarily moves away from theta*.",
         OFFSET,
         alignment_bump,
-        "The paper makes this remark of its one run.",
+        "The paper makes this remark of its one run; it is no claim that every run does it.",
     ),
 )

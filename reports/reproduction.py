@@ -3,6 +3,7 @@
 Every claim has a measurement from committed records and a criterion, so that the verdict follows from the numbers.
 """
 
+import textwrap
 from pathlib import Path
 
 import click
@@ -40,11 +41,15 @@ def page(evidence: Evidence) -> str:
     for claim, finding in findings:
         table = finding.numbers.to_string(index=False, na_rep="-", float_format=lambda value: f"{value:.3g}")
         table = "\n".join(line.rstrip() for line in table.splitlines())
-        lines += ["", f"## {claim.title}", "", f"{claim.says} ({claim.where})", ""]
+        lines += ["", f"## {claim.title}", "", _wrapped(f"{claim.says} ({claim.where})"), ""]
         lines += [", ".join(f"`{command}`" for command in claim.commands) + ":", "", "```", table, "```", ""]
-        lines += [f"**{finding.verdict[0].upper()}{finding.verdict[1:]}.** {finding.reading}"]
-        lines += ["", claim.why] if claim.why else []
+        lines += [_wrapped(f"**Verdict: {finding.verdict}.** {finding.reading}")]
+        lines += ["", _wrapped(claim.why)] if claim.why else []
     return "\n".join(lines) + "\n"
+
+
+def _wrapped(text: str) -> str:
+    return textwrap.fill(text, 120, break_long_words=False, break_on_hyphens=False)
 
 
 def _anchor(title: str) -> str:

@@ -36,6 +36,17 @@ def test_the_proposal_moves_in_theta_itself(name):
     assert np.isfinite(task.floor(task.targets()[0], 100_000, 160_000))
 
 
+def test_the_row_sums_are_those_of_the_average_image():
+    task, other = study.AlignmentRows(), study.Alignment()
+    x = np.random.default_rng(0).integers(0, 2, (5, 1024)).astype(np.uint8)
+    np.testing.assert_allclose(task.summary(x), other.summary(x).reshape(32, 32).sum(axis=1))
+    np.testing.assert_array_equal(task.targets(), other.targets())
+    assert task.floor(task.targets()[0], 10, 10) == other.floor(task.targets()[0], 10, 10)
+    assert {(cell.identity["task"], cell.target) for cell in study.cells("summary")} == {
+        ("alignment-rows", target) for target in range(3)
+    }
+
+
 def test_another_seed_is_another_study():
     assert not {cell.id for cell in study.cells("poisson", 1)} & {cell.id for cell in study.cells("poisson")}
 

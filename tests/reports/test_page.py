@@ -17,7 +17,8 @@ CELLS = "#cells + p + .scroll table"
 def store(benchmark, make_record, tmp_path_factory):
     store = Store(tmp_path_factory.mktemp("page") / "results", create=True)
     failed = {**make_record("poisson", "avo", 9, None), "message": HOSTILE}
-    for record in [*benchmark, failed]:
+    shown = [record for record in benchmark if record["task"] in ("poisson", "weinberg")]
+    for record in [*shown, failed]:
         store.write(record)
     store.log_sweep({"command": f"avobench run --set x={HOSTILE}", "versions": {}})
     return store

@@ -3,6 +3,7 @@
 import pandas as pd
 import pytest
 
+from avobench.bench.errors import StoreError
 from avobench.reports import benchmark_claims, example_claims
 from avobench.reports.claims import Evidence
 from avobench.reports.quantities import labelled
@@ -17,6 +18,7 @@ def poisson_run(gamma, gradient, repetition, mean, std):
     trace = [(0, 0.0, 0.5), (10, mean / 2, 0.4), (20, mean, std)]
     return {
         "task": "poisson-example",
+        "method": "avo-paper",
         "status": "ok",
         "repetition": repetition,
         "theta_true": [1.9459101490553132],
@@ -51,10 +53,28 @@ def test_better_on_average_needs_every_task(benchmark):
 
 
 def test_alignment_and_its_summary_statistic(benchmark):
-    assert benchmark_claims.summary_bottleneck(evidence(benchmark)).verdict.endswith("avo: reproduced")
+    assert benchmark_claims.ahead_on_alignment(evidence(benchmark)).verdict.endswith("avo: reproduced")
     assert benchmark_claims.alignment_no_issue(evidence(benchmark)).verdict == (
         "avo-paper: not reproduced; avo: reproduced"
     )
+
+
+@pytest.mark.parametrize(("offset", "verdict"), [(0.02, "reproduced"), (0.1, "differs: true of abc-smc only")])
+def test_a_better_summary_shows_whether_the_image_is_the_limit(make_record, offset, verdict):
+    offsets = {"abc-smc": 0.3, "bolfi": 0.1}
+    benchmark = [
+        make_record("alignment", method, target, off) for method, off in offsets.items() for target in range(3)
+    ]
+    study = [
+        {**make_record("alignment", method, target, offset), "task": "alignment-rows"}
+        for method in ("abc-smc", "bolfi")
+        for target in range(2)
+    ]
+    finding = benchmark_claims.summary_limits(evidence(benchmark, study))
+    assert finding.verdict == verdict
+    assert set(finding.numbers["targets"]) == {2}
+    with pytest.raises(StoreError, match="study summary"):
+        benchmark_claims.summary_limits(evidence(benchmark))
 
 
 def test_the_asymmetry_decides_whether_weinberg_is_fitted(benchmark):
@@ -87,11 +107,12 @@ def test_bolfi_early(make_record, factor, verdict):
     assert ("not reproduced" in found) == (verdict == "differs")
 
 
-def test_the_page_has_every_claim_once(benchmark):
+def test_the_page_has_every_claim_once(benchmark, make_record):
     detector = {"theta": [0.0, 1.0], "responses": [{"mean": [0.01] * 1024}, {"mean": [0.01] * 1024}]}
     run = {**poisson_run(0.0, "closed_form", 0, 0.9, 0.5), "task": "alignment-example", "theta_true": [1.0]}
-    run |= {"squared_error": 0.01, "floor": 0.001}
-    text = page(evidence(benchmark, [*poisson_study(), run], detector))
+    run |= {"squared_error": 0.01, "floor": 0.001, "method": "avo-paper"}
+    rows = [{**make_record("alignment", how, 0, 0.1), "task": "alignment-rows"} for how in ("abc-smc", "bolfi")]
+    text = page(evidence(benchmark, [*poisson_study(), run, *rows], detector))
     claims = (*example_claims.CLAIMS, *benchmark_claims.CLAIMS)
     for claim in claims:
         assert text.count(f"\n## {claim.title}\n") == 1

@@ -41,7 +41,6 @@ def test_the_ideal_of_weinberg_is_taken_on_the_same_targets(make_record):
         records.append(record | {"squared_error": float(((record["theta_hat"] - true) ** 2).sum())})
     rows = measured(records)
     assert rows.loc[("weinberg", "mean error / ideal"), "avo"] == pytest.approx(1)
-    assert rows.loc[("weinberg", "inefficiency in c"), "verdict"] == "not met"  # the mean lies off the curve
 
 
 def test_a_failed_run_cannot_meet(make_record):
