@@ -20,7 +20,7 @@ give the proposal's start and learning rate in theta. The prior has no other par
 
 NUM_OBSERVATIONS = 100_000
 """The paper does not say how many events its examples observe; this is the number of its benchmark."""
-REPETITIONS = {"poisson": 5, "alignment": 3}
+REPETITIONS = {"poisson": 5, "alignment": 2}
 """The paper shows one run each."""
 SUMMARY_TARGETS = 3
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 import pandas as pd
 
+from avobench.bench.options import write_file
 from avobench.bench.store import Store
 from avobench.bench.study import read_detector
 from avobench.reports import benchmark_claims, example_claims
@@ -67,9 +68,14 @@ def gather(results: Path, studies: Path) -> Evidence:
 @click.command()
 @click.option("--results", type=click.Path(path_type=Path), default=Path("results/reference"), show_default=True)
 @click.option("--studies", type=click.Path(path_type=Path), default=Path("results/studies"), show_default=True)
-def main(results: Path, studies: Path) -> None:
+@click.option("--out", type=click.Path(path_type=Path), default=None, help="File to write.  [standard output]")
+def main(results: Path, studies: Path, out: Path | None) -> None:
     """Print docs/reproduction.md from the records."""
-    click.echo(page(gather(results, studies)), nl=False)
+    text = page(gather(results, studies))
+    if out is None:
+        click.echo(text, nl=False)
+    else:
+        write_file(out, text.encode())
 
 
 if __name__ == "__main__":

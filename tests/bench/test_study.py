@@ -10,7 +10,7 @@ from avobench.bench.store import Store
 from avobench.methods.proposal import TruncatedGaussian
 
 
-@pytest.mark.parametrize(("name", "iterations", "runs"), [("poisson", 3000, 20), ("alignment", 5000, 3)])
+@pytest.mark.parametrize(("name", "iterations", "runs"), [("poisson", 3000, 20), ("alignment", 5000, 2)])
 def test_a_study_has_the_papers_number_of_iterations(name, iterations, runs):
     cells = study.cells(name)
     assert len({cell.id for cell in cells}) == runs
