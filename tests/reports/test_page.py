@@ -48,6 +48,16 @@ def test_it_opens_without_network_or_complaint_and_shows_its_figures(opened):
     assert all(links)
 
 
+def test_a_phone_scrolls_wide_tables_and_figures_not_the_page(opened):
+    size = {"width": 390, "height": 800, "deviceScaleFactor": 2, "mobile": True}
+    opened.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    try:
+        assert opened.run("return document.documentElement.scrollWidth") <= 390
+        assert opened.run("return Math.min(...[...document.images].map(image => image.clientWidth))") > 390
+    finally:
+        opened.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
 def test_tables_sort_by_number_or_text_with_what_is_missing_last(opened):
     def values(column):
         rows = f"[...document.querySelector('{CELLS}').tBodies[0].rows]"
