@@ -1,1 +1,1 @@
-"""Figures, tables and pages from records: one module a figure. Nothing here infers; weinberg draws what was observed."""
+"""Figures, tables and pages from records. Nothing here infers; weinberg's figure draws the observed events again."""
