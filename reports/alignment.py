@@ -45,15 +45,8 @@ def _figure(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
     for record, style in zip(records, ("-", "--", "-."), strict=False):
         repetition, curve = record["repetition"], convergence(record)
         look = {"color": METHOD_COLOURS["avo-paper"], "ls": style}
-        line(
-            "proposal",
-            "after",
-            repetition,
-            THETA,
-            density(record, THETA, final=True),
-            label=f"after, run {repetition + 1}",
-            **look,
-        )
+        after = density(record, THETA, final=True)
+        line("proposal", "after", repetition, THETA, after, label=f"after, run {repetition + 1}", **look)
         line("distance", "after", repetition, curve["simulations"], curve["distance"], **look)
         line("loss", "after", repetition, curve["simulations"], curve["loss"], **look)
     axes["proposal"].axvline(true, color=TRUTH, lw=1)

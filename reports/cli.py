@@ -9,7 +9,8 @@ import joblib
 from rich.console import Console
 
 from avobench.bench import listing, study
-from avobench.bench.errors import StoreError, UsageError
+from avobench.bench.cells import Status, reason
+from avobench.bench.errors import AvobenchError, StoreError, UsageError
 from avobench.bench.options import RESULTS, require_folder, results_option, write_file
 from avobench.bench.progress import ProgressView
 from avobench.bench.runner import run
@@ -49,6 +50,9 @@ def study_(debug: bool, name: str, results: Path, seed: int, jobs: int | None) -
     with ProgressView(Console(stderr=True), lambda sweep, cell: None) as view:
         records = run(study.cells(name, seed), store, jobs, view, debug=debug)
     click.echo(listing.status_table(records))
+    failed = [record for record in records if record["status"] != Status.OK]
+    if failed:
+        raise AvobenchError(f"{len(failed)} of {len(records)} cells failed, the first with {reason(failed[0])}")
 
 
 @click.command("figure")

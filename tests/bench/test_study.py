@@ -86,3 +86,6 @@ def test_the_command_makes_what_lacks(avobench, tmp_path, monkeypatch):
         assert "poisson-example" in out
     assert len(Store(tmp_path / "s").sweeps()) == 1
     assert avobench("study", "poisson", "--results", tmp_path / "s", "-j", 0)[0] == 2
+    cells += [Cell(spec, {}, "avo-paper", {"hidden": [4]}, 0, 0, 10, 100, 0)]  # less than one iteration
+    code, out, err = avobench("study", "poisson", "--results", tmp_path / "s", "-j", 1)
+    assert (code, "1 of 3 cells failed" in err) == (1, True), err
