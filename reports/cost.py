@@ -11,7 +11,17 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from avobench.bench.cells import Status
 from avobench.reports.quantities import comparable, labelled
-from avobench.reports.style import FLOOR, MARKERS, METHOD_ORDER, STYLE, TASK_ORDER, colours, ordered, panels, save
+from avobench.reports.style import (
+    FLOOR,
+    METHOD_MARKERS,
+    METHOD_ORDER,
+    STYLE,
+    TASK_ORDER,
+    colours,
+    ordered,
+    panels,
+    save,
+)
 
 
 def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
@@ -45,11 +55,11 @@ def _figure(frame: pd.DataFrame) -> Figure:
 
 
 def _panel(axis: Axes, cells: pd.DataFrame, methods: list[str]) -> None:
-    for index, method in enumerate(methods):
+    for method in methods:
         own = cells[cells["method"] == method]
         if own.empty:
             continue
-        look = {"color": colours(methods)[method], "marker": MARKERS[index % len(MARKERS)], "ls": "", "mew": 0}
+        look = {"color": colours(methods)[method], "marker": METHOD_MARKERS.get(method, "v"), "ls": "", "mew": 0}
         axis.plot(own["seconds"], own["squared_error"], ms=3, alpha=0.5, **look)
         median = own[["seconds", "squared_error"]].median()
         axis.plot(*median, ms=9, **{**look, "mec": "white", "mew": 1}, label=method)
