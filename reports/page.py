@@ -31,7 +31,7 @@ CAPTIONS = {
     "estimate, as lines, for the first targets.",
     "efficiency": "Squared error of the estimate after so many simulations: median and quartiles over the cells, from "
     "where all of them have an estimate. The dashed line is the floor with as many simulations.",
-    "cost": "Wall time that a cell takes, simulator and method together on one thread, against its squared error. Small "
+    "cost": "Wall time that a cell takes, simulator and method together, against its squared error. Small "
     "marks are cells, large ones medians; the dashed line is the median floor.",
     "poisson": "The paper's Figure 1: an unknown Poisson mean with and without a penalty on the proposal's entropy; "
     "each line is a run.",
