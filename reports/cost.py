@@ -13,7 +13,7 @@ from avobench.bench.cells import Status
 from avobench.reports.quantities import comparable, labelled
 from avobench.reports.style import (
     FLOOR,
-    METHOD_MARKERS,
+    MARKERS,
     METHOD_ORDER,
     STYLE,
     TASK_ORDER,
@@ -22,6 +22,9 @@ from avobench.reports.style import (
     panels,
     save,
 )
+
+SHAPES = dict(zip(METHOD_ORDER, MARKERS, strict=False))
+"""The mark of each of the paper's methods, whichever of them are shown."""
 
 
 def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
@@ -59,7 +62,7 @@ def _panel(axis: Axes, cells: pd.DataFrame, methods: list[str]) -> None:
         own = cells[cells["method"] == method]
         if own.empty:
             continue
-        look = {"color": colours(methods)[method], "marker": METHOD_MARKERS.get(method, "v"), "ls": "", "mew": 0}
+        look = {"color": colours(methods)[method], "marker": SHAPES.get(method, "v"), "ls": "", "mew": 0}
         axis.plot(own["seconds"], own["squared_error"], ms=3, alpha=0.5, **look)
         median = own[["seconds", "squared_error"]].median()
         axis.plot(*median, ms=9, **{**look, "mec": "white", "mew": 1}, label=method)

@@ -20,7 +20,7 @@ METHOD_ORDER = ("avo", "avo-paper", "abc-smc", "bolfi")
 PALETTE = sns.color_palette("colorblind", 10)
 """Told apart with the common forms of colour blindness; figures repeat the distinction in markers or positions."""
 METHOD_COLOURS = dict(zip(METHOD_ORDER, (PALETTE[0], PALETTE[9], PALETTE[1], PALETTE[2]), strict=True))
-METHOD_MARKERS = dict(zip(METHOD_ORDER, "os^D", strict=True))
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 TRUTH, FLOOR = "0.15", "0.35"
 """Greys of what is not a method."""
 
