@@ -6,7 +6,7 @@ METHODS := --method avo-paper --method abc-smc --method bolfi
 QUICK := --budget 16000 --observations 20000 --targets 0-2 --set abc-smc.population_size=25
 
 .DEFAULT_GOAL := help
-.PHONY: help venv benchmark quick figures bench-cost bench-speed test lint clean
+.PHONY: help venv benchmark quick figures studies bench-cost bench-speed test browser lint clean
 
 help:  ## show these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -26,8 +26,13 @@ benchmark: venv  ## the paper's comparison: 4 tasks x 3 methods x 15 targets int
 quick: venv  ## all tasks and methods on 3 targets at a tenth of the budget, into results/quick, figure in reports/
 	$(BIN)/avobench run $(METHODS) $(QUICK) --results results/quick --figure reports/quick
 
-figures: venv  ## draw the committed records of results/reference into docs/figures
-	$(BIN)/avobench figure benchmark --results results/reference --out docs/figures
+figures: venv  ## draw the committed records into docs/figures, and write docs/reproduction.md from them
+	$(BIN)/avobench figure benchmark weinberg efficiency cost --results results/reference --out docs/figures
+	$(BIN)/avobench figure poisson alignment detector --results results/studies --out docs/figures
+	$(BIN)/python -m avobench.reports.reproduction --out docs/reproduction.md
+
+studies: venv  ## the paper's single experiments into results/studies, as far as they lack
+	for study in poisson detector summary alignment; do $(BIN)/avobench study $$study || exit 1; done
 
 bench-speed: venv  ## BOLFI with its fast process against ELFI's own, side by side in one run
 	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.bolfi_speed
@@ -35,8 +40,14 @@ bench-speed: venv  ## BOLFI with its fast process against ELFI's own, side by si
 bench-cost: venv  ## where the time goes: a table from results/reference, and Pythia against a bare loop
 	$(BIN)/python -m avobench.bench.cost results/reference
 
-test: venv  ## the test suite
+test: venv browser  ## the test suite
 	$(BIN)/python -m pytest
+
+browser:  ## install the Chromium of the tests (Debian, as root); without it they skip what needs it
+	@if command -v chromium >/dev/null && command -v chromedriver >/dev/null; then :; \
+	elif [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+	  apt-get update --quiet=2 && apt-get install --quiet=2 --yes --no-install-recommends chromium chromium-driver; \
+	else echo "no chromium and chromedriver here: the tests that need a browser are skipped"; fi
 
 lint: venv  ## style
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .

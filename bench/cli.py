@@ -1,6 +1,5 @@
 """The command `avobench`. Exit code 0 when all was done, 1 for failed work, 2 for wrong usage, 130 after Ctrl-C."""
 
-import os
 import signal
 import sys
 from pathlib import Path
@@ -11,19 +10,13 @@ from rich.console import Console
 
 from avobench.bench import check, listing, registry
 from avobench.bench.cells import Cell, Status, reason
-from avobench.bench.errors import AvobenchError, StoreError, UsageError
+from avobench.bench.errors import AvobenchError, UsageError
+from avobench.bench.options import RESULTS, require_folder, write_file
 from avobench.bench.plan import plan
 from avobench.bench.progress import ProgressView
 from avobench.bench.runner import Sweep, run
-from avobench.bench.store import Store, to_frame, write_atomically
-
-RESULTS = click.option(
-    "--results",
-    type=click.Path(path_type=Path),
-    default=Path("results/local"),
-    show_default=True,
-    help="Folder of the records.",
-)
+from avobench.bench.store import Store, to_frame
+from avobench.reports.cli import COMMANDS, draw
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
@@ -80,20 +73,20 @@ def run_(
     tasks, methods = list(tasks) or registry.names("task"), list(methods) or registry.names("method")
     cells = plan(tasks, methods, targets, repetitions, budget, observations, seed, list(settings))
     if figure is not None:
-        _folder(figure)
+        require_folder(figure)
     store = Store(results, create=True)
 
     def redraw(sweep: Sweep, cell: Cell) -> None:
         """After the last cell of a target in a repetition, and after the last of all."""
         same = (cell.target, cell.repetition)
         if figure is not None and all((other.target, other.repetition) != same for other in sweep.pending):
-            _draw_benchmark(list(sweep.done.values()), figure)
+            draw("benchmark", list(sweep.done.values()), figure)
 
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with ProgressView(Console(stderr=True), redraw) as view:
         records = run(cells, store, jobs, view, retry_failed=retry_failed, debug=debug)
     if figure is not None:
-        _draw_benchmark(records, figure)
+        draw("benchmark", records, figure)
     click.echo(listing.status_table(records))
     failed = [record for record in records if record["status"] != Status.OK]
     click.echo(f"{len(records) - len(failed)} of {len(records)} cells ok, records in {results}")
@@ -103,9 +96,15 @@ def run_(
 
 @cli.command()
 @RESULTS
-def status(results: Path) -> None:
+@click.option("--targets", is_flag=True, help="Show instead whether avo is where it should be, beside the others.")
+def status(results: Path, targets: bool) -> None:
     """Summarise the records of a results folder, and name failed cells and damaged files."""
     store = Store(results)
+    if targets:
+        from avobench.reports.targets import format_table  # here, because it takes a second to load
+
+        click.echo(format_table(store.read_all()))
+        return
     records, damaged = store.read()
     if not records and not damaged:
         store.read_all()
@@ -127,28 +126,13 @@ def status(results: Path) -> None:
 @RESULTS
 def export(kind: str, out: Path, results: Path) -> None:
     """Write all records as one table, a row a cell."""
-    _folder(out.parent, make=False)
+    require_folder(out.parent, make=False)
     if out.is_dir():
         raise UsageError(f"{out} is a folder; --out takes the file to write")
     frame = to_frame(Store(results).read_all())
     content = frame.to_csv(index=False).encode() if kind == "csv" else frame.to_parquet(index=False)
-    _write(out, content)
+    write_file(out, content)
     click.echo(f"{len(frame)} rows in {out}")
-
-
-@cli.group()
-def figure() -> None:
-    """Draw a figure from records."""
-
-
-@figure.command()
-@RESULTS
-@click.option("--out", type=click.Path(path_type=Path), default=Path("reports"), show_default=True, help="Folder.")
-def benchmark(results: Path, out: Path) -> None:
-    """Box plots of the squared error, a panel a task: benchmark.pdf, .png and the numbers as .csv."""
-    _folder(out)
-    for path in _draw_benchmark(Store(results).read_all(), out):
-        click.echo(path)
 
 
 @cli.command("check")
@@ -164,34 +148,8 @@ def check_(kind: str, name: str) -> None:
         raise AvobenchError(f"{kind} {name} does not keep the contract")
 
 
-def _draw_benchmark(records: list[dict], folder: Path) -> list[Path]:
-    from avobench.reports import benchmark  # here, because matplotlib takes a second to load
-
-    try:
-        return benchmark.draw(records, folder)
-    except OSError as error:
-        raise StoreError(f"the figure could not be written to {folder}: {error.strerror or error}") from error
-
-
-def _folder(path: Path, *, make: bool = True) -> None:
-    """Raise UsageError unless files can be written in the folder `path`."""
-    if path.exists() and not path.is_dir():
-        raise UsageError(f"{path} is not a folder")
-    if not make and not path.exists():
-        raise UsageError(f"there is no folder {path}")
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(f"the folder {path} cannot be made: {error.strerror or error}") from error
-    if not os.access(path, os.W_OK):
-        raise UsageError(f"the folder {path} is read-only")
-
-
-def _write(path: Path, content: bytes) -> None:
-    try:
-        write_atomically(path, content)
-    except OSError as error:
-        raise StoreError(f"{path} could not be written: {error.strerror or error}") from error
+for command in COMMANDS:
+    cli.add_command(command)
 
 
 def main() -> None:

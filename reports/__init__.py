@@ -1,1 +1,1 @@
-"""Figures from records: one module a figure. Nothing here simulates or infers."""
+"""Figures, tables and pages from records. Nothing here infers; weinberg's figure draws the observed events again."""

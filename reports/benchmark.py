@@ -1,6 +1,5 @@
 """The paper's box plots (Figure 4): squared error of each method, a panel a task, with the floor drawn in."""
 
-import io
 from pathlib import Path
 from typing import Any
 
@@ -10,16 +9,13 @@ import seaborn as sns
 from matplotlib.figure import Figure
 
 from avobench.bench.cells import Status
-from avobench.bench.store import labels, to_frame, write_atomically
-
-TASK_ORDER = ("poisson", "carl", "weinberg", "alignment")
-METHOD_ORDER = ("avo", "avo-paper", "abc-smc", "bolfi")
-"""The paper's orders; whatever else is in the records follows by name."""
-STYLE = {**sns.axes_style("whitegrid"), **sns.plotting_context("paper"), "font.size": 9, "pdf.fonttype": 42}
+from avobench.bench.store import labels, to_frame
+from avobench.reports.quantities import comparable
+from avobench.reports.style import FLOOR, METHOD_ORDER, STYLE, TASK_ORDER, colours, ordered, panels, save
 
 
 def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write benchmark.pdf, benchmark.png and benchmark.csv to `folder`, each whole or not at all.
+    """Write benchmark.pdf, benchmark.png and benchmark.csv to `folder`.
 
     Boxes show quartiles, whiskers reach to the extreme points, every cell is a point. The dashed line is the median
     floor over the targets shown and the band spans their floors. A panel shows the targets that all of its methods
@@ -28,16 +24,9 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
     """
     frame = to_frame(records)
     frame["task"], frame["method"] = labels(records)
-    frame = pd.concat([_comparable(cells) for _, cells in frame.groupby("task", sort=False)])
+    frame = pd.concat([comparable(cells) for _, cells in frame.groupby("task", sort=False)])
     with matplotlib.rc_context(STYLE):
-        figure = _figure(frame)
-        paths = []
-        for suffix, options in (("pdf", {"metadata": {"CreationDate": None}}), ("png", {"dpi": 200})):
-            content = io.BytesIO()
-            figure.savefig(content, format=suffix, bbox_inches="tight", **options)
-            paths.append(write_atomically(folder / f"benchmark.{suffix}", content.getvalue()))
-    table = numbers(frame).to_csv(index=False, float_format="%.6g")
-    return [*paths, write_atomically(folder / "benchmark.csv", table.encode())]
+        return save(_figure(frame), numbers(frame), folder, "benchmark")
 
 
 def numbers(frame: pd.DataFrame) -> pd.DataFrame:
@@ -62,48 +51,32 @@ def numbers(frame: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _comparable(cells: pd.DataFrame) -> pd.DataFrame:
-    """The cells of a task whose target every method has; all of them where no target is in common."""
-    common = set.intersection(*(set(own["target"]) for _, own in cells.groupby("method")))
-    return cells[cells["target"].isin(common)] if common else cells
-
-
 def _figure(frame: pd.DataFrame) -> Figure:
-    tasks = _ordered(frame["task"], TASK_ORDER)
-    methods = _ordered(frame["method"], METHOD_ORDER)
-    colours = dict(zip(methods, sns.color_palette("colorblind", len(methods)), strict=True))
-    columns = min(2, len(tasks))
-    rows = -(-len(tasks) // columns)
-    figure = Figure(figsize=(3.5 * columns, 2.8 * rows), layout="constrained")
-    axes = figure.subplots(rows, columns, squeeze=False).flatten()
-    for axis, task in zip(axes, tasks, strict=False):
+    tasks = ordered(frame["task"], TASK_ORDER)
+    methods = ordered(frame["method"], METHOD_ORDER)
+    figure, axes = panels(tasks, size=(3.6, 2.7))
+    for axis, task in zip(axes, tasks, strict=True):
         cells = frame[frame["task"] == task]
-        _panel(axis, cells, methods, colours)
+        _panel(axis, cells, methods, colours(methods))
         num_targets = cells["target"].nunique()
         axis.set_title(f"{task}: {num_targets} target{'s' * (num_targets > 1)}")
-    for axis in axes[len(tasks) :]:
-        axis.set_visible(False)
     return figure
-
-
-def _ordered(labels: pd.Series, order: tuple[str, ...]) -> list[str]:
-    """Distinct labels, first those whose name is in `order`."""
-    place = {name: index for index, name in enumerate(order)}
-    return sorted(labels.unique(), key=lambda label: (place.get(label.split()[0], len(place)), label))
 
 
 def _panel(axis: Any, cells: pd.DataFrame, methods: list[str], colours: dict[str, Any]) -> None:
     shown = [method for method in methods if (cells["method"] == method).any()]
     common = {"data": cells, "x": "method", "y": "squared_error", "order": shown, "ax": axis}
     if cells["squared_error"].notna().any():  # seaborn cannot draw a panel without a single value
-        sns.boxplot(**common, hue="method", palette=colours, whis=(0, 100), width=0.6, linewidth=0.9, legend=False)
+        sns.boxplot(
+            **common, hue="method", palette=colours, whis=(0, 100), width=0.6, linewidth=0.9, saturation=1, legend=False
+        )
         sns.stripplot(**common, color="0.15", size=2.5, jitter=0.15)
     floors = cells.drop_duplicates("target")["floor"].dropna()
     if len(floors):
-        axis.axhspan(floors.min(), floors.max(), color="0.5", alpha=0.2, lw=0)
-        axis.axhline(floors.median(), color="0.25", ls="--", lw=1)
+        axis.axhspan(floors.min(), floors.max(), color=FLOOR, alpha=0.2, lw=0)
+        axis.axhline(floors.median(), color=FLOOR, ls="--", lw=1)
         beside = {"xycoords": ("axes fraction", "data"), "ha": "left", "va": "center", "annotation_clip": False}
-        axis.annotate("floor", (1.01, floors.median()), fontsize=8, **beside)
+        axis.annotate("floor", (1.01, floors.median()), fontsize="small", **beside)
     axis.set_yscale("log")
     axis.set_xlabel("")
     axis.set_ylabel(r"squared error $\|\hat\theta - \theta^*\|^2$")
@@ -111,7 +84,6 @@ def _panel(axis: Any, cells: pd.DataFrame, methods: list[str], colours: dict[str
     for method in shown:
         status = cells.loc[cells["method"] == method, "status"]
         failed = int((status != Status.OK).sum())
-        ticks.append(
-            method.replace(" ", "\n") + f"\n{len(status) - failed} cells" + f", {failed} failed" * bool(failed)
-        )
-    axis.set_xticks(range(len(shown)), ticks)
+        name = method.replace(" ", "\n")
+        ticks.append(f"{name}\n{len(status) - failed} cells" + f", {failed} failed" * bool(failed))
+    axis.set_xticks(range(len(shown)), ticks, fontsize="small")

@@ -105,6 +105,7 @@ class Alignment(Task):
     )
     prior = Box((-1.5,), (1.5,))
     num_features = NUM_ROWS * NUM_COLUMNS
+    floor_shares = (1.0,)
     event_shape, cyclic_axes = (NUM_ROWS, NUM_COLUMNS), (1,)  # beams along z: nothing depends on the azimuth
     discriminator = Discriminator((600,) * 9, standardise=False)  # most cells of an image are zero, the others one
 

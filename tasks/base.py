@@ -85,6 +85,9 @@ class Task(ABC):
     """Of an event whose features form an image, row by row, e.g. (32, 32); () where they are a plain list."""
     cyclic_axes: ClassVar[tuple[int, ...]] = ()
     """Axes of `event_shape` along which a cyclic shift of an event is as probable as the event, whatever theta."""
+    floor_shares: ClassVar[tuple[float, ...]] = ()
+    """Each parameter's share of the floor where an efficient estimator's errors are Gaussian and independent, summing
+    to 1: they tell the median of its squared error; () where they are not, or not known."""
     dtype: ClassVar[DTypeLike] = np.float64
     discriminator: ClassVar[Discriminator] = Discriminator()
     packages: ClassVar[tuple[str, ...]] = ()

@@ -48,6 +48,7 @@ class Carl(Task):
     prior: ClassVar = Box((-2, -2), (2, 2))
     support: ClassVar = Box((-20, -20), (20, 20))
     num_features: ClassVar = 5
+    floor_shares: ClassVar = (0.1, 0.9)
     discriminator: ClassVar = Discriminator(hidden=(100,) * 4)
 
     def __post_init__(self) -> None:

@@ -32,6 +32,7 @@ class Poisson(Task):
     support: ClassVar = Box((-10,), (10,))
     num_features: ClassVar = 1
     feature_names: ClassVar = ("count",)
+    floor_shares: ClassVar = (1.0,)
     dtype: ClassVar = np.int64
     discriminator: ClassVar = Discriminator(hidden=(600,) * 3)
 

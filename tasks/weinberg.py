@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import quad_vec
+from scipy.integrate import quad, quad_vec
 
 from .base import Box, Discriminator, Task, histogram
 
@@ -74,6 +74,19 @@ class Weinberg(Task):
         """
         mean, square = self._posterior_moments(self.asymmetry(theta[None]))[0]
         return max(0.0, float((square - mean**2).sum()))  # rounding, where the curve shrinks to a corner of the prior
+
+    def asymmetry_floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
+        """Expected squared error of the best estimator of c at theta (2,): (1/N + 1/n) / I(c), without n 1 / (N I(c)).
+
+        I(c) is the Fisher information of one event on c, the mean of (d log density / dc)^2.
+        """
+        c = self.asymmetry(theta[None])[0]
+        information = quad(lambda x: 3 / 8 * x**2 / (1 + x**2 + c * x), -1, 1)[0]
+        return (1 / num_observations + (0 if num_simulations is None else 1 / num_simulations)) / information
+
+    def density(self, x: NDArray[np.float64], theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of cos A at theta (2,): x (n,) within [-1, 1] -> (n,)."""
+        return 3 / 8 * (1 + x**2 + self.asymmetry(theta[None])[0] * x)
 
     def posterior_mean(self, c: ArrayLike) -> NDArray[np.float64]:
         """Mean of theta given c, the best estimate of all who know no more than c: c (...) -> (..., 2).

@@ -1,4 +1,26 @@
 import os
+import sys
+
+import pytest
 
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"  # as the command does, so that results are the same
+
+from avobench.bench import cli  # noqa: E402
+from browser import browser  # noqa: E402
+
+__all__ = ["browser"]
+
+
+@pytest.fixture
+def avobench(monkeypatch, capsys):
+    """The command, in this process: arguments -> (exit code, standard output, standard error)."""
+
+    def call(*arguments):
+        monkeypatch.setattr(sys, "argv", ["avobench", *map(str, arguments)])
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as exit:
+            cli.main()
+        return exit.value.code or 0, *capsys.readouterr()
+
+    return call

@@ -228,6 +228,9 @@ def _summary(task: Task) -> None:
 
 
 def _floor(task: Task) -> None:
+    shares = task.floor_shares
+    sound = len(shares) in (0, task.prior.dim) and (not shares or (min(shares) >= 0 and np.isclose(sum(shares), 1)))
+    expect(bool(sound), f"floor_shares must be one a parameter and sum to 1, or none, got {shares}")
     for theta in task.targets():
         few = task.floor(theta, 1000, 1000)
         more = {

@@ -165,6 +165,10 @@ class TableSummary(SoundTask):
         return x.mean(axis=0, keepdims=True)
 
 
+class HalfAFloor(SoundTask):
+    floor_shares = (0.5,)
+
+
 class RisingFloor(SoundTask):
     def floor(self, theta, num_observations, num_simulations):
         return 1 / num_observations + (num_simulations or 0) / 1e9

@@ -91,6 +91,7 @@ def test_sound_methods_pass(name):
         ("SummaryOfOrder", {SUMMARY}, "depends on the order"),
         ("GrowingSummary", {SUMMARY}, "128 events have a summary (128,), 1000 have (1000,)"),
         ("TableSummary", {SUMMARY}, "must be an array (k,) of floats"),
+        ("HalfAFloor", {FLOOR}, "floor_shares must be one a parameter and sum to 1"),
         ("RisingFloor", {FLOOR}, "more simulations raised the floor"),
         ("NoFloor", {FLOOR}, "must be a positive number, or NaN, got 0.0"),
         ("Unpicklable", {PICKLE}, "lambda"),

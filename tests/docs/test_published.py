@@ -5,15 +5,18 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 
 from avobench.bench import cli
 from avobench.bench.cost import format_cost
 from avobench.bench.plan import plan
 from avobench.bench.store import Store
-from avobench.reports import benchmark
+from avobench.reports.cli import FIGURES, STUDY_FIGURES, draw, records_for
+from avobench.reports.reproduction import gather, page
 
 ROOT = Path(__file__).parents[2]
 REFERENCE = Store(ROOT / "results" / "reference")
+STUDIES = Store(ROOT / "results" / "studies")
 
 
 def blocks(page):
@@ -40,10 +43,17 @@ def test_the_page_on_cost_shows_what_the_records_say():
     assert strip(format_cost(REFERENCE)) in blocks("docs/performance.md")
 
 
-def test_the_committed_figure_is_of_the_committed_records(tmp_path):
-    benchmark.draw(REFERENCE.read_all(), tmp_path)
-    drawn, committed = tmp_path / "benchmark.csv", ROOT / "docs" / "figures" / "benchmark.csv"
+@pytest.mark.parametrize("name", FIGURES)
+def test_the_committed_figures_are_of_the_committed_records(name, monkeypatch, tmp_path):
+    monkeypatch.setattr(Figure, "savefig", lambda self, file, **_: file.write(b"figure"))  # the numbers are enough
+    draw(name, records_for(name, STUDIES if name in STUDY_FIGURES else REFERENCE), tmp_path)
+    drawn, committed = tmp_path / f"{name}.csv", ROOT / "docs" / "figures" / f"{name}.csv"
     pd.testing.assert_frame_equal(pd.read_csv(drawn), pd.read_csv(committed))
+    assert all((ROOT / "docs" / "figures" / f"{name}.{suffix}").exists() for suffix in ("pdf", "png"))
+
+
+def test_the_page_on_the_papers_claims_is_what_its_command_prints():
+    assert page(gather(REFERENCE.path, STUDIES.path)) == (ROOT / "docs" / "reproduction.md").read_text()
 
 
 def test_the_reference_records_are_the_cells_of_todays_defaults():

@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 
 from avobench.bench.cells import execute
 from avobench.bench.plan import plan
@@ -35,9 +36,7 @@ def test_the_table_holds_the_quartiles_of_what_is_ok(records, tmp_path):
 
 def test_a_box_a_method_and_setting_and_a_panel_a_task_with_its_floor(records, monkeypatch, tmp_path):
     figures = []
-    monkeypatch.setattr(
-        benchmark.Figure, "savefig", lambda self, file, **_: figures.append(self) or file.write(b"figure")
-    )
+    monkeypatch.setattr(Figure, "savefig", lambda self, file, **_: figures.append(self) or file.write(b"figure"))
     benchmark.draw(records, tmp_path)
     panels = [axis for axis in figures[0].axes if axis.get_visible()]
     assert [axis.get_title() for axis in panels] == ["poisson: 5 targets", "weinberg: 5 targets"]

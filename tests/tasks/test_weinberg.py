@@ -133,3 +133,32 @@ def test_the_curve_shrinks_to_a_corner_at_the_largest_asymmetry():
 def test_an_asymmetry_that_the_prior_does_not_have_has_no_posterior(c):
     with pytest.raises(ValueError, match=r"the prior has \|c\| of at most 1.6693"):
         TASK.posterior_mean(c)
+
+
+@pytest.mark.parametrize("theta", [(45.0, 1.3), (47.0, 2.0), (43.5, 1.0)])
+def test_the_density_is_what_is_drawn(theta):
+    theta, edges = np.array(theta), np.linspace(-1, 1, 11)
+    x = TASK.simulate(np.tile(theta, (200_000, 1)), np.random.default_rng(1))[:, 0]
+    fine = np.linspace(-1, 1, 10_001)
+    density = TASK.density(fine, theta)
+    assert np.trapezoid(density, fine) == pytest.approx(1, abs=1e-6)
+    shares = np.histogram(x, edges)[0] / len(x)
+    expected = np.diff(np.interp(edges, fine, np.concatenate([[0], np.cumsum((density[1:] + density[:-1]) / 1e4)])))
+    assert stats.chisquare(shares * len(x), expected / expected.sum() * len(x)).pvalue > 1e-3
+
+
+def test_the_floor_of_the_asymmetry_is_that_of_its_information():
+    """At c = 0 the information of one event is 3/4 (1 - pi/4); maximum likelihood reaches it."""
+    at_zero = np.array([45.0, 1.0])
+    assert TASK.asymmetry_floor(at_zero, 1000, None) == pytest.approx(1 / 1000 / (3 / 4 * (1 - np.pi / 4)))
+    assert TASK.asymmetry_floor(at_zero, 1000, 1000) == pytest.approx(2 * TASK.asymmetry_floor(at_zero, 1000, None))
+    theta, n = np.array([46.0, 1.2]), 4_000
+    fits, true = [], TASK.asymmetry(theta[None])[0]
+    for seed in range(150):
+        x = TASK.simulate(np.tile(theta, (n, 1)), np.random.default_rng(seed))[:, 0]
+        t, c = x / (1 + x**2), true
+        for _ in range(4):  # Newton on the likelihood of 1 + c t
+            c += (t / (1 + c * t)).sum() / ((t / (1 + c * t)) ** 2).sum()
+        fits.append(c)
+    ratio = np.mean((np.array(fits) - true) ** 2) / TASK.asymmetry_floor(theta, n, None)
+    assert stats.chi2(150).ppf(1e-4) / 150 < ratio < stats.chi2(150).ppf(1 - 1e-4) / 150

@@ -1,0 +1,92 @@
+"""What the paper says of BOLFI without showing it: the squared error against the simulations used so far."""
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from avobench.reports.quantities import comparable, labelled, task_of
+from avobench.reports.style import FLOOR, METHOD_ORDER, STYLE, TASK_ORDER, colours, ordered, panels, save
+
+NUM_POINTS = 24
+"""Numbers of simulations at which the traces are read, from 1/160 of the budget to all of it."""
+
+
+def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
+    """Write efficiency.pdf, efficiency.png and efficiency.csv to `folder`, a panel a task.
+
+    A line is the median over the cells of the squared error that the estimate of that moment has; the band is its
+    quartiles. It begins where all cells have an estimate. The dashed line is the floor with as many simulations.
+    """
+    frame = labelled(records)
+    table = pd.concat([numbers(comparable(cells)) for _, cells in frame.groupby("task", sort=False)])
+    with matplotlib.rc_context(STYLE):
+        return save(_figure(table), table, folder, "efficiency")
+
+
+def numbers(cells: pd.DataFrame) -> pd.DataFrame:
+    """Of the cells of one task, a row a method and number of simulations: quartiles of the squared error, the floor.
+
+    The floor, with so many simulations and a median over targets, is missing for a task that is not registered here.
+    """
+    budget = cells["budget"].max()
+    grid = np.unique(np.geomspace(budget / 160, budget, NUM_POINTS).round().astype(int))
+    floors = np.median([_floor(record, grid) for record in cells.drop_duplicates("target")["record"]], axis=0)
+    frames = []
+    for method, own in cells.groupby("method", sort=False):
+        errors = np.array([errors_at(record, grid) for record in own["record"] if record["status"] == "ok"])
+        if not len(errors):
+            continue
+        begun = np.isfinite(errors).all(axis=0)
+        quartiles = np.quantile(errors[:, begun], [0.25, 0.5, 0.75], axis=0)
+        names = ("lower_quartile", "median", "upper_quartile")
+        numbers = {"simulations": grid[begun], **dict(zip(names, quartiles, strict=True)), "floor": floors[begun]}
+        frames.append(pd.DataFrame({"task": own["task"].iloc[0], "method": method, "cells": len(errors), **numbers}))
+    return pd.concat(frames)
+
+
+def errors_at(record: dict[str, Any], simulations: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Squared error of the last estimate made with at most so many simulations, NaN before the first: (n,) -> (n,)."""
+    trace = record["trace"]
+    theta = np.array([point["theta"] for point in trace], float).reshape(len(trace), -1)
+    errors = ((theta - record["theta_true"]) ** 2).sum(axis=1)
+    last = np.searchsorted([point["simulations"] for point in trace], simulations, side="right")
+    return np.concatenate([[np.nan], errors])[last]
+
+
+def _floor(record: dict[str, Any], simulations: NDArray[np.int64]) -> NDArray[np.float64]:
+    task = task_of(record)
+    if task is None:
+        return np.full(len(simulations), np.nan)
+    theta = np.array(record["theta_true"])
+    return np.array([task.floor(theta, record["num_observations"], int(n)) for n in simulations])
+
+
+def _figure(table: pd.DataFrame) -> Figure:
+    tasks, methods = ordered(table["task"], TASK_ORDER), ordered(table["method"], METHOD_ORDER)
+    figure, axes = panels(tasks)
+    for axis, task in zip(axes, tasks, strict=True):
+        _panel(axis, table[table["task"] == task], methods)
+    handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
+    shown = [name for name in (*methods, "floor") if name in handles]
+    figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(5, len(shown)))
+    return figure
+
+
+def _panel(axis: Axes, table: pd.DataFrame, methods: list[str]) -> None:
+    for method in methods:
+        own = table[table["method"] == method]
+        if own.empty:
+            continue
+        colour = colours(methods)[method]
+        axis.plot(own["simulations"], own["median"], color=colour, label=method)
+        axis.fill_between(own["simulations"], own["lower_quartile"], own["upper_quartile"], color=colour, alpha=0.15)
+        axis.plot(own["simulations"].iloc[-1], own["median"].iloc[-1], "o", ms=4, color=colour)
+    floor = table.drop_duplicates("simulations").sort_values("simulations")
+    axis.plot(floor["simulations"], floor["floor"], color=FLOOR, ls="--", lw=1.2, label="floor")
+    axis.set(xscale="log", yscale="log", xlabel="simulations", ylabel="squared error")
