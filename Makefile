@@ -1,12 +1,12 @@
 # One command is enough on a bare machine: every target first makes .venv with everything pinned.
 PYTHON ?= python3
 BIN := .venv/bin
-METHODS := --method avo-paper --method abc-smc --method bolfi
+METHODS := --method avo --method abc-smc --method bolfi
 # Populations of 25 give ABC-SMC several generations from a tenth of the events.
 QUICK := --budget 16000 --observations 20000 --targets 0-2 --set abc-smc.population_size=25
 
 .DEFAULT_GOAL := help
-.PHONY: help venv benchmark quick figures studies bench-cost bench-speed test browser lint clean
+.PHONY: help venv benchmark quick figures studies pages bench-cost bench-speed test browser lint clean
 
 help:  ## show these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -39,6 +39,9 @@ bench-speed: venv  ## BOLFI with its fast process against ELFI's own, side by si
 
 bench-cost: venv  ## where the time goes: a table from results/reference, and Pythia against a bare loop
 	$(BIN)/python -m avobench.bench.cost results/reference
+
+pages: venv  ## write into README and docs what the commands named there print
+	$(BIN)/python -m avobench.reports.printed README.md docs/performance.md
 
 test: venv browser  ## the test suite
 	$(BIN)/python -m pytest

@@ -15,7 +15,7 @@ from avobench.bench.problem import Problem
 from avobench.methods.avo import TRACE_POINTS, baseline
 from avobench.methods.base import Estimate, Method, TracePoint
 from avobench.methods.inputs import Inputs
-from avobench.methods.polish import polish
+from avobench.methods.polish import Fold, polish
 from avobench.methods.proposal import TruncatedGaussian
 
 if TYPE_CHECKING:
@@ -35,6 +35,9 @@ class Avo(Method):
        weighted as if they came from the proposal's mean alone, and the mean follows the natural score-function
        gradient, until both stand still.
 
+    There are two discriminators, each trained on one half of the observed and of the simulated events and used on the
+    other: a discriminator knows the events that it was trained on too well, and would bias the answer (cross-fitting).
+
     All settings of the proposal are in its standardised coordinates (see TruncatedGaussian); a pair of values is the
     first and the last of a geometric schedule.
     """
@@ -47,8 +50,8 @@ class Avo(Method):
     """Of the adversarial stage; the budget is spread evenly over them."""
     hidden: tuple[int, ...] = (64, 64, 64)
     """Nodes of the discriminator's hidden layers."""
-    discriminator_steps: int = 4
-    """k, updates of the discriminator per iteration."""
+    discriminator_steps: int = 2
+    """k, updates of each discriminator per iteration."""
     batch_size: int = 256
     """Observed events, and as many replayed ones, in an update of the discriminator."""
     replay: int = 20_000
@@ -96,16 +99,16 @@ class Avo(Method):
 
         proposal, shape = TruncatedGaussian(problem.prior, problem.support), (2, problem.prior.dim)
         inputs = Inputs(problem, symmetric=self.symmetric, whiten=self.whiten)
-        real = torch.from_numpy(inputs(problem.x_observed))
-        network = mlp(real.shape[1], self.hidden, rng)
-        update_d = torch.optim.Adam(network.parameters(), betas=(0.5, 0.99), fused=True)
+        real = torch.from_numpy(inputs(problem.x_observed)).tensor_split(2)
+        networks = [mlp(real[0].shape[1], self.hidden, rng) for _ in range(2)]
+        updates_d = [torch.optim.Adam(network.parameters(), betas=(0.5, 0.99), fused=True) for network in networks]
         psi = np.stack([np.zeros(shape[1]), np.full(shape[1], np.log(self.initial_std))])
         move = torch.zeros(shape, dtype=torch.float64)  # of psi, the mean's in units of std
         update_q = torch.optim.Adam([move], betas=(0.9, 0.99))
 
         n = problem.simulate.remaining
         ends = np.linspace(0, n, min(self.iterations, n) + 1).astype(int)
-        u, log_q, synthetic = np.empty((n, shape[1])), np.empty(n), torch.empty((n, real.shape[1]))
+        u, log_q, synthetic = np.empty((n, shape[1])), np.empty(n), torch.empty((n, real[0].shape[1]))
         means = np.empty((len(ends), shape[1]))  # of the proposal, after each iteration
         means[0] = psi[0]
 
@@ -120,18 +123,25 @@ class Avo(Method):
             weight = np.exp(np.minimum(log_ratio, np.log(MAX_WEIGHT)))
             return weight / weight.sum()
 
-        def train_discriminator(replayed: slice) -> None:
-            draws = (self.discriminator_steps, self.batch_size)
-            rows_real = rng.integers(len(real), size=draws)
-            rows_synthetic = replayed.start + rng.choice(replayed.stop - replayed.start, draws, p=weights(replayed))
+        def train_discriminator(half: int, start: int, end: int) -> None:
+            replayed, draws = slice(start + half, end, 2), (self.discriminator_steps, self.batch_size)
+            weight = weights(replayed)
+            rows_real, rows_synthetic = (
+                rng.integers(len(real[half]), size=draws),
+                rng.choice(len(weight), draws, p=weight),
+            )
             for r, s in zip(rows_real, rows_synthetic, strict=True):
-                update_d.zero_grad()
-                penalised_cross_entropy(network, real[r], synthetic[s], self.r1, "probability").backward()
-                update_d.step()
+                updates_d[half].zero_grad()
+                x = real[half][r], synthetic[replayed][s]
+                penalised_cross_entropy(networks[half], *x, self.r1, "probability").backward()
+                updates_d[half].step()
 
-        def move_proposal(replayed: slice, largest_std: float) -> None:
+        def move_proposal(start: int, end: int, largest_std: float) -> None:
+            replayed = slice(start, end)
             weight, score = weights(replayed)[:, None, None], proposal.score(psi, u[replayed])
-            f = log_one_minus_d(network, synthetic[replayed])
+            f = np.empty(len(score))
+            for half in range(2):
+                f[half::2] = log_one_minus_d(networks[1 - half], synthetic[start + half : end : 2])
             gradient = (weight * score * (f[:, None, None] - baseline("optimal", score, f, weight))).sum(axis=0)
             std = np.exp(psi[1])
             move.zero_()
@@ -144,13 +154,12 @@ class Avo(Method):
         num_iterations = len(ends) - 1
         for iteration in range(1, num_iterations + 1):
             progress, end = iteration / num_iterations, ends[iteration]
-            update_d.param_groups[0]["lr"] = geometric(self.learning_rate, progress)
             update_q.param_groups[0]["lr"] = geometric(self.proposal_learning_rate, progress)
             simulate(slice(ends[iteration - 1], end))
-            train_discriminator(slice(max(0, end - self.replay), end))
-            move_proposal(
-                slice(max(0, end - self.proposal_replay), end), geometric((self.initial_std, self.max_std), progress)
-            )
+            for half, update_d in enumerate(updates_d):
+                update_d.param_groups[0]["lr"] = geometric(self.learning_rate, progress)
+                train_discriminator(half, even(end - self.replay), end)
+            move_proposal(even(end - self.proposal_replay), end, geometric((self.initial_std, self.max_std), progress))
             means[iteration] = psi[0]
             mean, std = means[iteration - iteration // 4 : iteration + 1].mean(axis=0), np.exp(psi[1])
             if iteration * TRACE_POINTS // num_iterations > (iteration - 1) * TRACE_POINTS // num_iterations:
@@ -158,8 +167,11 @@ class Avo(Method):
 
         how, message = "mean of the proposal over the last quarter", f"{num_iterations} iterations"
         if self.polish:
-            phi = [last_layer(network, x) for x in (real, synthetic)]
-            end = polish(*phi, u, mean, std, proposal.low, proposal.high)
+            folds = [
+                Fold(last_layer(network, x_real), last_layer(network, synthetic[other::2]), u[other::2])
+                for network, x_real, other in zip(networks, real[::-1], (1, 0), strict=True)
+            ]
+            end = polish(folds, mean, std, proposal.low, proposal.high)
             mean, how = end.mean, "mean of the proposal after the polish"
             state = "converged" if end.converged else "did not converge"
             error = ", ".join(f"{e:.3g}" for e in end.error * proposal.scale)
@@ -182,6 +194,11 @@ def last_layer(network: "torch.nn.Sequential", x: "torch.Tensor") -> NDArray[np.
 
     with torch.no_grad():
         return torch.cat([torch.cat([network[:-2](rows), rows], dim=1) for rows in x.split(8192)]).numpy()
+
+
+def even(start: int) -> int:
+    """The even row at or before `start`, or 0: even rows are of the first half of the simulated events."""
+    return max(0, start) // 2 * 2
 
 
 def geometric(ends: tuple[float, float], progress: float) -> float:

@@ -30,10 +30,41 @@ class Polished:
     converged: bool
 
 
+class Fold:
+    """Events on which a discriminator was not trained, as its last layer sees them.
+
+    real (N, k) of the observed events and synthetic (n, k) of those simulated at u (n, p); see `polish`.
+    """
+
+    def __init__(self, real: NDArray[np.float32], synthetic: NDArray[np.float32], u: NDArray[np.float64]) -> None:
+        scale = real.std(axis=0, dtype=float)
+        kept = scale > 1e-6 * scale.max()
+        shift, scale = real.mean(axis=0, dtype=float)[kept], scale[kept]
+        real, self.synthetic = (((phi[:, kept] - shift) / scale).astype(np.float32) for phi in (real, synthetic))
+        covariance = (real.T @ real).astype(float) / len(real)
+        self.inverse = np.linalg.inv(covariance + RIDGE * np.eye(len(covariance)))
+        self.num_observations, self.u = len(real), u
+
+    def gradient_and_information(
+        self, mean: NDArray[np.float64], width: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Of all the fold's events on the proposal's mean: mean, width (p,) -> (p,), (p, p)."""
+        z = (self.u - mean) / width
+        distance = (z**2).sum(axis=1)
+        near = np.flatnonzero(distance < REACH**2)
+        terms = quadratic(z[near])
+        weighted = terms * np.exp(-distance[near] / 2)[:, None]
+        rows = (np.linalg.pinv(terms.T @ weighted, hermitian=True) @ weighted.T)[: 1 + len(mean)]  # value and slopes
+        fit = (rows.astype(np.float32) @ self.synthetic[near]).astype(float)
+        difference = -fit[0]  # the observed features have mean zero
+        jacobian = significant(fit[1:] / width[:, None], self.inverse, rows[1:] / width[:, None])
+        num_effective = 1 / (1 / self.num_observations + (rows[0] ** 2).sum())
+        weight = num_effective * jacobian @ self.inverse
+        return weight @ difference, weight @ jacobian.T
+
+
 def polish(
-    real: NDArray[np.float32],
-    synthetic: NDArray[np.float32],
-    u: NDArray[np.float64],
+    folds: list[Fold],
     mean: NDArray[np.float64],
     std: NDArray[np.float64],
     low: NDArray[np.float64],
@@ -41,9 +72,9 @@ def polish(
 ) -> Polished:
     """Where the last layer of d and the mean of q stand still together.
 
-    real (N, k) and synthetic (n, k) are what the last layer of d sees, phi, of the observed events and of those
-    simulated at u (n, p). The proposal's mean and std (p,) are where to begin and how far to look; the answer lies
-    within low and high (p,). The prior has mean 0 and variance 1.
+    What the last layer of d sees is phi. The proposal's mean and std (p,) are where to begin and how far to look; the
+    answer lies within low and high (p,). The prior has mean 0 and variance 1. Each fold has its own d, and events on
+    which the layers before the last were not trained: those know the events they were trained on too well.
 
     Near the solution d is close to 1/2, where the cross-entropy over the last layer is quadratic: its optimum is
     Fisher's linear discriminant w = C^-1 (E[phi | real] - E[phi | mean]) with C the covariance of phi, and
@@ -55,25 +86,13 @@ def polish(
     score-function estimate with a baseline that also removes what the proposal's width adds. The prior, as a Gaussian
     of its moments, moves theta by far less than a standard error where it is identified, and decides where it is not.
     """
-    scale = real.std(axis=0, dtype=float)
-    kept = scale > 1e-6 * scale.max()
-    shift, scale = real.mean(axis=0, dtype=float)[kept], scale[kept]
-    real, synthetic = (((phi[:, kept] - shift) / scale).astype(np.float32) for phi in (real, synthetic))
-    inverse = np.linalg.inv((real.T @ real).astype(float) / len(real) + RIDGE * np.eye(len(scale)))
-    width, p = WIDTH * std, len(mean)
+    width = WIDTH * std
     for step in range(1, MAX_STEPS + 1):
-        z = (u - mean) / width
-        distance = (z**2).sum(axis=1)
-        near = np.flatnonzero(distance < REACH**2)
-        terms = quadratic(z[near])
-        weighted = terms * np.exp(-distance[near] / 2)[:, None]
-        rows = (np.linalg.pinv(terms.T @ weighted, hermitian=True) @ weighted.T)[: 1 + p]  # the value, and the slopes
-        fit = (rows.astype(np.float32) @ synthetic[near]).astype(float)
-        difference = -fit[0]  # the observed features have mean zero
-        jacobian = significant(fit[1:] / width[:, None], inverse, rows[1:] / width[:, None])
-        num_effective = 1 / (1 / len(real) + (rows[0] ** 2).sum())
-        precision = num_effective * jacobian @ inverse @ jacobian.T + np.eye(p)
-        move = np.linalg.solve(precision, num_effective * jacobian @ inverse @ difference - mean)
+        gradient, information = (
+            sum(parts) for parts in zip(*(f.gradient_and_information(mean, width) for f in folds), strict=True)
+        )
+        precision = information + np.eye(len(mean))
+        move = np.linalg.solve(precision, gradient - mean)
         error = np.sqrt(np.diag(np.linalg.inv(precision)))
         mean = np.clip(mean + move / max(1, np.abs(move / width).max()), low, high)
         if (np.abs(move) < STANDS_STILL * error).all():
