@@ -13,8 +13,9 @@ REACH = 3.0
 """Events beyond so many kernel widths are left out."""
 RIDGE = 1e-4
 """Share of its variance that is added to each feature's, for features that are nearly copies of each other."""
-SIGNIFICANT = 5.0
-"""Standard deviations by which the information along a combination of parameters must exceed pure noise."""
+SIGNIFICANT = 3.0
+"""Information along a combination of parameters counts where it is so many times what mere noise would show: noise
+itself is a chi-squared over its degrees of freedom, one a feature, and stays well below."""
 MAX_STEPS = 50
 STANDS_STILL = 1e-3
 """The polish ends with a step below this share of the standard error, in 3 to 10 steps as a rule."""
@@ -45,10 +46,13 @@ class Fold:
         self.inverse = np.linalg.inv(covariance + RIDGE * np.eye(len(covariance)))
         self.num_observations, self.u = len(real), u
 
-    def gradient_and_information(
+    def at(
         self, mean: NDArray[np.float64], width: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Of all the fold's events on the proposal's mean: mean, width (p,) -> (p,), (p, p)."""
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Gradient (p,) in the proposal's mean (p,), information (p, p), and what information mere noise would show.
+
+        They are those of all events of the fold together; width (p,) is that of the kernel.
+        """
         z = (self.u - mean) / width
         distance = (z**2).sum(axis=1)
         near = np.flatnonzero(distance < REACH**2)
@@ -56,11 +60,13 @@ class Fold:
         weighted = terms * np.exp(-distance[near] / 2)[:, None]
         rows = (np.linalg.pinv(terms.T @ weighted, hermitian=True) @ weighted.T)[: 1 + len(mean)]  # value and slopes
         fit = (rows.astype(np.float32) @ self.synthetic[near]).astype(float)
-        difference = -fit[0]  # the observed features have mean zero
-        jacobian = significant(fit[1:] / width[:, None], self.inverse, rows[1:] / width[:, None])
+        difference, jacobian, slopes = -fit[0], fit[1:] / width[:, None], rows[1:] / width[:, None]  # observed mean: 0
         num_effective = 1 / (1 / self.num_observations + (rows[0] ** 2).sum())
-        weight = num_effective * jacobian @ self.inverse
-        return weight @ difference, weight @ jacobian.T
+        gradient, information = np.split(
+            jacobian @ self.inverse @ np.column_stack([difference, jacobian.T]), [1], axis=1
+        )
+        noise = len(difference) * slopes @ slopes.T
+        return num_effective * gradient[:, 0], num_effective * information, num_effective * noise
 
 
 def polish(
@@ -88,9 +94,8 @@ def polish(
     """
     width = WIDTH * std
     for step in range(1, MAX_STEPS + 1):
-        gradient, information = (
-            sum(parts) for parts in zip(*(f.gradient_and_information(mean, width) for f in folds), strict=True)
-        )
+        parts = zip(*(fold.at(mean, width) for fold in folds), strict=True)
+        gradient, information = significant(*(sum(part) for part in parts))
         precision = information + np.eye(len(mean))
         move = np.linalg.solve(precision, gradient - mean)
         error = np.sqrt(np.diag(np.linalg.inv(precision)))
@@ -101,19 +106,17 @@ def polish(
 
 
 def significant(
-    jacobian: NDArray[np.float64], inverse: NDArray[np.float64], rows: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """The part of the Jacobian (p, k) along those combinations of parameters in which it is more than noise.
+    gradient: NDArray[np.float64], information: NDArray[np.float64], noise: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The parts of gradient (p,) and information (p, p) along what is more than noise (p, p).
 
-    rows (p, n) are the weights with which it was made of n events. Where E[phi] does not depend on theta, the
-    information that the Jacobian seems to hold, in units of its noise, is a chi-squared of k degrees of freedom; left
-    in, it would outweigh the prior and send the mean anywhere along a degeneracy.
+    Where E[phi] does not depend on a combination of the parameters, its Jacobian is noise, and so is the information
+    that it seems to hold; left in, this would outweigh the prior and send the mean anywhere along a degeneracy.
     """
-    k = jacobian.shape[1]
-    noise = rows @ rows.T + np.finfo(float).tiny * np.eye(len(rows))
-    value, axes = eigh(jacobian @ inverse @ jacobian.T, noise)  # axes.T @ noise @ axes = 1
-    axes = axes[:, value > k + SIGNIFICANT * np.sqrt(2 * k)]
-    return noise @ axes @ (axes.T @ jacobian)
+    value, axes = eigh(information, noise + np.finfo(float).tiny * np.eye(len(noise)))  # axes.T @ noise @ axes = 1
+    value, axes = value[value > SIGNIFICANT], axes[:, value > SIGNIFICANT]
+    back = noise @ axes
+    return back @ (axes.T @ gradient), back * value @ back.T
 
 
 def quadratic(z: NDArray[np.float64]) -> NDArray[np.float64]:
