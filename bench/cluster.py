@@ -45,19 +45,19 @@ class DaskBackend(Backend):
             import distributed  # noqa: F401
         except ModuleNotFoundError as error:
             raise UsageError("--backend dask needs distributed: pip install 'avobench[cluster]'") from error
-        self._scheduler, self._debug, self._workers = scheduler, debug, 0
-        self._shares: dict[str, float] = {}
+        self._scheduler, self._debug, self._most = scheduler, debug, 0
+        self._running: dict[str, tuple[float, str]] = {}
 
     @property
     def workers(self) -> int:
-        return self._workers
+        """The most that were at work at a time so far."""
+        return self._most
 
     def shares(self) -> dict[str, float]:
-        return dict(self._shares)
+        return {id: share for id, (share, _) in self._running.copy().items()}
 
     def records(self, cells: list[Cell], note: Callable[[str], None]) -> Iterator[dict[str, Any]]:
         from distributed import KilledWorker, as_completed
-        from distributed.comm import CommClosedError
 
         wanted, by_id = facts(), {cell.id: cell for cell in cells}
         order = {id: -place for place, id in enumerate(by_id)}
@@ -68,7 +68,8 @@ class DaskBackend(Backend):
             """Called by the client's own thread."""
             id, share, worker = (event[1][name] for name in ("id", "share", "worker"))
             if id in by_id:  # another sweep may use the scheduler too
-                self._shares[id] = share
+                self._running[id] = share, worker
+                self._most = max(self._most, len({worker for _, worker in self._running.values()}))
                 if share == 0:
                     begun[id] = begun.get(id, 0) + 1
                     if begun[id] > 1:
@@ -81,34 +82,31 @@ class DaskBackend(Backend):
             key = f"{cell.id}-{wanted['source']}-{tries[cell.id]}"
             return client.submit(_work, cell, wanted, self._debug, key=key, priority=order[cell.id])
 
-        try:
-            with _connected(self._scheduler) as client:
-                for address, found in client.run(facts, on_error="return").items():
-                    require_equal(address, found, wanted)
-                self._workers = len(client.nthreads())
-                client.subscribe_topic(TOPIC, heard)
-                futures = [submit(client, cell) for cell in cells]
-                queue = as_completed(futures, loop=client.loop, with_results=True, raise_errors=False)
-                del futures  # what holds a future keeps its result
-                for future, outcome in queue:
-                    id = future.key.partition("-")[0]
-                    self._shares.pop(id, None)
-                    self._workers = len(client.nthreads())
-                    if future.status == "finished":
-                        yield outcome
-                    elif future.status != "error":
-                        raise AvobenchError(f"the Dask scheduler at {self._scheduler} went away")
-                    elif isinstance(outcome[1], AvobenchError):
-                        raise outcome[1]
-                    elif not isinstance(outcome[1], KilledWorker):
-                        raise AvobenchError(f"Dask could not carry out {by_id[id].label}: {outcome[1]}") from outcome[1]
-                    elif max(tries[id], begun.get(id, 0)) >= ATTEMPTS:
-                        message = f"the worker process died at least {ATTEMPTS} times (killed, or out of memory)"
-                        yield blank_record(by_id[id], Status.CRASHED, message)
-                    else:  # it was only waiting in the queues of workers that others brought down
-                        queue.add(submit(client, by_id[id]))
-        except CommClosedError as error:
-            raise AvobenchError(f"the Dask scheduler at {self._scheduler} went away") from error
+        with _connected(self._scheduler) as client:
+            for address, found in client.run(facts, on_error="return").items():
+                require_equal(address, found, wanted)
+            client.subscribe_topic(TOPIC, heard)
+            futures = [submit(client, cell) for cell in cells]
+            queue = as_completed(futures, loop=client.loop, with_results=True, raise_errors=False)
+            del futures  # what holds a future keeps its result
+            for future, outcome in queue:
+                id = future.key.partition("-")[0]
+                self._running.pop(id, None)
+                if future.status == "finished":
+                    yield outcome
+                elif future.status != "error":
+                    while client.status in ("connecting", "closing"):  # closed in the middle, it logs a traceback
+                        time.sleep(0.1)
+                    raise AvobenchError(f"the Dask scheduler at {self._scheduler} went away")
+                elif isinstance(outcome[1], AvobenchError):
+                    raise outcome[1]
+                elif not isinstance(outcome[1], KilledWorker):
+                    raise AvobenchError(f"Dask could not carry out {by_id[id].label}: {outcome[1]}") from outcome[1]
+                elif max(tries[id], begun.get(id, 0)) >= ATTEMPTS:
+                    message = f"the worker process died at least {ATTEMPTS} times (killed, or out of memory)"
+                    yield blank_record(by_id[id], Status.CRASHED, message)
+                else:  # it was only waiting in the queues of workers that others brought down
+                    queue.add(submit(client, by_id[id]))
 
 
 def _connected(scheduler: str) -> "Client":
