@@ -23,7 +23,7 @@ class Sweep:
     cells: list[Cell]
     backend: Backend
     done: dict[str, dict[str, Any]]
-    """Records of the finished cells by id."""
+    """Records of the finished cells by id, without the trace, which is most of a record: there may be many."""
     running: dict[str, float] = field(default_factory=dict)
     """Share of the budget used, by id."""
     fresh: list[dict[str, Any]] = field(default_factory=list)
@@ -75,7 +75,7 @@ class View:
 def run(
     cells: list[Cell], store: Store, backend: Backend, view: View, *, retry_failed: bool = False
 ) -> list[dict[str, Any]]:
-    """Carry out the cells that the store lacks, in their order, and return the records of all, in their order.
+    """Carry out the cells that the store lacks, in their order, and return the records of all, without their traces.
 
     A damaged record is set aside and made again. With `retry_failed`, cells with a record that is not `ok` are made
     again too. KeyboardInterrupt, or a backend that fails, leaves the store as it is: what was finished stays, and the
@@ -90,7 +90,8 @@ def run(
                 view.note(f"{path.name} {reason}: set aside in {store.set_aside(path).parent}, made again")
             else:
                 view.note(f"{path.name} {reason}: left as it is, not part of this run")
-        done = {record["id"]: record for record in sound if record["id"] in wanted}
+        done = {record["id"]: _brief(record) for record in sound if record["id"] in wanted}
+        del sound
         if retry_failed:
             done = {id: record for id, record in done.items() if record["status"] == Status.OK}
         sweep = Sweep(list(wanted.values()), backend, done)
@@ -102,10 +103,15 @@ def run(
             ):
                 for record in records:
                     store.write(record)
+                    record = _brief(record)
                     sweep.done[record["id"]] = record
                     sweep.fresh.append(record)
                     view.finished(sweep, wanted[record["id"]], record)
     return [sweep.done[cell.id] for cell in cells]
+
+
+def _brief(record: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in record.items() if name != "trace"}
 
 
 @contextmanager

@@ -46,6 +46,7 @@ def test_one_worker_or_two_give_the_same_records_bit_for_bit(tmp_path):
     one, _ = sweep(tmp_path / "one", jobs=1)
     two, _ = sweep(tmp_path / "two", jobs=2)
     assert results(one) == results(two)
+    assert results(Store(tmp_path / "one").read_all()) == results(Store(tmp_path / "two").read_all())  # traces too
 
 
 def test_the_real_methods_too_do_not_depend_on_the_number_of_workers(tmp_path):
@@ -56,7 +57,8 @@ def test_the_real_methods_too_do_not_depend_on_the_number_of_workers(tmp_path):
     stores = [Store(tmp_path / name, create=True) for name in ("one", "two")]
     one, two = (run(cells, store, LocalBackend(j, store.running), Notes()) for j, store in enumerate(stores, 1))
     assert [record["status"] for record in one] == ["ok"] * 6
-    assert results(one) == results(two)
+    assert len(two) == 6
+    assert results(stores[0].read_all()) == results(stores[1].read_all())
 
 
 def test_a_second_run_does_only_what_is_missing(tmp_path):
