@@ -6,7 +6,7 @@ METHODS := --method avo-paper --method abc-smc --method bolfi
 QUICK := --budget 16000 --observations 20000 --targets 0-2 --set abc-smc.population_size=25
 
 .DEFAULT_GOAL := help
-.PHONY: help venv benchmark quick figures bench-cost bench-speed test lint clean
+.PHONY: help venv benchmark quick figures bench-avo bench-cost bench-scaling bench-speed test lint clean
 
 help:  ## show these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -32,8 +32,14 @@ figures: venv  ## draw the committed records of results/reference into docs/figu
 bench-speed: venv  ## BOLFI with its fast process against ELFI's own, side by side in one run
 	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.bolfi_speed
 
-bench-cost: venv  ## where the time goes: a table from results/reference, and Pythia against a bare loop
-	$(BIN)/python -m avobench.bench.cost results/reference
+bench-avo: venv  ## AVO's step beside a plain implementation, matrix products alone and memory traffic
+	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.avo_speed
+
+bench-scaling: venv  ## time and memory against budget, observations, targets, workers and number of cells
+	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.scaling
+
+bench-cost: venv  ## where the time goes, from results/reference; simulators against bare NumPy and a bare Pythia loop
+	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.cost results/reference
 
 test: venv  ## the test suite
 	$(BIN)/python -m pytest

@@ -8,6 +8,7 @@ the machine counts little; a number is the median over the rounds.
 
 import time
 from collections.abc import Callable
+from functools import partial
 
 import click
 import numpy as np
@@ -63,29 +64,24 @@ def milliseconds(works: list[Callable[[], object]], rounds: int) -> list[float]:
 
 
 def whole_step(task: Task, batch_size: int, rounds: int) -> dict[str, float]:
-    """Milliseconds of one iteration, plain and as AvoPaper has it: M simulated events, one update of d and of q."""
+    """Milliseconds of an iteration, plain and as AvoPaper has it: M simulated events, one update of d and one of q."""
     noise, rng = Noise(task), np.random.default_rng(0)
     x = rng.standard_normal((NUM_OBSERVATIONS, task.num_features))
-    method = AvoPaper(schedule="shared", batch_size=batch_size, learning_rate=RATE, proposal_learning_rate=RATE)
-    plain = PlainAvo(
-        x,
-        lambda theta: rng.standard_normal((len(theta), task.num_features)),
-        task.prior.dim,
-        task.discriminator.hidden,
-        batch_size,
-        rng,
-        R1,
-        RATE,
-    )
+    hidden, p = task.discriminator.hidden, task.prior.dim
+    plain = PlainAvo(x, lambda theta: noise.simulate(theta, rng), p, hidden, batch_size, rng, R1, RATE)
+    few, many = 2, 7  # what remains of their difference is the iterations alone, without making the network
+    rates = {"learning_rate": RATE, "proposal_learning_rate": RATE}
 
-    def infer(iterations: int) -> None:
+    def infer(step: str, iterations: int) -> None:
         simulate = MeteredSimulator(noise, iterations * batch_size, np.random.default_rng(0))
+        method = AvoPaper(schedule="shared", batch_size=batch_size, step=step, **rates)
         method.infer(Problem.of(noise, x, simulate), np.random.default_rng(0))
 
-    few, many = 2, 7  # what remains of their difference is the iterations alone, without making the network
-    short, long, ours = milliseconds([lambda: infer(few), lambda: infer(many), plain.step], rounds)
-    step = (long - short) / (many - few)
-    return {"plain [ms]": ours, "avo-paper [ms]": step, "ratio": ours / step}
+    runs = [partial(infer, step, iterations) for step in ("autograd", "fused") for iterations in (few, many)]
+    times = milliseconds([plain.step, *runs], rounds)
+    autograd, fused = (times[2] - times[1]) / (many - few), (times[4] - times[3]) / (many - few)
+    measured = {"plain [ms]": times[0], "autograd [ms]": autograd, "fused [ms]": fused}
+    return measured | {"plain / autograd": times[0] / autograd, "plain / fused": times[0] / fused}
 
 
 def discriminator_step(task: Task, batch_size: int, rounds: int) -> dict[str, float]:

@@ -14,7 +14,7 @@ from avobench.bench.cells import Cell, Status, reason
 from avobench.bench.cluster import DaskBackend
 from avobench.bench.errors import AvobenchError, StoreError, UsageError
 from avobench.bench.local import LocalBackend
-from avobench.bench.plan import plan
+from avobench.bench.plan import on_device, plan
 from avobench.bench.progress import ProgressView
 from avobench.bench.runner import Sweep, run
 from avobench.bench.store import Store, to_frame, write_atomically
@@ -54,6 +54,7 @@ def list_() -> None:
 @click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [one a core]")
 @click.option("--backend", type=click.Choice(["local", "dask"]), default="local", show_default=True)
 @click.option("--scheduler", default=None, metavar="ADDRESS", help="Of Dask, such as tcp://10.0.0.1:8786.")
+@click.option("--device", type=click.Choice(["cpu", "cuda"]), default="cpu", show_default=True, help="Of the networks.")
 @RESULTS
 @click.option("--set", "settings", multiple=True, metavar="METHOD.PARAM=VALUE", help="A setting of a method or task.")
 @click.option("--retry-failed", is_flag=True, help="Make cells again whose status is not ok.")
@@ -71,6 +72,7 @@ def run_(
     jobs: int | None,
     backend: str,
     scheduler: str | None,
+    device: str,
     results: Path,
     settings: tuple[str, ...],
     retry_failed: bool,
@@ -87,6 +89,8 @@ def run_(
     if backend == "dask" and jobs is not None:
         raise UsageError("--jobs is for --backend local; a Dask cluster has the workers that it has")
     tasks, methods = list(tasks) or registry.names("task"), list(methods) or registry.names("method")
+    if device != "cpu":
+        settings += on_device(methods, device)
     cells = plan(tasks, methods, targets, repetitions, budget, observations, seed, list(settings))
     if figure is not None:
         _folder(figure)

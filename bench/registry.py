@@ -76,14 +76,18 @@ def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
 def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:
     """What determines the behaviour of a task or method: name, version, settings, and the source if it is not ours.
 
-    The source is that of the modules of the class and its bases; what else they import is not followed.
+    The source is that of the modules of the class and its bases; what else they import is not followed. A setting with
+    the metadata `{"identifies": "unless default"}` is left out at its default, so one added later keeps old results.
     """
+    fields = [f for f in dataclasses.fields(instance) if f.init] if dataclasses.is_dataclass(instance) else []
     parts = {
         kind: instance.name,
         f"{kind}_version": instance.version,
-        f"{kind}_settings": {f.name: getattr(instance, f.name) for f in dataclasses.fields(instance) if f.init}
-        if dataclasses.is_dataclass(instance)
-        else {},
+        f"{kind}_settings": {
+            f.name: getattr(instance, f.name)
+            for f in fields
+            if not (f.metadata.get("identifies") == "unless default" and getattr(instance, f.name) == f.default)
+        },
     }
     modules = dict.fromkeys(base.__module__ for base in type(instance).__mro__ if base is not object)
     theirs = [name for name in modules if not name.startswith("avobench.") and name not in sys.stdlib_module_names]

@@ -10,10 +10,16 @@ from avobench.bench.problem import Problem
 
 
 class Discriminator(Module):
-    """An MLP with PReLU activations and one logit, on float32 inputs standardised by the observed events."""
+    """An MLP with PReLU activations and one logit, on float32 inputs standardised by the observed events.
 
-    def __init__(self, problem: Problem, hidden: tuple[int, ...], rng: np.random.Generator) -> None:
+    Its parameters are drawn on the CPU and then moved to `device`, so they do not depend on it.
+    """
+
+    def __init__(
+        self, problem: Problem, hidden: tuple[int, ...], rng: np.random.Generator, device: str = "cpu"
+    ) -> None:
         super().__init__()
+        self.device = device
         d = problem.x_observed.shape[1]
         self.shift, self.scale = np.zeros(d, np.float32), np.ones(d, np.float32)
         if problem.discriminator.standardise:
@@ -24,11 +30,11 @@ class Discriminator(Module):
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(int(rng.integers(2**63)))
             layers = [layer for pair in zip(widths, hidden, strict=False) for layer in (Linear(*pair), PReLU())]
-            self.network = Sequential(*layers, Linear(widths[-1], 1), Flatten(0))
+            self.network = Sequential(*layers, Linear(widths[-1], 1), Flatten(0)).to(device)
 
     def inputs(self, x: NDArray) -> torch.Tensor:
         """x as the network sees it: (n, d) of any dtype -> float32 (n, d)."""
-        return torch.from_numpy((x.astype(np.float32) - self.shift) / self.scale)
+        return torch.from_numpy((x.astype(np.float32) - self.shift) / self.scale).to(self.device)
 
     def loss(self, x_real: NDArray, x_synthetic: NDArray, r1: float, r1_of: str) -> torch.Tensor:
         """Cross-entropy U_d plus r1 times the mean squared gradient of d, or of its logit, in the real inputs.
@@ -47,4 +53,4 @@ class Discriminator(Module):
     @torch.no_grad()
     def log_one_minus_d(self, x: NDArray) -> NDArray[np.float64]:
         """f(x) = log(1 - d(x)), what the proposal minimises: (n, d) -> (n,)."""
-        return logsigmoid(-self.network(self.inputs(x))).numpy().astype(np.float64)
+        return logsigmoid(-self.network(self.inputs(x))).cpu().numpy().astype(np.float64)
