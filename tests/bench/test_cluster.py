@@ -106,8 +106,8 @@ def test_a_killed_worker_costs_its_cell_a_retry_and_every_record_is_that_of_this
 
     view, store = Watch(act=kill), Store(tmp_path / "far", create=True)
     records = far(cells, cluster, store, view)
-    (lost,) = view.notes
-    assert "its worker died, begun again on" in lost
+    assert view.notes  # one, or two where the worker held a result that was not yet fetched
+    assert all("its worker died, begun again on" in note for note in view.notes)
     local = Store(tmp_path / "local", create=True)
     run(cells, local, LocalBackend(1, local.running), View())
     assert [record["status"] for record in records] == ["ok"] * len(cells)
