@@ -116,6 +116,7 @@ def test_a_killed_worker_costs_its_cell_a_retry_and_every_record_is_that_of_this
 
 def test_a_cell_that_kills_its_workers_is_recorded_as_crashed_and_no_other_is(cluster, tmp_path):
     cluster.worker("--nthreads", "1")  # its nanny starts it again
+    cluster.wait_for(1)
     cells = toys("0", "toys:Dying") + toys("0-2")
     view = Watch()
     records = far(cells, cluster, Store(tmp_path / "r", create=True), view)
@@ -125,6 +126,7 @@ def test_a_cell_that_kills_its_workers_is_recorded_as_crashed_and_no_other_is(cl
 
 def test_cells_are_begun_in_their_order_and_a_second_run_does_only_what_is_missing(cluster, tmp_path):
     cluster.worker()
+    cluster.wait_for(1)
     store, view = Store(tmp_path / "r", create=True), Watch()
     far(toys("3,1,2", pause=0), cluster, store, view)
     assert view.order == toys("3,1,2", pause=0)
@@ -135,6 +137,7 @@ def test_cells_are_begun_in_their_order_and_a_second_run_does_only_what_is_missi
 
 def test_a_scheduler_that_goes_away_is_one_line_and_what_was_finished_stays(cluster, tmp_path):
     cluster.worker()
+    cluster.wait_for(1)
     store = Store(tmp_path / "r", create=True)
     with pytest.raises(AvobenchError, match=r"the Dask scheduler at .* went away"):
         far(toys(), cluster, store, Watch(act=cluster.started[0].kill))
@@ -144,6 +147,7 @@ def test_a_scheduler_that_goes_away_is_one_line_and_what_was_finished_stays(clus
 
 def test_a_late_worker_that_is_not_fit_ends_the_sweep_and_what_was_finished_stays(cluster, tmp_path):
     cluster.worker()
+    cluster.wait_for(1)
     store = Store(tmp_path / "r", create=True)
     view = Watch(act=lambda: cluster.worker("--nthreads", "2", "--no-nanny"))
     with pytest.raises(UsageError, match="has threads 2 where this run has 1; start it with --nthreads 1"):
