@@ -6,7 +6,7 @@ METHODS := --method avo --method abc-smc --method bolfi
 QUICK := --budget 16000 --observations 20000 --targets 0-2 --set abc-smc.population_size=25
 
 .DEFAULT_GOAL := help
-.PHONY: help venv benchmark quick figures studies pages bench-cost bench-speed test browser lint clean
+.PHONY: help venv benchmark quick figures studies pages bench-avo bench-cost bench-scaling bench-speed test browser lint clean
 
 help:  ## show these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -37,8 +37,14 @@ studies: venv  ## the paper's single experiments into results/studies, as far as
 bench-speed: venv  ## BOLFI with its fast process against ELFI's own, side by side in one run
 	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.bolfi_speed
 
-bench-cost: venv  ## where the time goes: a table from results/reference, and Pythia against a bare loop
-	$(BIN)/python -m avobench.bench.cost results/reference
+bench-avo: venv  ## AVO's step beside a plain implementation, matrix products alone and memory traffic
+	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.avo_speed
+
+bench-scaling: venv  ## time and memory against budget, observations, targets, workers and number of cells
+	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.scaling
+
+bench-cost: venv  ## where the time goes, from results/reference; simulators against bare NumPy and a bare Pythia loop
+	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.cost results/reference
 
 pages: venv  ## write into README and docs what the commands named there print
 	$(BIN)/python -m avobench.reports.printed README.md docs/performance.md

@@ -136,7 +136,7 @@ def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bo
     """
     start = time.perf_counter()
     started = datetime.now(UTC).isoformat(timespec="seconds")
-    _reset_peak_memory()
+    reset_peak_memory()
     task, method = cell.build_task(), cell.build_method()
     words = (task.name, method.name, cell.target, cell.repetition)
     simulate = MeteredSimulator(task, cell.budget, stream(cell.seed, "simulator", *words), progress)
@@ -173,7 +173,7 @@ def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bo
         "observation_seconds": observation_seconds,
         "simulator_seconds": simulate.seconds,
         "method_seconds": infer_seconds - simulate.seconds,
-        "peak_memory_mib": _peak_memory_mib(),
+        "peak_memory_mib": peak_memory_mib(),
         **scored,
     }
     record["harness_seconds"] = time.perf_counter() - start - observation_seconds - infer_seconds
@@ -297,13 +297,13 @@ def _number(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def _reset_peak_memory() -> None:
+def reset_peak_memory() -> None:
     """Start a new high-water mark (Linux), so that a reused worker reports each cell's own peak."""
     with suppress(OSError):  # not Linux, or not allowed: the mark of the whole process stands
         Path("/proc/self/clear_refs").write_text("5")
 
 
-def _peak_memory_mib() -> float | None:
+def peak_memory_mib() -> float | None:
     """High-water mark of resident memory in MiB since the last reset; None where the system does not tell."""
     status = Path("/proc/self/status")
     if not status.exists():

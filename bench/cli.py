@@ -10,9 +10,11 @@ from rich.console import Console
 
 from avobench.bench import check, listing, registry
 from avobench.bench.cells import Cell, Status, reason
+from avobench.bench.cluster import DaskBackend
 from avobench.bench.errors import AvobenchError, UsageError
+from avobench.bench.local import LocalBackend
 from avobench.bench.options import RESULTS, require_folder, write_file
-from avobench.bench.plan import plan
+from avobench.bench.plan import on_device, plan
 from avobench.bench.progress import ProgressView
 from avobench.bench.runner import Sweep, run
 from avobench.bench.store import Store, to_frame
@@ -43,6 +45,9 @@ def list_() -> None:
 @click.option("--repetitions", type=int, default=1, show_default=True)
 @click.option("--seed", type=int, default=0, show_default=True, help="Root of all random streams.")
 @click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [one a core]")
+@click.option("--backend", type=click.Choice(["local", "dask"]), default="local", show_default=True)
+@click.option("--scheduler", default=None, metavar="ADDRESS", help="Of Dask, such as tcp://10.0.0.1:8786.")
+@click.option("--device", type=click.Choice(["cpu", "cuda"]), default="cpu", show_default=True, help="Of the networks.")
 @RESULTS
 @click.option("--set", "settings", multiple=True, metavar="METHOD.PARAM=VALUE", help="A setting of a method or task.")
 @click.option("--retry-failed", is_flag=True, help="Make cells again whose status is not ok.")
@@ -58,6 +63,9 @@ def run_(
     repetitions: int,
     seed: int,
     jobs: int | None,
+    backend: str,
+    scheduler: str | None,
+    device: str,
     results: Path,
     settings: tuple[str, ...],
     retry_failed: bool,
@@ -67,10 +75,15 @@ def run_(
 
     What is finished is kept at once; after Ctrl-C, or worse, the same command goes on from there.
     """
-    jobs = joblib.cpu_count() if jobs is None else jobs
-    if jobs < 1:
+    if jobs is not None and jobs < 1:
         raise UsageError(f"--jobs must be at least 1, got {jobs}")
+    if (backend == "dask") != (scheduler is not None):
+        raise UsageError("--backend dask and --scheduler ADDRESS belong together")
+    if backend == "dask" and jobs is not None:
+        raise UsageError("--jobs is for --backend local; a Dask cluster has the workers that it has")
     tasks, methods = list(tasks) or registry.names("task"), list(methods) or registry.names("method")
+    if device != "cpu":
+        settings += on_device(methods, device)
     cells = plan(tasks, methods, targets, repetitions, budget, observations, seed, list(settings))
     if figure is not None:
         require_folder(figure)
@@ -82,9 +95,13 @@ def run_(
         if figure is not None and all((other.target, other.repetition) != same for other in sweep.pending):
             draw("benchmark", list(sweep.done.values()), figure)
 
+    if scheduler is None:
+        where = LocalBackend(jobs or joblib.cpu_count(), store.running, debug=debug)
+    else:
+        where = DaskBackend(scheduler, debug=debug)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with ProgressView(Console(stderr=True), redraw) as view:
-        records = run(cells, store, jobs, view, retry_failed=retry_failed, debug=debug)
+        records = run(cells, store, where, view, retry_failed=retry_failed)
     if figure is not None:
         draw("benchmark", records, figure)
     click.echo(listing.status_table(records))

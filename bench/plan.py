@@ -1,5 +1,6 @@
 """From what a user asks for to the list of cells, in the order in which they are carried out."""
 
+import dataclasses
 import json
 from functools import partial
 from typing import Any
@@ -58,6 +59,15 @@ def plan(
         for method in dict.fromkeys(methods)
         for task in dict.fromkeys(tasks)
     ]
+
+
+def on_device(methods: list[str], device: str) -> tuple[str, ...]:
+    """The settings that put those of the methods on a device that can use one. Raises UsageError when none can."""
+    classes = [registry.load("method", spec) for spec in methods]
+    able = [c.name for c in classes if dataclasses.is_dataclass(c) and "device" in c.__dataclass_fields__]
+    if not able:
+        raise UsageError(f"--device {device}: none of {', '.join(methods)} can use one")
+    return tuple(f"{name}.device={device}" for name in able)
 
 
 def require_generator(task: Task) -> None:

@@ -8,8 +8,8 @@ import inspect
 import re
 import sys
 from collections.abc import Callable
-from functools import partial
-from importlib.metadata import entry_points
+from functools import cache, partial
+from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -30,7 +30,7 @@ REQUIRED = {
 
 def names(kind: str) -> list[str]:
     """Registered names of tasks or methods, sorted."""
-    return sorted({point.name for point in entry_points(group=GROUPS[kind])})
+    return sorted({point.name for point in _points(kind)})
 
 
 def load(kind: str, spec: str) -> type:
@@ -38,7 +38,7 @@ def load(kind: str, spec: str) -> type:
     if ":" in spec:
         cls = _import(kind, spec)
     else:
-        points = [point for point in entry_points(group=GROUPS[kind]) if point.name == spec]
+        points = [point for point in _points(kind) if point.name == spec]
         if not points:
             known = names(kind)
             nearest = difflib.get_close_matches(spec, known, n=1, cutoff=0.4)
@@ -76,14 +76,18 @@ def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
 def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:
     """What determines the behaviour of a task or method: name, version, settings, and the source if it is not ours.
 
-    The source is that of the modules of the class and its bases; what else they import is not followed.
+    The source is that of the modules of the class and its bases; what else they import is not followed. A setting with
+    the metadata `{"identifies": "unless default"}` is left out at its default, so one added later keeps old results.
     """
+    fields = [f for f in dataclasses.fields(instance) if f.init] if dataclasses.is_dataclass(instance) else []
     parts = {
         kind: instance.name,
         f"{kind}_version": instance.version,
-        f"{kind}_settings": {f.name: getattr(instance, f.name) for f in dataclasses.fields(instance) if f.init}
-        if dataclasses.is_dataclass(instance)
-        else {},
+        f"{kind}_settings": {
+            f.name: getattr(instance, f.name)
+            for f in fields
+            if not (f.metadata.get("identifies") == "unless default" and getattr(instance, f.name) == f.default)
+        },
     }
     modules = dict.fromkeys(base.__module__ for base in type(instance).__mro__ if base is not object)
     theirs = [name for name in modules if not name.startswith("avobench.") and name not in sys.stdlib_module_names]
@@ -112,6 +116,12 @@ def blamed(make: Callable[[], Any], what: str) -> Any:
         raise
     except (Exception, SystemExit) as error:
         raise UsageError(f"{what} cannot be used, it raised {type(error).__name__}: {error}") from error
+
+
+@cache
+def _points(kind: str) -> tuple[EntryPoint, ...]:
+    """Asked for once a process: it looks into every installed distribution, which takes longer than a small cell."""
+    return tuple(entry_points(group=GROUPS[kind]))
 
 
 def _import(kind: str, spec: str) -> Any:

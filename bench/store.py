@@ -154,7 +154,7 @@ def to_frame(records: Iterable[dict[str, Any]]) -> pd.DataFrame:
         for name in ("task_settings", "method_settings", "versions"):
             row[name] = json.dumps(row[name], sort_keys=True)
         row["parameter_names"] = " ".join(row["parameter_names"])
-        del row["trace"]
+        row.pop("trace", None)  # a sweep keeps none
         rows.append(row)
     frame = pd.DataFrame(rows)
     per_parameter = frame.columns[frame.columns.str.fullmatch(r"(theta_true|theta_hat|mean|std)_\d+")]

@@ -5,7 +5,7 @@ where the simulated events fool it. The simulator is only called, never differen
 score-function estimate.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -55,6 +55,10 @@ class AvoPaper(Method):
     initial_std: float = 1.0
     hidden: tuple[int, ...] | None = None
     """Nodes of the discriminator's hidden layers; the task's own network where None."""
+    device: Literal["cpu", "cuda"] = field(default="cpu", metadata={"identifies": "unless default"})
+    """Where the discriminator is; on another device sums are rounded otherwise, so it is another cell there."""
+    step: Literal["autograd", "fused"] = field(default="autograd", metadata={"identifies": "unless default"})
+    """How the discriminator is updated: by PyTorch, or by hand in less time, with sums in another order (FusedStep)."""
 
     def __post_init__(self) -> None:
         if self.batch_size < 2 or self.batch_size % 2:
@@ -67,6 +71,11 @@ class AvoPaper(Method):
             raise ValueError(f"r1 must not be negative, got {self.r1}")
         if self.hidden is not None and (not self.hidden or min(self.hidden) < 1):
             raise ValueError(f"hidden must be a list of positive layer sizes, got {list(self.hidden)}")
+        if self.device == "cuda":
+            import torch
+
+            if not torch.cuda.is_available():
+                raise ValueError("PyTorch finds no CUDA device on this machine; leave device at cpu")
 
     @property
     def events_per_iteration(self) -> int:
@@ -81,12 +90,16 @@ class AvoPaper(Method):
         import torch
 
         from avobench.methods.discriminator import Discriminator
+        from avobench.methods.fused_step import FusedStep
 
         proposal = TruncatedGaussian(problem.prior, problem.support)
         shape = (2, problem.prior.dim)
         psi = torch.tensor(np.broadcast_to([[self.initial_mean], [np.log(self.initial_std)]], shape).copy())
-        discriminator = Discriminator(problem, self.hidden or problem.discriminator.hidden, rng)
-        update_d = torch.optim.RMSprop(discriminator.parameters(), lr=self.learning_rate)
+        discriminator = Discriminator(problem, self.hidden or problem.discriminator.hidden, rng, self.device)
+        if self.step == "fused":
+            fused = FusedStep(discriminator.network, self.learning_rate, self.r1, self.r1_of)
+        else:
+            update_d = torch.optim.RMSprop(discriminator.parameters(), lr=self.learning_rate)
         update_q = torch.optim.RMSprop([psi], lr=self.proposal_learning_rate)
 
         def simulate(n: int) -> tuple[NDArray[np.float64], NDArray]:
@@ -95,8 +108,12 @@ class AvoPaper(Method):
 
         def train_discriminator(x_synthetic: NDArray) -> None:
             rows = rng.integers(len(problem.x_observed), size=len(x_synthetic))
+            x_real = problem.x_observed[rows]
+            if self.step == "fused":
+                fused(discriminator.inputs(x_real), discriminator.inputs(x_synthetic))
+                return
             update_d.zero_grad()
-            discriminator.loss(problem.x_observed[rows], x_synthetic, self.r1, self.r1_of).backward()
+            discriminator.loss(x_real, x_synthetic, self.r1, self.r1_of).backward()
             update_d.step()
 
         def trace_point() -> TracePoint:

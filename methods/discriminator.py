@@ -38,25 +38,31 @@ def penalised_cross_entropy(
 @torch.no_grad()
 def log_one_minus_d(network: Module, inputs: torch.Tensor) -> NDArray[np.float64]:
     """f = log(1 - d), what the proposal minimises: inputs (n, k) -> (n,)."""
-    return logsigmoid(-network(inputs)).numpy().astype(np.float64)
+    return logsigmoid(-network(inputs)).cpu().numpy().astype(np.float64)
 
 
 class Discriminator(Module):
-    """An MLP with PReLU activations and one logit, on float32 inputs standardised by the observed events."""
+    """An MLP with PReLU activations and one logit, on float32 inputs standardised by the observed events.
 
-    def __init__(self, problem: Problem, hidden: tuple[int, ...], rng: np.random.Generator) -> None:
+    Its parameters are drawn on the CPU and then moved to `device`, so they do not depend on it.
+    """
+
+    def __init__(
+        self, problem: Problem, hidden: tuple[int, ...], rng: np.random.Generator, device: str = "cpu"
+    ) -> None:
         super().__init__()
+        self.device = device
         d = problem.x_observed.shape[1]
         self.shift, self.scale = np.zeros(d, np.float32), np.ones(d, np.float32)
         if problem.discriminator.standardise:
             self.shift = problem.x_observed.mean(axis=0).astype(np.float32)
             std = problem.x_observed.std(axis=0).astype(np.float32)
             self.scale = np.where(std > 0, std, np.float32(1))
-        self.network = mlp(d, hidden, rng)
+        self.network = mlp(d, hidden, rng).to(device)
 
     def inputs(self, x: NDArray) -> torch.Tensor:
         """x as the network sees it: (n, d) of any dtype -> float32 (n, d)."""
-        return torch.from_numpy((x.astype(np.float32) - self.shift) / self.scale)
+        return torch.from_numpy((x.astype(np.float32) - self.shift) / self.scale).to(self.device)
 
     def loss(self, x_real: NDArray, x_synthetic: NDArray, r1: float, r1_of: str) -> torch.Tensor:
         """See `penalised_cross_entropy`; x of any dtype (n, d)."""

@@ -11,6 +11,7 @@ from rich.console import Console
 from avobench.bench import listing, study
 from avobench.bench.cells import Status, reason
 from avobench.bench.errors import AvobenchError, StoreError, UsageError
+from avobench.bench.local import LocalBackend
 from avobench.bench.options import RESULTS, require_folder, results_option, write_file
 from avobench.bench.progress import ProgressView
 from avobench.bench.runner import run
@@ -48,7 +49,7 @@ def study_(debug: bool, name: str, results: Path, seed: int, jobs: int | None) -
         click.echo(f"{len(study.DETECTOR_THETA)} average responses in {store.path / study.DETECTOR_FILE}")
         return
     with ProgressView(Console(stderr=True), lambda sweep, cell: None) as view:
-        records = run(study.cells(name, seed), store, jobs, view, debug=debug)
+        records = run(study.cells(name, seed), store, LocalBackend(jobs, store.running, debug=debug), view)
     click.echo(listing.status_table(records))
     failed = [record for record in records if record["status"] != Status.OK]
     if failed:

@@ -43,8 +43,11 @@ class Box:
 
     def contains(self, theta: ArrayLike) -> NDArray[np.bool_]:
         """Rows of theta (n, p) that lie in the box: (n,). Raises ValueError for another number of columns."""
-        columns = zip(np.atleast_2d(theta).T, self.low, self.high, strict=True)
-        return np.all([(column >= low) & (column <= high) for column, low, high in columns], axis=0)
+        theta = np.atleast_2d(theta)
+        inside = np.ones(len(theta), bool)
+        for column, low, high in zip(theta.T, self.low, self.high, strict=True):
+            inside &= (column >= low) & (column <= high)
+        return inside
 
     def sample(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
         """Uniform draws: (n, p)."""

@@ -4,6 +4,7 @@ import pytest
 
 from avobench.bench.cells import Status
 from avobench.bench.cost import PARTS, cost_table, harness_share
+from avobench.bench.local import LocalBackend
 from avobench.bench.plan import plan
 from avobench.bench.runner import View, run
 from avobench.bench.store import Store
@@ -12,7 +13,7 @@ from avobench.bench.store import Store
 def test_the_parts_of_a_sweep_add_up_to_its_time(tmp_path):
     cells = plan(["toys:Normal"], ["toys:Moment"], "0-3", 1, 400, 100, 0, ["moment.pause=0.05"])
     store = Store(tmp_path, create=True)
-    records = run(cells, store, 1, View())
+    records = run(cells, store, LocalBackend(1, store.running), View())
     assert {record["status"] for record in records} == {Status.OK}
     table = cost_table(store)
     assert table["cells"].tolist() == [4]

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from avobench.bench.local import LocalBackend
 from avobench.bench.plan import plan
 from avobench.bench.runner import View, run
 from avobench.bench.store import Store
@@ -32,8 +33,8 @@ class Notes(View):
 
 def sweep(path, *, methods=("toys:Moment",), targets="0-3", repetitions=1, jobs=1, settings=(), **options):
     cells = plan(["toys:Normal"], list(methods), targets, repetitions, 400, 100, 0, list(settings))
-    view = Notes()
-    return run(cells, Store(path, create=True), jobs, view, **options), view
+    view, store = Notes(), Store(path, create=True)
+    return run(cells, store, LocalBackend(jobs, store.running), view, **options), view
 
 
 def results(records):
@@ -45,6 +46,7 @@ def test_one_worker_or_two_give_the_same_records_bit_for_bit(tmp_path):
     one, _ = sweep(tmp_path / "one", jobs=1)
     two, _ = sweep(tmp_path / "two", jobs=2)
     assert results(one) == results(two)
+    assert results(Store(tmp_path / "one").read_all()) == results(Store(tmp_path / "two").read_all())  # traces too
 
 
 def test_the_real_methods_too_do_not_depend_on_the_number_of_workers(tmp_path):
@@ -52,9 +54,11 @@ def test_the_real_methods_too_do_not_depend_on_the_number_of_workers(tmp_path):
     settings += ["bolfi.events_per_theta=64", "bolfi.num_trace_points=2"]
     methods = ["avo-paper", "abc-smc", "bolfi"]
     cells = plan(["weinberg", "alignment"], methods, "0", 1, 1280, 500, 0, settings)
-    one, two = (run(cells, Store(tmp_path / str(jobs), create=True), jobs, Notes()) for jobs in (1, 2))
+    stores = [Store(tmp_path / name, create=True) for name in ("one", "two")]
+    one, two = (run(cells, store, LocalBackend(j, store.running), Notes()) for j, store in enumerate(stores, 1))
     assert [record["status"] for record in one] == ["ok"] * 6
-    assert results(one) == results(two)
+    assert len(two) == 6
+    assert results(stores[0].read_all()) == results(stores[1].read_all())
 
 
 def test_a_second_run_does_only_what_is_missing(tmp_path):

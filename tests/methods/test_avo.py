@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 import torch
 
+from avobench.bench import registry
+from avobench.bench.cells import Cell, execute, reason
+from avobench.bench.errors import UsageError
 from avobench.methods.avo import AvoPaper, baseline
 from avobench.methods.discriminator import Discriminator
 from avobench.methods.proposal import TruncatedGaussian
@@ -142,3 +145,41 @@ def test_inputs_are_standardised_by_the_observed_events():
 def test_impossible_settings_are_refused(setting, value):
     with pytest.raises(ValueError, match=setting):
         AvoPaper(**{setting: value})
+
+
+def test_the_device_is_part_of_a_cell_only_where_it_is_not_the_cpu():
+    identity = registry.identity("method", "avo-paper", AvoPaper())
+    assert not {"device", "step"} & set(identity["method_settings"])
+    assert "hidden" in identity["method_settings"]
+
+
+@pytest.mark.skipif(torch.cuda.is_available(), reason="there is a CUDA device")
+def test_a_device_that_is_not_there_is_refused_in_a_line():
+    with pytest.raises(UsageError, match="PyTorch finds no CUDA device on this machine; leave device at cpu"):
+        registry.build("method", "avo-paper", {"device": "cuda"})
+
+
+def test_a_device_out_of_memory_fails_its_cell_in_a_line(monkeypatch):
+    def loss(*arguments):
+        raise torch.OutOfMemoryError("CUDA out of memory. Tried to allocate 20.00 MiB.\nGPU 0 has 79 GiB")
+
+    monkeypatch.setattr(Discriminator, "loss", loss)
+    record = execute(Cell("poisson", {}, "avo-paper", {"hidden": [4]}, 0, 0, 96, 100, 0))
+    assert reason(record).startswith("method_error: OutOfMemoryError: CUDA out of memory. Tried to allocate 20.00 MiB.")
+    assert "\n" not in reason(record)
+
+
+@pytest.mark.skipif(not torch.cuda.is_available(), reason="there is no CUDA device")
+def test_a_gpu_gives_the_estimate_of_the_cpu_to_rounding():
+    near, far = (
+        AvoPaper(**FAST, device=device).infer(problem(4800), np.random.default_rng(1)) for device in ("cpu", "cuda")
+    )
+    assert far.theta == pytest.approx(near.theta, abs=1e-2)
+
+
+def test_a_fused_step_gives_the_estimate_of_autograd_to_rounding():
+    settings = {**FAST, "proposal_learning_rate": 1e-2}
+    usual, fused = (
+        AvoPaper(**settings, step=s).infer(problem(9600), np.random.default_rng(1)) for s in ("autograd", "fused")
+    )
+    assert fused.theta == pytest.approx(usual.theta, abs=1e-2)

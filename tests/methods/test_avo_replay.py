@@ -6,7 +6,7 @@ import pytest
 from avobench.methods.avo_replay import Avo, geometric
 from gaussian import GaussianMean, GaussianMeans, gaussian_problem
 
-FEW = {"iterations": 200, "discriminator_steps": 1, "hidden": (16, 16)}
+FEW = {"iterations": 250, "hidden": (32, 32)}
 
 
 def test_estimate_is_as_good_as_the_observed_mean():
