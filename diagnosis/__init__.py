@@ -1,0 +1,1 @@
+"""Find where simulation and measurement disagree, name the missing effect, add it, and show the gap shrink."""

@@ -1,0 +1,178 @@
+"""How a counter records: dead channels, dead time, thresholds, doubles, noise and rounding."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from avobench.diagnosis.effects.base import Family, Parameter, accepted
+
+KNOLL = "G. F. Knoll, Radiation Detection and Measurement, 4th ed. (2010), "
+
+
+@dataclass(frozen=True)
+class ZeroInflation(Family):
+    """A share of the events reads nothing, or, in the shape `weak`, a fraction of its counts."""
+
+    shape: str = "dead"
+
+    name = "zero_inflation"
+    STRENGTH = Parameter("fraction", 0, 0.98, 0, "1")
+    SHAPES: ClassVar = {"dead": (), "weak": (Parameter("left", 0.001, 0.3, None, "1"),)}
+    sentence: ClassVar = "Some events read zero whatever happened, as from a channel that is sometimes off."
+    source: ClassVar = "D. Lambert, Technometrics 34 (1992) 1"
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        off = rng.random(len(x)) < phi[:, 0]
+        x[off, 0] = rng.binomial(x[off, 0], phi[off, 1]) if self.shape == "weak" else 0
+        return x
+
+
+@dataclass(frozen=True)
+class DeadTime(Family):
+    """A count n survives with probability 1 / (1 + tau n), or exp(-tau n), or becomes n / (1 + tau n) exactly."""
+
+    shape: str = "non_paralysable"
+
+    name = "dead_time"
+    STRENGTH = Parameter("tau", 0, 1, 0, "of the window, a count")
+    SHAPES: ClassVar = {"non_paralysable": (), "paralysable": (), "exact": ()}
+    sentence: ClassVar = "After each count the counter is blind for a while, so high counts are reduced most."
+    source: ClassVar = KNOLL + "Section 4.VII"
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        busy = phi[:, 0] * x[:, 0]
+        if self.shape == "exact":
+            x[:, 0] = np.floor(x[:, 0] / (1 + busy) + rng.random(len(x)))
+        else:
+            x[:, 0] = rng.binomial(x[:, 0], np.exp(-busy) if self.shape == "paralysable" else 1 / (1 + busy))
+        return x
+
+
+@dataclass(frozen=True)
+class ThresholdLoss(Family):
+    """Events of few counts are not recorded (`step`, `exponential`, `turn_on`), or read zero (`suppressed`)."""
+
+    shape: str = "step"
+
+    name = "threshold_loss"
+    STRENGTH = Parameter("lost", 0, 0.98, 0, "1")
+    SHAPES: ClassVar = {
+        "step": (Parameter("threshold", 0.3, 100, None, "counts"),),
+        "exponential": (Parameter("threshold", 0.3, 100, None, "counts"),),
+        "turn_on": (Parameter("threshold", 0.3, 100, None, "counts"), Parameter("width", 0.3, 10, None, "counts")),
+        "suppressed": (Parameter("threshold", 1, 100, None, "counts"),),
+    }
+    sentence: ClassVar = "Events with few counts fall below a threshold and are lost."
+    source: ClassVar = KNOLL + "Section 17.IV"
+
+    def lost(self, x, phi):
+        """The chance that counts x (n,) are lost: phi (n, q) -> (n,)."""
+        t = phi[:, 1]
+        if self.shape == "exponential":
+            return phi[:, 0] * np.exp(-x / t)
+        # The width of a step is what whole counts cannot resolve; it makes the effect smooth in the threshold.
+        width = phi[:, 2] if self.shape == "turn_on" else 0.25
+        return phi[:, 0] / (1 + np.exp(np.clip((x - t) / width, -50, 50)))
+
+    def apply(self, simulate, theta, phi, rng):
+        if self.shape == "suppressed":
+            x = simulate(theta, rng)
+            x[rng.random(len(x)) < self.lost(x[:, 0], phi), 0] = 0
+            return x
+        return accepted(simulate, theta, lambda x, rows: 1 - self.lost(x[:, 0], phi[rows]), rng)
+
+
+@dataclass(frozen=True)
+class DoubleCounting(Family):
+    """Two events are taken for one (`merged`), an event is read twice (`repeated`), or single counts are (`pairs`)."""
+
+    shape: str = "merged"
+
+    name = "double_counting"
+    STRENGTH = Parameter("fraction", 0, 1, 0, "1")
+    SHAPES: ClassVar = {"merged": (), "repeated": (), "pairs": ()}
+    sentence: ClassVar = "Some counts are counted twice, or two events are recorded as one."
+    source: ClassVar = KNOLL + "Section 4.VII; pairs: C. D. Kemp, A. W. Kemp, Biometrika 52 (1965) 381"
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        if self.shape == "pairs":
+            x[:, 0] += rng.binomial(x[:, 0], phi[:, 0])
+            return x
+        twice = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
+        if len(twice):
+            x[twice] += x[twice] if self.shape == "repeated" else simulate(theta[twice], rng)
+        return x
+
+
+@dataclass(frozen=True)
+class FlatBackground(Family):
+    """A share of the events has nothing to do with the source: counts are uniform, or exponential, up to `reach`."""
+
+    shape: str = "uniform"
+
+    name = "flat_background"
+    STRENGTH = Parameter("fraction", 0, 1, 0, "1")
+    SHAPES: ClassVar = {
+        "uniform": (Parameter("reach", 2, 400, None, "counts"),),
+        "exponential": (Parameter("reach", 1, 200, None, "counts"),),
+    }
+    sentence: ClassVar = "Some events are background whose counts spread over the whole range."
+    source: ClassVar = KNOLL + "Section 20.II"
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
+        reach, u = phi[rows, 1], rng.random(len(rows))
+        x[rows, 0] = np.floor(u * (reach + 1)) if self.shape == "uniform" else np.floor(-reach * np.log1p(-u))
+        return x
+
+
+@dataclass(frozen=True)
+class ReadoutNoise(Family):
+    """Noise of standard deviation `sigma` is added to each count, rounded, and cut at zero."""
+
+    shape: str = "gaussian"
+
+    name = "readout_noise"
+    STRENGTH = Parameter("sigma", 0, 30, 0, "counts", soft=True)
+    SHAPES: ClassVar = {"gaussian": (), "laplace": (), "folded": ()}
+    sentence: ClassVar = "The electronics adds noise of its own to every reading."
+    source: ClassVar = KNOLL + "Section 17.III"
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        n = len(x)
+        noise = rng.laplace(0, np.sqrt(0.5), n) if self.shape == "laplace" else rng.standard_normal(n)
+        y = np.rint(x[:, 0] + phi[:, 0] * noise)
+        x[:, 0] = np.abs(y) if self.shape == "folded" else np.maximum(y, 0)
+        return x
+
+
+@dataclass(frozen=True)
+class Quantisation(Family):
+    """A share of the readings is known only in steps of `shape` counts, rounded down, to the nearest, or up."""
+
+    shape: str = "2 down"
+
+    name = "quantisation"
+    STRENGTH = Parameter("fraction", 0, 1, 0, "1")
+    SHAPES: ClassVar = {
+        f"{step} {to}": ()
+        for step in (2, 3, 4, 5, 8, 10, 16)
+        for to in ("down", "nearest", "up")
+        if not (step == 2 and to == "nearest")
+    }
+    sentence: ClassVar = "Readings are rounded to a coarser step than one count."
+    source: ClassVar = KNOLL + "Section 17.V"
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        step, to = self.shape.split()
+        step = int(step)
+        rows = rng.random(len(x)) < phi[:, 0]
+        x[rows] = (x[rows] + {"down": 0, "nearest": step // 2, "up": step - 1}[to]) // step * step
+        return x
