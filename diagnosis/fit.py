@@ -1,0 +1,290 @@
+"""Fits of a black-box simulator to a summary: a quadratic surrogate from events that each have their own parameters."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from avobench.diagnosis.model import Model
+from avobench.diagnosis.summary import Summary
+
+CHUNK = 100_000
+"""Events simulated at a time, to bound memory."""
+MIN_SIGMAS = 4.0
+"""Half the width of a design, in standard errors, at least."""
+SLOPE_NOISE = 0.3
+"""Standard error of a slope over a design, in units of the slope that is one standard error of the parameter."""
+WIDEST = 0.1
+"""Half the width of a design, of the range of a parameter, where the data say little about it."""
+SHRINK = 3.0
+"""How much narrower a design may be than the one before."""
+ANCHOR = 0.1
+"""What moving to the edge of the design costs in Q: it keeps parameters still that the data say nothing about."""
+WALL = 1e4
+"""Slope of the penalty that keeps a fit within the unit cube, in standard errors."""
+IDENTIFIED = 5.0
+"""A direction is identified if moving across its range changes the summary by so many standard errors."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """What is fitted: the mean summary of N events, in coordinates where its covariance is 1."""
+
+    summary: Summary
+    mean: NDArray[np.float64]
+    """(K,)"""
+    num_events: int
+    whitening: NDArray[np.float64]
+    """(K, r)"""
+
+    @property
+    def rank(self) -> int:
+        return self.whitening.shape[1]
+
+    def whiten(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
+        """In standard errors of the measured mean: (..., K) -> (..., r)."""
+        return np.sqrt(self.num_events) * (mean @ self.whitening)
+
+
+@dataclass(frozen=True)
+class Design:
+    """Where parameters are drawn from: u = centre + axes t, with t in [-1, 1]^P, kept within the unit cube."""
+
+    centre: NDArray[np.float64]
+    axes: NDArray[np.float64]
+    """(P, P), invertible."""
+
+    @classmethod
+    def box(cls, centre: NDArray[np.float64], half: NDArray[np.float64]) -> "Design":
+        return cls(np.clip(centre, 0, 1), np.diag(half))
+
+    def to_t(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(..., P) -> (..., P)"""
+        return (u - self.centre) @ np.linalg.inv(self.axes).T
+
+    def to_u(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(..., P) -> (..., P), within the unit cube."""
+        return np.clip(self.centre + t @ self.axes.T, 0, 1)
+
+
+@dataclass(frozen=True)
+class Surrogate:
+    """E[s] as a quadratic polynomial in a design's t, from a linear regression on simulated events."""
+
+    design: Design
+    coefficients: NDArray[np.float64]
+    """(b, K)"""
+    inverse: NDArray[np.float64]
+    """(b, b), of the normal equations: the covariance of the coefficients in units of that of one event."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The best parameters of a model for a target."""
+
+    model: Model
+    unit: NDArray[np.float64]
+    """Parameters in the unit cube (P,)."""
+    residual: NDArray[np.float64]
+    """Measured minus simulated mean, whitened: (r,)."""
+    jacobian: NDArray[np.float64]
+    """Derivative of the simulated mean, whitened, with respect to the unit coordinates: (r, P)."""
+    jacobian_noise: NDArray[np.float64]
+    """What simulation adds to jacobian^T jacobian: (P, P)."""
+    noise: float
+    """Variance that simulation adds, in units of that of the measurement."""
+    predicted: NDArray[np.float64]
+    """Simulated mean (K,)."""
+    num_observed: int
+    design: Design
+    """Of the surrogate that the fit was made with."""
+
+    @property
+    def params(self) -> NDArray[np.float64]:
+        """(P,)"""
+        return self.model.from_unit(self.unit)
+
+    @property
+    def q(self) -> float:
+        """N r^T C^+ r, divided by what simulation adds to its variance."""
+        return float(self.residual @ self.residual) / (1 + self.noise)
+
+    @cached_property
+    def information(self) -> tuple[NDArray[np.float64], int]:
+        """Fisher information in unit coordinates (P, P), and its rank: how many directions the data identify.
+
+        The noise of the slopes adds to their square, the more the more summaries there are. It is taken out, and a
+        direction counts only if it stands out of what is left of the noise, in the coordinates of the design, where
+        the noise is much the same in all directions.
+        """
+        axes = self.design.axes
+        slopes, noise = self.jacobian @ axes, axes.T @ self.jacobian_noise @ axes
+        values, vectors = np.linalg.eigh(slopes.T @ slopes - noise)
+        by_chance = np.sqrt(2 / len(self.residual)) * np.einsum("ik,ij,jk->k", vectors, noise, vectors)
+        back = vectors.T @ np.linalg.inv(axes)
+        whole_range = 1 / np.maximum((np.linalg.inv(back) ** 2).sum(axis=0), 1e-30)
+        seen = (values > 3 * by_chance) & (values * whole_range > IDENTIFIED**2)
+        return (back[seen].T * values[seen]) @ back[seen] / (1 + self.noise), int(seen.sum())
+
+    @property
+    def num_identified(self) -> int:
+        return self.information[1]
+
+    @property
+    def dof(self) -> int:
+        return len(self.residual) - self.num_identified
+
+    @cached_property
+    def unit_covariance(self) -> NDArray[np.float64]:
+        """Of the unit coordinates, (P, P); where the data say less than the range, that of the range."""
+        values, vectors = np.linalg.eigh(self.information[0])
+        return (vectors / np.maximum(values, 12)) @ vectors.T
+
+    @property
+    def std(self) -> NDArray[np.float64]:
+        """Standard errors of the parameters (P,), linearised."""
+        spread = np.sqrt(np.diag(self.unit_covariance))
+        above, below = (self.model.from_unit(np.clip(self.unit + s * spread, 0, 1)) for s in (1, -1))
+        moved = np.clip(self.unit + spread, 0, 1) - np.clip(self.unit - spread, 0, 1)
+        return (above - below) / np.maximum(moved, 1e-12) * spread
+
+    @property
+    def at_bound(self) -> NDArray[np.bool_]:
+        """Which parameters ended within half a thousandth of the upper end of their range."""
+        return self.unit > 1 - 5e-4
+
+    def projector(self) -> NDArray[np.float64]:
+        """Projects whitened means (r, r) onto what no change of the parameters can make."""
+        _, vectors = np.linalg.eigh(self.information[0])
+        reach, _ = np.linalg.qr(self.jacobian @ vectors[:, self.model.dim - self.num_identified :])
+        return np.eye(len(self.residual)) - reach @ reach.T
+
+    def next_design(self, num_events: int) -> Design:
+        """A design around the fit for `num_events` events, along the directions of the Fisher information."""
+        values, vectors = np.linalg.eigh(self.information[0])
+        # Over a design of half-width h a slope is known to sqrt(6 r N / n) / h, all summaries taken together.
+        ratio = 6 * len(self.residual) * self.num_observed / num_events
+        sigmas = max(MIN_SIGMAS, np.sqrt(ratio) / SLOPE_NOISE)
+        half = np.clip(sigmas / np.sqrt(np.maximum(values, 1e-9)), 1e-6, WIDEST)
+        return Design(self.unit, vectors * half)
+
+
+def basis(t: NDArray[np.float64]) -> NDArray[np.float64]:
+    """1, t_i, and all products t_i t_j: (n, P) -> (n, 1 + P + P (P + 1) / 2)."""
+    i, j = np.triu_indices(t.shape[1])
+    return np.concatenate([np.ones((len(t), 1)), t, t[:, i] * t[:, j]], axis=1)
+
+
+def basis_slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Derivative of `basis` at one point: (P,) -> (b, P)."""
+    p = len(t)
+    i, j = np.triu_indices(p)
+    products = np.eye(p)[i] * t[j][:, None] + np.eye(p)[j] * t[i][:, None]
+    return np.concatenate([np.zeros((1, p)), np.eye(p), products])
+
+
+def surrogate(
+    model: Model, summary: Summary, design: Design, num_events: int, rng: np.random.Generator
+) -> Surrogate:
+    """The mean summary over a design, from events of which half lie at its centre and half are spread over it."""
+    normal, moment = 0.0, 0.0
+    while num_events > 0:
+        n = min(num_events, CHUNK)
+        t = rng.uniform(-1, 1, (n, model.dim))
+        t[::2] = 0
+        u = design.to_u(t)
+        b = basis(design.to_t(u))
+        rows = summary.rows(model.simulate(model.from_unit(u), rng))
+        normal = normal + b.T @ b
+        moment = moment + np.asarray(rows.T @ b).T
+        num_events -= n
+    inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
+    return Surrogate(design, inverse @ moment, inverse)
+
+
+def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
+    """The point of the design where the surrogate comes closest to the target."""
+    z, b = target.whiten(target.mean), target.whiten(s.coefficients)
+    # Of r dimensions only those matter that the surrogate can reach.
+    reach, _ = np.linalg.qr(b.T)
+    small_z, small_b = z @ reach, b @ reach
+    axes, centre, p = s.design.axes, s.design.centre, model.dim
+
+    def outside(t: NDArray[np.float64]) -> NDArray[np.float64]:
+        u = centre + axes @ t
+        return u - np.clip(u, 0, 1)
+
+    def residual(t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.concatenate([small_z - basis(t[None])[0] @ small_b, np.sqrt(ANCHOR) * t, WALL * outside(t)])
+
+    def slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
+        wall = WALL * (outside(t) != 0)[:, None] * axes
+        return np.concatenate([-(basis_slope(t).T @ small_b).T, np.sqrt(ANCHOR) * np.eye(p), wall])
+
+    t = least_squares(residual, np.zeros(p), slope, bounds=(-1, 1), method="dogbox", max_nfev=60).x
+    u = s.design.to_u(t)
+    t = s.design.to_t(u)
+    back, steps = np.linalg.inv(axes), basis_slope(t)
+    return Fit(
+        model=model,
+        unit=u,
+        residual=z - basis(t[None])[0] @ b,
+        jacobian=(steps.T @ b).T @ back,
+        jacobian_noise=target.num_events * target.rank * back.T @ steps.T @ s.inverse @ steps @ back,
+        noise=target.num_events * float(basis(t[None])[0] @ s.inverse @ basis(t[None])[0]),
+        predicted=basis(t[None])[0] @ s.coefficients,
+        num_observed=target.num_events,
+        design=s.design,
+    )
+
+
+def refine(
+    model: Model,
+    target: Target,
+    start: NDArray[np.float64],
+    half: NDArray[np.float64] | float,
+    rng: np.random.Generator,
+    *,
+    num_events: int,
+    max_rounds: int = 10,
+) -> Fit:
+    """Shrinking designs around `start` (P,) in the unit cube, the first of half-width `half`, until they are as small
+    as `num_events` events allow."""
+    half = np.broadcast_to(half, model.dim).astype(float)
+    fit = minimise(model, surrogate(model, target.summary, Design.box(start, half), num_events, rng), target)
+    scale = float(half.max())
+    for _ in range(max_rounds):
+        design = fit.next_design(num_events)
+        widest = np.abs(design.axes).max()
+        scale = max(scale / SHRINK, widest)
+        if scale > widest:  # a curved model is not known to be as sharp as its slope at a distance says
+            lengths = np.linalg.norm(design.axes, axis=0)
+            design = Design(design.centre, design.axes / lengths * np.maximum(lengths, np.minimum(scale, WIDEST)))
+        last, fit = fit, minimise(model, surrogate(model, target.summary, design, num_events, rng), target)
+        moved = np.abs(design.to_t(fit.unit)).max()
+        if moved > 0.9:
+            scale *= SHRINK
+        elif scale <= widest and fit.q > last.q * 0.98 - 1:
+            break
+    return fit
+
+
+def polish(fit: Fit, target: Target, rng: np.random.Generator, num_events: int) -> Fit:
+    """The same fit with many events in a small design around it."""
+    return minimise(fit.model, surrogate(fit.model, target.summary, fit.next_design(num_events), num_events, rng), target)
+
+
+def scan(
+    model: Model, target: Target, rng: np.random.Generator, *, points: int = 200, events: int = 300
+) -> tuple[NDArray[np.float64], float]:
+    """A point (P,) of the unit cube near the best, and how near, from three searches, each around the last best."""
+    centre, half = np.full(model.dim, 0.5), 0.5
+    for _ in range(3):
+        u = rng.uniform(np.maximum(centre - half, 0), np.minimum(centre + half, 1), (points, model.dim))
+        rows = target.summary.rows(model.simulate(model.from_unit(np.repeat(u, events, axis=0)), rng))
+        means = np.stack([np.asarray(rows[i * events : (i + 1) * events].mean(axis=0)) for i in range(points)])
+        gaps = (target.whiten(target.mean - means) ** 2).sum(axis=1)
+        centre, half = u[gaps.argmin()], half * 3 * points ** (-1 / model.dim)
+    return centre, half

@@ -1,0 +1,115 @@
+"""Which effect is missing? Every shape of every candidate is screened, and the promising ones fitted with theta."""
+
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.diagnosis.effects import Effect, Parameter
+from avobench.diagnosis.fit import Fit, Target, polish, refine
+from avobench.diagnosis.model import Model
+
+SCREEN_EVENTS = 1500
+"""For each point of a screening grid."""
+STRENGTHS = (0.01, 0.05, 0.2, 0.6)
+"""Of the range of a strength; between them the effect is taken as linear."""
+LOCATIONS, SHAPES, WIDTHS = 12, 5, 3
+"""Grid points of a location, of a single shape parameter, of a width beside a location."""
+GAIN = 3.0
+"""How far a strength may be moved from its grid point by that linearity."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where to begin a fit: a shape, its unit coordinates with theta, and the Q that screening expects there."""
+
+    model: Model
+    unit: NDArray[np.float64]
+    expected: float
+
+
+def grid(effect: Effect) -> NDArray[np.float64]:
+    """Points at which to screen an effect: (m, q)."""
+    strength, *shape = effect.parameters
+    sides = [side for side in (strength.high, strength.low) if side != strength.null]
+    strengths = [strength.null + share * (side - strength.null) for side in sides for share in STRENGTHS]
+    counts = [SHAPES] if len(shape) == 1 else [LOCATIONS, WIDTHS, *[2] * (len(shape) - 2)]
+    axes = [_spread(p, n) for p, n in zip(shape, counts, strict=False)]
+    return np.array(list(product(strengths, *axes)))
+
+
+def _spread(p: Parameter, n: int) -> NDArray[np.float64]:
+    share = (np.arange(n) + 0.5) / n
+    return p.low * (p.high / p.low) ** share if p.logarithmic else p.low + share * (p.high - p.low)
+
+
+def screen(base: Fit, target: Target, effect: Effect, rng: np.random.Generator) -> list[Start]:
+    """The best one or two grid points of one shape of an effect added to a fitted model.
+
+    All grid points start from events of the fitted model. What counts is how the effect changes them, so that their
+    own scatter cancels. Theta follows linearly, and the strength is moved to where a linear effect would fit best.
+    """
+    model = replace(base.model, effects=(*base.model.effects, effect), stretch=())
+    points = grid(effect)
+    m, q = points.shape
+    params = np.tile(base.params, (m * SCREEN_EVENTS, 1))
+    untouched: list[NDArray] = []
+
+    def simulate(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        x = base.model.simulate(theta, rng)
+        if not untouched:
+            untouched.append(x.copy())
+        return x
+
+    x = effect.apply(simulate, params, np.repeat(points, SCREEN_EVENTS, axis=0), rng)
+    before, after = (
+        np.stack([np.asarray(r.mean(axis=0)) for r in _pieces(target.summary.rows(y), m)]) for y in (untouched[0], x)
+    )
+    change = target.whiten(after - before)  # (m, r)
+    free = base.projector()
+    left, moved = base.residual @ free, change @ free
+    # The scatter of a difference of means adds to its square, which would make every effect look stronger than it is.
+    scatter = target.num_events / SCREEN_EVENTS * _changed_share(untouched[0], x, m) * target.rank
+    size = np.maximum((moved**2).sum(axis=1) - scatter, 0.1 * (moved**2).sum(axis=1)) + 1e-9
+    along = moved @ left
+    strength = effect.parameters[0]
+    gain = np.clip(along / size, 0, GAIN)
+    reach = np.where(points[:, 0] > strength.null, strength.high, strength.low) - strength.null
+    gain = np.minimum(gain, reach / (points[:, 0] - strength.null))
+    expected = left @ left - 2 * gain * along + gain**2 * size
+    order = np.argsort(expected)
+    chosen = [order[0]]
+    if q > 1:
+        far = [i for i in order if np.abs(points[i, 1:] - points[order[0], 1:]).max() > 1e-12]
+        chosen += far[:1]
+    starts = []
+    for i in chosen:
+        phi = points[i].copy()
+        phi[0] = strength.null + max(gain[i], 0.05) * (phi[0] - strength.null)
+        shift = np.linalg.pinv(base.jacobian) @ (base.residual - gain[i] * change[i])
+        theta = np.clip(base.unit + np.clip(base.information[1] > 0 and shift, -0.1, 0.1), 0, 1)
+        unit = np.concatenate([theta, model.to_unit(np.concatenate([base.params, phi]))[base.model.dim :]])
+        starts.append(Start(model, unit, float(expected[i])))
+    return starts
+
+
+def _pieces(rows, m: int):
+    n = rows.shape[0] // m
+    return (rows[i * n : (i + 1) * n] for i in range(m))
+
+
+def _changed_share(before: NDArray, after: NDArray, m: int) -> NDArray[np.float64]:
+    """Share of the events that the effect changed, at each of m points."""
+    return np.any(before != after, axis=1).reshape(m, -1).mean(axis=1)
+
+
+def joint(start: Start, target: Target, rng: np.random.Generator, num_events: int) -> Fit:
+    """Fit theta and the effect's parameters together, from a start."""
+    model = start.model
+    null = model.to_unit(np.array([*np.zeros(model.num_theta), *(p.null or 0 for e in model.effects for p in e.parameters)]))
+    half = np.full(model.dim, 0.08)
+    i = model.dim - len(model.effects[-1].parameters)
+    half[i] = max(0.5 * abs(start.unit[i] - null[i]), 1e-3)
+    half[:i] = 0.02
+    return refine(model, target, start.unit, half, rng, num_events=num_events)

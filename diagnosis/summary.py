@@ -1,0 +1,114 @@
+"""The summary of a set of events: shares of bins whose edges follow the data, whitened by their covariance."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+LEAST_IN_BIN = 12
+"""Measured and simulated events together, each counted half."""
+RANK_TOLERANCE = 1e-7
+
+
+class Summary(ABC):
+    """A vector s(x) of fixed length for each event; a set of events is summarised by its mean."""
+
+    size: int
+
+    @abstractmethod
+    def rows(self, x: NDArray) -> csr_array | NDArray[np.float64]:
+        """One vector an event: (n, d) -> (n, K)."""
+
+    @abstractmethod
+    def covariance(self, x: NDArray) -> NDArray[np.float64]:
+        """Covariance of the vectors of events (n, d) -> (K, K)."""
+
+
+@dataclass(frozen=True)
+class Bins(Summary):
+    """Which bin of each feature, and of each pair of features, an event falls in.
+
+    `edges` are inner edges, one array a feature: k of them make k + 1 bins, open at both ends. `coarse` are those of
+    the pairs; without them there are no pairs.
+    """
+
+    edges: tuple[NDArray[np.float64], ...]
+    coarse: tuple[NDArray[np.float64], ...] = ()
+
+    @cached_property
+    def blocks(self) -> list[tuple[tuple[int, ...], int]]:
+        """(features, number of bins) of each block of the vector, in order."""
+        single = [((j,), len(e) + 1) for j, e in enumerate(self.edges)]
+        pairs = combinations(range(len(self.coarse)), 2)
+        return single + [((i, j), (len(self.coarse[i]) + 1) * (len(self.coarse[j]) + 1)) for i, j in pairs]
+
+    @cached_property
+    def size(self) -> int:
+        return sum(bins for _, bins in self.blocks)
+
+    def rows(self, x: NDArray) -> csr_array:
+        fine = [np.searchsorted(e, column, side="right") for e, column in zip(self.edges, x.T, strict=True)]
+        wide = [np.searchsorted(e, column, side="right") for e, column in zip(self.coarse, x.T, strict=False)]
+        indices, start = np.empty((len(x), len(self.blocks)), np.int32), 0
+        for k, (features, bins) in enumerate(self.blocks):
+            a, b = features[0], features[-1]
+            inside = fine[a] if len(features) == 1 else wide[a] * (len(self.coarse[b]) + 1) + wide[b]
+            indices[:, k] = inside + start
+            start += bins
+        pointers = np.arange(0, indices.size + 1, len(self.blocks), dtype=np.int32)
+        return csr_array((np.ones(indices.size), indices.ravel(), pointers), shape=(len(x), self.size))
+
+    def covariance(self, x: NDArray) -> NDArray[np.float64]:
+        rows = self.rows(x)
+        columns = np.ascontiguousarray(rows.indices.reshape(len(x), -1).T).astype(np.int64)
+        second = np.zeros(self.size**2)
+        for i, j in combinations(range(len(columns)), 2):
+            second += np.bincount(columns[i] * self.size + columns[j], minlength=self.size**2)
+        second = second.reshape(self.size, self.size)
+        mean = np.asarray(rows.mean(axis=0))
+        return (second + second.T) / len(x) + np.diag(mean) - np.outer(mean, mean)
+
+
+def bins_of(x: NDArray, simulated: NDArray) -> Bins:
+    """Bins that hold measured and simulated events alike, so that neither a hole nor a peak falls between edges.
+
+    One feature: up to 50 bins. Several: up to 12 bins a feature, and 4 x 4 a pair where there are at least 2 000
+    events. Few events make fewer bins. Counts are never split; they are merged where they are rare.
+    """
+    n, d = x.shape
+    one = np.issubdtype(x.dtype, np.integer) and d == 1
+    most = min(max(n // 25, 4), 80 if one else 50) if d == 1 else min(max(n // 100, 4), 12)
+    edges = tuple(_edges(x[:, j], simulated[:, j], most) for j in range(d))
+    coarse = tuple(_edges(x[:, j], simulated[:, j], 4) for j in range(d)) if d > 1 and n >= 2000 else ()
+    return Bins(edges, coarse)
+
+
+def _edges(x: NDArray, simulated: NDArray, most: int) -> NDArray[np.float64]:
+    """Inner edges of at most `most` bins for one feature, from a mixture of both sets in equal parts."""
+    values = np.concatenate([x, simulated]).astype(float)
+    weights = np.concatenate([np.full(len(x), 0.5), np.full(len(simulated), 0.5 * len(x) / len(simulated))])
+    unique, inverse = np.unique(values, return_inverse=True)
+    cumulated = np.cumsum(np.bincount(inverse, weights))
+    need = max(len(x) / most, LEAST_IN_BIN) if most < len(unique) else LEAST_IN_BIN
+    edges, last = [], 0.0
+    at = np.searchsorted(cumulated, last + need)
+    while at < len(unique) - 1 and cumulated[-1] - cumulated[at] >= LEAST_IN_BIN:
+        edges.append((unique[at] + unique[at + 1]) / 2)
+        last = cumulated[at]
+        at = max(np.searchsorted(cumulated, last + need), at + 1)
+    return np.array(edges)
+
+
+def whitening(cov: NDArray[np.float64]) -> NDArray[np.float64]:
+    """W (K, r) with W^T cov W = 1, r the rank of cov: one less for each block of bins that sums to one."""
+    seen = np.flatnonzero(np.diag(cov) > 0)  # a cell of a pair may be empty
+    scale = np.sqrt(np.diag(cov)[seen])
+    values, vectors = np.linalg.eigh(cov[np.ix_(seen, seen)] / np.outer(scale, scale))
+    keep = values > RANK_TOLERANCE * values[-1]
+    w = np.zeros((len(cov), int(keep.sum())))
+    w[seen] = vectors[:, keep] / np.sqrt(values[keep]) / scale[:, None]
+    return w
