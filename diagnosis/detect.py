@@ -1,12 +1,11 @@
 """Do simulation and measurement disagree? A summary test with theta fitted on the same events."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from avobench.diagnosis.fit import Fit, Target, polish
+from avobench.diagnosis.schema import Gate
 from avobench.diagnosis.summary import Summary, whitening
 
 MIXED_IN = 0.1
@@ -16,17 +15,10 @@ MIXED_IN = 0.1
 COVARIANCE_EVENTS = 100_000
 
 
-@dataclass(frozen=True)
-class Gate:
-    statistic: float
-    dof: int | None
-    p_value: float
-
-
 def target_of(x: NDArray, summary: Summary, simulated: NDArray) -> Target:
     """What to fit to the measured events x (N, d), whitened with their covariance and a little of the simulated."""
     cov = (1 - MIXED_IN) * summary.covariance(x) + MIXED_IN * summary.covariance(simulated)
-    return Target(summary, np.asarray(summary.rows(x).mean(axis=0)), len(x), whitening(cov))
+    return Target.of(summary, np.asarray(summary.rows(x).mean(axis=0)), len(x), cov)
 
 
 def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, num_events: int) -> tuple[Gate, Fit]:
@@ -36,6 +28,6 @@ def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, num_events:
     covariance, because that of few measured events is biased where they are fewest.
     """
     x = fit.model.simulate(np.tile(fit.params, (min(num_events, COVARIANCE_EVENTS), 1)), rng)
-    w = whitening(target.summary.covariance(x))
-    own = polish(fit, Target(target.summary, target.mean, target.num_events, w), rng, num_events)
-    return Gate(own.q, own.dof, float(chi2.sf(own.q, own.dof))), own
+    own_target = Target.of(target.summary, target.mean, target.num_events, target.summary.covariance(x))
+    own = polish(fit, own_target, rng, num_events)
+    return Gate(statistic=own.q, dof=own.dof, p_value=float(chi2.sf(own.q, own.dof))), own

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from avobench.diagnosis.model import Model
-from avobench.diagnosis.summary import Summary
+from avobench.diagnosis.summary import Summary, whitening
 
 CHUNK = 100_000
 """Events simulated at a time, to bound memory."""
@@ -36,8 +36,14 @@ class Target:
     mean: NDArray[np.float64]
     """(K,)"""
     num_events: int
+    cov: NDArray[np.float64]
+    """Of the summary of one event (K, K)."""
     whitening: NDArray[np.float64]
-    """(K, r)"""
+    """(K, r), whitening^T cov whitening = 1."""
+
+    @classmethod
+    def of(cls, summary: Summary, mean: NDArray[np.float64], num_events: int, cov: NDArray[np.float64]) -> "Target":
+        return cls(summary, mean, num_events, cov, whitening(cov))
 
     @property
     def rank(self) -> int:
@@ -129,6 +135,11 @@ class Fit:
         return (back[seen].T * values[seen]) @ back[seen] / (1 + self.noise), int(seen.sum())
 
     @property
+    def gap(self) -> float:
+        """An unbiased estimate of the Q that endless simulation would give, to compare models with."""
+        return float(self.residual @ self.residual) - self.noise * self.dof
+
+    @property
     def num_identified(self) -> int:
         return self.information[1]
 
@@ -185,9 +196,7 @@ def basis_slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.concatenate([np.zeros((1, p)), np.eye(p), products])
 
 
-def surrogate(
-    model: Model, summary: Summary, design: Design, num_events: int, rng: np.random.Generator
-) -> Surrogate:
+def surrogate(model: Model, summary: Summary, design: Design, num_events: int, rng: np.random.Generator) -> Surrogate:
     """The mean summary over a design, from events of which half lie at its centre and half are spread over it."""
     normal, moment = 0.0, 0.0
     while num_events > 0:
@@ -273,7 +282,9 @@ def refine(
 
 def polish(fit: Fit, target: Target, rng: np.random.Generator, num_events: int) -> Fit:
     """The same fit with many events in a small design around it."""
-    return minimise(fit.model, surrogate(fit.model, target.summary, fit.next_design(num_events), num_events, rng), target)
+    return minimise(
+        fit.model, surrogate(fit.model, target.summary, fit.next_design(num_events), num_events, rng), target
+    )
 
 
 def scan(

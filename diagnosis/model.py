@@ -68,8 +68,8 @@ class Model:
         if not self.logarithmic.any():
             return straight
         low, high = np.where(self.logarithmic, self.low, 1), np.where(self.logarithmic, self.high, 1)
-        ratio = np.where(self.logarithmic, params, 1) / low
-        return np.where(self.logarithmic, np.log(ratio) / np.log(np.where(high > low, high / low, np.e)), straight)
+        span = np.where(self.logarithmic, high / low, np.e)
+        return np.where(self.logarithmic, np.log(np.where(self.logarithmic, params, 1) / low) / np.log(span), straight)
 
     def simulate(self, params: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """One event per row: (n, P) -> (n, d)."""

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.effects import Effect, Parameter
-from avobench.diagnosis.fit import Fit, Target, polish, refine
+from avobench.diagnosis.fit import Fit, Target, refine
 from avobench.diagnosis.model import Model
 
 SCREEN_EVENTS = 1500
@@ -16,6 +16,11 @@ STRENGTHS = (0.01, 0.05, 0.2, 0.6)
 """Of the range of a strength; between them the effect is taken as linear."""
 LOCATIONS, SHAPES, WIDTHS = 12, 5, 3
 """Grid points of a location, of a single shape parameter, of a width beside a location."""
+FIT_EVENTS = 30_000
+"""Of each design of a fit; as many as were measured, if these are more."""
+MOST_FITS, FITS_A_FAMILY = 30, 5
+WORTH = 0.9
+"""Screening drops what is not expected to close a tenth of the gap."""
 GAIN = 3.0
 """How far a strength may be moved from its grid point by that linearity."""
 
@@ -105,11 +110,30 @@ def _changed_share(before: NDArray, after: NDArray, m: int) -> NDArray[np.float6
 
 
 def joint(start: Start, target: Target, rng: np.random.Generator, num_events: int) -> Fit:
-    """Fit theta and the effect's parameters together, from a start."""
+    """Fit theta and the effects' parameters together, from a start."""
     model = start.model
-    null = model.to_unit(np.array([*np.zeros(model.num_theta), *(p.null or 0 for e in model.effects for p in e.parameters)]))
+    strength, *rest = model.effects[-1].parameters
+    null = model.to_unit(
+        np.array([*model.from_unit(start.unit)[: -1 - len(rest)], strength.null, *(p.low for p in rest)])
+    )
+    i = model.dim - 1 - len(rest)
     half = np.full(model.dim, 0.08)
-    i = model.dim - len(model.effects[-1].parameters)
-    half[i] = max(0.5 * abs(start.unit[i] - null[i]), 1e-3)
     half[:i] = 0.02
+    half[i] = max(0.5 * abs(start.unit[i] - null[i]), 1e-3)
     return refine(model, target, start.unit, half, rng, num_events=num_events)
+
+
+def candidates(
+    base: Fit, target: Target, effects: list[Effect], rng: np.random.Generator, *, most: int = MOST_FITS
+) -> list[Fit]:
+    """Fits of `base` with one more effect, the best few shapes of every effect that screening lets through."""
+    starts = [s for effect in effects for shape in effect.shapes() for s in screen(base, target, shape, rng)]
+    starts = sorted((s for s in starts if s.expected < WORTH * base.gap), key=lambda s: s.expected)
+    taken: dict[tuple, int] = {}
+    fits = []
+    for start in starts:
+        key = start.model.effects[-1].key
+        taken[key] = taken.get(key, 0) + 1
+        if len(fits) < most and taken[key] <= FITS_A_FAMILY:
+            fits.append(joint(start, target, rng, max(FIT_EVENTS, target.num_events)))
+    return fits

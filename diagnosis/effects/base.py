@@ -59,6 +59,8 @@ class Effect(ABC):
     """Strength first; the other parameters give its shape."""
     shape: str = ""
     """Which of its shapes this is."""
+    choices: int = 0
+    """Shape parameters beyond `parameters` that choosing among its shapes amounts to, such as a step."""
     sentence: ClassVar[str]
     """What it is, for a person."""
     source: ClassVar[str]

@@ -11,6 +11,9 @@ from avobench.diagnosis.effects.base import Effect, Family, Parameter, Simulate
 LONGEST = 30.0
 """Times the simulator's own exposure; the tails of a distribution of rates are cut there."""
 
+LOWEST = 0.3
+"""Of the lower of two rates. Below that it is a channel that is off now and then: `zero_inflation`."""
+
 
 def exposed(
     simulate: Simulate, theta: NDArray[np.float64], g: NDArray[np.float64], rng: np.random.Generator
@@ -41,13 +44,17 @@ class Overdispersion(Family):
     SHAPES: ClassVar = {
         "gamma": (),
         "lognormal": (),
+        "normal": (),
+        "drift": (),
         "uniform": (),
         "two_rates": (Parameter("share", 0.02, 0.98, None, "1"),),
     }
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        high = {"uniform": 0.33, "gamma": 4.0, "lognormal": 4.0, "two_rates": 1.0}[self.shape]
+        high = {"gamma": 4.0, "lognormal": 4.0, "normal": 0.3, "drift": 0.5, "uniform": 0.33, "two_rates": 1.0}[
+            self.shape
+        ]
         return (Parameter("variance", 0, high, 0, "1"), *self.SHAPES[self.shape])
 
     def apply(self, simulate, theta, phi, rng):
@@ -57,12 +64,16 @@ class Overdispersion(Family):
         elif self.shape == "lognormal":
             s = np.sqrt(np.log1p(variance))
             g = np.exp(s * rng.standard_normal(len(theta)) - s**2 / 2)
+        elif self.shape == "normal":
+            g = np.maximum(1 + np.sqrt(variance) * rng.standard_normal(len(theta)), 0)
+        elif self.shape == "drift":  # one period of a sine
+            g = 1 + np.sqrt(2 * variance) * np.sin(2 * np.pi * rng.random(len(theta)))
         elif self.shape == "uniform":
             g = 1 + np.sqrt(3 * variance) * rng.uniform(-1, 1, len(theta))
-        else:  # a share w of the events at the higher of two rates
+        else:  # a share w of the events at the higher of two rates, of which neither is a channel that is off
             w, s = phi[:, 1], np.sqrt(variance)
             high = rng.random(len(theta)) < w
-            g = np.maximum(np.where(high, 1 + s * np.sqrt((1 - w) / w), 1 - s * np.sqrt(w / (1 - w))), 0)
+            g = np.maximum(np.where(high, 1 + s * np.sqrt((1 - w) / w), 1 - s * np.sqrt(w / (1 - w))), LOWEST)
         return exposed(simulate, theta, g, rng)
 
 

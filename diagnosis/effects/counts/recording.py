@@ -154,17 +154,18 @@ class ReadoutNoise(Family):
 
 @dataclass(frozen=True)
 class Quantisation(Family):
-    """A share of the readings is known only in steps of `shape` counts, rounded down, to the nearest, or up."""
+    """A share of the readings is known only in steps of `shape` counts, rounded down, up, to the nearest, or to the middle."""
 
     shape: str = "2 down"
 
     name = "quantisation"
+    choices = 1
     STRENGTH = Parameter("fraction", 0, 1, 0, "1")
     SHAPES: ClassVar = {
         f"{step} {to}": ()
-        for step in (2, 3, 4, 5, 8, 10, 16)
-        for to in ("down", "nearest", "up")
-        if not (step == 2 and to == "nearest")
+        for step in (2, 3, 4, 5, 6, 7, 8, 10, 12, 16)
+        for to in ("down", "up", "nearest", "middle")
+        if step > 2 or to in ("down", "up")
     }
     sentence: ClassVar = "Readings are rounded to a coarser step than one count."
     source: ClassVar = KNOLL + "Section 17.V"
@@ -174,5 +175,6 @@ class Quantisation(Family):
         step, to = self.shape.split()
         step = int(step)
         rows = rng.random(len(x)) < phi[:, 0]
-        x[rows] = (x[rows] + {"down": 0, "nearest": step // 2, "up": step - 1}[to]) // step * step
+        before, after = {"down": (0, 0), "up": (step - 1, 0), "nearest": (step // 2, 0), "middle": (0, step // 2)}[to]
+        x[rows] = (x[rows] + before) // step * step + after
         return x
