@@ -6,7 +6,7 @@ from scipy.stats import chi2
 
 from avobench.diagnosis.fit import Fit, Target, polish
 from avobench.diagnosis.schema import Gate
-from avobench.diagnosis.summary import Summary, whitening
+from avobench.diagnosis.summary import Summary
 
 MIXED_IN = 0.1
 """Share of the simulated events in the covariance: where nothing was measured, what was expected still counts."""
@@ -18,7 +18,7 @@ COVARIANCE_EVENTS = 100_000
 def target_of(x: NDArray, summary: Summary, simulated: NDArray) -> Target:
     """What to fit to the measured events x (N, d), whitened with their covariance and a little of the simulated."""
     cov = (1 - MIXED_IN) * summary.covariance(x) + MIXED_IN * summary.covariance(simulated)
-    return Target.of(summary, np.asarray(summary.rows(x).mean(axis=0)), len(x), cov)
+    return Target.of(summary, summary.mean(x)[0], len(x), cov)
 
 
 def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, num_events: int) -> tuple[Gate, Fit]:

@@ -184,8 +184,9 @@ class Fit:
 
 def basis(t: NDArray[np.float64]) -> NDArray[np.float64]:
     """1, t_i, and all products t_i t_j: (n, P) -> (n, 1 + P + P (P + 1) / 2)."""
-    i, j = np.triu_indices(t.shape[1])
-    return np.concatenate([np.ones((len(t), 1)), t, t[:, i] * t[:, j]], axis=1)
+    p = t.shape[1]
+    columns = [np.ones(len(t)), *t.T, *(t[:, i] * t[:, j] for i in range(p) for j in range(i, p))]
+    return np.stack(columns, axis=1)
 
 
 def basis_slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -205,9 +206,8 @@ def surrogate(model: Model, summary: Summary, design: Design, num_events: int, r
         t[::2] = 0
         u = design.to_u(t)
         b = basis(design.to_t(u))
-        rows = summary.rows(model.simulate(model.from_unit(u), rng))
         normal = normal + b.T @ b
-        moment = moment + np.asarray(rows.T @ b).T
+        moment = moment + summary.moments(model.simulate(model.from_unit(u), rng), b)
         num_events -= n
     inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
     return Surrogate(design, inverse @ moment, inverse)
@@ -288,14 +288,25 @@ def polish(fit: Fit, target: Target, rng: np.random.Generator, num_events: int) 
 
 
 def scan(
-    model: Model, target: Target, rng: np.random.Generator, *, points: int = 200, events: int = 300
+    model: Model,
+    target: Target,
+    rng: np.random.Generator,
+    *,
+    fixed: NDArray[np.float64] | None = None,
+    points: int = 200,
+    events: int = 300,
 ) -> tuple[NDArray[np.float64], float]:
-    """A point (P,) of the unit cube near the best, and how near, from three searches, each around the last best."""
-    centre, half = np.full(model.dim, 0.5), 0.5
+    """A point (P,) of the unit cube near the best, and how near, from three searches, each around the last best.
+
+    `fixed` are values of the last coordinates, which are then not searched.
+    """
+    fixed = np.empty(0) if fixed is None else fixed
+    p = model.dim - len(fixed)
+    centre, half = np.full(p, 0.5), 0.5
     for _ in range(3):
-        u = rng.uniform(np.maximum(centre - half, 0), np.minimum(centre + half, 1), (points, model.dim))
-        rows = target.summary.rows(model.simulate(model.from_unit(np.repeat(u, events, axis=0)), rng))
-        means = np.stack([np.asarray(rows[i * events : (i + 1) * events].mean(axis=0)) for i in range(points)])
+        u = rng.uniform(np.maximum(centre - half, 0), np.minimum(centre + half, 1), (points, p))
+        full = np.hstack([u, np.tile(fixed, (points, 1))])
+        means = target.summary.mean(model.simulate(model.from_unit(np.repeat(full, events, axis=0)), rng), points)
         gaps = (target.whiten(target.mean - means) ** 2).sum(axis=1)
-        centre, half = u[gaps.argmin()], half * 3 * points ** (-1 / model.dim)
-    return centre, half
+        centre, half = u[gaps.argmin()], half * 3 * points ** (-1 / p)
+    return np.concatenate([centre, fixed]), half

@@ -54,6 +54,6 @@ def significant(
         block, first, last = scan.regions[i]
         if p[i] > alpha or len(found) == MOST:
             break
-        if all(block != b or last < f or first > l for b, f, l, _, _ in found):
+        if all(block != b or last < start or first > stop for b, start, stop, _, _ in found):
             found.append((block, first, last, float(z[i]), float(p[i])))
     return found

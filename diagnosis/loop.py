@@ -121,7 +121,7 @@ def diagnose(
 
     null, target = fit_null(Model(task, events=events), seen, rng)
     gate, own = summary_gate(null, target, rng, POLISH * len(seen))
-    aside_mean = np.asarray(target.summary.rows(aside).mean(axis=0))
+    aside_mean = target.summary.mean(aside)[0]
     before = Step(own, own, gate, [])
 
     def gap(of: Fit) -> Gap:

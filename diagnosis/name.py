@@ -7,18 +7,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.effects import Effect, Parameter
-from avobench.diagnosis.fit import Fit, Target, refine
+from avobench.diagnosis.fit import Fit, Target, refine, scan
 from avobench.diagnosis.model import Model
 
 SCREEN_EVENTS = 1500
 """For each point of a screening grid."""
 STRENGTHS = (0.01, 0.05, 0.2, 0.6)
 """Of the range of a strength; between them the effect is taken as linear."""
+ROUGH_STRENGTHS = tuple(np.geomspace(0.005, 1, 120).tolist())
+"""The same for an effect that is not smooth in its strength, which is then not moved either."""
 LOCATIONS, SHAPES, WIDTHS = 12, 5, 3
 """Grid points of a location, of a single shape parameter, of a width beside a location."""
 FIT_EVENTS = 30_000
 """Of each design of a fit; as many as were measured, if these are more."""
 MOST_FITS, FITS_A_FAMILY = 30, 5
+AT_EDGE = 0.48
+"""Distance from the middle of the range, of which the edge is at 0.5."""
 WORTH = 0.9
 """Screening drops what is not expected to close a tenth of the gap."""
 GAIN = 3.0
@@ -37,8 +41,9 @@ class Start:
 def grid(effect: Effect) -> NDArray[np.float64]:
     """Points at which to screen an effect: (m, q)."""
     strength, *shape = effect.parameters
+    shares = ROUGH_STRENGTHS if effect.rough else STRENGTHS
     sides = [side for side in (strength.high, strength.low) if side != strength.null]
-    strengths = [strength.null + share * (side - strength.null) for side in sides for share in STRENGTHS]
+    strengths = [strength.null + share * (side - strength.null) for side in sides for share in shares]
     counts = [SHAPES] if len(shape) == 1 else [LOCATIONS, WIDTHS, *[2] * (len(shape) - 2)]
     axes = [_spread(p, n) for p, n in zip(shape, counts, strict=False)]
     return np.array(list(product(strengths, *axes)))
@@ -68,9 +73,7 @@ def screen(base: Fit, target: Target, effect: Effect, rng: np.random.Generator) 
         return x
 
     x = effect.apply(simulate, params, np.repeat(points, SCREEN_EVENTS, axis=0), rng)
-    before, after = (
-        np.stack([np.asarray(r.mean(axis=0)) for r in _pieces(target.summary.rows(y), m)]) for y in (untouched[0], x)
-    )
+    before, after = target.summary.mean(untouched[0], m), target.summary.mean(x, m)
     change = target.whiten(after - before)  # (m, r)
     free = base.projector()
     left, moved = base.residual @ free, change @ free
@@ -82,6 +85,8 @@ def screen(base: Fit, target: Target, effect: Effect, rng: np.random.Generator) 
     gain = np.clip(along / size, 0, GAIN)
     reach = np.where(points[:, 0] > strength.null, strength.high, strength.low) - strength.null
     gain = np.minimum(gain, reach / (points[:, 0] - strength.null))
+    if effect.rough:
+        gain = np.ones_like(gain)
     expected = left @ left - 2 * gain * along + gain**2 * size
     order = np.argsort(expected)
     chosen = [order[0]]
@@ -99,28 +104,29 @@ def screen(base: Fit, target: Target, effect: Effect, rng: np.random.Generator) 
     return starts
 
 
-def _pieces(rows, m: int):
-    n = rows.shape[0] // m
-    return (rows[i * n : (i + 1) * n] for i in range(m))
-
-
 def _changed_share(before: NDArray, after: NDArray, m: int) -> NDArray[np.float64]:
     """Share of the events that the effect changed, at each of m points."""
     return np.any(before != after, axis=1).reshape(m, -1).mean(axis=1)
 
 
 def joint(start: Start, target: Target, rng: np.random.Generator, num_events: int) -> Fit:
-    """Fit theta and the effects' parameters together, from a start."""
-    model = start.model
-    strength, *rest = model.effects[-1].parameters
-    null = model.to_unit(
-        np.array([*model.from_unit(start.unit)[: -1 - len(rest)], strength.null, *(p.low for p in rest)])
-    )
-    i = model.dim - 1 - len(rest)
+    """Fit theta and the effects' parameters together, from a start.
+
+    A fit that ends at an edge of theta's range may have been led there by the effect that was missing: theta is then
+    looked for anew.
+    """
+    model, p = start.model, start.model.num_theta
+    last = model.dim - len(model.effects[-1].parameters)
+    null = (model.effects[-1].parameters[0].null - model.low[last]) / (model.high[last] - model.low[last])
     half = np.full(model.dim, 0.08)
-    half[:i] = 0.02
-    half[i] = max(0.5 * abs(start.unit[i] - null[i]), 1e-3)
-    return refine(model, target, start.unit, half, rng, num_events=num_events)
+    half[:last] = 0.02
+    half[last] = max((0.01 if model.effects[-1].rough else 0.5) * abs(start.unit[last] - null), 1e-4)
+    fit = refine(model, target, start.unit, half, rng, num_events=num_events)
+    if np.abs(fit.unit[:p] - 0.5).max() < AT_EDGE:
+        return fit
+    centre, near = scan(model, target, rng, fixed=fit.unit[p:])
+    half[:p] = max(near, 0.005)
+    return min(fit, refine(model, target, centre, half, rng, num_events=num_events), key=lambda f: f.gap)
 
 
 def candidates(

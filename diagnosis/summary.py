@@ -15,13 +15,17 @@ RANK_TOLERANCE = 1e-7
 
 
 class Summary(ABC):
-    """A vector s(x) of fixed length for each event; a set of events is summarised by its mean."""
+    """A vector s(x) of fixed length K for each event; a set of events is summarised by its mean."""
 
     size: int
 
     @abstractmethod
-    def rows(self, x: NDArray) -> csr_array | NDArray[np.float64]:
-        """One vector an event: (n, d) -> (n, K)."""
+    def mean(self, x: NDArray, pieces: int = 1) -> NDArray[np.float64]:
+        """Mean vector of each of so many equal, consecutive pieces of the events: (n, d) -> (pieces, K)."""
+
+    @abstractmethod
+    def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """weights^T s(x): (n, d), (n, b) -> (b, K)."""
 
     @abstractmethod
     def covariance(self, x: NDArray) -> NDArray[np.float64]:
@@ -50,26 +54,37 @@ class Bins(Summary):
     def size(self) -> int:
         return sum(bins for _, bins in self.blocks)
 
-    def rows(self, x: NDArray) -> csr_array:
-        fine = [np.searchsorted(e, column, side="right") for e, column in zip(self.edges, x.T, strict=True)]
-        wide = [np.searchsorted(e, column, side="right") for e, column in zip(self.coarse, x.T, strict=False)]
+    def indices(self, x: NDArray) -> NDArray[np.int32]:
+        """The position of each event's bin in the vector, for every block: (n, d) -> (n, blocks)."""
+        columns = np.ascontiguousarray(x.T)
+        fine = [np.searchsorted(e, column, side="right") for e, column in zip(self.edges, columns, strict=True)]
+        wide = [np.searchsorted(e, column, side="right") for e, column in zip(self.coarse, columns, strict=False)]
         indices, start = np.empty((len(x), len(self.blocks)), np.int32), 0
         for k, (features, bins) in enumerate(self.blocks):
             a, b = features[0], features[-1]
             inside = fine[a] if len(features) == 1 else wide[a] * (len(self.coarse[b]) + 1) + wide[b]
             indices[:, k] = inside + start
             start += bins
-        pointers = np.arange(0, indices.size + 1, len(self.blocks), dtype=np.int32)
-        return csr_array((np.ones(indices.size), indices.ravel(), pointers), shape=(len(x), self.size))
+        return indices
+
+    def mean(self, x: NDArray, pieces: int = 1) -> NDArray[np.float64]:
+        n = len(x) // pieces
+        cells = self.indices(x) + self.size * np.repeat(np.arange(pieces), n)[:, None]
+        return np.bincount(cells.ravel(), minlength=self.size * pieces).reshape(pieces, self.size) / n
+
+    def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        indices = self.indices(x)
+        pointers = np.arange(0, indices.size + 1, indices.shape[1], dtype=np.int32)
+        rows = csr_array((np.ones(indices.size), indices.ravel(), pointers), shape=(len(x), self.size))
+        return (rows.T @ weights).T
 
     def covariance(self, x: NDArray) -> NDArray[np.float64]:
-        rows = self.rows(x)
-        columns = np.ascontiguousarray(rows.indices.reshape(len(x), -1).T).astype(np.int64)
+        columns = np.ascontiguousarray(self.indices(x).T).astype(np.int64)
         second = np.zeros(self.size**2)
         for i, j in combinations(range(len(columns)), 2):
             second += np.bincount(columns[i] * self.size + columns[j], minlength=self.size**2)
         second = second.reshape(self.size, self.size)
-        mean = np.asarray(rows.mean(axis=0))
+        mean = self.mean(x)[0]
         return (second + second.T) / len(x) + np.diag(mean) - np.outer(mean, mean)
 
 

@@ -61,6 +61,8 @@ class Effect(ABC):
     """Which of its shapes this is."""
     choices: int = 0
     """Shape parameters beyond `parameters` that choosing among its shapes amounts to, such as a step."""
+    rough: ClassVar[bool] = False
+    """Whether a small change of the strength changes the events everywhere, so that a fit needs a start close by."""
     sentence: ClassVar[str]
     """What it is, for a person."""
     source: ClassVar[str]

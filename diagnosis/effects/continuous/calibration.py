@@ -93,20 +93,25 @@ class Quantisation(Change):
 
     shape: str = "nearest"
     name = "quantisation"
+    rough = True
     sentence = "Values are recorded in coarse steps, as by a converter of few bits."
     source = LEO + "Section 14.9"
 
     def strength(self) -> Parameter:
-        return Parameter("step", 0, self.half, 0, "of the feature")
+        return Parameter("step", 0, self.half, 0, "rad" if self.shape == "angle" else "of the feature")
 
     def variants(self):
-        return {"nearest": (), "down": (), "middle": ()}
+        return {"nearest": (), "down": (), "middle": ()} | ({"angle": ()} if self.bounded else {})
 
     def changed(self, x, span, phi, rng):
         step = np.where(phi[:, 0] > 0, phi[:, 0], 1)
-        y = x / step
-        y = {"nearest": np.rint, "down": np.floor, "middle": lambda v: np.floor(v) + 0.5}[self.shape](y)
-        return np.where(phi[:, 0] > 0, y * step, x)
+        if self.shape == "angle":
+            y = span.cosine(np.rint(span.angle(x) / step) * step)
+        else:
+            y = step * {"nearest": np.rint, "down": np.floor, "middle": lambda v: np.floor(v) + 0.5}[self.shape](
+                x / step
+            )
+        return np.where(phi[:, 0] > 0, y, x)
 
 
 @dataclass(frozen=True)

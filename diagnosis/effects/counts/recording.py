@@ -154,7 +154,7 @@ class ReadoutNoise(Family):
 
 @dataclass(frozen=True)
 class Quantisation(Family):
-    """A share of the readings is known only in steps of `shape` counts, rounded down, up, to the nearest, or to the middle."""
+    """A share of the readings is known only in steps of `shape` counts, rounded as it says."""
 
     shape: str = "2 down"
 
