@@ -135,7 +135,7 @@ def diagnose(
         while len(steps) <= max_effects and steps[-1].gate.p_value < alpha:
             last = steps[-1]
             used = {e.key for e in last.fit.model.effects}
-            fits = candidates(last.fit, target, [e for e in effects if e.key not in used], rng)
+            fits = candidates(last.fit, target, [e for e in effects if e.key not in used], seen, rng)
             ranks = ranking(fits, base.gap, len(seen))
             steps[-1] = replace(last, ranks=ranks)
             chosen = _accepted(steps, ranks, whole, gap)

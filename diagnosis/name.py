@@ -14,13 +14,11 @@ SCREEN_EVENTS = 1500
 """For each point of a screening grid."""
 STRENGTHS = (0.01, 0.05, 0.2, 0.6)
 """Of the range of a strength; between them the effect is taken as linear."""
-ROUGH_STRENGTHS = tuple(np.geomspace(0.005, 1, 120).tolist())
-"""The same for an effect that is not smooth in its strength, which is then not moved either."""
 LOCATIONS, SHAPES, WIDTHS = 12, 5, 3
 """Grid points of a location, of a single shape parameter, of a width beside a location."""
 FIT_EVENTS = 30_000
 """Of each design of a fit; as many as were measured, if these are more."""
-MOST_FITS, FITS_A_FAMILY = 30, 5
+MOST_FAMILIES, FITS_A_FAMILY = 20, 4
 AT_EDGE = 0.48
 """Distance from the middle of the range, of which the edge is at 0.5."""
 WORTH = 0.9
@@ -36,14 +34,15 @@ class Start:
     model: Model
     unit: NDArray[np.float64]
     expected: float
+    loose: bool
+    """Whether the strength is only roughly right."""
 
 
 def grid(effect: Effect) -> NDArray[np.float64]:
     """Points at which to screen an effect: (m, q)."""
     strength, *shape = effect.parameters
-    shares = ROUGH_STRENGTHS if effect.rough else STRENGTHS
     sides = [side for side in (strength.high, strength.low) if side != strength.null]
-    strengths = [strength.null + share * (side - strength.null) for side in sides for share in shares]
+    strengths = [strength.null + share * (side - strength.null) for side in sides for share in STRENGTHS]
     counts = [SHAPES] if len(shape) == 1 else [LOCATIONS, WIDTHS, *[2] * (len(shape) - 2)]
     axes = [_spread(p, n) for p, n in zip(shape, counts, strict=False)]
     return np.array(list(product(strengths, *axes)))
@@ -54,14 +53,17 @@ def _spread(p: Parameter, n: int) -> NDArray[np.float64]:
     return p.low * (p.high / p.low) ** share if p.logarithmic else p.low + share * (p.high - p.low)
 
 
-def screen(base: Fit, target: Target, effect: Effect, rng: np.random.Generator) -> list[Start]:
+def screen(base: Fit, target: Target, effect: Effect, x: NDArray, rng: np.random.Generator) -> list[Start]:
     """The best one or two grid points of one shape of an effect added to a fitted model.
 
     All grid points start from events of the fitted model. What counts is how the effect changes them, so that their
     own scatter cancels. Theta follows linearly, and the strength is moved to where a linear effect would fit best.
     """
     model = replace(base.model, effects=(*base.model.effects, effect), stretch=())
-    points = grid(effect)
+    guesses = effect.guess(x)
+    if guesses is not None and len(guesses) == 0:
+        return []
+    points = grid(effect) if guesses is None else guesses
     m, q = points.shape
     params = np.tile(base.params, (m * SCREEN_EVENTS, 1))
     untouched: list[NDArray] = []
@@ -72,20 +74,20 @@ def screen(base: Fit, target: Target, effect: Effect, rng: np.random.Generator) 
             untouched.append(x.copy())
         return x
 
-    x = effect.apply(simulate, params, np.repeat(points, SCREEN_EVENTS, axis=0), rng)
-    before, after = target.summary.mean(untouched[0], m), target.summary.mean(x, m)
+    changed = effect.apply(simulate, params, np.repeat(points, SCREEN_EVENTS, axis=0), rng)
+    before, after = target.summary.mean(untouched[0], m), target.summary.mean(changed, m)
     change = target.whiten(after - before)  # (m, r)
     free = base.projector()
     left, moved = base.residual @ free, change @ free
     # The scatter of a difference of means adds to its square, which would make every effect look stronger than it is.
-    scatter = target.num_events / SCREEN_EVENTS * _changed_share(untouched[0], x, m) * target.rank
+    scatter = target.num_events / SCREEN_EVENTS * _changed_share(untouched[0], changed, m) * target.rank
     size = np.maximum((moved**2).sum(axis=1) - scatter, 0.1 * (moved**2).sum(axis=1)) + 1e-9
     along = moved @ left
     strength = effect.parameters[0]
     gain = np.clip(along / size, 0, GAIN)
     reach = np.where(points[:, 0] > strength.null, strength.high, strength.low) - strength.null
     gain = np.minimum(gain, reach / (points[:, 0] - strength.null))
-    if effect.rough:
+    if guesses is not None:
         gain = np.ones_like(gain)
     expected = left @ left - 2 * gain * along + gain**2 * size
     order = np.argsort(expected)
@@ -100,7 +102,7 @@ def screen(base: Fit, target: Target, effect: Effect, rng: np.random.Generator) 
         shift = np.linalg.pinv(base.jacobian) @ (base.residual - gain[i] * change[i])
         theta = np.clip(base.unit + np.clip(base.information[1] > 0 and shift, -0.1, 0.1), 0, 1)
         unit = np.concatenate([theta, model.to_unit(np.concatenate([base.params, phi]))[base.model.dim :]])
-        starts.append(Start(model, unit, float(expected[i])))
+        starts.append(Start(model, unit, float(expected[i]), guesses is None))
     return starts
 
 
@@ -120,7 +122,7 @@ def joint(start: Start, target: Target, rng: np.random.Generator, num_events: in
     null = (model.effects[-1].parameters[0].null - model.low[last]) / (model.high[last] - model.low[last])
     half = np.full(model.dim, 0.08)
     half[:last] = 0.02
-    half[last] = max((0.01 if model.effects[-1].rough else 0.5) * abs(start.unit[last] - null), 1e-4)
+    half[last] = max((0.5 if start.loose else 0.003) * abs(start.unit[last] - null), 1e-4)
     fit = refine(model, target, start.unit, half, rng, num_events=num_events)
     if np.abs(fit.unit[:p] - 0.5).max() < AT_EDGE:
         return fit
@@ -129,17 +131,14 @@ def joint(start: Start, target: Target, rng: np.random.Generator, num_events: in
     return min(fit, refine(model, target, centre, half, rng, num_events=num_events), key=lambda f: f.gap)
 
 
-def candidates(
-    base: Fit, target: Target, effects: list[Effect], rng: np.random.Generator, *, most: int = MOST_FITS
-) -> list[Fit]:
-    """Fits of `base` with one more effect, the best few shapes of every effect that screening lets through."""
-    starts = [s for effect in effects for shape in effect.shapes() for s in screen(base, target, shape, rng)]
-    starts = sorted((s for s in starts if s.expected < WORTH * base.gap), key=lambda s: s.expected)
-    taken: dict[tuple, int] = {}
-    fits = []
-    for start in starts:
-        key = start.model.effects[-1].key
-        taken[key] = taken.get(key, 0) + 1
-        if len(fits) < most and taken[key] <= FITS_A_FAMILY:
-            fits.append(joint(start, target, rng, max(FIT_EVENTS, target.num_events)))
-    return fits
+def candidates(base: Fit, target: Target, effects: list[Effect], x: NDArray, rng: np.random.Generator) -> list[Fit]:
+    """Fits to events x (N, d) of `base` with one more effect: the best starts of the most promising families."""
+    families = []
+    for effect in effects:
+        starts = [start for shape in effect.shapes() for start in screen(base, target, shape, x, rng)]
+        starts.sort(key=lambda start: start.expected)
+        if starts and starts[0].expected < WORTH * base.gap:
+            families.append(starts[:FITS_A_FAMILY])
+    families.sort(key=lambda starts: starts[0].expected)
+    num_events = max(FIT_EVENTS, target.num_events)
+    return [joint(start, target, rng, num_events) for starts in families[:MOST_FAMILIES] for start in starts]

@@ -91,31 +91,38 @@ class Bins(Summary):
 def bins_of(x: NDArray, simulated: NDArray) -> Bins:
     """Bins that hold measured and simulated events alike, so that neither a hole nor a peak falls between edges.
 
-    One feature: up to 50 bins. Several: up to 12 bins a feature, and 4 x 4 a pair where there are at least 2 000
+    One feature: about 50 bins, and finer ones in its tails. Several: about 12 bins a feature, and 4 x 4 a pair where there are at least 2 000
     events. Few events make fewer bins. Counts are never split; they are merged where they are rare.
     """
     n, d = x.shape
     one = np.issubdtype(x.dtype, np.integer) and d == 1
     most = min(max(n // 25, 4), 80 if one else 50) if d == 1 else min(max(n // 100, 4), 12)
-    edges = tuple(_edges(x[:, j], simulated[:, j], most) for j in range(d))
+    edges = tuple(_edges(x[:, j], simulated[:, j], most, tails=True) for j in range(d))
     coarse = tuple(_edges(x[:, j], simulated[:, j], 4) for j in range(d)) if d > 1 and n >= 2000 else ()
     return Bins(edges, coarse)
 
 
-def _edges(x: NDArray, simulated: NDArray, most: int) -> NDArray[np.float64]:
-    """Inner edges of at most `most` bins for one feature, from a mixture of both sets in equal parts."""
+def _edges(x: NDArray, simulated: NDArray, most: int, *, tails: bool = False) -> NDArray[np.float64]:
+    """Inner edges of at most `most` bins for one feature, from a mixture of both sets in equal parts.
+
+    With `tails` the bins grow from LEAST_IN_BIN at both ends, each at most twice as full as the last: what lies beyond
+    the bulk tells effects apart though it is rare.
+    """
     values = np.concatenate([x, simulated]).astype(float)
     weights = np.concatenate([np.full(len(x), 0.5), np.full(len(simulated), 0.5 * len(x) / len(simulated))])
     unique, inverse = np.unique(values, return_inverse=True)
     cumulated = np.cumsum(np.bincount(inverse, weights))
+    total = cumulated[-1]
     need = max(len(x) / most, LEAST_IN_BIN) if most < len(unique) else LEAST_IN_BIN
-    edges, last = [], 0.0
-    at = np.searchsorted(cumulated, last + need)
-    while at < len(unique) - 1 and cumulated[-1] - cumulated[at] >= LEAST_IN_BIN:
+    edges, last, at = [], 0.0, -1
+    while True:
+        # Never more than what lies outside, on either side, so that the outermost bins are the least full.
+        wanted = min(need, max(min(last, (total - last) / 2), LEAST_IN_BIN)) if tails else need
+        at = max(int(np.searchsorted(cumulated, last + wanted)), at + 1)
+        if at >= len(unique) - 1 or total - cumulated[at] < LEAST_IN_BIN:
+            return np.array(edges)
         edges.append((unique[at] + unique[at + 1]) / 2)
         last = cumulated[at]
-        at = max(np.searchsorted(cumulated, last + need), at + 1)
-    return np.array(edges)
 
 
 def whitening(cov: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -61,8 +61,6 @@ class Effect(ABC):
     """Which of its shapes this is."""
     choices: int = 0
     """Shape parameters beyond `parameters` that choosing among its shapes amounts to, such as a step."""
-    rough: ClassVar[bool] = False
-    """Whether a small change of the strength changes the events everywhere, so that a fit needs a start close by."""
     sentence: ClassVar[str]
     """What it is, for a person."""
     source: ClassVar[str]
@@ -80,6 +78,13 @@ class Effect(ABC):
     def shapes(self) -> tuple["Effect", ...]:
         """This effect and its other shapes, the plainest first."""
         return (self,)
+
+    def guess(self, x: NDArray) -> NDArray[np.float64] | None:
+        """Values of the parameters from which to fit measured events x (N, d): (m, q), or None for a grid over all.
+
+        For an effect whose small change of strength changes the events everywhere, so that no grid comes close.
+        """
+        return None
 
     @property
     def key(self) -> tuple[str, int | str | None]:

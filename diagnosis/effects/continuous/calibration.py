@@ -93,7 +93,6 @@ class Quantisation(Change):
 
     shape: str = "nearest"
     name = "quantisation"
-    rough = True
     sentence = "Values are recorded in coarse steps, as by a converter of few bits."
     source = LEO + "Section 14.9"
 
@@ -102,6 +101,17 @@ class Quantisation(Change):
 
     def variants(self):
         return {"nearest": (), "down": (), "middle": ()} | ({"angle": ()} if self.bounded else {})
+
+    def guess(self, x):
+        """The typical distance of neighbouring values, where values repeat; there is nothing to fit where they do not."""
+        steps = []
+        for j in self.columns:
+            values = np.unique(self.ranges[j].angle(x[:, j]) if self.shape == "angle" else x[:, j])
+            if len(values) < len(x) / 3:
+                gaps = np.diff(values)
+                steps += [np.median(gaps[gaps > 1e-6 * self.half])] if (gaps > 1e-6 * self.half).any() else []
+        steps = np.unique(steps)
+        return steps[steps < self.strength().high][:, None]
 
     def changed(self, x, span, phi, rng):
         step = np.where(phi[:, 0] > 0, phi[:, 0], 1)
