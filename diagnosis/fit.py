@@ -140,6 +140,11 @@ class Fit:
         return float(self.residual @ self.residual) - self.noise * self.dof
 
     @property
+    def gap_error(self) -> float:
+        """Standard error of `gap` by simulation."""
+        return float(np.sqrt(2 * self.dof * self.noise**2 + 4 * max(self.gap, self.dof) * self.noise))
+
+    @property
     def num_identified(self) -> int:
         return self.information[1]
 
@@ -198,16 +203,21 @@ def basis_slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def surrogate(model: Model, summary: Summary, design: Design, num_events: int, rng: np.random.Generator) -> Surrogate:
-    """The mean summary over a design, from events of which half lie at its centre and half are spread over it."""
+    """The mean summary over a design, from events of which half lie at its centre and half are spread over it.
+
+    Where parameters lie and what happens to the events come from two streams, so that from one seed models of other
+    parameters get the same events, as far as their simulator lets them.
+    """
+    places, happenings = rng.spawn(2)
     normal, moment = 0.0, 0.0
     while num_events > 0:
         n = min(num_events, CHUNK)
-        t = rng.uniform(-1, 1, (n, model.dim))
+        t = places.uniform(-1, 1, (n, model.dim))
         t[::2] = 0
         u = design.to_u(t)
         b = basis(design.to_t(u))
         normal = normal + b.T @ b
-        moment = moment + summary.moments(model.simulate(model.from_unit(u), rng), b)
+        moment = moment + summary.moments(model.simulate(model.from_unit(u), happenings), b)
         num_events -= n
     inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
     return Surrogate(design, inverse @ moment, inverse)

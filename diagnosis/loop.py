@@ -10,7 +10,8 @@ from scipy.stats import chi2
 
 from avobench.bench.errors import UsageError
 from avobench.diagnosis.detect import summary_gate, target_of
-from avobench.diagnosis.effects import Effect, catalogue
+from avobench.diagnosis.effects import Effect
+from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.fit import Fit, Target, refine, scan
 from avobench.diagnosis.localise import intervals, significant
 from avobench.diagnosis.model import Model

@@ -7,18 +7,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.effects import Effect, Parameter
-from avobench.diagnosis.fit import Fit, Target, refine, scan
+from avobench.diagnosis.fit import Fit, Target, polish, refine, scan
 from avobench.diagnosis.model import Model
 
-SCREEN_EVENTS = 1500
+SCREEN_EVENTS = 1000
 """For each point of a screening grid."""
 STRENGTHS = (0.01, 0.05, 0.2, 0.6)
 """Of the range of a strength; between them the effect is taken as linear."""
 LOCATIONS, SHAPES, WIDTHS = 12, 5, 3
 """Grid points of a location, of a single shape parameter, of a width beside a location."""
-FIT_EVENTS = 30_000
-"""Of each design of a fit; as many as were measured, if these are more."""
-MOST_FAMILIES, FITS_A_FAMILY = 20, 4
+FIT_EVENTS = 25_000
+"""Of each design of a first fit."""
+POLISHES = (2, 10)
+"""Simulated events a measured one, for fits that may be the best."""
+MOST_FAMILIES, FITS_A_FAMILY = 16, 3
 AT_EDGE = 0.48
 """Distance from the middle of the range, of which the edge is at 0.5."""
 WORTH = 0.9
@@ -132,7 +134,10 @@ def joint(start: Start, target: Target, rng: np.random.Generator, num_events: in
 
 
 def candidates(base: Fit, target: Target, effects: list[Effect], x: NDArray, rng: np.random.Generator) -> list[Fit]:
-    """Fits to events x (N, d) of `base` with one more effect: the best starts of the most promising families."""
+    """Fits to events x (N, d) of `base` with one more effect: the best starts of the most promising families.
+
+    Fits that may still be the best are repeated with more events, all from the same seed.
+    """
     families = []
     for effect in effects:
         starts = [start for shape in effect.shapes() for start in screen(base, target, shape, x, rng)]
@@ -140,5 +145,23 @@ def candidates(base: Fit, target: Target, effects: list[Effect], x: NDArray, rng
         if starts and starts[0].expected < WORTH * base.gap:
             families.append(starts[:FITS_A_FAMILY])
     families.sort(key=lambda starts: starts[0].expected)
-    num_events = max(FIT_EVENTS, target.num_events)
-    return [joint(start, target, rng, num_events) for starts in families[:MOST_FAMILIES] for start in starts]
+    fits = [joint(start, target, rng, FIT_EVENTS) for starts in families[:MOST_FAMILIES] for start in starts]
+    seed = int(rng.integers(2**63))
+    for ratio in POLISHES:
+        fits = _distinct(fits)
+        best = min(fits, key=lambda fit: fit.gap + fit.gap_error, default=None)
+        for i, fit in enumerate(fits):
+            scale = max(best.gap, best.dof)
+            if fit.gap - fit.gap_error < best.gap + best.gap_error + scale:
+                num_events = max(ratio * target.num_events, FIT_EVENTS)
+                fits[i] = polish(fit, target, np.random.default_rng(seed), num_events)
+    return fits
+
+
+def _distinct(fits: list[Fit]) -> list[Fit]:
+    """The best fit of each shape of each family."""
+    best: dict[tuple, Fit] = {}
+    for fit in sorted(fits, key=lambda fit: fit.gap):
+        effect = fit.model.effects[-1]
+        best.setdefault((effect.key, effect.shape), fit)
+    return list(best.values())

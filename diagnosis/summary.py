@@ -91,8 +91,8 @@ class Bins(Summary):
 def bins_of(x: NDArray, simulated: NDArray) -> Bins:
     """Bins that hold measured and simulated events alike, so that neither a hole nor a peak falls between edges.
 
-    One feature: about 50 bins, and finer ones in its tails. Several: about 12 bins a feature, and 4 x 4 a pair where there are at least 2 000
-    events. Few events make fewer bins. Counts are never split; they are merged where they are rare.
+    One feature: about 50 bins, and finer ones in its tails. Several: about 12 bins a feature, and 4 x 4 a pair where
+    there are at least 2 000 events. Few events make fewer bins. Counts are never split; the rare are merged.
     """
     n, d = x.shape
     one = np.issubdtype(x.dtype, np.integer) and d == 1

@@ -103,7 +103,7 @@ class Quantisation(Change):
         return {"nearest": (), "down": (), "middle": ()} | ({"angle": ()} if self.bounded else {})
 
     def guess(self, x):
-        """The typical distance of neighbouring values, where values repeat; there is nothing to fit where they do not."""
+        """The typical distance of neighbouring values, where values repeat; nothing where they do not."""
         steps = []
         for j in self.columns:
             values = np.unique(self.ranges[j].angle(x[:, j]) if self.shape == "angle" else x[:, j])
