@@ -1,7 +1,6 @@
 """The new model: a task with effects added, kept as `model.json`, and accepted wherever a task is."""
 
 import hashlib
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal

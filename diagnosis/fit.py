@@ -85,6 +85,17 @@ class Surrogate:
     inverse: NDArray[np.float64]
     """(b, b), of the normal equations: the covariance of the coefficients in units of that of one event."""
 
+    def at(self, u: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Mean summary at u (P,) and its derivative: (K,), (P, K)."""
+        t = self.design.to_t(u)
+        slope = np.linalg.inv(self.design.axes).T @ basis_slope(t).T @ self.coefficients
+        return basis(t[None])[0] @ self.coefficients, slope
+
+    def variance_at(self, u: NDArray[np.float64]) -> float:
+        """Variance of `at` by simulation, in units of that of one event."""
+        b = basis(self.design.to_t(u)[None])[0]
+        return float(b @ self.inverse @ b)
+
 
 @dataclass(frozen=True)
 class Fit:
@@ -244,16 +255,16 @@ def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
 
     t = least_squares(residual, np.zeros(p), slope, bounds=(-1, 1), method="dogbox", max_nfev=60).x
     u = s.design.to_u(t)
-    t = s.design.to_t(u)
-    back, steps = np.linalg.inv(axes), basis_slope(t)
+    mean, slope_at = s.at(u)
+    back, steps = np.linalg.inv(axes), basis_slope(s.design.to_t(u))
     return Fit(
         model=model,
         unit=u,
-        residual=z - basis(t[None])[0] @ b,
-        jacobian=(steps.T @ b).T @ back,
+        residual=z - target.whiten(mean),
+        jacobian=target.whiten(slope_at).T,
         jacobian_noise=target.num_events * target.rank * back.T @ steps.T @ s.inverse @ steps @ back,
-        noise=target.num_events * float(basis(t[None])[0] @ s.inverse @ basis(t[None])[0]),
-        predicted=basis(t[None])[0] @ s.coefficients,
+        noise=target.num_events * s.variance_at(u),
+        predicted=mean,
         num_observed=target.num_events,
         design=s.design,
     )

@@ -82,7 +82,12 @@ def screen(base: Fit, target: Target, effect: Effect, x: NDArray, rng: np.random
     free = base.projector()
     left, moved = base.residual @ free, change @ free
     # The scatter of a difference of means adds to its square, which would make every effect look stronger than it is.
-    scatter = target.num_events / SCREEN_EVENTS * _changed_share(untouched[0], changed, m) * target.rank
+    scatter = (
+        target.num_events
+        / SCREEN_EVENTS
+        * target.rank
+        * target.summary.moved(untouched[0], changed).reshape(m, -1).mean(axis=1)
+    )
     size = np.maximum((moved**2).sum(axis=1) - scatter, 0.1 * (moved**2).sum(axis=1)) + 1e-9
     along = moved @ left
     strength = effect.parameters[0]
@@ -106,11 +111,6 @@ def screen(base: Fit, target: Target, effect: Effect, x: NDArray, rng: np.random
         unit = np.concatenate([theta, model.to_unit(np.concatenate([base.params, phi]))[base.model.dim :]])
         starts.append(Start(model, unit, float(expected[i]), guesses is None))
     return starts
-
-
-def _changed_share(before: NDArray, after: NDArray, m: int) -> NDArray[np.float64]:
-    """Share of the events that the effect changed, at each of m points."""
-    return np.any(before != after, axis=1).reshape(m, -1).mean(axis=1)
 
 
 def joint(start: Start, target: Target, rng: np.random.Generator, num_events: int) -> Fit:

@@ -28,6 +28,14 @@ class Summary(ABC):
         """weights^T s(x): (n, d), (n, b) -> (b, K)."""
 
     @abstractmethod
+    def project(self, x: NDArray, direction: NDArray[np.float64]) -> NDArray[np.float64]:
+        """s(x) along a direction (K,): (n, d) -> (n,)."""
+
+    @abstractmethod
+    def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
+        """How far each event's vector went, as a variance in units of that of one event: (n, d) twice -> (n,)."""
+
+    @abstractmethod
     def covariance(self, x: NDArray) -> NDArray[np.float64]:
         """Covariance of the vectors of events (n, d) -> (K, K)."""
 
@@ -77,6 +85,12 @@ class Bins(Summary):
         pointers = np.arange(0, indices.size + 1, indices.shape[1], dtype=np.int32)
         rows = csr_array((np.ones(indices.size), indices.ravel(), pointers), shape=(len(x), self.size))
         return (rows.T @ weights).T
+
+    def project(self, x: NDArray, direction: NDArray[np.float64]) -> NDArray[np.float64]:
+        return direction[self.indices(x)].sum(axis=1)
+
+    def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
+        return 2 * (self.indices(before) != self.indices(after)).mean(axis=1)
 
     def covariance(self, x: NDArray) -> NDArray[np.float64]:
         columns = np.ascontiguousarray(self.indices(x).T).astype(np.int64)
