@@ -44,7 +44,7 @@ class Overdispersion(Family):
     SHAPES: ClassVar = {
         "gamma": (),
         "lognormal": (),
-        "normal": (),
+        "skewed": (Parameter("skew", -1, 1, None, "1"),),
         "drift": (),
         "uniform": (),
         "two_rates": (Parameter("share", 0.02, 0.98, None, "1"),),
@@ -52,7 +52,7 @@ class Overdispersion(Family):
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        high = {"gamma": 4.0, "lognormal": 4.0, "normal": 0.3, "drift": 0.5, "uniform": 0.33, "two_rates": 1.0}[
+        high = {"gamma": 4.0, "lognormal": 4.0, "skewed": 0.5, "drift": 0.5, "uniform": 0.33, "two_rates": 1.0}[
             self.shape
         ]
         return (Parameter("variance", 0, high, 0, "1"), *self.SHAPES[self.shape])
@@ -64,8 +64,10 @@ class Overdispersion(Family):
         elif self.shape == "lognormal":
             s = np.sqrt(np.log1p(variance))
             g = np.exp(s * rng.standard_normal(len(theta)) - s**2 / 2)
-        elif self.shape == "normal":
-            g = np.maximum(1 + np.sqrt(variance) * rng.standard_normal(len(theta)), 0)
+        elif self.shape == "skewed":  # from a mirrored exponential over a Gaussian to an exponential
+            n, skew = len(theta), phi[:, 1]
+            noise = np.sqrt(1 - skew**2) * rng.standard_normal(n) + skew * (rng.standard_exponential(n) - 1)
+            g = np.maximum(1 + np.sqrt(variance) * noise, 0)
         elif self.shape == "drift":  # one period of a sine
             g = 1 + np.sqrt(2 * variance) * np.sin(2 * np.pi * rng.random(len(theta)))
         elif self.shape == "uniform":

@@ -53,7 +53,7 @@ class DeadTime(Family):
 
 @dataclass(frozen=True)
 class ThresholdLoss(Family):
-    """Events of few counts are not recorded (`step`, `exponential`, `turn_on`), or read zero (`suppressed`)."""
+    """Events of few counts are not recorded: below a threshold, or the fewer the less."""
 
     shape: str = "step"
 
@@ -63,7 +63,6 @@ class ThresholdLoss(Family):
         "step": (Parameter("threshold", 0.3, 100, None, "counts"),),
         "exponential": (Parameter("threshold", 0.3, 100, None, "counts"),),
         "turn_on": (Parameter("threshold", 0.3, 100, None, "counts"), Parameter("width", 0.3, 10, None, "counts")),
-        "suppressed": (Parameter("threshold", 1, 100, None, "counts"),),
     }
     sentence: ClassVar = "Events with few counts fall below a threshold and are lost."
     source: ClassVar = KNOLL + "Section 17.IV"
@@ -78,10 +77,6 @@ class ThresholdLoss(Family):
         return phi[:, 0] / (1 + np.exp(np.clip((x - t) / width, -50, 50)))
 
     def apply(self, simulate, theta, phi, rng):
-        if self.shape == "suppressed":
-            x = simulate(theta, rng)
-            x[rng.random(len(x)) < self.lost(x[:, 0], phi), 0] = 0
-            return x
         return accepted(simulate, theta, lambda x, rows: 1 - self.lost(x[:, 0], phi[rows]), rng)
 
 
@@ -169,6 +164,11 @@ class Quantisation(Family):
     }
     sentence: ClassVar = "Readings are rounded to a coarser step than one count."
     source: ClassVar = KNOLL + "Section 17.V"
+
+    def guess(self, x):
+        """Nothing where the step is wider than the counts scatter: it would be a constant, not a rounding."""
+        wide = int(self.shape.split()[0]) > 2 * x.std() + 1
+        return np.empty((0, 1)) if wide else None
 
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
