@@ -75,11 +75,22 @@ def classifier_gate(fit: Fit, target: Target, x: NDArray, rng: np.random.Generat
     return Gate(statistic=t, dof=None, p_value=float(norm.sf(t)))
 
 
-def weights(x: NDArray, simulated: NDArray, rng: np.random.Generator) -> NDArray[np.float64]:
-    """Weights (n,), of mean 1, that make simulated events (n, d) look like measured ones: odds of a classifier.
+@dataclass(frozen=True)
+class Correction:
+    """Simulated events of the final model and weights that make them look like measured ones.
 
     A description of the disagreement, and not a cause.
     """
-    trees = trained(x, simulated, int(rng.integers(2**31)))
-    odds = np.exp(np.clip(trees.decision_function(simulated), -10, 10))
-    return odds / odds.mean()
+
+    x: NDArray
+    """(n, d)"""
+    weights: NDArray[np.float64]
+    """(n,), of mean 1."""
+
+
+def correction(fit: Fit, x: NDArray, rng: np.random.Generator) -> Correction:
+    """Odds of a classifier between measured events x (N, d) and as many simulated ones, for as many others."""
+    simulated = fit.model.simulate(np.tile(fit.params, (2 * len(x), 1)), rng)
+    learn, use = simulated[: len(x)], simulated[len(x) :]
+    odds = np.exp(np.clip(trained(x, learn, int(rng.integers(2**31))).decision_function(use), -10, 10))
+    return Correction(use, odds / odds.mean())

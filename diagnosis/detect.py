@@ -21,7 +21,7 @@ def target_of(x: NDArray, summary: Summary, simulated: NDArray) -> Target:
     return Target.of(summary, summary.mean(x)[0], len(x), cov)
 
 
-def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, num_events: int) -> tuple[Gate, Fit]:
+def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, num_events: int) -> tuple[Gate, Fit, Target]:
     """Hansen's J: the whitened distance at the best theta, with the covariance that the model itself predicts.
 
     Chi-squared with as many degrees of freedom as the summary has, less those that theta takes up. The model's own
@@ -30,4 +30,4 @@ def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, num_events:
     x = fit.model.simulate(np.tile(fit.params, (min(num_events, COVARIANCE_EVENTS), 1)), rng)
     own_target = Target.of(target.summary, target.mean, target.num_events, target.summary.covariance(x))
     own = polish(fit, own_target, rng, num_events)
-    return Gate(statistic=own.q, dof=own.dof, p_value=float(chi2.sf(own.q, own.dof))), own
+    return Gate(statistic=own.q, dof=own.dof, p_value=float(chi2.sf(own.q, own.dof))), own, own_target

@@ -182,6 +182,10 @@ class Fit:
         """Which parameters ended within half a thousandth of the upper end of their range."""
         return self.unit > 1 - 5e-4
 
+    def follow(self, change: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How far the parameters move, in unit coordinates (P,), if the whitened mean of the data moves by `change`."""
+        return np.linalg.pinv(self.information[0], hermitian=True) @ self.jacobian.T @ change / (1 + self.noise)
+
     def projector(self) -> NDArray[np.float64]:
         """Projects whitened means (r, r) onto what no change of the parameters can make."""
         _, vectors = np.linalg.eigh(self.information[0])

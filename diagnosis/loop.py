@@ -1,7 +1,8 @@
 """The loop: detect, localise, name, add and refit, show; again until nothing significant is left or nothing helps."""
 
 import time
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 
 import numpy as np
@@ -9,13 +10,16 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from avobench.bench.errors import UsageError
+from avobench.diagnosis.classifier import classifier_gate, correction
 from avobench.diagnosis.detect import summary_gate, target_of
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.fit import Fit, Target, refine, scan
+from avobench.diagnosis.identifiability import card
 from avobench.diagnosis.localise import intervals, significant
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.name import candidates
+from avobench.diagnosis.pictures import spectra
 from avobench.diagnosis.rank import Ranked, ranking, tied
 from avobench.diagnosis.schema import (
     Candidate,
@@ -24,6 +28,7 @@ from avobench.diagnosis.schema import (
     FoundEffect,
     Gap,
     Gate,
+    Identifiable,
     Named,
     Region,
     Value,
@@ -35,6 +40,8 @@ from avobench.tasks import Task
 LEAST_EVENTS = 50
 HELD_OUT = 0.25
 """Share of the measured events kept aside: no fit, test or choice sees them, only the gap is measured on them."""
+GATES = {"summary": 0.8, "classifier": 0.2}
+"""Each gate's share of the false alarms. Most effects show in the summary."""
 POLISH = 12
 """Simulated events a measured one, where a p-value is at stake: simulation then adds a tenth to the variance."""
 ROUND = 3
@@ -60,12 +67,19 @@ class Counted:
 
 @dataclass(frozen=True)
 class Step:
-    """A model of the loop, its test, and what was tried to come from the one before."""
+    """A model of the loop, tested, and the candidates to come after it."""
 
     fit: Fit
+    """In the metric of the loop's target."""
     own: Fit
-    gate: Gate
-    ranks: list[Ranked]
+    """In its own metric, with more events: what is reported."""
+    gates: dict[str, Gate]
+    ranks: list[Ranked] = field(default_factory=list)
+
+    @property
+    def p_value(self) -> float:
+        """Of both gates together: each has its share of the false alarms."""
+        return min(1.0, *(self.gates[name].p_value / share for name, share in GATES.items()))
 
 
 def fit_null(model: Model, x: NDArray, rng: np.random.Generator) -> tuple[Fit, Target]:
@@ -120,53 +134,51 @@ def diagnose(
     cut = len(x) - int(HELD_OUT * len(x))
     seen, aside = x[order[:cut]], x[order[cut:]]
 
+    notes: list[str] = []
     null, target = fit_null(Model(task, events=events), seen, rng)
-    gate, own = summary_gate(null, target, rng, POLISH * len(seen))
     aside_mean = target.summary.mean(aside)[0]
-    before = Step(own, own, gate, [])
 
     def gap(of: Fit) -> Gap:
         return held_out_gap(of, target, aside_mean, len(aside))
 
-    steps = [before]
-    if gate.p_value < alpha:
-        base = refine(null.model, target, own.unit, 0.005, rng, num_events=4 * len(seen))
-        whole = base.gap - base.dof
-        steps[0] = Step(base, own, gate, [])
-        while len(steps) <= max_effects and steps[-1].gate.p_value < alpha:
+    steps = [_tested(null, target, seen, rng)]
+    before = steps[0]
+    disagree = before.p_value < alpha
+    if disagree:
+        base = refine(null.model, target, before.own.unit, 0.005, rng, num_events=4 * len(seen))
+        steps[0] = replace(before, fit=base)
+        while len(steps) <= max_effects and steps[-1].p_value < alpha:
             last = steps[-1]
             used = {e.key for e in last.fit.model.effects}
-            fits = candidates(last.fit, target, [e for e in effects if e.key not in used], seen, rng)
-            ranks = ranking(fits, base.gap, len(seen))
-            steps[-1] = replace(last, ranks=ranks)
-            chosen = _accepted(steps, ranks, whole, gap)
+            fits = candidates(last.fit, target, [e for e in effects if e.key not in used], seen, rng, jobs=jobs)
+            steps[-1] = replace(last, ranks=ranking(fits, base.gap))
+            chosen = _accepted(steps, gap)
             if chosen is None:
                 break
-            new_gate, new_own = summary_gate(chosen.fit, target, rng, POLISH * len(seen))
-            steps.append(Step(chosen.fit, new_own, new_gate, []))
+            steps.append(_tested(chosen, target, seen, rng))
 
     final = steps[-1]
-    if gate.p_value >= alpha:
+    named_any = len(steps) > 1
+    if not disagree:
         verdict = Verdict.NOTHING
-    elif len(steps) == 1:
+    elif not named_any:
         verdict = Verdict.UNEXPLAINED
     else:
-        verdict = Verdict.NAMED if final.gate.p_value >= alpha else Verdict.REDUCED
+        verdict = Verdict.NAMED if final.p_value >= alpha else Verdict.REDUCED
 
-    after = None if len(steps) == 1 else final
     names = feature_names(task)
     diagnosis = Diagnosis(
         verdict=verdict,
         alpha=alpha,
-        p_value_before=gate.p_value,
-        p_value_after=after and after.gate.p_value,
-        gates={"summary": gate},
-        gap_before=gap(own),
-        gap_after=after and gap(after.own),
-        theta_before=theta_values(own),
-        theta_after=after and theta_values(after.own),
-        effects=[found_effect(final.own, k, tied(steps[k].ranks), names) for k in range(len(steps) - 1)],
-        regions=regions(steps[0].fit, target, seen, rng, alpha, names) if gate.p_value < alpha else [],
+        p_value_before=before.p_value,
+        p_value_after=final.p_value if named_any else None,
+        gates=before.gates,
+        gap_before=gap(before.own),
+        gap_after=gap(final.own) if named_any else None,
+        theta_before=theta_values(before.own),
+        theta_after=theta_values(final.own) if named_any else None,
+        effects=[found_effect(final.own, k, tied(step.ranks), names) for k, step in enumerate(steps[:-1])],
+        regions=regions(steps[0].fit, target, seen, rng, alpha, names) if disagree else [],
         candidates=[
             Candidate(
                 **named(entry.effect, names).model_dump(),
@@ -176,34 +188,56 @@ def diagnose(
             )
             for entry in steps[0].ranks
         ],
-        identifiability=[],
-        notes=[],
+        identifiability=[
+            Identifiable(
+                **named(row.effect, names).model_dump(),
+                retained=row.retained,
+                minimum_detectable=row.minimum_detectable,
+                theta_bias=dict(zip(task.parameter_names, map(float, row.theta_bias), strict=False)),
+                rivals=[named(rival, names) for rival in row.rivals],
+            )
+            for row in card(final.fit, target, effects, alpha, rng)
+        ],
+        notes=notes,
         num_events=len(x),
         num_simulations=events.used,
         seconds=time.perf_counter() - started,
         seed=seed,
-        versions={name: version(name) for name in ("avobench", "numpy", "scipy")},
+        versions={name: version(name) for name in ("avobench", "numpy", "scipy", "scikit-learn")},
     )
     diagnosis._model = final.own
+    diagnosis._pictures = spectra(seen, target, before.own, final.own if named_any else None, names)
+    if verdict in (Verdict.REDUCED, Verdict.UNEXPLAINED):
+        diagnosis._correction = correction(final.own, seen, rng)
     return diagnosis
 
 
-def _accepted(steps: list[Step], ranks: list[Ranked], whole: float, gap) -> Ranked | None:
-    """The first of the ranks, if it may be added to the model of the last step."""
-    if not ranks:
+def _tested(fit: Fit, target: Target, x: NDArray, rng: np.random.Generator) -> Step:
+    """A fitted model before both gates."""
+    gate, own, own_target = summary_gate(fit, target, rng, POLISH * len(x))
+    return Step(fit, own, {"summary": gate, "classifier": classifier_gate(own, own_target, x, rng)})
+
+
+def _accepted(steps: list[Step], gap: Callable[[Fit], Gap]) -> Fit | None:
+    """The first of the last step's ranks, if it may be added to the model."""
+    last = steps[-1]
+    if not last.ranks:
         return None
-    last, best = steps[-1], ranks[0]
-    left = best.fit.gap - best.fit.dof
+    best = last.ranks[0]
     if gap(best.fit).value >= gap(last.fit).value:
         return None
+
+    def excess(fit: Fit) -> float:
+        return max(fit.gap - fit.dof, 0.0)
+
+    whole = excess(steps[0].fit)
     if len(steps) == 1:
-        return best if left < CLOSES * whole else None
-    excess = last.fit.gap - last.fit.dof
-    if excess < (1 - ENOUGH) * whole or left > PAIR_LEAVES * excess:
+        return best.fit if excess(best.fit) < (1 - CLOSES) * whole else None
+    if excess(last.fit) < (1 - ENOUGH) * whole or excess(best.fit) > PAIR_LEAVES * excess(last.fit):
         return None
     alone = {entry.effect.key: entry.fit for entry in steps[0].ranks}
     single = alone.get(best.effect.key)
-    return best if single and whole - (single.gap - single.dof) > PAIR_ALONE * whole else None
+    return best.fit if single and whole - excess(single) > PAIR_ALONE * whole else None
 
 
 def feature_names(task: Task) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 from itertools import product
 
+import joblib
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,8 +24,8 @@ POLISHES = (2, 10)
 MOST_FAMILIES, FITS_A_FAMILY = 16, 3
 AT_EDGE = 0.48
 """Distance from the middle of the range, of which the edge is at 0.5."""
-WORTH = 0.9
-"""Screening drops what is not expected to close a tenth of the gap."""
+WORTH, LEAST_CLOSED = 0.1, 6.0
+"""Screening drops what is not expected to close a tenth of the excess, or so much of chi-squared."""
 GAIN = 3.0
 """How far a strength may be moved from its grid point by that linearity."""
 
@@ -55,19 +56,16 @@ def _spread(p: Parameter, n: int) -> NDArray[np.float64]:
     return p.low * (p.high / p.low) ** share if p.logarithmic else p.low + share * (p.high - p.low)
 
 
-def screen(base: Fit, target: Target, effect: Effect, x: NDArray, rng: np.random.Generator) -> list[Start]:
-    """The best one or two grid points of one shape of an effect added to a fitted model.
+def screened(
+    base: Fit, target: Target, effect: Effect, points: NDArray[np.float64], events: int, rng: np.random.Generator
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """What an effect at each of the points (m, q) does to the summary of a fitted model, whitened: (m, r).
 
-    All grid points start from events of the fitted model. What counts is how the effect changes them, so that their
-    own scatter cancels. Theta follows linearly, and the strength is moved to where a linear effect would fit best.
+    All points start from events of that model, and only what changes counts, so that the events' own scatter cancels.
+    Also the square that is left of this scatter (m,), which makes an effect look stronger than it is.
     """
-    model = replace(base.model, effects=(*base.model.effects, effect), stretch=())
-    guesses = effect.guess(x)
-    if guesses is not None and len(guesses) == 0:
-        return []
-    points = grid(effect) if guesses is None else guesses
-    m, q = points.shape
-    params = np.tile(base.params, (m * SCREEN_EVENTS, 1))
+    m = len(points)
+    params = np.tile(base.params, (m * events, 1))
     untouched: list[NDArray] = []
 
     def simulate(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
@@ -76,18 +74,27 @@ def screen(base: Fit, target: Target, effect: Effect, x: NDArray, rng: np.random
             untouched.append(x.copy())
         return x
 
-    changed = effect.apply(simulate, params, np.repeat(points, SCREEN_EVENTS, axis=0), rng)
-    before, after = target.summary.mean(untouched[0], m), target.summary.mean(changed, m)
-    change = target.whiten(after - before)  # (m, r)
+    changed = effect.apply(simulate, params, np.repeat(points, events, axis=0), rng)
+    summary, before = target.summary, untouched[0]
+    change = target.whiten(summary.mean(changed, m) - summary.mean(before, m))
+    moved = summary.moved(before, changed).reshape(m, -1).mean(axis=1)
+    return change, target.num_events / events * target.rank * moved
+
+
+def screen(base: Fit, target: Target, effect: Effect, x: NDArray, rng: np.random.Generator) -> list[Start]:
+    """The best one or two grid points of one shape of an effect added to a fitted model.
+
+    Theta follows linearly, and the strength is moved to where a linear effect would fit best.
+    """
+    model = replace(base.model, effects=(*base.model.effects, effect), stretch=())
+    guesses = effect.guess(x)
+    if guesses is not None and len(guesses) == 0:
+        return []
+    points = grid(effect) if guesses is None else guesses
+    q = points.shape[1]
+    change, scatter = screened(base, target, effect, points, SCREEN_EVENTS, rng)
     free = base.projector()
     left, moved = base.residual @ free, change @ free
-    # The scatter of a difference of means adds to its square, which would make every effect look stronger than it is.
-    scatter = (
-        target.num_events
-        / SCREEN_EVENTS
-        * target.rank
-        * target.summary.moved(untouched[0], changed).reshape(m, -1).mean(axis=1)
-    )
     size = np.maximum((moved**2).sum(axis=1) - scatter, 0.1 * (moved**2).sum(axis=1)) + 1e-9
     along = moved @ left
     strength = effect.parameters[0]
@@ -106,8 +113,8 @@ def screen(base: Fit, target: Target, effect: Effect, x: NDArray, rng: np.random
     for i in chosen:
         phi = points[i].copy()
         phi[0] = strength.null + max(gain[i], 0.05) * (phi[0] - strength.null)
-        shift = np.linalg.pinv(base.jacobian) @ (base.residual - gain[i] * change[i])
-        theta = np.clip(base.unit + np.clip(base.information[1] > 0 and shift, -0.1, 0.1), 0, 1)
+        shift = base.follow(base.residual - gain[i] * change[i])
+        theta = np.clip(base.unit + np.clip(shift, -0.1, 0.1), 0, 1)
         unit = np.concatenate([theta, model.to_unit(np.concatenate([base.params, phi]))[base.model.dim :]])
         starts.append(Start(model, unit, float(expected[i]), guesses is None))
     return starts
@@ -133,7 +140,9 @@ def joint(start: Start, target: Target, rng: np.random.Generator, num_events: in
     return min(fit, refine(model, target, centre, half, rng, num_events=num_events), key=lambda f: f.gap)
 
 
-def candidates(base: Fit, target: Target, effects: list[Effect], x: NDArray, rng: np.random.Generator) -> list[Fit]:
+def candidates(
+    base: Fit, target: Target, effects: list[Effect], x: NDArray, rng: np.random.Generator, *, jobs: int = 1
+) -> list[Fit]:
     """Fits to events x (N, d) of `base` with one more effect: the best starts of the most promising families.
 
     Fits that may still be the best are repeated with more events, all from the same seed.
@@ -142,19 +151,25 @@ def candidates(base: Fit, target: Target, effects: list[Effect], x: NDArray, rng
     for effect in effects:
         starts = [start for shape in effect.shapes() for start in screen(base, target, shape, x, rng)]
         starts.sort(key=lambda start: start.expected)
-        if starts and starts[0].expected < WORTH * base.gap:
+        if starts and base.gap - starts[0].expected > max(WORTH * (base.gap - base.dof), LEAST_CLOSED):
             families.append(starts[:FITS_A_FAMILY])
     families.sort(key=lambda starts: starts[0].expected)
-    fits = [joint(start, target, rng, FIT_EVENTS) for starts in families[:MOST_FAMILIES] for start in starts]
+    starts = [start for starts in families[:MOST_FAMILIES] for start in starts]
+    work = joblib.Parallel(n_jobs=jobs)
+    streams = rng.spawn(len(starts))  # so that any number of workers gives the same fits
+    fits = work(joblib.delayed(joint)(s, target, stream, FIT_EVENTS) for s, stream in zip(starts, streams, strict=True))
     seed = int(rng.integers(2**63))
     for ratio in POLISHES:
         fits = _distinct(fits)
         best = min(fits, key=lambda fit: fit.gap + fit.gap_error, default=None)
-        for i, fit in enumerate(fits):
-            scale = max(best.gap, best.dof)
-            if fit.gap - fit.gap_error < best.gap + best.gap_error + scale:
-                num_events = max(ratio * target.num_events, FIT_EVENTS)
-                fits[i] = polish(fit, target, np.random.default_rng(seed), num_events)
+        likely = [fit.gap - fit.gap_error < best.gap + best.gap_error + max(best.gap, best.dof) for fit in fits]
+        events = max(ratio * target.num_events, FIT_EVENTS)
+        again = work(
+            joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events)
+            for fit, worth in zip(fits, likely, strict=True)
+            if worth
+        )
+        fits = [*again, *(fit for fit, worth in zip(fits, likely, strict=True) if not worth)]
     return fits
 
 

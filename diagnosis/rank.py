@@ -2,50 +2,56 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.fit import Fit
 
 MODEL_ERROR = 0.03
-"""Of the gap: no shape of the catalogue is expected to describe an effect better than that."""
-SHAPE_PRICE = 0.35
-"""Of a free shape parameter, in units of ln Q."""
-TIE = 0.35
-"""Families this close in ln Q are not told apart: their shapes differ by as much."""
+"""No shape of the catalogue is expected to describe a real effect better than to this share of what it does."""
+INDEPENDENT = 8.0
+"""Wrong shapes leave smooth remainders, as if the summary had so many independent parts."""
+SHAPE_PRICE = 5.0
+"""Of a free shape parameter, in chi-squared: what searching a range of shapes gains by chance."""
+TIE = 6.0
+"""Families this close in chi-squared are not told apart."""
 
 
 @dataclass(frozen=True)
 class Ranked:
-    """A family's best fit."""
+    """A family's best fit, and how much worse it is than that of the best family, in chi-squared."""
 
     effect: Effect
     fit: Fit
     score: float
 
 
-def score(fit: Fit, gap_without: float, num_events: int) -> float:
-    """ln(Q / inflation + q ln(N) / 2) + SHAPE_PRICE a shape parameter; low is good.
+def shape_parameters(effect: Effect) -> int:
+    return len(effect.parameters) - 1 + effect.choices
 
-    What remains matters as a share, not as a difference: an effect in another shape than the catalogue's leaves more
-    than noise, and the larger it is the more. With few parameters counts, because a flexible shape imitates others.
+
+def ranking(fits: list[Fit], gap_without: float) -> list[Ranked]:
+    """The best shape of each family, best family first; the score of the first is 0.
+
+    A score is a difference of chi-squared, in units of what the best fit itself leaves beyond noise. Where it leaves
+    nothing, differences count as they are: data that resolve two effects tell them apart. Where it leaves much, since
+    the real effect has another shape than the catalogue's, only the share matters that a rival leaves. Few parameters
+    count, because a flexible shape imitates others.
     """
-    effect = fit.model.effects[-1]
-    inflation = 1 + MODEL_ERROR**2 * max(gap_without / fit.dof - 1, 0)
-    q = len(effect.parameters)
-    left = max(fit.gap, fit.dof / 2) / inflation
-    return float(np.log(left + q * np.log(num_events) / 2) + SHAPE_PRICE * (q - 1 + effect.choices))
-
-
-def ranking(fits: list[Fit], gap_without: float, num_events: int) -> list[Ranked]:
-    """The best shape of each family, best family first."""
-    best: dict[tuple, Ranked] = {}
+    if not fits:
+        return []
+    unit = 1.0
+    for _ in range(len(fits)):  # the best depends on the unit, and the unit on the best
+        best = min(fits, key=lambda fit: fit.gap + unit * SHAPE_PRICE * shape_parameters(fit.model.effects[-1]))
+        last, unit = unit, 1 + max(best.gap - best.dof, MODEL_ERROR**2 * gap_without, 0) / INDEPENDENT
+        if unit == last:
+            break
+    families: dict[tuple, Ranked] = {}
     for fit in fits:
         effect = fit.model.effects[-1]
-        entry = Ranked(effect, fit, score(fit, gap_without, num_events))
-        if effect.key not in best or entry.score < best[effect.key].score:
-            best[effect.key] = entry
-    return sorted(best.values(), key=lambda entry: entry.score)
+        price = SHAPE_PRICE * (shape_parameters(effect) - shape_parameters(best.model.effects[-1]))
+        entry = Ranked(effect, fit, (fit.gap - best.gap) / unit + price)
+        if effect.key not in families or entry.score < families[effect.key].score:
+            families[effect.key] = entry
+    return sorted(families.values(), key=lambda entry: entry.score)
 
 
 def tied(ranks: list[Ranked]) -> list[Ranked]:

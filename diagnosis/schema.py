@@ -1,9 +1,14 @@
 """What a diagnosis says: the content of `diagnosis.json`, described in docs/diagnosis.md."""
 
 from enum import StrEnum
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, PrivateAttr
+
+if TYPE_CHECKING:
+    from avobench.diagnosis.classifier import Correction
+    from avobench.diagnosis.fit import Fit
+    from avobench.diagnosis.pictures import Pictures
 
 SCHEMA_VERSION = 1
 
@@ -113,6 +118,20 @@ class Diagnosis(Strict):
     versions: dict[str, Any]
 
     _pictures: Any = PrivateAttr(default=None)
-    """What figures are drawn from (`Pictures`), not serialised."""
     _model: Any = PrivateAttr(default=None)
-    """The fit of the final model, from which `model.json` is written."""
+    _correction: Any = PrivateAttr(default=None)
+
+    @property
+    def pictures(self) -> "Pictures":
+        """What figures are drawn from; not serialised."""
+        return self._pictures
+
+    @property
+    def model(self) -> "Fit":
+        """The fit of the final model, of which `model.json` is written; not serialised."""
+        return self._model
+
+    @property
+    def correction(self) -> "Correction | None":
+        """Weights for simulated events, where the catalogue does not explain all; not serialised."""
+        return self._correction

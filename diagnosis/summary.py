@@ -111,7 +111,7 @@ def bins_of(x: NDArray, simulated: NDArray) -> Bins:
     n, d = x.shape
     one = np.issubdtype(x.dtype, np.integer) and d == 1
     most = min(max(n // 25, 4), 80 if one else 50) if d == 1 else min(max(n // 100, 4), 12)
-    edges = tuple(_edges(x[:, j], simulated[:, j], most, tails=True) for j in range(d))
+    edges = tuple(_edges(x[:, j], simulated[:, j], most, tails=d == 1) for j in range(d))
     coarse = tuple(_edges(x[:, j], simulated[:, j], 4) for j in range(d)) if d > 1 and n >= 2000 else ()
     return Bins(edges, coarse)
 
