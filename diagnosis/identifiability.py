@@ -9,9 +9,9 @@ from scipy.stats import chi2, ncx2
 
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.fit import Fit, Target
-from avobench.diagnosis.name import STRENGTHS, screened
+from avobench.diagnosis.name import STRENGTHS, Pool
 
-EVENTS = 4000
+EVENTS = 3000
 """At each strength."""
 POWER = 0.9
 SHOWN = 3.0
@@ -43,11 +43,12 @@ class Row:
 def card(fit: Fit, target: Target, effects: list[Effect], alpha: float, rng: np.random.Generator) -> list[Row]:
     """A row for each effect that the model has not, in its plainest shape with middling shape parameters."""
     need = noncentrality(fit.dof, alpha)
+    pool = Pool(fit, target, EVENTS * len(STRENGTHS), rng)
     there = {effect.key for effect in fit.model.effects}
     rows, left = [], []
     for effect in effects:
         if effect.key not in there:
-            row, direction = _row(fit, target, effect, need, rng)
+            row, direction = _row(pool, effect, need, rng)
             rows.append(row)
             left.append(direction)
     alike = np.array(left) @ np.array(left).T
@@ -57,9 +58,7 @@ def card(fit: Fit, target: Target, effects: list[Effect], alpha: float, rng: np.
     ]
 
 
-def _row(
-    fit: Fit, target: Target, effect: Effect, need: float, rng: np.random.Generator
-) -> tuple[Row, NDArray[np.float64]]:
+def _row(pool: Pool, effect: Effect, need: float, rng: np.random.Generator) -> tuple[Row, NDArray[np.float64]]:
     """The row without rivals, and the direction (r,) of what the effect leaves after the fit; zero if that is noise."""
     strength, *shape = effect.parameters
     side = strength.high if strength.high != strength.null else strength.low
@@ -68,16 +67,17 @@ def _row(
     points = np.column_stack(
         [strength.null + np.sign(side - strength.null) * size, *(np.full(len(size), m) for m in middle)]
     )
-    change, scatter = screened(fit, target, effect, points, EVENTS, rng)
+    fit, target = pool.base, pool.target
+    change, scatter = pool.changes(effect, points, EVENTS, rng)
     free = change @ fit.projector()
     whole = (change**2).sum(axis=1) - scatter
     kept = (free**2).sum(axis=1) - scatter * fit.dof / target.rank
     i = len(size) - 1
-    if whole[i] < SHOWN * scatter[i]:
+    if whole[i] <= SHOWN * scatter[i]:
         return Row(effect, None, None, np.empty(0)), np.zeros(target.rank)
     retained = float(np.clip(kept[i] / whole[i], 0, 1))
-    noisy = kept[i] < SHOWN * scatter[i] * np.sqrt(2 / target.rank)
-    direction = free[i] * (0 if noisy else 1 / np.linalg.norm(free[i]))
+    noisy = kept[i] <= SHOWN * scatter[i] * np.sqrt(2 / target.rank)
+    direction = np.zeros(target.rank) if noisy else free[i] / np.linalg.norm(free[i])
     if noisy or kept[i] < need:
         return Row(effect, retained, None, np.empty(0)), direction
     i = int(np.argmax(kept >= need))

@@ -11,10 +11,12 @@ from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.fit import Fit, Target, polish, refine, scan
 from avobench.diagnosis.model import Model
 
-SCREEN_EVENTS = 1000
-"""For each point of a screening grid."""
-STRENGTHS = (0.01, 0.05, 0.2, 0.6)
+SCREEN_EVENTS, LEAST_AT_POINT = 40_000, 800
+"""For a screening grid, and for each of its points at least."""
+STRENGTHS = (0.001, 0.005, 0.02, 0.08, 0.25, 0.7)
 """Of the range of a strength; between them the effect is taken as linear."""
+MOVED_EVENTS = 200
+"""Of each point, from which the share of events that change bins is taken."""
 LOCATIONS, SHAPES, WIDTHS = 12, 5, 3
 """Grid points of a location, of a single shape parameter, of a width beside a location."""
 FIT_EVENTS = 25_000
@@ -24,8 +26,11 @@ POLISHES = (2, 10)
 MOST_FAMILIES, FITS_A_FAMILY = 16, 3
 AT_EDGE = 0.48
 """Distance from the middle of the range, of which the edge is at 0.5."""
-WORTH, LEAST_CLOSED = 0.1, 6.0
-"""Screening drops what is not expected to close a tenth of the excess, or so much of chi-squared."""
+MOST_SCREENED = 24
+"""Effects of which all shapes are screened."""
+POOL_EVENTS = 50_000
+STRONG = 10.0
+"""Chi-squared per degree of freedom above which theta may be too far off for an effect to be seen from there."""
 GAIN = 3.0
 """How far a strength may be moved from its grid point by that linearity."""
 
@@ -56,43 +61,61 @@ def _spread(p: Parameter, n: int) -> NDArray[np.float64]:
     return p.low * (p.high / p.low) ** share if p.logarithmic else p.low + share * (p.high - p.low)
 
 
-def screened(
-    base: Fit, target: Target, effect: Effect, points: NDArray[np.float64], events: int, rng: np.random.Generator
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """What an effect at each of the points (m, q) does to the summary of a fitted model, whitened: (m, r).
+class Pool:
+    """Events of a fitted model, which all effects that are screened start from, and their summary.
 
-    All points start from events of that model, and only what changes counts, so that the events' own scatter cancels.
-    Also the square that is left of this scatter (m,), which makes an effect look stronger than it is.
+    Only what an effect changes counts, so that the events' own scatter cancels.
     """
-    m = len(points)
-    params = np.tile(base.params, (m * events, 1))
-    untouched: list[NDArray] = []
 
-    def simulate(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        x = base.model.simulate(theta, rng)
-        if not untouched:
-            untouched.append(x.copy())
-        return x
+    def __init__(self, base: Fit, target: Target, num_events: int, rng: np.random.Generator) -> None:
+        self.base, self.target = base, target
+        self.x = base.model.simulate(np.tile(base.params, (num_events, 1)), rng)
+        self._means: dict[tuple[int, int], NDArray[np.float64]] = {}
 
-    changed = effect.apply(simulate, params, np.repeat(points, events, axis=0), rng)
-    summary, before = target.summary, untouched[0]
-    change = target.whiten(summary.mean(changed, m) - summary.mean(before, m))
-    moved = summary.moved(before, changed).reshape(m, -1).mean(axis=1)
-    return change, target.num_events / events * target.rank * moved
+    def changes(
+        self, effect: Effect, points: NDArray[np.float64], events: int, rng: np.random.Generator
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """What an effect at each of the points (m, q) does to the summary, whitened: (m, r).
+
+        Also the square (m,) that the scatter of its few events adds, which makes an effect look stronger than it is.
+        """
+        m = len(points)
+        params = np.tile(self.base.params, (m * events, 1))
+        first = True
+
+        def simulate(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+            nonlocal first
+            if not np.array_equal(theta, params[: len(theta)]):
+                return self.base.model.simulate(theta, rng)
+            rows = np.arange(m * events) % len(self.x) if first else rng.integers(len(self.x), size=len(theta))
+            first = False
+            return self.x[rows]
+
+        changed = effect.apply(simulate, params, np.repeat(points, events, axis=0), rng)
+        target, key = self.target, (m, events)
+        untouched = self.x[np.arange(m * events) % len(self.x)]
+        if key not in self._means:
+            self._means[key] = target.summary.mean(untouched, m)
+        change = target.whiten(target.summary.mean(changed, m) - self._means[key])
+        some = np.linspace(0, m * events, m * MOVED_EVENTS, endpoint=False, dtype=int)
+        moved = target.summary.moved(untouched[some], changed[some]).reshape(m, -1).mean(axis=1)
+        return change, target.num_events / events * target.rank * moved
 
 
-def screen(base: Fit, target: Target, effect: Effect, x: NDArray, rng: np.random.Generator) -> list[Start]:
+def screen(pool: Pool, effect: Effect, x: NDArray, rng: np.random.Generator) -> list[Start]:
     """The best one or two grid points of one shape of an effect added to a fitted model.
 
     Theta follows linearly, and the strength is moved to where a linear effect would fit best.
     """
+    base = pool.base
     model = replace(base.model, effects=(*base.model.effects, effect), stretch=())
     guesses = effect.guess(x)
     if guesses is not None and len(guesses) == 0:
         return []
     points = grid(effect) if guesses is None else guesses
     q = points.shape[1]
-    change, scatter = screened(base, target, effect, points, SCREEN_EVENTS, rng)
+    events = max(SCREEN_EVENTS // len(points), LEAST_AT_POINT)
+    change, scatter = pool.changes(effect, points, events, rng)
     free = base.projector()
     left, moved = base.residual @ free, change @ free
     size = np.maximum((moved**2).sum(axis=1) - scatter, 0.1 * (moved**2).sum(axis=1)) + 1e-9
@@ -140,6 +163,16 @@ def joint(start: Start, target: Target, rng: np.random.Generator, num_events: in
     return min(fit, refine(model, target, centre, half, rng, num_events=num_events), key=lambda f: f.gap)
 
 
+def searched(base: Fit, target: Target, effect: Effect, rng: np.random.Generator) -> Start:
+    """A start from a search over theta and all parameters of an effect, wherever the fit without it may have gone."""
+    model = replace(base.model, effects=(*base.model.effects, effect), stretch=())
+    unit, _ = scan(model, target, rng, points=120, events=150)
+    x = model.simulate(np.tile(model.from_unit(unit), (FIT_EVENTS // 5, 1)), rng)
+    left = target.whiten(target.mean - target.summary.mean(x)[0])
+    scatter = target.num_events / len(x) * target.rank
+    return Start(model, unit, float(left @ left) - scatter, True)
+
+
 def candidates(
     base: Fit, target: Target, effects: list[Effect], x: NDArray, rng: np.random.Generator, *, jobs: int = 1
 ) -> list[Fit]:
@@ -147,13 +180,18 @@ def candidates(
 
     Fits that may still be the best are repeated with more events, all from the same seed.
     """
+    pool = Pool(base, target, POOL_EVENTS, rng)
+    effects = [effect.adapted(x) for effect in effects]
+    plain = {effect.key: screen(pool, effect, x, rng) for effect in effects}
+    # Every shape of an effect that looks promising in its plainest is looked at, and of all effects if they are few.
+    promising = sorted(effects, key=lambda e: min((s.expected for s in plain[e.key]), default=np.inf))[:MOST_SCREENED]
     families = []
-    for effect in effects:
-        starts = [start for shape in effect.shapes() for start in screen(base, target, shape, x, rng)]
-        starts.sort(key=lambda start: start.expected)
-        if starts and base.gap - starts[0].expected > max(WORTH * (base.gap - base.dof), LEAST_CLOSED):
-            families.append(starts[:FITS_A_FAMILY])
-    families.sort(key=lambda starts: starts[0].expected)
+    for effect in promising:
+        starts = plain[effect.key] + [s for shape in effect.shapes()[1:] for s in screen(pool, shape, x, rng)]
+        if base.gap > STRONG * base.dof and len(effects) <= MOST_SCREENED:
+            starts += [searched(base, target, shape, rng) for shape in effect.shapes() if shape.guess(x) is None]
+        families.append(sorted(starts, key=lambda start: start.expected)[:FITS_A_FAMILY])
+    families = sorted((starts for starts in families if starts), key=lambda starts: starts[0].expected)
     starts = [start for starts in families[:MOST_FAMILIES] for start in starts]
     work = joblib.Parallel(n_jobs=jobs)
     streams = rng.spawn(len(starts))  # so that any number of workers gives the same fits

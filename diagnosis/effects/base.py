@@ -86,6 +86,10 @@ class Effect(ABC):
         """
         return None
 
+    def adapted(self, x: NDArray) -> "Effect":
+        """The same effect with bounds within which it keeps its meaning for measured events x (N, d)."""
+        return self
+
     @property
     def key(self) -> tuple[str, int | str | None]:
         """What names it in an answer; all its shapes share it."""

@@ -11,8 +11,8 @@ from avobench.diagnosis.effects.base import Effect, Family, Parameter, Simulate
 LONGEST = 30.0
 """Times the simulator's own exposure; the tails of a distribution of rates are cut there."""
 
-LOWEST = 0.3
-"""Of the lower of two rates. Below that it is a channel that is off now and then: `zero_inflation`."""
+LOWEST, HIGHEST = 0.3, 1.8
+"""Of two rates. Below, it is a channel that is off now and then, above, two events in one: other effects."""
 
 
 def exposed(
@@ -47,7 +47,7 @@ class Overdispersion(Family):
         "skewed": (Parameter("skew", -1, 1, None, "1"),),
         "drift": (),
         "uniform": (),
-        "two_rates": (Parameter("share", 0.02, 0.98, None, "1"),),
+        "two_rates": (Parameter("share", 0.1, 0.9, None, "1"),),
     }
 
     @property
@@ -75,7 +75,7 @@ class Overdispersion(Family):
         else:  # a share w of the events at the higher of two rates, of which neither is a channel that is off
             w, s = phi[:, 1], np.sqrt(variance)
             high = rng.random(len(theta)) < w
-            g = np.maximum(np.where(high, 1 + s * np.sqrt((1 - w) / w), 1 - s * np.sqrt(w / (1 - w))), LOWEST)
+            g = np.clip(np.where(high, 1 + s * np.sqrt((1 - w) / w), 1 - s * np.sqrt(w / (1 - w))), LOWEST, HIGHEST)
         return exposed(simulate, theta, g, rng)
 
 

@@ -1,6 +1,6 @@
 """How a counter records: dead channels, dead time, thresholds, doubles, noise and rounding."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -56,16 +56,23 @@ class ThresholdLoss(Family):
     """Events of few counts are not recorded: below a threshold, or the fewer the less."""
 
     shape: str = "step"
+    highest: float = 100.0
+    """Of the threshold; beyond the middle of the counts it would be a limit from above."""
 
     name = "threshold_loss"
     STRENGTH = Parameter("lost", 0, 0.98, 0, "1")
-    SHAPES: ClassVar = {
-        "step": (Parameter("threshold", 0.3, 100, None, "counts"),),
-        "exponential": (Parameter("threshold", 0.3, 100, None, "counts"),),
-        "turn_on": (Parameter("threshold", 0.3, 100, None, "counts"), Parameter("width", 0.3, 10, None, "counts")),
-    }
+    SHAPES: ClassVar = {"step": (), "exponential": (), "turn_on": ()}
     sentence: ClassVar = "Events with few counts fall below a threshold and are lost."
     source: ClassVar = KNOLL + "Section 17.IV"
+
+    @property
+    def parameters(self):
+        threshold = Parameter("threshold", 0.3, self.highest, None, "counts")
+        width = Parameter("width", 0.3, max(1.0, 0.3 * self.highest), None, "counts")
+        return (self.STRENGTH, threshold, *((width,) if self.shape == "turn_on" else ()))
+
+    def adapted(self, x):
+        return replace(self, highest=max(1.0, float(np.median(x))))
 
     def lost(self, x, phi):
         """The chance that counts x (n,) are lost: phi (n, q) -> (n,)."""
