@@ -1,5 +1,6 @@
 """What binned summaries cannot see: a classifier between measured and simulated events, its test, its correction."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from avobench.diagnosis.fit import Fit, Target, surrogate
+from avobench.diagnosis.pixels import Pixels
 from avobench.diagnosis.schema import Gate
 
 if TYPE_CHECKING:
@@ -16,6 +18,14 @@ if TYPE_CHECKING:
 TREES, LEAVES = 60, 12
 CHECK_EVENTS = 4
 """Simulated events a measured one, from which the classifier's expectation is taken."""
+
+
+Features = Callable[[NDArray], NDArray]
+
+
+def features_of(target: Target) -> Features:
+    """What a classifier sees of events: their features, of images the parts of their summary."""
+    return target.summary.vectors if isinstance(target.summary, Pixels) else lambda x: x
 
 
 def trained(x: NDArray, simulated: NDArray, seed: int) -> "HistGradientBoostingClassifier":
@@ -34,10 +44,11 @@ class Score:
     """A classifier's log odds, as a summary of one number."""
 
     trees: "HistGradientBoostingClassifier"
+    features: Features
 
     def of(self, x: NDArray) -> NDArray[np.float64]:
         """(n, d) -> (n,)"""
-        return self.trees.decision_function(x)
+        return self.trees.decision_function(self.features(x))
 
     def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
         """weights^T s(x): (n, d), (n, b) -> (b, 1)."""
@@ -56,14 +67,13 @@ def classifier_gate(fit: Fit, target: Target, x: NDArray, rng: np.random.Generat
     half = len(x) // 2
     learn, judge = x[:half], x[half:]
     at = np.tile(fit.params, (len(x), 1))
-    score = Score(trained(learn, fit.model.simulate(at[:half], rng), int(rng.integers(2**31))))
+    seen = features_of(target)
+    score = Score(trained(seen(learn), seen(fit.model.simulate(at[:half], rng)), int(rng.integers(2**31))), seen)
     expected = surrogate(fit.model, score, fit.design, CHECK_EVENTS * len(x), rng)
     at_fit, slope = expected.at(fit.unit)
     g = score.of(judge)
     # Where theta moves if the summary of one event is added, in the directions that the data identify.
-    values, vectors = np.linalg.eigh(fit.information[0] * (1 + fit.noise))
-    seen = vectors[:, fit.model.dim - fit.num_identified :]
-    inverse = (seen / values[fit.model.dim - fit.num_identified :]) @ seen.T
+    inverse = np.linalg.pinv(fit.information[0] * (1 + fit.noise), hermitian=True)
     pull = np.sqrt(target.num_events) * (slope[:, 0] @ inverse @ fit.jacobian.T) @ target.whitening.T  # (K,)
     s = target.summary.project(x, pull)
     share = len(judge) / len(x)
@@ -88,9 +98,11 @@ class Correction:
     """(n,), of mean 1."""
 
 
-def correction(fit: Fit, x: NDArray, rng: np.random.Generator) -> Correction:
+def correction(fit: Fit, target: Target, x: NDArray, rng: np.random.Generator) -> Correction:
     """Odds of a classifier between measured events x (N, d) and as many simulated ones, for as many others."""
     simulated = fit.model.simulate(np.tile(fit.params, (2 * len(x), 1)), rng)
     learn, use = simulated[: len(x)], simulated[len(x) :]
-    odds = np.exp(np.clip(trained(x, learn, int(rng.integers(2**31))).decision_function(use), -10, 10))
+    seen = features_of(target)
+    trees = trained(seen(x), seen(learn), int(rng.integers(2**31)))
+    odds = np.exp(np.clip(trees.decision_function(seen(use)), -10, 10))
     return Correction(use, odds / odds.mean())

@@ -22,6 +22,7 @@ SHRINK = 3.0
 """How much narrower a design may be than the one before."""
 ANCHOR = 0.1
 """What moving to the edge of the design costs in Q: it keeps parameters still that the data say nothing about."""
+POLISHES = 3
 WALL = 1e4
 """Slope of the penalty that keeps a fit within the unit cube, in standard errors."""
 IDENTIFIED = 5.0
@@ -306,10 +307,13 @@ def refine(
 
 
 def polish(fit: Fit, target: Target, rng: np.random.Generator, num_events: int) -> Fit:
-    """The same fit with many events in a small design around it."""
-    return minimise(
-        fit.model, surrogate(fit.model, target.summary, fit.next_design(num_events), num_events, rng), target
-    )
+    """The same fit with many events in a small design around it, again if it ends far from the middle of that."""
+    for _ in range(POLISHES):
+        design = fit.next_design(num_events)
+        fit = minimise(fit.model, surrogate(fit.model, target.summary, design, num_events, rng), target)
+        if np.abs(design.to_t(fit.unit)).max() < 0.6:
+            break
+    return fit
 
 
 def scan(
@@ -318,13 +322,14 @@ def scan(
     rng: np.random.Generator,
     *,
     fixed: NDArray[np.float64] | None = None,
-    points: int = 200,
-    events: int = 300,
+    size: tuple[int, int] = (200, 300),
 ) -> tuple[NDArray[np.float64], float]:
     """A point (P,) of the unit cube near the best, and how near, from three searches, each around the last best.
 
-    `fixed` are values of the last coordinates, which are then not searched.
+    `fixed` are values of the last coordinates, which are then not searched; `size` is the number of points of a search
+    and of events at each.
     """
+    points, events = size
     fixed = np.empty(0) if fixed is None else fixed
     p = model.dim - len(fixed)
     centre, half = np.full(p, 0.5), 0.5

@@ -8,11 +8,10 @@ from scipy.optimize import brentq
 from scipy.stats import chi2, ncx2
 
 from avobench.diagnosis.effects import Effect
+from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit import Fit, Target
 from avobench.diagnosis.name import STRENGTHS, Pool
 
-EVENTS = 3000
-"""At each strength."""
 POWER = 0.9
 SHOWN = 3.0
 """Times the scatter of the simulated events, from which a difference is one."""
@@ -40,15 +39,17 @@ class Row:
     rivals: tuple[Effect, ...] = ()
 
 
-def card(fit: Fit, target: Target, effects: list[Effect], alpha: float, rng: np.random.Generator) -> list[Row]:
+def card(
+    fit: Fit, target: Target, effects: list[Effect], alpha: float, rng: np.random.Generator, effort: Effort
+) -> list[Row]:
     """A row for each effect that the model has not, in its plainest shape with middling shape parameters."""
     need = noncentrality(fit.dof, alpha)
-    pool = Pool(fit, target, EVENTS * len(STRENGTHS), rng)
+    pool = Pool(fit, target, effort.card * len(STRENGTHS), rng)
     there = {effect.key for effect in fit.model.effects}
     rows, left = [], []
     for effect in effects:
         if effect.key not in there:
-            row, direction = _row(pool, effect, need, rng)
+            row, direction = _row(pool, effect, need, rng, effort.card)
             rows.append(row)
             left.append(direction)
     alike = np.array(left) @ np.array(left).T
@@ -58,7 +59,9 @@ def card(fit: Fit, target: Target, effects: list[Effect], alpha: float, rng: np.
     ]
 
 
-def _row(pool: Pool, effect: Effect, need: float, rng: np.random.Generator) -> tuple[Row, NDArray[np.float64]]:
+def _row(
+    pool: Pool, effect: Effect, need: float, rng: np.random.Generator, events: int
+) -> tuple[Row, NDArray[np.float64]]:
     """The row without rivals, and the direction (r,) of what the effect leaves after the fit; zero if that is noise."""
     strength, *shape = effect.parameters
     side = strength.high if strength.high != strength.null else strength.low
@@ -68,7 +71,7 @@ def _row(pool: Pool, effect: Effect, need: float, rng: np.random.Generator) -> t
         [strength.null + np.sign(side - strength.null) * size, *(np.full(len(size), m) for m in middle)]
     )
     fit, target = pool.base, pool.target
-    change, scatter = pool.changes(effect, points, EVENTS, rng)
+    change, scatter = pool.changes(effect, points, events, rng)
     free = change @ fit.projector()
     whole = (change**2).sum(axis=1) - scatter
     kept = (free**2).sum(axis=1) - scatter * fit.dof / target.rank

@@ -9,17 +9,23 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from avobench.bench import registry
+from avobench.bench.budget import MeteredSimulator
 from avobench.bench.errors import UsageError
+from avobench.bench.problem import Problem
 from avobench.diagnosis.classifier import classifier_gate, correction
-from avobench.diagnosis.detect import summary_gate, target_of
+from avobench.diagnosis.detect import cell_gate, summary_gate, target_of
 from avobench.diagnosis.effects import Effect
-from avobench.diagnosis.effects.catalogue import catalogue
+from avobench.diagnosis.effects.catalogue import catalogue, domain
+from avobench.diagnosis.effort import Effort, effort_for
 from avobench.diagnosis.fit import Fit, Target, refine, scan
 from avobench.diagnosis.identifiability import card
 from avobench.diagnosis.localise import intervals, significant
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.name import candidates
-from avobench.diagnosis.pictures import spectra
+from avobench.diagnosis.pictures import pictures
+from avobench.diagnosis.pixels import Pixels, pixels_of
+from avobench.diagnosis.pool import Pool, TwoStage
 from avobench.diagnosis.rank import Ranked, ranking, tied
 from avobench.diagnosis.schema import (
     Candidate,
@@ -34,24 +40,26 @@ from avobench.diagnosis.schema import (
     Value,
     Verdict,
 )
-from avobench.diagnosis.summary import Bins, bins_of
+from avobench.diagnosis.summary import Bins, Summary, bins_of
+from avobench.methods import Estimate
 from avobench.tasks import Task
 
 LEAST_EVENTS = 50
 HELD_OUT = 0.25
 """Share of the measured events kept aside: no fit, test or choice sees them, only the gap is measured on them."""
-GATES = {"summary": 0.8, "classifier": 0.2}
+SHARES = {"summary": 0.8, "classifier": 0.2}
+IMAGE_SHARES = {"summary": 0.6, "cells": 0.2, "classifier": 0.2}
 """Each gate's share of the false alarms. Most effects show in the summary."""
-POLISH = 12
-"""Simulated events a measured one, where a p-value is at stake: simulation then adds a tenth to the variance."""
-ROUND = 3
-"""The same in each round of the first fit."""
+METHOD_EVENTS = 160_000
+"""The budget of a registered method that looks for theta, as in the benchmark."""
 CLOSES = 0.5
 """Share of the gap that an effect must close to be named."""
 PAIR_LEAVES, PAIR_ALONE = 0.3, 0.2
 """A second effect must leave less of what the first left, and close more of the whole gap by itself."""
 ENOUGH = 0.9
 """With so much closed by the first, what is left is put down to its shape, not to a second effect."""
+POOLED = 10
+"""Generated events a measured one, where a slow generator is asked only once."""
 
 
 class Counted:
@@ -79,18 +87,44 @@ class Step:
     @property
     def p_value(self) -> float:
         """Of both gates together: each has its share of the false alarms."""
-        return min(1.0, *(self.gates[name].p_value / share for name, share in GATES.items()))
+        shares = IMAGE_SHARES if "cells" in self.gates else SHARES
+        return min(1.0, *(gate.p_value / shares[name] for name, gate in self.gates.items()))
 
 
-def fit_null(model: Model, x: NDArray, rng: np.random.Generator) -> tuple[Fit, Target]:
-    """Fit theta to events x (N, d), first with bins of the measured events, then with bins that suit both."""
-    target = target_of(x, bins_of(x, x), x)
-    centre, near = scan(model, target, rng)
-    per_round = max(30_000, ROUND * len(x))
+def summary_of(task: Task, x: NDArray, simulated: NDArray) -> Summary:
+    """The summary that suits these measured and simulated events."""
+    return pixels_of(x, simulated, task.event_shape) if task.event_shape else bins_of(x, simulated)
+
+
+def fit_null(
+    model: Model, x: NDArray, rng: np.random.Generator, effort: Effort, centre: NDArray[np.float64] | None
+) -> tuple[Fit, Target]:
+    """Fit theta to events x (N, d), first with bins of the measured events, then with bins that suit both.
+
+    The search begins at `centre` (p,) in the unit cube, or everywhere.
+    """
+    target = target_of(x, summary_of(model.task, x, x), x)
+    near = 0.03
+    if centre is None:
+        centre, near = scan(model, target, rng, size=effort.scan)
+    per_round = max(effort.least, int(effort.rounds * len(x)))
     fit = refine(model, target, centre, max(near, 0.005), rng, num_events=per_round)
     simulated = model.simulate(np.tile(fit.params, (len(x), 1)), rng)
-    target = target_of(x, bins_of(x, simulated), simulated)
+    target = target_of(x, summary_of(model.task, x, simulated), simulated)
     return refine(model, target, fit.unit, 0.005, rng, num_events=per_round), target
+
+
+def inferred(
+    task: Task, name: str, x: NDArray, num_events: int, rng: np.random.Generator
+) -> tuple[Estimate, MeteredSimulator]:
+    """What a registered method finds for theta, with the events that it may use."""
+    method = registry.build("method", name, {})
+    registry.require_packages("method", method)
+    least = method.min_simulations(len(task.parameter_names))
+    if num_events < least:
+        raise UsageError(f"--fit {name} needs at least {least} simulated events, got {num_events}")
+    simulate = MeteredSimulator(task, num_events, rng.spawn(1)[0])
+    return method.infer(Problem.of(task, x, simulate), rng.spawn(1)[0]), simulate
 
 
 def held_out_gap(fit: Fit, target: Target, mean: NDArray[np.float64], num_events: int) -> Gap:
@@ -129,33 +163,47 @@ def diagnose(
         raise UsageError(f"alpha must lie between 0 and 1, got {alpha}")
     rng = np.random.default_rng(seed)
     effects = catalogue(task) if effects is None else effects
-    events = Counted(task)
     order = rng.permutation(len(x))
     cut = len(x) - int(HELD_OUT * len(x))
     seen, aside = x[order[:cut]], x[order[cut:]]
 
     notes: list[str] = []
-    null, target = fit_null(Model(task, events=events), seen, rng)
+    effort = effort_for(task, domain(task), num_simulations)
+    events: Counted | Pool = Counted(task)
+    if isinstance(task, TwoStage):
+        events = Pool(task, int(max(POOLED * len(seen), effort.least)), rng.spawn(1)[0])
+    model, centre, estimate, spent = Model(task, events=events), None, None, 0
+    if fit != "surrogate":
+        estimate, simulate = inferred(task, fit, seen, num_simulations or METHOD_EVENTS, rng)
+        centre, spent = model.to_unit(np.clip(estimate.theta, model.low, model.high)), simulate.used
+    null, target = fit_null(model, seen, rng, effort, centre)
     aside_mean = target.summary.mean(aside)[0]
 
     def gap(of: Fit) -> Gap:
         return held_out_gap(of, target, aside_mean, len(aside))
 
-    steps = [_tested(null, target, seen, rng)]
+    steps = [_tested(null, target, seen, rng, effort)]
     before = steps[0]
     disagree = before.p_value < alpha
     if disagree:
-        base = refine(null.model, target, before.own.unit, 0.005, rng, num_events=4 * len(seen))
+        base = refine(
+            null.model,
+            target,
+            before.own.unit,
+            0.005,
+            rng,
+            num_events=max(effort.least, int(effort.rounds * len(seen))),
+        )
         steps[0] = replace(before, fit=base)
         while len(steps) <= max_effects and steps[-1].p_value < alpha:
             last = steps[-1]
             used = {e.key for e in last.fit.model.effects}
-            fits = candidates(last.fit, target, [e for e in effects if e.key not in used], seen, rng, jobs=jobs)
+            fits = candidates(last.fit, target, [e for e in effects if e.key not in used], seen, rng, effort, jobs=jobs)
             steps[-1] = replace(last, ranks=ranking(fits, base.gap))
             chosen = _accepted(steps, gap)
             if chosen is None:
                 break
-            steps.append(_tested(chosen, target, seen, rng))
+            steps.append(_tested(chosen, target, seen, rng, effort))
 
     final = steps[-1]
     named_any = len(steps) > 1
@@ -166,6 +214,9 @@ def diagnose(
     else:
         verdict = Verdict.NAMED if final.p_value >= alpha else Verdict.REDUCED
 
+    if estimate is not None:
+        notes.append(_method_note(fit, task, estimate, before.own))
+    notes += _bound_notes(final.own)
     names = feature_names(task)
     diagnosis = Diagnosis(
         verdict=verdict,
@@ -196,26 +247,30 @@ def diagnose(
                 theta_bias=dict(zip(task.parameter_names, map(float, row.theta_bias), strict=False)),
                 rivals=[named(rival, names) for rival in row.rivals],
             )
-            for row in card(final.fit, target, effects, alpha, rng)
+            for row in card(final.fit, target, effects, alpha, rng, effort)
         ],
         notes=notes,
         num_events=len(x),
-        num_simulations=events.used,
+        num_simulations=events.used + spent,
         seconds=time.perf_counter() - started,
         seed=seed,
         versions={name: version(name) for name in ("avobench", "numpy", "scipy", "scikit-learn")},
     )
     diagnosis._model = final.own
-    diagnosis._pictures = spectra(seen, target, before.own, final.own if named_any else None, names)
+    diagnosis._pictures = pictures(seen, target, before.own, final.own if named_any else None, names)
     if verdict in (Verdict.REDUCED, Verdict.UNEXPLAINED):
-        diagnosis._correction = correction(final.own, seen, rng)
+        diagnosis._correction = correction(final.own, target, seen, rng)
     return diagnosis
 
 
-def _tested(fit: Fit, target: Target, x: NDArray, rng: np.random.Generator) -> Step:
-    """A fitted model before both gates."""
-    gate, own, own_target = summary_gate(fit, target, rng, POLISH * len(x))
-    return Step(fit, own, {"summary": gate, "classifier": classifier_gate(own, own_target, x, rng)})
+def _tested(fit: Fit, target: Target, x: NDArray, rng: np.random.Generator, effort: Effort) -> Step:
+    """A fitted model before all gates."""
+    gate, own, own_target = summary_gate(fit, target, rng, effort)
+    gates = {"summary": gate}
+    if fit.model.task.event_shape:
+        gates["cells"] = cell_gate(own, x, rng, effort)
+    gates["classifier"] = classifier_gate(own, own_target, x, rng)
+    return Step(fit, own, gates)
 
 
 def _accepted(steps: list[Step], gap: Callable[[Fit], Gap]) -> Fit | None:
@@ -238,6 +293,20 @@ def _accepted(steps: list[Step], gap: Callable[[Fit], Gap]) -> Fit | None:
     alone = {entry.effect.key: entry.fit for entry in steps[0].ranks}
     single = alone.get(best.effect.key)
     return best.fit if single and whole - excess(single) > PAIR_ALONE * whole else None
+
+
+def _method_note(name: str, task: Task, estimate: Estimate, fit: Fit) -> str:
+    """What a method found beside the fit: a proposal much wider than the error warns that the model is wrong."""
+    parts = [
+        f"{p} = {theta:.4g} with a {estimate.spread_of} of width {width:.2g}, {width / error:.1f} errors of the fit"
+        for p, theta, width, error in zip(task.parameter_names, estimate.theta, estimate.std, fit.std, strict=False)
+    ]
+    return f"{name} found {'; '.join(parts)}"
+
+
+def _bound_notes(fit: Fit) -> list[str]:
+    names = [*fit.model.task.parameter_names, *(f"{e.name}: {p.name}" for e in fit.model.effects for p in e.parameters)]
+    return [f"the fit ended at the upper bound of {name}" for name, at in zip(names, fit.at_bound, strict=True) if at]
 
 
 def feature_names(task: Task) -> tuple[str, ...]:
@@ -280,19 +349,31 @@ def found_effect(fit: Fit, k: int, ties: list[Ranked], names: tuple[str, ...]) -
 def regions(
     fit: Fit, target: Target, x: NDArray, rng: np.random.Generator, alpha: float, names: tuple[str, ...]
 ) -> list[Region]:
-    """Intervals of the features in which measured and simulated events disagree."""
+    """Intervals of the features in which measured and simulated events disagree.
+
+    Of images intervals of rows, columns and the number of hits; rows and columns are counted from 0, ends included.
+    """
     summary = target.summary
-    assert isinstance(summary, Bins)
-    starts = np.cumsum([0, *(bins for _, bins in summary.blocks)])
-    single = [(int(starts[j]), len(e) + 1) for j, e in enumerate(summary.edges)]
-    found = significant(intervals(fit, target, single), fit, rng, alpha)
-    result = []
-    for feature, first, last, z, p in found:
-        column = x[:, feature]
-        ends = np.concatenate([[column.min()], summary.edges[feature], [column.max()]])
-        kind = "excess" if z > 0 else "deficit"
-        name = names[feature] if len(summary.edges) > 1 else None
-        result.append(
-            Region(feature=name, low=float(ends[first]), high=float(ends[last + 1]), kind=kind, z=z, p_global=p)
+    spans: list[tuple[str | None, NDArray[np.float64]]] = []
+    if isinstance(summary, Pixels):
+        hits = (x > 0).sum(axis=1)
+        spans = [(name, np.arange(length + 1) - 0.5) for name, length in summary.blocks[:2]]
+        spans.append(("hits", np.concatenate([[hits.min()], summary.fullness, [hits.max()]])))
+    elif isinstance(summary, Bins):
+        for j, inner in enumerate(summary.edges):
+            ends = np.concatenate([[x[:, j].min()], inner, [x[:, j].max()]])
+            spans.append((names[j] if len(summary.edges) > 1 else None, ends))
+    lengths = [len(ends) - 1 for _, ends in spans]
+    starts = np.cumsum([0, *lengths[:-1]])
+    scanned = intervals(fit, target, [(int(a), n) for a, n in zip(starts, lengths, strict=True)])
+    return [
+        Region(
+            feature=spans[block][0],
+            low=float(spans[block][1][first]),
+            high=float(spans[block][1][last + 1]),
+            kind="excess" if z > 0 else "deficit",
+            z=z,
+            p_global=p,
         )
-    return result
+        for block, first, last, z, p in significant(scanned, fit, rng, alpha)
+    ]

@@ -8,27 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.effects import Effect, Parameter
+from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit import Fit, Target, polish, refine, scan
 from avobench.diagnosis.model import Model
 
-SCREEN_EVENTS, LEAST_AT_POINT = 40_000, 800
-"""For a screening grid, and for each of its points at least."""
 STRENGTHS = (0.001, 0.005, 0.02, 0.08, 0.25, 0.7)
 """Of the range of a strength; between them the effect is taken as linear."""
 MOVED_EVENTS = 200
 """Of each point, from which the share of events that change bins is taken."""
 LOCATIONS, SHAPES, WIDTHS = 12, 5, 3
 """Grid points of a location, of a single shape parameter, of a width beside a location."""
-FIT_EVENTS = 25_000
-"""Of each design of a first fit."""
-POLISHES = (2, 10)
-"""Simulated events a measured one, for fits that may be the best."""
-MOST_FAMILIES, FITS_A_FAMILY = 16, 3
 AT_EDGE = 0.48
 """Distance from the middle of the range, of which the edge is at 0.5."""
 MOST_SCREENED = 24
 """Effects of which all shapes are screened."""
-POOL_EVENTS = 50_000
 STRONG = 10.0
 """Chi-squared per degree of freedom above which theta may be too far off for an effect to be seen from there."""
 GAIN = 3.0
@@ -102,7 +95,7 @@ class Pool:
         return change, target.num_events / events * target.rank * moved
 
 
-def screen(pool: Pool, effect: Effect, x: NDArray, rng: np.random.Generator) -> list[Start]:
+def screen(pool: Pool, effect: Effect, x: NDArray, rng: np.random.Generator, effort: Effort) -> list[Start]:
     """The best one or two grid points of one shape of an effect added to a fitted model.
 
     Theta follows linearly, and the strength is moved to where a linear effect would fit best.
@@ -114,7 +107,7 @@ def screen(pool: Pool, effect: Effect, x: NDArray, rng: np.random.Generator) -> 
         return []
     points = grid(effect) if guesses is None else guesses
     q = points.shape[1]
-    events = max(SCREEN_EVENTS // len(points), LEAST_AT_POINT)
+    events = max(effort.screen // len(points), effort.screen // 50)
     change, scatter = pool.changes(effect, points, events, rng)
     free = base.projector()
     left, moved = base.residual @ free, change @ free
@@ -143,7 +136,7 @@ def screen(pool: Pool, effect: Effect, x: NDArray, rng: np.random.Generator) -> 
     return starts
 
 
-def joint(start: Start, target: Target, rng: np.random.Generator, num_events: int) -> Fit:
+def joint(start: Start, target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
     """Fit theta and the effects' parameters together, from a start.
 
     A fit that ends at an edge of theta's range may have been led there by the effect that was missing: theta is then
@@ -155,53 +148,62 @@ def joint(start: Start, target: Target, rng: np.random.Generator, num_events: in
     half = np.full(model.dim, 0.08)
     half[:last] = 0.02
     half[last] = max((0.5 if start.loose else 0.003) * abs(start.unit[last] - null), 1e-4)
-    fit = refine(model, target, start.unit, half, rng, num_events=num_events)
+    fit = refine(model, target, start.unit, half, rng, num_events=effort.fit)
     if np.abs(fit.unit[:p] - 0.5).max() < AT_EDGE:
         return fit
-    centre, near = scan(model, target, rng, fixed=fit.unit[p:])
+    centre, near = scan(model, target, rng, fixed=fit.unit[p:], size=effort.scan)
     half[:p] = max(near, 0.005)
-    return min(fit, refine(model, target, centre, half, rng, num_events=num_events), key=lambda f: f.gap)
+    return min(fit, refine(model, target, centre, half, rng, num_events=effort.fit), key=lambda f: f.gap)
 
 
-def searched(base: Fit, target: Target, effect: Effect, rng: np.random.Generator) -> Start:
+def searched(base: Fit, target: Target, effect: Effect, rng: np.random.Generator, effort: Effort) -> Start:
     """A start from a search over theta and all parameters of an effect, wherever the fit without it may have gone."""
     model = replace(base.model, effects=(*base.model.effects, effect), stretch=())
-    unit, _ = scan(model, target, rng, points=120, events=150)
-    x = model.simulate(np.tile(model.from_unit(unit), (FIT_EVENTS // 5, 1)), rng)
+    unit, _ = scan(model, target, rng, size=(effort.scan[0] // 2, effort.scan[1] // 2))
+    x = model.simulate(np.tile(model.from_unit(unit), (effort.fit // 5, 1)), rng)
     left = target.whiten(target.mean - target.summary.mean(x)[0])
     scatter = target.num_events / len(x) * target.rank
     return Start(model, unit, float(left @ left) - scatter, True)
 
 
 def candidates(
-    base: Fit, target: Target, effects: list[Effect], x: NDArray, rng: np.random.Generator, *, jobs: int = 1
+    base: Fit,
+    target: Target,
+    effects: list[Effect],
+    x: NDArray,
+    rng: np.random.Generator,
+    effort: Effort,
+    *,
+    jobs: int = 1,
 ) -> list[Fit]:
     """Fits to events x (N, d) of `base` with one more effect: the best starts of the most promising families.
 
     Fits that may still be the best are repeated with more events, all from the same seed.
     """
-    pool = Pool(base, target, POOL_EVENTS, rng)
+    pool = Pool(base, target, effort.pool, rng)
     effects = [effect.adapted(x) for effect in effects]
-    plain = {effect.key: screen(pool, effect, x, rng) for effect in effects}
+    plain = {effect.key: screen(pool, effect, x, rng, effort) for effect in effects}
     # Every shape of an effect that looks promising in its plainest is looked at, and of all effects if they are few.
     promising = sorted(effects, key=lambda e: min((s.expected for s in plain[e.key]), default=np.inf))[:MOST_SCREENED]
     families = []
     for effect in promising:
-        starts = plain[effect.key] + [s for shape in effect.shapes()[1:] for s in screen(pool, shape, x, rng)]
+        starts = plain[effect.key] + [s for shape in effect.shapes()[1:] for s in screen(pool, shape, x, rng, effort)]
         if base.gap > STRONG * base.dof and len(effects) <= MOST_SCREENED:
-            starts += [searched(base, target, shape, rng) for shape in effect.shapes() if shape.guess(x) is None]
-        families.append(sorted(starts, key=lambda start: start.expected)[:FITS_A_FAMILY])
+            starts += [
+                searched(base, target, shape, rng, effort) for shape in effect.shapes() if shape.guess(x) is None
+            ]
+        families.append(sorted(starts, key=lambda start: start.expected)[: effort.starts])
     families = sorted((starts for starts in families if starts), key=lambda starts: starts[0].expected)
-    starts = [start for starts in families[:MOST_FAMILIES] for start in starts]
+    starts = [start for starts in families[: effort.families] for start in starts]
     work = joblib.Parallel(n_jobs=jobs)
     streams = rng.spawn(len(starts))  # so that any number of workers gives the same fits
-    fits = work(joblib.delayed(joint)(s, target, stream, FIT_EVENTS) for s, stream in zip(starts, streams, strict=True))
+    fits = work(joblib.delayed(joint)(s, target, stream, effort) for s, stream in zip(starts, streams, strict=True))
     seed = int(rng.integers(2**63))
-    for ratio in POLISHES:
+    for ratio in effort.again:
         fits = _distinct(fits)
         best = min(fits, key=lambda fit: fit.gap + fit.gap_error, default=None)
         likely = [fit.gap - fit.gap_error < best.gap + best.gap_error + max(best.gap, best.dof) for fit in fits]
-        events = max(ratio * target.num_events, FIT_EVENTS)
+        events = max(int(ratio * target.num_events), effort.fit)
         again = work(
             joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events)
             for fit, worth in zip(fits, likely, strict=True)

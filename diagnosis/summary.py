@@ -111,12 +111,12 @@ def bins_of(x: NDArray, simulated: NDArray) -> Bins:
     n, d = x.shape
     one = np.issubdtype(x.dtype, np.integer) and d == 1
     most = min(max(n // 25, 4), 80 if one else 50) if d == 1 else min(max(n // 100, 4), 12)
-    edges = tuple(_edges(x[:, j], simulated[:, j], most, tails=d == 1) for j in range(d))
-    coarse = tuple(_edges(x[:, j], simulated[:, j], 4) for j in range(d)) if d > 1 and n >= 2000 else ()
+    edges = tuple(inner_edges(x[:, j], simulated[:, j], most, tails=d == 1) for j in range(d))
+    coarse = tuple(inner_edges(x[:, j], simulated[:, j], 4) for j in range(d)) if d > 1 and n >= 2000 else ()
     return Bins(edges, coarse)
 
 
-def _edges(x: NDArray, simulated: NDArray, most: int, *, tails: bool = False) -> NDArray[np.float64]:
+def inner_edges(x: NDArray, simulated: NDArray, most: int, *, tails: bool = False) -> NDArray[np.float64]:
     """Inner edges of at most `most` bins for one feature, from a mixture of both sets in equal parts.
 
     With `tails` the bins grow from LEAST_IN_BIN at both ends, each at most twice as full as the last: what lies beyond

@@ -18,7 +18,9 @@ from avobench.diagnosis.effects.continuous.calibration import (
 )
 from avobench.diagnosis.effects.continuous.smearing import Outliers, Resolution
 from avobench.diagnosis.effects.counts import exposure, recording
+from avobench.diagnosis.effects.images import cells, geometry
 from avobench.tasks import Task
+from avobench.tasks.alignment import Alignment
 
 Domain = Literal["counts", "continuous", "images"]
 
@@ -49,6 +51,9 @@ COUNTS = (
     exposure.PileUp,
     exposure.Inefficiency,
 )
+IMAGES = (cells.DeadCells, cells.NoisyCells, cells.Inefficiency, cells.RandomNoise, cells.PileUp, cells.Threshold)
+GEOMETRY = (geometry.TransverseOffset, geometry.AxialTilt)
+"""Of a tracker in pseudorapidity and azimuth."""
 
 
 def domain(task: Task) -> Domain:
@@ -63,6 +68,9 @@ def catalogue(task: Task) -> list[Effect]:
     kind = domain(task)
     if kind == "counts":
         return [effect() for effect in COUNTS]
+    if kind == "images":
+        tracker = isinstance(task, Alignment)
+        return [effect(grid=task.event_shape) for effect in IMAGES + (GEOMETRY if tracker else ())]
     spans = ranges(task)
     features = [0] if len(spans) == 1 else [*range(len(spans)), "all"]
     effects = [effect(feature, spans) for effect in CONTINUOUS for feature in features]

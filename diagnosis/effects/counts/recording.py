@@ -31,23 +31,20 @@ class ZeroInflation(Family):
 
 @dataclass(frozen=True)
 class DeadTime(Family):
-    """A count n survives with probability 1 / (1 + tau n), or exp(-tau n), or becomes n / (1 + tau n) exactly."""
+    """Each of n counts survives with probability 1 / (1 + tau n), or exp(-tau n) where lost counts prolong it."""
 
     shape: str = "non_paralysable"
 
     name = "dead_time"
     STRENGTH = Parameter("tau", 0, 1, 0, "of the window, a count")
-    SHAPES: ClassVar = {"non_paralysable": (), "paralysable": (), "exact": ()}
+    SHAPES: ClassVar = {"non_paralysable": (), "paralysable": ()}
     sentence: ClassVar = "After each count the counter is blind for a while, so high counts are reduced most."
     source: ClassVar = KNOLL + "Section 4.VII"
 
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
         busy = phi[:, 0] * x[:, 0]
-        if self.shape == "exact":
-            x[:, 0] = np.floor(x[:, 0] / (1 + busy) + rng.random(len(x)))
-        else:
-            x[:, 0] = rng.binomial(x[:, 0], np.exp(-busy) if self.shape == "paralysable" else 1 / (1 + busy))
+        x[:, 0] = rng.binomial(x[:, 0], np.exp(-busy) if self.shape == "paralysable" else 1 / (1 + busy))
         return x
 
 
@@ -61,7 +58,7 @@ class ThresholdLoss(Family):
 
     name = "threshold_loss"
     STRENGTH = Parameter("lost", 0, 0.98, 0, "1")
-    SHAPES: ClassVar = {"step": (), "exponential": (), "turn_on": ()}
+    SHAPES: ClassVar = {"step": (), "exponential": (), "turn_on": (), "free_turn_on": ()}
     sentence: ClassVar = "Events with few counts fall below a threshold and are lost."
     source: ClassVar = KNOLL + "Section 17.IV"
 
@@ -69,7 +66,7 @@ class ThresholdLoss(Family):
     def parameters(self):
         threshold = Parameter("threshold", 0.3, self.highest, None, "counts")
         width = Parameter("width", 0.3, max(1.0, 0.3 * self.highest), None, "counts")
-        return (self.STRENGTH, threshold, *((width,) if self.shape == "turn_on" else ()))
+        return (self.STRENGTH, threshold, *((width,) if self.shape == "free_turn_on" else ()))
 
     def adapted(self, x):
         return replace(self, highest=max(1.0, float(np.median(x))))
@@ -80,7 +77,13 @@ class ThresholdLoss(Family):
         if self.shape == "exponential":
             return phi[:, 0] * np.exp(-x / t)
         # The width of a step is what whole counts cannot resolve; it makes the effect smooth in the threshold.
-        width = phi[:, 2] if self.shape == "turn_on" else 0.25
+        width = {
+            "step": lambda: 0.25,
+            "turn_on": lambda: (
+                0.3 * np.sqrt(t)
+            ),  # counts at the threshold scatter by its root, a logistic by 1.8 widths
+            "free_turn_on": lambda: phi[:, 2],
+        }[self.shape]()
         return phi[:, 0] / (1 + np.exp(np.clip((x - t) / width, -50, 50)))
 
     def apply(self, simulate, theta, phi, rng):
