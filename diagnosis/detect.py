@@ -6,10 +6,10 @@ from scipy.stats import chi2, norm
 
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit import Fit, Target, polish
+from avobench.diagnosis.pixels import LEAST_HITS
 from avobench.diagnosis.schema import Gate
 from avobench.diagnosis.summary import Summary
 
-LEAST_HITS = 40
 MIXED_IN = 0.1
 """Share of the simulated events in the covariance: where nothing was measured, what was expected still counts."""
 

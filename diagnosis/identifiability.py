@@ -52,6 +52,8 @@ def card(
             row, direction = _row(pool, effect, need, rng, effort.card)
             rows.append(row)
             left.append(direction)
+    if not rows:
+        return []
     alike = np.array(left) @ np.array(left).T
     return [
         replace(row, rivals=tuple(r.effect for j, r in enumerate(rows) if j != i and alike[i, j] > ALIKE))

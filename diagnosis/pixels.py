@@ -1,6 +1,6 @@
 """The summary of images: sums of rows, of columns and of blocks, how full they are, and how often neighbours fire."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +11,8 @@ from avobench.diagnosis.summary import Summary, inner_edges
 BLOCKS = 8
 """Along each axis, at most."""
 FULLNESS_BINS = 12
+LEAST_HITS = 40
+"""In all images together, for a part of the summary to count: fewer scatter unlike a Gaussian."""
 
 
 @dataclass(frozen=True)
@@ -19,6 +21,8 @@ class Pixels(Summary):
 
     grid: tuple[int, int]
     fullness: NDArray[np.float64]
+    filled: NDArray[np.bool_] | None = None
+    """Which parts of the vector are filled often enough to be used (K,); the others are zero. All by default."""
 
     @cached_property
     def blocks(self) -> list[tuple[str, int]]:
@@ -42,7 +46,8 @@ class Pixels(Summary):
         along = (image[:, 1:] * image[:, :-1]).sum(axis=(1, 2), dtype=np.float32)
         around = (image * np.roll(image, 1, axis=2)).sum(axis=(1, 2), dtype=np.float32)
         hits = np.eye(len(self.fullness) + 1, dtype=np.float32)[full]
-        return np.hstack([rows, columns, hits, coarse.reshape(n, -1), along[:, None], around[:, None]])
+        all_parts = np.hstack([rows, columns, hits, coarse.reshape(n, -1), along[:, None], around[:, None]])
+        return all_parts if self.filled is None else all_parts * self.filled
 
     def mean(self, x: NDArray, pieces: int = 1) -> NDArray[np.float64]:
         return self.vectors(x).reshape(pieces, -1, self.size).mean(axis=1, dtype=np.float64)
@@ -66,4 +71,6 @@ class Pixels(Summary):
 def pixels_of(x: NDArray, simulated: NDArray, event_shape: tuple[int, ...]) -> Pixels:
     """The summary for images of this shape; axes beyond the second are joined to it."""
     fullness = inner_edges((x > 0).sum(axis=1), (simulated > 0).sum(axis=1), FULLNESS_BINS)
-    return Pixels((event_shape[0], int(np.prod(event_shape[1:]))), fullness)
+    summary = Pixels((event_shape[0], int(np.prod(event_shape[1:]))), fullness)
+    totals = [summary.vectors(y > 0).sum(axis=0, dtype=float) * len(x) / len(y) for y in (x, simulated)]
+    return replace(summary, filled=np.minimum(*totals) >= LEAST_HITS)
