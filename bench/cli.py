@@ -16,6 +16,7 @@ from avobench.bench.plan import plan
 from avobench.bench.progress import ProgressView
 from avobench.bench.runner import Sweep, run
 from avobench.bench.store import Store, to_frame, write_atomically
+from avobench.diagnosis.cli import diagnose
 
 RESULTS = click.option(
     "--results",
@@ -152,16 +153,19 @@ def benchmark(results: Path, out: Path) -> None:
 
 
 @cli.command("check")
-@click.argument("kind", type=click.Choice(["task", "method"]))
+@click.argument("kind", type=click.Choice(["task", "method", "effect"]))
 @click.argument("name")
 def check_(kind: str, name: str) -> None:
-    """Tell whether a task or method keeps its contract; NAME is registered or module:Class."""
+    """Tell whether a task, method or effect keeps its contract; NAME is registered or module:Class."""
     passed = True
     for result in check.run(kind, name):
         passed &= result.passed
         click.echo(f"{'pass' if result.passed else 'FAIL'}  {result.what}" + (f": {result.why}" if result.why else ""))
     if not passed:
         raise AvobenchError(f"{kind} {name} does not keep the contract")
+
+
+cli.add_command(diagnose)
 
 
 def _draw_benchmark(records: list[dict], folder: Path) -> list[Path]:
