@@ -54,6 +54,11 @@ class Score:
         """weights^T s(x): (n, d), (n, b) -> (b, 1)."""
         return weights.T @ self.of(x)[:, None]
 
+    def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
+        """Squared change of each event, in units of the variance: (n, d) twice -> (n,)."""
+        a = self.of(before)
+        return (a - self.of(after)) ** 2 / max(a.var(), 1e-30)
+
 
 def classifier_gate(fit: Fit, target: Target, x: NDArray, rng: np.random.Generator) -> Gate:
     """Does a classifier, trained on one half of the events x (N, d), tell the other half from simulated ones?

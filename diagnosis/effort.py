@@ -13,7 +13,7 @@ class Effort:
     """Of each round of the first fit, a measured one."""
     polish: float = 12
     """Where a p-value is at stake, a measured one: simulation then adds a tenth to the variance."""
-    again: tuple[float, ...] = (2, 10)
+    again: tuple[float, ...] = (3, 10)
     """Of the repeated fits of candidates that may be the best, a measured one."""
     least: int = 30_000
     """Of a round, at least."""

@@ -221,30 +221,59 @@ def basis_slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
 def surrogate(model: Model, summary: Summary, design: Design, num_events: int, rng: np.random.Generator) -> Surrogate:
     """The mean summary over a design, from events of which half lie at its centre and half are spread over it.
 
-    Where parameters lie and what happens to the events come from two streams, so that from one seed models of other
-    parameters get the same events, as far as their simulator lets them.
+    Each spread event has a twin at the centre, simulated from the same seed. Where a simulator makes much the same of
+    the same seed, the differences of twins tell the slopes with little noise; where it does not, a plain regression
+    does. Places and events come from two streams, so that from one seed all models get the same events.
     """
     places, happenings = rng.spawn(2)
-    normal, moment = 0.0, 0.0
-    while num_events > 0:
-        n = min(num_events, CHUNK)
-        t = places.uniform(-1, 1, (n, model.dim))
-        t[::2] = 0
-        u = design.to_u(t)
+    pairs, k = max(num_events // 2, 1), (model.dim + 1) * (model.dim + 2) // 2
+    normal, at_centre, spread, unlike = np.zeros((k, k)), 0.0, 0.0, 0.0
+    left = pairs
+    while left > 0:
+        n = min(left, CHUNK)
+        u = design.to_u(places.uniform(-1, 1, (n, model.dim)))
         b = basis(design.to_t(u))
-        normal = normal + b.T @ b
-        moment = moment + summary.moments(model.simulate(model.from_unit(u), happenings), b)
-        num_events -= n
-    inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
-    return Surrogate(design, inverse @ moment, inverse)
+        seed = int(happenings.integers(2**63))
+        twins = model.simulate(model.from_unit(np.tile(design.centre, (n, 1))), np.random.default_rng(seed))
+        x = model.simulate(model.from_unit(u), np.random.default_rng(seed))
+        normal += b.T @ b
+        at_centre = at_centre + summary.moments(twins, b)
+        spread = spread + summary.moments(x, b)
+        unlike += float(summary.moved(twins, x).sum())
+        left -= n
+    unlike /= pairs
+    if unlike < 1:
+        inverse = np.zeros((k, k))
+        inverse[0, 0] = 1 / pairs
+        slopes = np.linalg.pinv(normal[1:, 1:], rcond=1e-12, hermitian=True)
+        inverse[1:, 1:] = unlike * slopes
+        return Surrogate(design, np.vstack([at_centre[0] / pairs, slopes @ (spread - at_centre)[1:]]), inverse)
+    constant = np.eye(k)[0]  # the basis at the centre
+    inverse = np.linalg.pinv(normal + pairs * np.outer(constant, constant), rcond=1e-12, hermitian=True)
+    return Surrogate(design, inverse @ (spread + np.outer(constant, at_centre[0])), inverse)
+
+
+def without_noise(s: Surrogate, target: Target) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A and w with |A^T basis - w|^2 = Q + constant, Q without what the noise of the coefficients adds: (b, k), (k,).
+
+    Noise adds r N basis^T (covariance of the coefficients) basis to Q, more the further from the centre. Left in, it
+    would hold every fit near the middle of its design. Combinations of terms that do not stand out of it are dropped.
+    """
+    values, vectors = np.linalg.eigh(s.inverse)
+    solid = values > 1e-12 * values[-1]
+    root = vectors[:, solid] * np.sqrt(values[solid])  # inverse = root root^T
+    scaled = np.linalg.pinv(root) @ target.whiten(s.coefficients)  # each entry with noise of variance N
+    strength, directions = np.linalg.eigh(scaled @ scaled.T)
+    noise = target.rank * target.num_events
+    seen = strength > noise * (1 + 3 * np.sqrt(2 / target.rank))
+    left, directions = np.sqrt(strength[seen] - noise), directions[:, seen]
+    return root @ directions * left, directions.T @ (scaled @ target.whiten(target.mean)) / left
 
 
 def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
     """The point of the design where the surrogate comes closest to the target."""
-    z, b = target.whiten(target.mean), target.whiten(s.coefficients)
-    # Of r dimensions only those matter that the surrogate can reach.
-    reach, _ = np.linalg.qr(b.T)
-    small_z, small_b = z @ reach, b @ reach
+    z = target.whiten(target.mean)
+    terms, wanted = without_noise(s, target)
     axes, centre, p = s.design.axes, s.design.centre, model.dim
 
     def outside(t: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -252,11 +281,11 @@ def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
         return u - np.clip(u, 0, 1)
 
     def residual(t: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.concatenate([small_z - basis(t[None])[0] @ small_b, np.sqrt(ANCHOR) * t, WALL * outside(t)])
+        return np.concatenate([basis(t[None])[0] @ terms - wanted, np.sqrt(ANCHOR) * t, WALL * outside(t)])
 
     def slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
         wall = WALL * (outside(t) != 0)[:, None] * axes
-        return np.concatenate([-(basis_slope(t).T @ small_b).T, np.sqrt(ANCHOR) * np.eye(p), wall])
+        return np.concatenate([(basis_slope(t).T @ terms).T, np.sqrt(ANCHOR) * np.eye(p), wall])
 
     t = least_squares(residual, np.zeros(p), slope, bounds=(-1, 1), method="dogbox", max_nfev=60).x
     u = s.design.to_u(t)
@@ -287,22 +316,19 @@ def refine(
 ) -> Fit:
     """Shrinking designs around `start` (P,) in the unit cube, the first of half-width `half`, until they are as small
     as `num_events` events allow."""
-    half = np.broadcast_to(half, model.dim).astype(float)
-    fit = minimise(model, surrogate(model, target.summary, Design.box(start, half), num_events, rng), target)
-    scale = float(half.max())
+    design = Design.box(start, np.broadcast_to(half, model.dim).astype(float))
+    scale = float(np.abs(design.axes).max())
     for _ in range(max_rounds):
-        design = fit.next_design(num_events)
-        widest = np.abs(design.axes).max()
-        scale = max(scale / SHRINK, widest)
-        if scale > widest:  # a curved model is not known to be as sharp as its slope at a distance says
-            lengths = np.linalg.norm(design.axes, axis=0)
-            design = Design(design.centre, design.axes / lengths * np.maximum(lengths, np.minimum(scale, WIDEST)))
-        last, fit = fit, minimise(model, surrogate(model, target.summary, design, num_events, rng), target)
+        fit = minimise(model, surrogate(model, target.summary, design, num_events, rng), target)
         moved = np.abs(design.to_t(fit.unit)).max()
-        if moved > 0.9:
-            scale *= SHRINK
-        elif scale <= widest and fit.q > last.q * 0.98 - 1:
+        design = fit.next_design(num_events)
+        smallest = np.abs(design.axes).max()
+        if moved < 0.6 and scale <= smallest:
             break
+        # A curved model is not known to be as sharp as its slope at a distance says.
+        scale = max(scale if moved > 0.9 else scale / SHRINK, smallest)
+        lengths = np.linalg.norm(design.axes, axis=0)
+        design = Design(design.centre, design.axes / lengths * np.maximum(lengths, min(scale, WIDEST)))
     return fit
 
 
