@@ -13,7 +13,7 @@ class Effort:
     """Of each round of the first fit, a measured one."""
     polish: float = 12
     """Where a p-value is at stake, a measured one: simulation then adds a tenth to the variance."""
-    again: tuple[float, ...] = (3, 10)
+    again: tuple[float, ...] = (3, 6)
     """Of the repeated fits of candidates that may be the best, a measured one."""
     least: int = 30_000
     """Of a round, at least."""
@@ -21,7 +21,7 @@ class Effort:
     """Of each round of a candidate's first fit."""
     pool: int = 50_000
     """From which effects are screened."""
-    screen: int = 40_000
+    screen: int = 24_000
     """For a screening grid; each of its points gets a fiftieth of it at least."""
     card: int = 3_000
     """For each strength on the identifiability card."""
@@ -29,10 +29,10 @@ class Effort:
     """For the covariance that a model predicts."""
     scan: tuple[int, int] = (200, 300)
     """Points of each search for theta, and events at each."""
-    families: int = 16
+    families: int = 12
     """Effects that are fitted."""
-    starts: int = 3
-    """Fits of an effect."""
+    starts: int = 6
+    """Shapes of an effect that are fitted."""
 
     def scaled(self, share: float) -> "Effort":
         """Less of everything, but not so little that fits fail."""
@@ -64,11 +64,13 @@ IMAGES = Effort(
     families=8,
     starts=2,
 )
+MANY = Effort(families=8, starts=3)
+"""For several features, each of which has its own entries in the catalogue."""
 USUAL = {"counts": 4_000_000, "continuous": 12_000_000, "images": 1_500_000}
 """Simulated events that a diagnosis usually takes, by domain; a little more or less with what it finds."""
 
 
 def effort_for(task: Task, domain: str, num_simulations: int | None) -> Effort:
     """The effort that takes about `num_simulations` events; the full one for None."""
-    full = IMAGES if domain == "images" else Effort()
+    full = IMAGES if domain == "images" else MANY if task.num_features > 1 else Effort()
     return full if num_simulations is None else full.scaled(min(1.0, num_simulations / USUAL[domain]))

@@ -22,7 +22,8 @@ SHRINK = 3.0
 """How much narrower a design may be than the one before."""
 ANCHOR = 0.1
 """What moving to the edge of the design costs in Q: it keeps parameters still that the data say nothing about."""
-POLISHES = 3
+POLISHES, MOST_LEVERAGE = 4, 4.0
+"""How often a fit is polished, until its noise is at most so many times that of its events."""
 WALL = 1e4
 """Slope of the penalty that keeps a fit within the unit cube, in standard errors."""
 IDENTIFIED = 5.0
@@ -85,6 +86,12 @@ class Surrogate:
     """(b, K)"""
     inverse: NDArray[np.float64]
     """(b, b), of the normal equations: the covariance of the coefficients in units of that of one event."""
+
+    def gap_at_centre(self, target: Target) -> tuple[float, float]:
+        """Q at the centre of the design, without what simulation adds on average, and its standard error."""
+        noise = target.num_events * float(self.inverse[0, 0])
+        q = float((target.whiten(target.mean - self.coefficients[0]) ** 2).sum())
+        return q - noise * target.rank, float(np.sqrt(2 * target.rank * noise**2 + 4 * q * noise))
 
     def at(self, u: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Mean summary at u (P,) and its derivative: (K,), (P, K)."""
@@ -318,8 +325,16 @@ def refine(
     as `num_events` events allow."""
     design = Design.box(start, np.broadcast_to(half, model.dim).astype(float))
     scale = float(np.abs(design.axes).max())
+    centre, promised = design.centre, np.inf
     for _ in range(max_rounds):
-        fit = minimise(model, surrogate(model, target.summary, design, num_events, rng), target)
+        s = surrogate(model, target.summary, design, num_events, rng)
+        here, error = s.gap_at_centre(target)
+        if here > promised + 3 * error:  # the last step led uphill: its design was too wide for a quadratic
+            scale /= SHRINK
+            design = Design(centre, design.axes / SHRINK)
+            continue
+        centre, promised = design.centre, here
+        fit = minimise(model, s, target)
         moved = np.abs(design.to_t(fit.unit)).max()
         design = fit.next_design(num_events)
         smallest = np.abs(design.axes).max()
@@ -333,11 +348,11 @@ def refine(
 
 
 def polish(fit: Fit, target: Target, rng: np.random.Generator, num_events: int) -> Fit:
-    """The same fit with many events in a small design around it, again if it ends far from the middle of that."""
+    """The same fit with many events in a small design around it, again if it ends where that design tells little."""
     for _ in range(POLISHES):
         design = fit.next_design(num_events)
         fit = minimise(fit.model, surrogate(fit.model, target.summary, design, num_events, rng), target)
-        if np.abs(design.to_t(fit.unit)).max() < 0.6:
+        if fit.noise < MOST_LEVERAGE * fit.num_observed / num_events:
             break
     return fit
 

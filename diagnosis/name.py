@@ -187,13 +187,16 @@ def candidates(
     promising = sorted(effects, key=lambda e: min((s.expected for s in plain[e.key]), default=np.inf))[:MOST_SCREENED]
     families = []
     for effect in promising:
-        starts = plain[effect.key] + [s for shape in effect.shapes()[1:] for s in screen(pool, shape, x, rng, effort)]
-        if base.gap > STRONG * base.dof and len(effects) <= MOST_SCREENED:
-            starts += [
-                searched(base, target, shape, rng, effort) for shape in effect.shapes() if shape.guess(x) is None
-            ]
-        families.append(sorted(starts, key=lambda start: start.expected)[: effort.starts])
-    families = sorted((starts for starts in families if starts), key=lambda starts: starts[0].expected)
+        starts = []
+        for k, shape in enumerate(effect.shapes()):
+            own = plain[effect.key] if k == 0 else screen(pool, shape, x, rng, effort)
+            if base.gap > STRONG * base.dof and len(effects) <= MOST_SCREENED and shape.guess(x) is None:
+                own = [*own, searched(base, target, shape, rng, effort)]
+            starts += sorted(own, key=lambda start: start.expected)[:1]
+        # The plainest shape always has its fit: screening is too rough to prefer another to it.
+        first, rest = starts[:1], sorted(starts[1:], key=lambda start: start.expected)
+        families.append([*first, *rest[: effort.starts - 1]])
+    families = sorted(filter(None, families), key=lambda starts: min(start.expected for start in starts))
     starts = [start for starts in families[: effort.families] for start in starts]
     work = joblib.Parallel(n_jobs=jobs)
     streams = rng.spawn(len(starts))  # so that any number of workers gives the same fits

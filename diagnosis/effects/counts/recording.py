@@ -35,9 +35,19 @@ class DeadTime(Family):
 
     shape: str = "non_paralysable"
 
+    highest: float = 1.0
+    """Of tau; beyond, most counts are lost, and what is left looks like anything."""
+
     name = "dead_time"
-    STRENGTH = Parameter("tau", 0, 1, 0, "of the window, a count")
     SHAPES: ClassVar = {"non_paralysable": (), "paralysable": ()}
+
+    @property
+    def parameters(self):
+        return (Parameter("tau", 0, self.highest, 0, "of the window, a count"),)
+
+    def adapted(self, x):
+        return replace(self, highest=min(1.0, 0.5 / max(float(np.median(x)), 0.5)))
+
     sentence: ClassVar = "After each count the counter is blind for a while, so high counts are reduced most."
     source: ClassVar = KNOLL + "Section 4.VII"
 
