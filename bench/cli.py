@@ -18,6 +18,7 @@ from avobench.bench.plan import on_device, plan
 from avobench.bench.progress import ProgressView
 from avobench.bench.runner import Sweep, run
 from avobench.bench.store import Store, to_frame
+from avobench.diagnosis.cli import diagnose
 from avobench.reports.cli import COMMANDS, draw
 
 
@@ -153,10 +154,10 @@ def export(kind: str, out: Path, results: Path) -> None:
 
 
 @cli.command("check")
-@click.argument("kind", type=click.Choice(["task", "method"]))
+@click.argument("kind", type=click.Choice(["task", "method", "effect"]))
 @click.argument("name")
 def check_(kind: str, name: str) -> None:
-    """Tell whether a task or method keeps its contract; NAME is registered or module:Class."""
+    """Tell whether a task, method or effect keeps its contract; NAME is registered or module:Class."""
     passed = True
     for result in check.run(kind, name):
         passed &= result.passed
@@ -165,8 +166,9 @@ def check_(kind: str, name: str) -> None:
         raise AvobenchError(f"{kind} {name} does not keep the contract")
 
 
-for command in COMMANDS:
-    cli.add_command(command)
+from avobench.bench.store import Store, to_frame
+from avobench.diagnosis.cli import diagnose
+from avobench.reports.cli import COMMANDS, draw
 
 
 def main() -> None:

@@ -17,10 +17,11 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from avobench.bench.errors import UsageError
+from avobench.diagnosis.effects.base import Effect
 from avobench.methods import Method
 from avobench.tasks import Task
 
-BASES = {"task": Task, "method": Method}
+BASES = {"task": Task, "method": Method}  # of what has a name in an entry point
 GROUPS = {"task": "avobench.tasks", "method": "avobench.methods"}
 REQUIRED = {
     "task": ("name", "parameter_names", "parameter_units", "source", "prior", "support", "num_features"),
@@ -35,6 +36,10 @@ def names(kind: str) -> list[str]:
 
 def load(kind: str, spec: str) -> type:
     """The class that `spec` names: a registered name or `module:Class`. Raises UsageError in one line."""
+    if is_model(kind, spec):
+        from avobench.diagnosis.augmented import AugmentedTask  # here, because a diagnosis builds on this module
+
+        return AugmentedTask
     if ":" in spec:
         cls = _import(kind, spec)
     else:
@@ -55,9 +60,18 @@ def load(kind: str, spec: str) -> type:
     return cls
 
 
+def is_model(kind: str, spec: str) -> bool:
+    """Whether `spec` is the file of a task with effects added, as `avobench diagnose` writes it."""
+    return kind == "task" and spec.endswith(".json")
+
+
 def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
     """An instance of the task or method `spec` with `settings`, values as text or typed. Raises UsageError."""
     cls = load(kind, spec)
+    if is_model(kind, spec):
+        if settings:
+            raise UsageError(f"{spec} is a model; its settings are in the file")
+        return cls.read(Path(spec))
     known = [f.name for f in dataclasses.fields(cls) if f.init] if dataclasses.is_dataclass(cls) else []
     for name in settings:
         if name not in known:
@@ -71,6 +85,20 @@ def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
         where = f" {'.'.join(map(str, first['loc']))}" if first["loc"] else ""
         reason = first["msg"].removeprefix("Value error, ")
         raise UsageError(f"setting{where} of {kind} {cls.name}: {reason}") from error
+
+
+def effect(spec: str) -> Effect:
+    """The effect of a user's `module:Class`. Raises UsageError in one line."""
+    if ":" not in spec:
+        raise UsageError(f"--effect takes module:Class, got '{spec}'; --effects chooses from the catalogue")
+    cls = _import("effect", spec)
+    if not (inspect.isclass(cls) and issubclass(cls, Effect)):
+        raise UsageError(f"'{spec}' is not a subclass of avobench.diagnosis.effects.Effect")
+    missing = [name for name in ("name", "parameters", "sentence", "source") if not hasattr(cls, name)]
+    missing += sorted(cls.__abstractmethods__)
+    if missing:
+        raise UsageError(f"effect '{spec}' does not define {', '.join(missing)}")
+    return blamed(cls, f"effect '{spec}'")
 
 
 def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The conformance suite: does a task or method, ours or a user's, keep its contract?
+"""The conformance suite: does a task, method or effect, ours or a user's, keep its contract?
 
 Checks come in stages. Seeds are fixed, so a verdict is repeatable.
 """
@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from avobench.bench import registry
-from avobench.bench.check import methods, tasks
+from avobench.bench.check import effects, methods, tasks
 from avobench.bench.check.promises import BrokenPromise
 from avobench.bench.errors import SimulatorError
 
-STAGES = {"task": tasks.stages, "method": methods.stages}
+STAGES = {"task": tasks.stages, "method": methods.stages, "effect": effects.stages}
 
 
 @dataclass(frozen=True)
@@ -24,14 +24,19 @@ class Result:
 
 
 def run(kind: str, name: str) -> Iterator[Result]:
-    """Check the task or method `name`, registered or `module:Class`, with its default settings; results as they come.
+    """Check the task, method or effect `name`, registered or `module:Class`, by default settings; results as they come.
 
     A stage is tried only if all checks of the one before passed, so that one fault is told once. Whatever the checked
     object raises is a result. Only UsageError leaves this function: there is no such object, it cannot be made with its
     default settings, or a package that it needs is not installed.
     """
-    subject = registry.build(kind, name, {})
-    registry.require_packages(kind, subject)
+    if kind == "effect":
+        subject = effects.subjects(name)
+        for task, _ in subject:
+            registry.require_packages("task", task)
+    else:
+        subject = registry.build(kind, name, {})
+        registry.require_packages(kind, subject)
     for stage in STAGES[kind](name, subject):
         passed = True
         for what, check in stage:

@@ -1,0 +1,19 @@
+"""Find where simulation and measurement disagree, name the missing effect, add it, and show the gap shrink."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from avobench.diagnosis.loop import diagnose
+    from avobench.diagnosis.schema import Diagnosis
+
+__all__ = ["Diagnosis", "diagnose"]
+
+_HOMES = {"diagnose": "avobench.diagnosis.loop", "Diagnosis": "avobench.diagnosis.schema"}
+
+
+def __getattr__(name: str) -> Any:
+    """What the package offers, loaded when asked for: SciPy's statistics take a second, the effects none."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__} has no attribute {name}")
+    return getattr(import_module(_HOMES[name]), name)

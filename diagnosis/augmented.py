@@ -1,0 +1,165 @@
+"""The new model: a task with effects added, kept as `model.json`, and accepted wherever a task is."""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from avobench.bench import registry
+from avobench.bench.errors import UsageError
+from avobench.diagnosis.effects import Effect
+from avobench.diagnosis.effects.catalogue import catalogue
+from avobench.diagnosis.fit import Fit
+from avobench.diagnosis.model import Model
+from avobench.tasks import Box, Task
+
+PRIOR_SIGMAS = 5.0
+"""The prior of an effect's parameter reaches so many standard errors to either side of the fit."""
+LEAST_PRIOR = 0.01
+"""The same at least, as a share of the parameter's range."""
+
+
+class Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+
+class AddedEffect(Strict):
+    name: str
+    feature: int | Literal["all"] | None
+    shape: str
+    source: str | None
+    """module:Class of an effect of the user's own."""
+
+
+class Parameter(Strict):
+    name: str
+    unit: str
+    value: float
+    std: float
+    prior: tuple[float, float]
+    support: tuple[float, float]
+
+
+class ModelFile(Strict):
+    """The content of `model.json`."""
+
+    kind: Literal["avobench-model"] = "avobench-model"
+    schema_version: Literal[1] = 1
+    name: str
+    task: str
+    task_settings: dict[str, Any]
+    effects: list[AddedEffect]
+    parameters: list[Parameter]
+    """Those of the task, then those of each effect in turn."""
+
+
+def describe(fit: Fit, std: NDArray[np.float64], task_spec: str, own_effects: dict[str, str]) -> ModelFile:
+    """What `model.json` says of a fitted model.
+
+    `own_effects` gives module:Class of the user's effects by name. A task that is itself a model keeps its effects.
+    """
+    model = fit.model
+    theta = model.num_theta
+    base = model.task
+    inner: ModelFile | None = base.content if isinstance(base, AugmentedTask) else None
+    names = list(base.parameter_names)
+    units = list(base.parameter_units)
+    for effect in model.effects:
+        prefix = effect.name if effect.feature is None else f"{effect.name}_{_feature(base, effect)}"
+        names += [f"{prefix}_{p.name}" for p in effect.parameters]
+        units += [p.unit for p in effect.parameters]
+    margin = np.maximum(PRIOR_SIGMAS * std, LEAST_PRIOR * (model.high - model.low))
+    low = np.maximum(model.low, fit.params - margin)
+    high = np.minimum(model.high, fit.params + margin)
+    low[:theta], high[:theta] = base.prior.low, base.prior.high
+    added = [
+        AddedEffect(name=e.name, feature=e.feature, shape=e.shape, source=own_effects.get(e.name))
+        for e in model.effects
+    ]
+    return ModelFile(
+        name="-".join([base.name, *(e.name.replace("_", "-") for e in model.effects)]),
+        task=inner.task if inner else task_spec,
+        task_settings=inner.task_settings if inner else registry.identity("task", task_spec, base)["task_settings"],
+        effects=[*(inner.effects if inner else []), *added],
+        parameters=[
+            Parameter(
+                name=names[i],
+                unit=units[i],
+                value=float(fit.params[i]),
+                std=float(std[i]),
+                prior=(float(low[i]), float(high[i])),
+                support=(float(model.low[i]), float(model.high[i])),
+            )
+            for i in range(model.dim)
+        ],
+    )
+
+
+def _feature(task: Task, effect: Effect) -> str:
+    names = task.feature_names or tuple(f"x{j + 1}" for j in range(task.num_features))
+    return "all" if effect.feature == "all" else names[effect.feature]
+
+
+@dataclass(frozen=True)
+class AugmentedTask(Task):
+    """A task with effects: its parameters are those of the task and of the effects. Made by `read`."""
+
+    sha256: str
+    """Of the file, so that a record tells which model it is of."""
+
+    name = "model"
+    source = "a task of avobench with the effects that a diagnosis added"
+
+    @classmethod
+    def read(cls, path: Path) -> "AugmentedTask":
+        """The task that a `model.json` describes. Raises UsageError if it describes none."""
+        try:
+            text = path.read_bytes()
+            content = ModelFile.model_validate_json(text)
+        except OSError as error:
+            raise UsageError(f"{path} cannot be read: {error.strerror or error}") from error
+        except ValidationError as error:
+            raise UsageError(f"{path} is not a model: {error.errors()[0]['msg']}") from error
+        base = registry.build("task", content.task, content.task_settings)
+        known = {(e.name, e.feature, s.shape): s for e in catalogue(base) for s in e.shapes()}
+        effects = tuple(_effect(added, base, known, path) for added in content.effects)
+        task = cls(hashlib.sha256(text).hexdigest())
+        own = {
+            "content": content,
+            "model": Model(base, effects),
+            "name": content.name,
+            "parameter_names": tuple(p.name for p in content.parameters),
+            "parameter_units": tuple(p.unit for p in content.parameters),
+            "prior": Box(*zip(*(p.prior for p in content.parameters), strict=True)),
+            "support": Box(*zip(*(p.support for p in content.parameters), strict=True)),
+        }
+        same = ("num_features", "feature_names", "event_shape", "cyclic_axes", "dtype", "discriminator")
+        own |= {name: getattr(base, name) for name in (*same, "packages", "extra")}
+        for name, value in own.items():
+            object.__setattr__(task, name, value)
+        return task
+
+    def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        """One event per row: theta (n, P) -> (n, d). Raises ValueError outside the support."""
+        self.require_support(theta)
+        return self.model.simulate(theta, rng)
+
+    def summary(self, x: NDArray) -> NDArray[np.float64]:
+        """That of the task without effects."""
+        return self.model.task.summary(x)
+
+    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
+        """Not known: NaN."""
+        return np.nan
+
+
+def _effect(added: AddedEffect, base: Task, known: dict[tuple, Effect], path: Path) -> Effect:
+    if added.source is not None:
+        return registry.effect(added.source)
+    if (added.name, added.feature, added.shape) not in known:
+        raise UsageError(f"{path} asks for {added.name} ({added.shape}), which does not apply to {base.name}")
+    return known[added.name, added.feature, added.shape]

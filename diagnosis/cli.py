@@ -1,0 +1,139 @@
+"""`avobench diagnose`: from a file of measured events to what the simulator lacks."""
+
+import json
+from pathlib import Path
+
+import click
+
+from avobench.bench import registry
+from avobench.bench.errors import UsageError
+from avobench.bench.store import write_atomically
+
+
+@click.command()
+@click.option("--task", "spec", required=True, metavar="NAME", help="Task, module:Class, or a model.json.")
+@click.option("--data", required=True, metavar="FILE", help="Measured events, one row each; file.root:tree for ROOT.")
+@click.option("--out", required=True, type=click.Path(path_type=Path), metavar="DIR", help="Folder of the results.")
+@click.option("--columns", default=None, metavar="A,B,...", help="Columns or branches to read, in this order.")
+@click.option("--drop-invalid", is_flag=True, help="Leave out rows that hold NaN or infinite values.")
+@click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True)
+@click.option("--alpha", type=float, default=0.05, show_default=True, help="Rate of false alarms.")
+@click.option("--max-effects", type=click.IntRange(0), default=3, show_default=True, help="Effects to add at most.")
+@click.option("--simulations", type=click.IntRange(1), default=None, help="Simulated events, about.  [what it takes]")
+@click.option(
+    "--fit", default="surrogate", show_default=True, metavar="NAME", help="Method that looks for theta first."
+)
+@click.option("--effects", default=None, metavar="A,B,...", help="Effects of the catalogue to try.  [all that apply]")
+@click.option("--effect", "own", multiple=True, metavar="module:Class", help="An effect of your own; repeatable.")
+@click.option("--jobs", "-j", type=click.IntRange(1), default=1, show_default=True, help="Worker processes.")
+def diagnose(
+    spec: str,
+    data: str,
+    out: Path,
+    columns: str | None,
+    drop_invalid: bool,
+    seed: int,
+    alpha: float,
+    max_effects: int,
+    simulations: int | None,
+    fit: str,
+    effects: str | None,
+    own: tuple[str, ...],
+    jobs: int,
+) -> None:
+    """Say whether measured events disagree with a simulator, where, which effect is missing, and add it.
+
+    Writes diagnosis.json, model.json (a task, for wherever a task is accepted), report.html and figures.
+    """
+    from avobench.diagnosis import loop
+    from avobench.diagnosis.augmented import describe
+    from avobench.diagnosis.effects.catalogue import catalogue
+    from avobench.diagnosis.events import check_events, read_events
+
+    task = registry.build("task", spec, {})
+    registry.require_packages("task", task)
+    known = registry.blamed(lambda: catalogue(task), f"task '{spec}'")
+    chosen = chosen_effects(known, effects)
+    theirs = {(effect := registry.effect(name)).name: (name, effect) for name in own}
+    chosen += [effect for _, effect in theirs.values()]
+    x, warnings = check_events(
+        task, read_events(data, columns.split(",") if columns else None), drop_invalid=drop_invalid
+    )
+    for warning in warnings:
+        click.echo(f"warning: {warning}", err=True)
+    writable(out)
+    result = loop.diagnose(
+        task,
+        x,
+        seed=seed,
+        alpha=alpha,
+        max_effects=max_effects,
+        num_simulations=simulations,
+        fit=fit,
+        effects=chosen,
+        jobs=jobs,
+    )
+    result.notes[:0] = warnings
+    sources = {name: source for name, (source, _) in theirs.items()}
+    model = describe(result.model, loop.scaled_std(result.model), spec, sources)
+    write_atomically(out / "model.json", (model.model_dump_json(indent=1) + "\n").encode())
+    # Last, so that a folder with a diagnosis has all that belongs to it.
+    write_atomically(out / "diagnosis.json", (json.dumps(result.model_dump(mode="json"), indent=1) + "\n").encode())
+    click.echo(summary(result))
+
+
+def chosen_effects(known: list, names: str | None) -> list:
+    """The effects of `known` that are named, all where none is. Raises UsageError for one that is not there."""
+    if names is None:
+        return list(known)
+    wanted = [name.strip() for name in names.split(",")]
+    for name in wanted:
+        if name not in {effect.name for effect in known}:
+            there = ", ".join(dict.fromkeys(effect.name for effect in known))
+            raise UsageError(f"there is no effect '{name}' for this task; it has {there}")
+    return [effect for effect in known if effect.name in wanted]
+
+
+def writable(folder: Path) -> None:
+    """Make the folder. Raises UsageError where files cannot be written in it."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        write_atomically(folder / ".writable", b"").unlink()
+    except OSError as error:
+        raise UsageError(f"the folder {folder} cannot be used: {error.strerror or error}") from error
+
+
+def summary(result) -> str:
+    """The diagnosis in at most a screen."""
+    gates = ", ".join(f"{name} p = {gate.p_value:.2g}" for name, gate in result.gates.items())
+    lines = [f"{result.verdict} ({result.num_events} events, {gates}; alpha = {result.alpha:g})"]
+    gap = result.gap_before
+    line = f"gap on events kept aside, chi2/ndf: {gap.value:.2f} [{gap.low:.2f}, {gap.high:.2f}]"
+    if (gap := result.gap_after) is not None:
+        line += f" -> {gap.value:.2f} [{gap.low:.2f}, {gap.high:.2f}], p = {result.p_value_after:.2g}"
+    lines.append(line)
+    for found in result.effects:
+        values = ", ".join(
+            f"{name} = {p.value:.4g}"
+            + (f" +- {p.std:.2g}" if p.std is not None else "")
+            + f" {p.unit}" * (p.unit != "1")
+            for name, p in found.parameters.items()
+        )
+        lines.append(f"missing: {label(found)}: {values}")
+        if found.tied_with:
+            lines.append(f"  these data do not tell it from {', '.join(map(label, found.tied_with))}")
+    for region in result.regions[:4]:
+        where = f"{region.feature} " if region.feature else ""
+        lines.append(f"{region.kind} at {where}{region.low:.4g} to {region.high:.4g}: {abs(region.z):.1f} sigma")
+    after = result.theta_after or {}
+    for name, value in result.theta_before.items():
+        line = f"{name} = {value.value:.5g} +- {value.std:.2g}"
+        lines.append(line + (f" -> {after[name].value:.5g} +- {after[name].std:.2g}" if name in after else ""))
+    lines += [f"note: {note}" for note in result.notes[:6]]
+    lines.append(f"{result.num_simulations} simulated events, {result.seconds:.1f} s")
+    return "\n".join(lines)
+
+
+def label(named) -> str:
+    """An effect and what it acts on, in words."""
+    return named.name if named.feature is None else f"{named.name} on {named.feature}"

@@ -1,0 +1,49 @@
+"""Do simulation and measurement disagree? A summary test with theta fitted on the same events."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2, norm
+
+from avobench.diagnosis.effort import Effort
+from avobench.diagnosis.fit import Fit, Target, polish
+from avobench.diagnosis.pixels import LEAST_HITS
+from avobench.diagnosis.schema import Gate
+from avobench.diagnosis.summary import Summary
+
+MIXED_IN = 0.1
+"""Share of the simulated events in the covariance: where nothing was measured, what was expected still counts."""
+
+
+def target_of(x: NDArray, summary: Summary, simulated: NDArray) -> Target:
+    """What to fit to the measured events x (N, d), whitened with their covariance and a little of the simulated."""
+    cov = (1 - MIXED_IN) * summary.covariance(x) + MIXED_IN * summary.covariance(simulated)
+    return Target.of(summary, summary.mean(x)[0], len(x), cov)
+
+
+def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) -> tuple[Gate, Fit, Target]:
+    """Hansen's J: the whitened distance at the best theta, with the covariance that the model itself predicts.
+
+    Chi-squared with as many degrees of freedom as the summary has, less those that theta takes up. The model's own
+    covariance, because that of few measured events is biased where they are fewest. Also the fit in that metric.
+    """
+    num_events = int(effort.polish * target.num_events)
+    x = fit.model.simulate(np.tile(fit.params, (min(num_events, effort.covariance), 1)), rng)
+    own_target = Target.of(target.summary, target.mean, target.num_events, target.summary.covariance(x))
+    own = polish(fit, own_target, rng, num_events)
+    return Gate(statistic=own.q, dof=own.dof, p_value=float(chi2.sf(own.q, own.dof))), own, own_target
+
+
+def cell_gate(fit: Fit, x: NDArray, rng: np.random.Generator, effort: Effort) -> Gate:
+    """The cell of an image (N, d) that is furthest from what the model expects, among all cells.
+
+    Sums over many cells do not see a few that are faulty. Theta hardly moves a single cell, so no correction for it.
+    """
+    n = int(effort.polish * len(x))
+    simulated = fit.model.simulate(np.tile(fit.params, (n, 1)), rng)
+    mean, expected = x.mean(axis=0, dtype=float), simulated.mean(axis=0, dtype=float)
+    variance = simulated.var(axis=0, dtype=float)
+    # A cell that hardly ever fires scatters like a small count, not like a Gaussian.
+    seen = expected * len(x) > LEAST_HITS
+    z = np.abs(mean - expected)[seen] / np.sqrt(variance[seen] * (1 / len(x) + 1 / n))
+    p = -np.expm1(seen.sum() * np.log1p(-min(2 * norm.sf(z.max()), 1 - 1e-16)))
+    return Gate(statistic=float(z.max()), dof=None, p_value=float(p))

@@ -1,0 +1,134 @@
+"""The contract of an effect: something that a simulator may lack, written as a change of that simulator."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import ClassVar, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+MAX_ROUNDS = 2000
+"""Of rejection. Effects keep at least 2 % of the events, so that the chance to need more is below 1e-17 an event."""
+LEAST_KEPT = 0.02
+"""No acceptance falls below this: what a detector never records cannot be waited for."""
+
+
+class Simulate(Protocol):
+    """What an effect is given: one event per row, theta (n, p) -> (n, d)."""
+
+    def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray: ...
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of an effect, `low <= null <= high`. Raises ValueError otherwise."""
+
+    name: str
+    low: float
+    high: float
+    null: float | None
+    """The value at which the effect is absent; None for a parameter that then has no meaning, such as a location."""
+    unit: str
+    soft: bool = False
+    """Whether `high` is a guess, which a fit that ends there may double, and not a limit."""
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite([self.low, self.high]).all() and self.low < self.high):
+            raise ValueError(f"parameter {self.name} needs finite low < high, got {self.low} and {self.high}")
+        if self.null is not None and not self.low <= self.null <= self.high:
+            raise ValueError(f"the null value {self.null} of parameter {self.name} lies outside its bounds")
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether its bounds span so much that it is a matter of scale."""
+        return self.null is None and self.low > 0 and self.high / self.low >= 10
+
+
+class Effect(ABC):
+    """A change of a simulator. A subclass sets the attributes and defines `apply`.
+
+    An effect is a *family*: `shapes` may offer other shapes of the same physics, which share its name. A fit tries all
+    of them, because the real effect never has the exact shape of one.
+    """
+
+    name: str
+    feature: int | Literal["all"] | None = None
+    """The column it acts on, "all" where it acts on all alike, None where events have no features to choose from."""
+    parameters: tuple[Parameter, ...]
+    """Strength first; the other parameters give its shape."""
+    shape: str = ""
+    """Which of its shapes this is."""
+    choices: int = 0
+    """Shape parameters beyond `parameters` that choosing among its shapes amounts to, such as a step."""
+    sentence: ClassVar[str]
+    """What it is, for a person."""
+    source: ClassVar[str]
+
+    @abstractmethod
+    def apply(
+        self, simulate: Simulate, theta: NDArray[np.float64], phi: NDArray[np.float64], rng: np.random.Generator
+    ) -> NDArray:
+        """Events of the simulator with the effect, one per row: theta (n, p), phi (n, q) within the bounds -> (n, d).
+
+        The events keep the simulator's dtype. With the strength at its null value they have the distribution of
+        `simulate(theta, rng)`. All randomness comes from `rng`; rows are independent.
+        """
+
+    def shapes(self) -> tuple["Effect", ...]:
+        """This effect and its other shapes, the plainest first."""
+        return (self,)
+
+    def guess(self, x: NDArray) -> NDArray[np.float64] | None:
+        """Values of the parameters from which to fit measured events x (N, d): (m, q), or None for a grid over all.
+
+        For an effect whose small change of strength changes the events everywhere, so that no grid comes close.
+        """
+        return None
+
+    def adapted(self, x: NDArray) -> "Effect":
+        """The same effect with bounds within which it keeps its meaning for measured events x (N, d)."""
+        return self
+
+    @property
+    def key(self) -> tuple[str, int | str | None]:
+        """What names it in an answer; all its shapes share it."""
+        return self.name, self.feature
+
+
+@dataclass(frozen=True)
+class Family(Effect):
+    """An effect whose `shape` is one of SHAPES: its name, and the parameters that belong to it beside the strength."""
+
+    shape: str = ""
+
+    STRENGTH: ClassVar[Parameter]
+    SHAPES: ClassVar[dict[str, tuple[Parameter, ...]]]
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        return (self.STRENGTH, *self.SHAPES[self.shape])
+
+    def shapes(self) -> tuple[Effect, ...]:
+        return tuple(replace(self, shape=shape) for shape in self.SHAPES)
+
+
+def accepted(
+    simulate: Simulate,
+    theta: NDArray[np.float64],
+    keep: Callable[[NDArray, NDArray[np.intp]], NDArray[np.float64]],
+    rng: np.random.Generator,
+) -> NDArray:
+    """Events that a detector records: drawn anew, row by row, until recorded: theta (n, p) -> (n, d).
+
+    `keep(x, rows)` is the chance that the events x, of these rows of theta, are recorded; it is raised to LEAST_KEPT.
+    """
+    x = simulate(theta, rng)
+    rows = np.arange(len(theta))
+    for _ in range(MAX_ROUNDS):
+        chance = np.maximum(keep(x[rows], rows), LEAST_KEPT)
+        rows = rows[rng.random(len(rows)) >= chance]
+        if len(rows) == 0:
+            return x
+        x[rows] = simulate(theta[rows], rng)
+    raise RuntimeError(f"{len(rows)} events were not accepted in {MAX_ROUNDS} rounds")

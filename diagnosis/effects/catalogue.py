@@ -1,0 +1,77 @@
+"""All effects that apply to a task."""
+
+from typing import Literal
+
+import numpy as np
+
+from avobench.diagnosis.effects.base import Effect
+from avobench.diagnosis.effects.continuous.acceptance import DeadRegion, EdgeAcceptance, ForwardBackwardAcceptance
+from avobench.diagnosis.effects.continuous.background import FlatBackground, PeakBackground
+from avobench.diagnosis.effects.continuous.base import ranges
+from avobench.diagnosis.effects.continuous.calibration import (
+    ChargeMisid,
+    Crosstalk,
+    Offset,
+    Quantisation,
+    Saturation,
+    Scale,
+)
+from avobench.diagnosis.effects.continuous.smearing import Outliers, Resolution
+from avobench.diagnosis.effects.counts import exposure, recording
+from avobench.diagnosis.effects.images import cells, geometry
+from avobench.tasks import Task
+from avobench.tasks.alignment import Alignment
+
+Domain = Literal["counts", "continuous", "images"]
+
+CONTINUOUS = (
+    Resolution,
+    Offset,
+    Scale,
+    EdgeAcceptance,
+    ForwardBackwardAcceptance,
+    FlatBackground,
+    PeakBackground,
+    DeadRegion,
+    ChargeMisid,
+    Outliers,
+    Crosstalk,
+    Quantisation,
+    Saturation,
+)
+COUNTS = (
+    recording.ZeroInflation,
+    exposure.Overdispersion,
+    recording.DeadTime,
+    recording.ThresholdLoss,
+    recording.FlatBackground,
+    recording.DoubleCounting,
+    recording.ReadoutNoise,
+    recording.Quantisation,
+    exposure.PileUp,
+    exposure.Inefficiency,
+)
+IMAGES = (cells.DeadCells, cells.NoisyCells, cells.Inefficiency, cells.RandomNoise, cells.PileUp, cells.Threshold)
+GEOMETRY = (geometry.TransverseOffset, geometry.AxialTilt)
+"""Of a tracker in pseudorapidity and azimuth."""
+
+
+def domain(task: Task) -> Domain:
+    """What the events of a task are."""
+    if task.event_shape:
+        return "images"
+    return "counts" if np.dtype(task.dtype).kind in "iu" and task.num_features == 1 else "continuous"
+
+
+def catalogue(task: Task) -> list[Effect]:
+    """Every effect that applies to `task`: one entry a name and feature, each in its plainest shape."""
+    kind = domain(task)
+    if kind == "counts":
+        return [effect() for effect in COUNTS]
+    if kind == "images":
+        tracker = isinstance(task, Alignment)
+        return [effect(grid=task.event_shape) for effect in IMAGES + (GEOMETRY if tracker else ())]
+    spans = ranges(task)
+    features = [0] if len(spans) == 1 else [*range(len(spans)), "all"]
+    effects = [effect(feature, spans) for effect in CONTINUOUS for feature in features]
+    return [e for e in effects if len(spans) > 1 or e.name != "crosstalk"]

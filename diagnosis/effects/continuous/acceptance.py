@@ -1,0 +1,98 @@
+"""Acceptance: events are lost depending on where they lie."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ndtr
+
+from avobench.diagnosis.effects.base import Parameter
+from avobench.diagnosis.effects.continuous.base import Acceptance
+
+LEP = "ALEPH, DELPHI, L3, OPAL, SLD, Phys. Rep. 427 (2006) 257, "
+LOSS = Parameter("lost", 0, 0.98, 0, "1")
+
+
+@dataclass(frozen=True)
+class EdgeAcceptance(Acceptance):
+    """Events towards the ends of the range are lost: as a power, a turn-on curve, or in the angle; one end or both."""
+
+    shape: str = "power"
+    name = "edge_acceptance"
+    sentence = "The detector records fewer of the events near the edges of its range."
+    source = LEP + "Section 2"
+
+    def strength(self) -> Parameter:
+        return LOSS
+
+    def variants(self):
+        power = Parameter("power", 1, 30, None, "1")
+        edge = Parameter("edge", 0.2, 1, None, "of half the range")
+        width = Parameter("width", 0.01, 0.5, None, "of half the range")
+        shapes = {"power": (power,), "turn_on": (edge,), "soft_turn_on": (edge, width)}
+        for side in ("low", "high"):
+            shapes |= {f"power_{side}": (power,), f"turn_on_{side}": (Parameter("edge", -1, 1, None, edge.unit),)}
+        if self.bounded:
+            shapes["angle"] = (Parameter("angle", 0.05, 1.2, None, "rad"),)
+        return shapes
+
+    def kept(self, x, span, phi):
+        u, loss = span.unit(x), phi[:, 0]
+        kind, _, side = self.shape.partition("_")
+        if side in ("low", "high"):
+            u = u if side == "high" else -u
+            at = (1 + np.clip(u, -1, 1)) / 2
+        else:
+            u = np.abs(u)
+            at = np.minimum(u, 1)
+        if kind == "power":
+            return 1 - loss * at ** phi[:, 1]
+        if kind == "angle":  # the angle to the nearer pole, with a turn-on of a fifth of the edge's own angle
+            return 1 - loss * ndtr((phi[:, 1] - np.arccos(at)) / (0.2 * phi[:, 1]))
+        return 1 - loss * ndtr((u - phi[:, 1]) / (phi[:, 2] if self.shape == "soft_turn_on" else 0.05))
+
+
+@dataclass(frozen=True)
+class ForwardBackwardAcceptance(Acceptance):
+    """One half of the range is recorded better than the other: along a line, a step, or a smooth step."""
+
+    shape: str = "linear"
+    name = "forward_backward_acceptance"
+    sentence = "The detector records one side better than the other."
+    source = LEP + "Section 5"
+
+    def strength(self) -> Parameter:
+        return Parameter("asymmetry", -0.95, 0.95, 0, "1")
+
+    def variants(self):
+        return {"linear": (), "step": (), "smooth": (Parameter("width", 0.05, 1, None, "of half the range"),)}
+
+    def kept(self, x, span, phi):
+        u, a = span.unit(x), phi[:, 0]
+        side = {
+            "linear": lambda: np.clip(u, -1, 1),
+            "step": lambda: np.sign(u),
+            "smooth": lambda: np.tanh(u / phi[:, 1]),
+        }[self.shape]()
+        return (1 + a * side) / (1 + np.abs(a))
+
+
+@dataclass(frozen=True)
+class DeadRegion(Acceptance):
+    """Events in one region are lost: all of it alike, or most at its middle."""
+
+    shape: str = "box"
+    name = "dead_region"
+    sentence = "A part of the detector does not record."
+    source = "W. R. Leo, Techniques for Nuclear and Particle Physics Experiments, 2nd ed. (1994), Section 5.6"
+
+    def strength(self) -> Parameter:
+        return LOSS
+
+    def variants(self):
+        where = Parameter("centre", self.low, self.high, None, "of the feature")
+        width = Parameter("width", 0.02 * self.half, 0.8 * self.half, None, "of the feature")
+        return {"box": (where, width), "dip": (where, width)}
+
+    def kept(self, x, span, phi):
+        distance = np.abs(x - phi[:, 1]) / phi[:, 2]
+        return 1 - phi[:, 0] * (distance < 0.5 if self.shape == "box" else np.exp(-6 * distance**2))

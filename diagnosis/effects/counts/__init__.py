@@ -1,0 +1,1 @@
+"""Effects on events that are one count each."""

@@ -1,0 +1,200 @@
+"""How a counter records: dead channels, dead time, thresholds, doubles, noise and rounding."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from avobench.diagnosis.effects.base import Family, Parameter, accepted
+
+KNOLL = "G. F. Knoll, Radiation Detection and Measurement, 4th ed. (2010), "
+
+
+@dataclass(frozen=True)
+class ZeroInflation(Family):
+    """A share of the events reads nothing, or, in the shape `weak`, a fraction of its counts."""
+
+    shape: str = "dead"
+
+    name = "zero_inflation"
+    STRENGTH = Parameter("fraction", 0, 0.98, 0, "1")
+    SHAPES: ClassVar = {"dead": (), "weak": (Parameter("left", 0.001, 0.3, None, "1"),)}
+    sentence: ClassVar = "Some events read zero whatever happened, as from a channel that is sometimes off."
+    source: ClassVar = "D. Lambert, Technometrics 34 (1992) 1"
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        off = rng.random(len(x)) < phi[:, 0]
+        x[off, 0] = rng.binomial(x[off, 0], phi[off, 1]) if self.shape == "weak" else 0
+        return x
+
+
+@dataclass(frozen=True)
+class DeadTime(Family):
+    """Each of n counts survives with probability 1 / (1 + tau n), or exp(-tau n) where lost counts prolong it."""
+
+    shape: str = "non_paralysable"
+
+    highest: float = 1.0
+    """Of tau; beyond, most counts are lost, and what is left looks like anything."""
+
+    name = "dead_time"
+    SHAPES: ClassVar = {"non_paralysable": (), "paralysable": ()}
+
+    @property
+    def parameters(self):
+        return (Parameter("tau", 0, self.highest, 0, "of the window, a count"),)
+
+    def adapted(self, x):
+        return replace(self, highest=min(1.0, 0.5 / max(float(np.median(x)), 0.5)))
+
+    sentence: ClassVar = "After each count the counter is blind for a while, so high counts are reduced most."
+    source: ClassVar = KNOLL + "Section 4.VII"
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        busy = phi[:, 0] * x[:, 0]
+        x[:, 0] = rng.binomial(x[:, 0], np.exp(-busy) if self.shape == "paralysable" else 1 / (1 + busy))
+        return x
+
+
+@dataclass(frozen=True)
+class ThresholdLoss(Family):
+    """Events of few counts are not recorded: below a threshold, or the fewer the less."""
+
+    shape: str = "step"
+    highest: float = 100.0
+    """Of the threshold; beyond the middle of the counts it would be a limit from above."""
+
+    name = "threshold_loss"
+    STRENGTH = Parameter("lost", 0, 0.98, 0, "1")
+    SHAPES: ClassVar = {"step": (), "exponential": (), "turn_on": (), "free_turn_on": ()}
+    sentence: ClassVar = "Events with few counts fall below a threshold and are lost."
+    source: ClassVar = KNOLL + "Section 17.IV"
+
+    @property
+    def parameters(self):
+        threshold = Parameter("threshold", 0.3, self.highest, None, "counts")
+        width = Parameter("width", 0.3, max(1.0, 0.3 * self.highest), None, "counts")
+        return (self.STRENGTH, threshold, *((width,) if self.shape == "free_turn_on" else ()))
+
+    def adapted(self, x):
+        return replace(self, highest=max(1.0, float(np.median(x))))
+
+    def lost(self, x, phi):
+        """The chance that counts x (n,) are lost: phi (n, q) -> (n,)."""
+        t = phi[:, 1]
+        if self.shape == "exponential":
+            return phi[:, 0] * np.exp(-x / t)
+        # The width of a step is what whole counts cannot resolve; it makes the effect smooth in the threshold.
+        width = {
+            "step": lambda: 0.25,
+            "turn_on": lambda: (
+                0.3 * np.sqrt(t)
+            ),  # counts at the threshold scatter by its root, a logistic by 1.8 widths
+            "free_turn_on": lambda: phi[:, 2],
+        }[self.shape]()
+        return phi[:, 0] / (1 + np.exp(np.clip((x - t) / width, -50, 50)))
+
+    def apply(self, simulate, theta, phi, rng):
+        return accepted(simulate, theta, lambda x, rows: 1 - self.lost(x[:, 0], phi[rows]), rng)
+
+
+@dataclass(frozen=True)
+class DoubleCounting(Family):
+    """Two events are taken for one (`merged`), an event is read twice (`repeated`), or single counts are (`pairs`)."""
+
+    shape: str = "merged"
+
+    name = "double_counting"
+    STRENGTH = Parameter("fraction", 0, 1, 0, "1")
+    SHAPES: ClassVar = {"merged": (), "repeated": (), "pairs": ()}
+    sentence: ClassVar = "Some counts are counted twice, or two events are recorded as one."
+    source: ClassVar = KNOLL + "Section 4.VII; pairs: C. D. Kemp, A. W. Kemp, Biometrika 52 (1965) 381"
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        if self.shape == "pairs":
+            x[:, 0] += rng.binomial(x[:, 0], phi[:, 0])
+            return x
+        twice = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
+        if len(twice):
+            x[twice] += x[twice] if self.shape == "repeated" else simulate(theta[twice], rng)
+        return x
+
+
+@dataclass(frozen=True)
+class FlatBackground(Family):
+    """A share of the events has nothing to do with the source: counts are uniform, or exponential, up to `reach`."""
+
+    shape: str = "uniform"
+
+    name = "flat_background"
+    STRENGTH = Parameter("fraction", 0, 1, 0, "1")
+    SHAPES: ClassVar = {
+        "uniform": (Parameter("reach", 2, 400, None, "counts"),),
+        "exponential": (Parameter("reach", 1, 200, None, "counts"),),
+    }
+    sentence: ClassVar = "Some events are background whose counts spread over the whole range."
+    source: ClassVar = KNOLL + "Section 20.II"
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
+        reach, u = phi[rows, 1], rng.random(len(rows))
+        x[rows, 0] = np.floor(u * (reach + 1)) if self.shape == "uniform" else np.floor(-reach * np.log1p(-u))
+        return x
+
+
+@dataclass(frozen=True)
+class ReadoutNoise(Family):
+    """Noise of standard deviation `sigma` is added to each count, rounded, and cut at zero."""
+
+    shape: str = "gaussian"
+
+    name = "readout_noise"
+    STRENGTH = Parameter("sigma", 0, 30, 0, "counts", soft=True)
+    SHAPES: ClassVar = {"gaussian": (), "laplace": (), "folded": ()}
+    sentence: ClassVar = "The electronics adds noise of its own to every reading."
+    source: ClassVar = KNOLL + "Section 17.III"
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        n = len(x)
+        noise = rng.laplace(0, np.sqrt(0.5), n) if self.shape == "laplace" else rng.standard_normal(n)
+        y = np.rint(x[:, 0] + phi[:, 0] * noise)
+        x[:, 0] = np.abs(y) if self.shape == "folded" else np.maximum(y, 0)
+        return x
+
+
+@dataclass(frozen=True)
+class Quantisation(Family):
+    """A share of the readings is known only in steps of `shape` counts, rounded as it says."""
+
+    shape: str = "2 down"
+
+    name = "quantisation"
+    choices = 1
+    STRENGTH = Parameter("fraction", 0, 1, 0, "1")
+    SHAPES: ClassVar = {
+        f"{step} {to}": ()
+        for step in (2, 3, 4, 5, 6, 7, 8, 10, 12, 16)
+        for to in ("down", "up", "nearest", "middle")
+        if step > 2 or to in ("down", "up")
+    }
+    sentence: ClassVar = "Readings are rounded to a coarser step than one count."
+    source: ClassVar = KNOLL + "Section 17.V"
+
+    def guess(self, x):
+        """Nothing where the step is wider than the counts scatter: it would be a constant, not a rounding."""
+        wide = int(self.shape.split()[0]) > 2 * x.std() + 1
+        return np.empty((0, 1)) if wide else None
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        step, to = self.shape.split()
+        step = int(step)
+        rows = rng.random(len(x)) < phi[:, 0]
+        before, after = {"down": (0, 0), "up": (step - 1, 0), "nearest": (step // 2, 0), "middle": (0, step // 2)}[to]
+        x[rows] = (x[rows] + before) // step * step + after
+        return x

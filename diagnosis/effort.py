@@ -1,0 +1,76 @@
+"""How many events each part of a diagnosis simulates."""
+
+from dataclasses import dataclass, replace
+
+from avobench.tasks import Task
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Numbers of simulated events. What is `a measured one` is multiplied by the number of measured events."""
+
+    rounds: float = 3
+    """Of each round of the first fit, a measured one."""
+    polish: float = 12
+    """Where a p-value is at stake, a measured one: simulation then adds a tenth to the variance."""
+    again: tuple[float, ...] = (3, 6)
+    """Of the repeated fits of candidates that may be the best, a measured one."""
+    least: int = 30_000
+    """Of a round, at least."""
+    fit: int = 25_000
+    """Of each round of a candidate's first fit."""
+    pool: int = 50_000
+    """From which effects are screened."""
+    screen: int = 24_000
+    """For a screening grid; each of its points gets a fiftieth of it at least."""
+    card: int = 3_000
+    """For each strength on the identifiability card."""
+    covariance: int = 100_000
+    """For the covariance that a model predicts."""
+    scan: tuple[int, int] = (200, 300)
+    """Points of each search for theta, and events at each."""
+    families: int = 12
+    """Effects that are fitted."""
+    starts: int = 6
+    """Shapes of an effect that are fitted."""
+
+    def scaled(self, share: float) -> "Effort":
+        """Less of everything, but not so little that fits fail."""
+        return replace(
+            self,
+            rounds=self.rounds * share,
+            polish=max(self.polish * share, 1),
+            again=tuple(max(n * share, 0.5) for n in self.again),
+            least=max(int(self.least * share), 3000),
+            fit=max(int(self.fit * share), 3000),
+            pool=max(int(self.pool * share), 5000),
+            screen=max(int(self.screen * share), 4000),
+            card=max(int(self.card * share), 300),
+            covariance=max(int(self.covariance * share), 5000),
+        )
+
+
+IMAGES = Effort(
+    rounds=2,
+    polish=8,
+    again=(4,),
+    least=8000,
+    fit=8000,
+    pool=12_000,
+    screen=8000,
+    card=600,
+    covariance=30_000,
+    scan=(60, 150),
+    families=8,
+    starts=2,
+)
+MANY = Effort(families=8, starts=3)
+"""For several features, each of which has its own entries in the catalogue."""
+USUAL = {"counts": 4_000_000, "continuous": 12_000_000, "images": 1_500_000}
+"""Simulated events that a diagnosis usually takes, by domain; a little more or less with what it finds."""
+
+
+def effort_for(task: Task, domain: str, num_simulations: int | None) -> Effort:
+    """The effort that takes about `num_simulations` events; the full one for None."""
+    full = IMAGES if domain == "images" else MANY if task.num_features > 1 else Effort()
+    return full if num_simulations is None else full.scaled(min(1.0, num_simulations / USUAL[domain]))

@@ -1,0 +1,383 @@
+"""Fits of a black-box simulator to a summary: a quadratic surrogate from events that each have their own parameters."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from avobench.diagnosis.model import Model
+from avobench.diagnosis.summary import Summary, whitening
+
+CHUNK = 100_000
+"""Events simulated at a time, to bound memory."""
+MIN_SIGMAS = 4.0
+"""Half the width of a design, in standard errors, at least."""
+SLOPE_NOISE = 0.3
+"""Standard error of a slope over a design, in units of the slope that is one standard error of the parameter."""
+WIDEST = 0.1
+"""Half the width of a design, of the range of a parameter, where the data say little about it."""
+SHRINK = 3.0
+"""How much narrower a design may be than the one before."""
+ANCHOR = 0.1
+"""What moving to the edge of the design costs in Q: it keeps parameters still that the data say nothing about."""
+POLISHES, MOST_LEVERAGE = 4, 4.0
+"""How often a fit is polished, until its noise is at most so many times that of its events."""
+WALL = 1e4
+"""Slope of the penalty that keeps a fit within the unit cube, in standard errors."""
+IDENTIFIED = 5.0
+"""A direction is identified if moving across its range changes the summary by so many standard errors."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """What is fitted: the mean summary of N events, in coordinates where its covariance is 1."""
+
+    summary: Summary
+    mean: NDArray[np.float64]
+    """(K,)"""
+    num_events: int
+    cov: NDArray[np.float64]
+    """Of the summary of one event (K, K)."""
+    whitening: NDArray[np.float64]
+    """(K, r), whitening^T cov whitening = 1."""
+
+    @classmethod
+    def of(cls, summary: Summary, mean: NDArray[np.float64], num_events: int, cov: NDArray[np.float64]) -> "Target":
+        return cls(summary, mean, num_events, cov, whitening(cov))
+
+    @property
+    def rank(self) -> int:
+        return self.whitening.shape[1]
+
+    def whiten(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
+        """In standard errors of the measured mean: (..., K) -> (..., r)."""
+        return np.sqrt(self.num_events) * (mean @ self.whitening)
+
+
+@dataclass(frozen=True)
+class Design:
+    """Where parameters are drawn from: u = centre + axes t, with t in [-1, 1]^P, kept within the unit cube."""
+
+    centre: NDArray[np.float64]
+    axes: NDArray[np.float64]
+    """(P, P), invertible."""
+
+    @classmethod
+    def box(cls, centre: NDArray[np.float64], half: NDArray[np.float64]) -> "Design":
+        return cls(np.clip(centre, 0, 1), np.diag(half))
+
+    def to_t(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(..., P) -> (..., P)"""
+        return (u - self.centre) @ np.linalg.inv(self.axes).T
+
+    def to_u(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(..., P) -> (..., P), within the unit cube."""
+        return np.clip(self.centre + t @ self.axes.T, 0, 1)
+
+
+@dataclass(frozen=True)
+class Surrogate:
+    """E[s] as a quadratic polynomial in a design's t, from a linear regression on simulated events."""
+
+    design: Design
+    coefficients: NDArray[np.float64]
+    """(b, K)"""
+    inverse: NDArray[np.float64]
+    """(b, b), of the normal equations: the covariance of the coefficients in units of that of one event."""
+
+    def gap_at_centre(self, target: Target) -> tuple[float, float]:
+        """Q at the centre of the design, without what simulation adds on average, and its standard error."""
+        noise = target.num_events * float(self.inverse[0, 0])
+        q = float((target.whiten(target.mean - self.coefficients[0]) ** 2).sum())
+        return q - noise * target.rank, float(np.sqrt(2 * target.rank * noise**2 + 4 * q * noise))
+
+    def at(self, u: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Mean summary at u (P,) and its derivative: (K,), (P, K)."""
+        t = self.design.to_t(u)
+        slope = np.linalg.inv(self.design.axes).T @ basis_slope(t).T @ self.coefficients
+        return basis(t[None])[0] @ self.coefficients, slope
+
+    def variance_at(self, u: NDArray[np.float64]) -> float:
+        """Variance of `at` by simulation, in units of that of one event."""
+        b = basis(self.design.to_t(u)[None])[0]
+        return float(b @ self.inverse @ b)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The best parameters of a model for a target."""
+
+    model: Model
+    unit: NDArray[np.float64]
+    """Parameters in the unit cube (P,)."""
+    residual: NDArray[np.float64]
+    """Measured minus simulated mean, whitened: (r,)."""
+    jacobian: NDArray[np.float64]
+    """Derivative of the simulated mean, whitened, with respect to the unit coordinates: (r, P)."""
+    jacobian_noise: NDArray[np.float64]
+    """What simulation adds to jacobian^T jacobian: (P, P)."""
+    noise: float
+    """Variance that simulation adds, in units of that of the measurement."""
+    predicted: NDArray[np.float64]
+    """Simulated mean (K,)."""
+    num_observed: int
+    design: Design
+    """Of the surrogate that the fit was made with."""
+
+    @property
+    def params(self) -> NDArray[np.float64]:
+        """(P,)"""
+        return self.model.from_unit(self.unit)
+
+    @property
+    def q(self) -> float:
+        """N r^T C^+ r, divided by what simulation adds to its variance."""
+        return float(self.residual @ self.residual) / (1 + self.noise)
+
+    @cached_property
+    def information(self) -> tuple[NDArray[np.float64], int]:
+        """Fisher information in unit coordinates (P, P), and its rank: how many directions the data identify.
+
+        The noise of the slopes adds to their square, the more the more summaries there are. It is taken out, and a
+        direction counts only if it stands out of what is left of the noise, in the coordinates of the design, where
+        the noise is much the same in all directions.
+        """
+        axes = self.design.axes
+        slopes, noise = self.jacobian @ axes, axes.T @ self.jacobian_noise @ axes
+        values, vectors = np.linalg.eigh(slopes.T @ slopes - noise)
+        by_chance = np.sqrt(2 / len(self.residual)) * np.einsum("ik,ij,jk->k", vectors, noise, vectors)
+        back = vectors.T @ np.linalg.inv(axes)
+        whole_range = 1 / np.maximum((np.linalg.inv(back) ** 2).sum(axis=0), 1e-30)
+        seen = (values > 3 * by_chance) & (values * whole_range > IDENTIFIED**2)
+        return (back[seen].T * values[seen]) @ back[seen] / (1 + self.noise), int(seen.sum())
+
+    @property
+    def gap(self) -> float:
+        """An unbiased estimate of the Q that endless simulation would give, to compare models with."""
+        return float(self.residual @ self.residual) - self.noise * self.dof
+
+    @property
+    def gap_error(self) -> float:
+        """Standard error of `gap` by simulation."""
+        return float(np.sqrt(2 * self.dof * self.noise**2 + 4 * max(self.gap, self.dof) * self.noise))
+
+    @property
+    def num_identified(self) -> int:
+        return self.information[1]
+
+    @property
+    def dof(self) -> int:
+        return len(self.residual) - self.num_identified
+
+    @cached_property
+    def unit_covariance(self) -> NDArray[np.float64]:
+        """Of the unit coordinates, (P, P); where the data say less than the range, that of the range."""
+        values, vectors = np.linalg.eigh(self.information[0])
+        return (vectors / np.maximum(values, 12)) @ vectors.T
+
+    @property
+    def std(self) -> NDArray[np.float64]:
+        """Standard errors of the parameters (P,), linearised."""
+        spread = np.sqrt(np.diag(self.unit_covariance))
+        above, below = (self.model.from_unit(np.clip(self.unit + s * spread, 0, 1)) for s in (1, -1))
+        moved = np.clip(self.unit + spread, 0, 1) - np.clip(self.unit - spread, 0, 1)
+        return (above - below) / np.maximum(moved, 1e-12) * spread
+
+    @property
+    def at_bound(self) -> NDArray[np.bool_]:
+        """Which parameters ended within half a thousandth of the upper end of their range."""
+        return self.unit > 1 - 5e-4
+
+    def follow(self, change: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How far the parameters move, in unit coordinates (P,), if the whitened mean of the data moves by `change`."""
+        return np.linalg.pinv(self.information[0], hermitian=True) @ self.jacobian.T @ change / (1 + self.noise)
+
+    def projector(self) -> NDArray[np.float64]:
+        """Projects whitened means (r, r) onto what no change of the parameters can make."""
+        _, vectors = np.linalg.eigh(self.information[0])
+        reach, _ = np.linalg.qr(self.jacobian @ vectors[:, self.model.dim - self.num_identified :])
+        return np.eye(len(self.residual)) - reach @ reach.T
+
+    def next_design(self, num_events: int) -> Design:
+        """A design around the fit for `num_events` events, along the directions of the Fisher information."""
+        values, vectors = np.linalg.eigh(self.information[0])
+        # Over a design of half-width h a slope is known to sqrt(6 r N / n) / h, all summaries taken together.
+        ratio = 6 * len(self.residual) * self.num_observed / num_events
+        sigmas = max(MIN_SIGMAS, np.sqrt(ratio) / SLOPE_NOISE)
+        half = np.clip(sigmas / np.sqrt(np.maximum(values, 1e-9)), 1e-6, WIDEST)
+        return Design(self.unit, vectors * half)
+
+
+def basis(t: NDArray[np.float64]) -> NDArray[np.float64]:
+    """1, t_i, and all products t_i t_j: (n, P) -> (n, 1 + P + P (P + 1) / 2)."""
+    p = t.shape[1]
+    columns = [np.ones(len(t)), *t.T, *(t[:, i] * t[:, j] for i in range(p) for j in range(i, p))]
+    return np.stack(columns, axis=1)
+
+
+def basis_slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Derivative of `basis` at one point: (P,) -> (b, P)."""
+    p = len(t)
+    i, j = np.triu_indices(p)
+    products = np.eye(p)[i] * t[j][:, None] + np.eye(p)[j] * t[i][:, None]
+    return np.concatenate([np.zeros((1, p)), np.eye(p), products])
+
+
+def surrogate(model: Model, summary: Summary, design: Design, num_events: int, rng: np.random.Generator) -> Surrogate:
+    """The mean summary over a design, from events of which half lie at its centre and half are spread over it.
+
+    Each spread event has a twin at the centre, simulated from the same seed. Where a simulator makes much the same of
+    the same seed, the differences of twins tell the slopes with little noise; where it does not, a plain regression
+    does. Places and events come from two streams, so that from one seed all models get the same events.
+    """
+    places, happenings = rng.spawn(2)
+    pairs, k = max(num_events // 2, 1), (model.dim + 1) * (model.dim + 2) // 2
+    normal, at_centre, spread, unlike = np.zeros((k, k)), 0.0, 0.0, 0.0
+    left = pairs
+    while left > 0:
+        n = min(left, CHUNK)
+        u = design.to_u(places.uniform(-1, 1, (n, model.dim)))
+        b = basis(design.to_t(u))
+        seed = int(happenings.integers(2**63))
+        twins = model.simulate(model.from_unit(np.tile(design.centre, (n, 1))), np.random.default_rng(seed))
+        x = model.simulate(model.from_unit(u), np.random.default_rng(seed))
+        normal += b.T @ b
+        at_centre = at_centre + summary.moments(twins, b)
+        spread = spread + summary.moments(x, b)
+        unlike += float(summary.moved(twins, x).sum())
+        left -= n
+    unlike /= pairs
+    if unlike < 1:
+        inverse = np.zeros((k, k))
+        inverse[0, 0] = 1 / pairs
+        slopes = np.linalg.pinv(normal[1:, 1:], rcond=1e-12, hermitian=True)
+        inverse[1:, 1:] = unlike * slopes
+        return Surrogate(design, np.vstack([at_centre[0] / pairs, slopes @ (spread - at_centre)[1:]]), inverse)
+    constant = np.eye(k)[0]  # the basis at the centre
+    inverse = np.linalg.pinv(normal + pairs * np.outer(constant, constant), rcond=1e-12, hermitian=True)
+    return Surrogate(design, inverse @ (spread + np.outer(constant, at_centre[0])), inverse)
+
+
+def without_noise(s: Surrogate, target: Target) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A and w with |A^T basis - w|^2 = Q + constant, Q without what the noise of the coefficients adds: (b, k), (k,).
+
+    Noise adds r N basis^T (covariance of the coefficients) basis to Q, more the further from the centre. Left in, it
+    would hold every fit near the middle of its design. Combinations of terms that do not stand out of it are dropped.
+    """
+    values, vectors = np.linalg.eigh(s.inverse)
+    solid = values > 1e-12 * values[-1]
+    root = vectors[:, solid] * np.sqrt(values[solid])  # inverse = root root^T
+    scaled = np.linalg.pinv(root) @ target.whiten(s.coefficients)  # each entry with noise of variance N
+    strength, directions = np.linalg.eigh(scaled @ scaled.T)
+    noise = target.rank * target.num_events
+    seen = strength > noise * (1 + 3 * np.sqrt(2 / target.rank))
+    left, directions = np.sqrt(strength[seen] - noise), directions[:, seen]
+    return root @ directions * left, directions.T @ (scaled @ target.whiten(target.mean)) / left
+
+
+def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
+    """The point of the design where the surrogate comes closest to the target."""
+    z = target.whiten(target.mean)
+    terms, wanted = without_noise(s, target)
+    axes, centre, p = s.design.axes, s.design.centre, model.dim
+
+    def outside(t: NDArray[np.float64]) -> NDArray[np.float64]:
+        u = centre + axes @ t
+        return u - np.clip(u, 0, 1)
+
+    def residual(t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.concatenate([basis(t[None])[0] @ terms - wanted, np.sqrt(ANCHOR) * t, WALL * outside(t)])
+
+    def slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
+        wall = WALL * (outside(t) != 0)[:, None] * axes
+        return np.concatenate([(basis_slope(t).T @ terms).T, np.sqrt(ANCHOR) * np.eye(p), wall])
+
+    t = least_squares(residual, np.zeros(p), slope, bounds=(-1, 1), method="dogbox", max_nfev=60).x
+    u = s.design.to_u(t)
+    mean, slope_at = s.at(u)
+    back, steps = np.linalg.inv(axes), basis_slope(s.design.to_t(u))
+    return Fit(
+        model=model,
+        unit=u,
+        residual=z - target.whiten(mean),
+        jacobian=target.whiten(slope_at).T,
+        jacobian_noise=target.num_events * target.rank * back.T @ steps.T @ s.inverse @ steps @ back,
+        noise=target.num_events * s.variance_at(u),
+        predicted=mean,
+        num_observed=target.num_events,
+        design=s.design,
+    )
+
+
+def refine(
+    model: Model,
+    target: Target,
+    start: NDArray[np.float64],
+    half: NDArray[np.float64] | float,
+    rng: np.random.Generator,
+    *,
+    num_events: int,
+    max_rounds: int = 10,
+) -> Fit:
+    """Shrinking designs around `start` (P,) in the unit cube, the first of half-width `half`, until they are as small
+    as `num_events` events allow."""
+    design = Design.box(start, np.broadcast_to(half, model.dim).astype(float))
+    scale = float(np.abs(design.axes).max())
+    centre, promised = design.centre, np.inf
+    for _ in range(max_rounds):
+        s = surrogate(model, target.summary, design, num_events, rng)
+        here, error = s.gap_at_centre(target)
+        if here > promised + 3 * error:  # the last step led uphill: its design was too wide for a quadratic
+            scale /= SHRINK
+            design = Design(centre, design.axes / SHRINK)
+            continue
+        centre, promised = design.centre, here
+        fit = minimise(model, s, target)
+        moved = np.abs(design.to_t(fit.unit)).max()
+        design = fit.next_design(num_events)
+        smallest = np.abs(design.axes).max()
+        if moved < 0.6 and scale <= smallest:
+            break
+        # A curved model is not known to be as sharp as its slope at a distance says.
+        scale = max(scale if moved > 0.9 else scale / SHRINK, smallest)
+        lengths = np.linalg.norm(design.axes, axis=0)
+        design = Design(design.centre, design.axes / lengths * np.maximum(lengths, min(scale, WIDEST)))
+    return fit
+
+
+def polish(fit: Fit, target: Target, rng: np.random.Generator, num_events: int) -> Fit:
+    """The same fit with many events in a small design around it, again if it ends where that design tells little."""
+    for _ in range(POLISHES):
+        design = fit.next_design(num_events)
+        fit = minimise(fit.model, surrogate(fit.model, target.summary, design, num_events, rng), target)
+        if fit.noise < MOST_LEVERAGE * fit.num_observed / num_events:
+            break
+    return fit
+
+
+def scan(
+    model: Model,
+    target: Target,
+    rng: np.random.Generator,
+    *,
+    fixed: NDArray[np.float64] | None = None,
+    size: tuple[int, int] = (200, 300),
+) -> tuple[NDArray[np.float64], float]:
+    """A point (P,) of the unit cube near the best, and how near, from three searches, each around the last best.
+
+    `fixed` are values of the last coordinates, which are then not searched; `size` is the number of points of a search
+    and of events at each.
+    """
+    points, events = size
+    fixed = np.empty(0) if fixed is None else fixed
+    p = model.dim - len(fixed)
+    centre, half = np.full(p, 0.5), 0.5
+    for _ in range(3):
+        u = rng.uniform(np.maximum(centre - half, 0), np.minimum(centre + half, 1), (points, p))
+        full = np.hstack([u, np.tile(fixed, (points, 1))])
+        means = target.summary.mean(model.simulate(model.from_unit(np.repeat(full, events, axis=0)), rng), points)
+        gaps = (target.whiten(target.mean - means) ** 2).sum(axis=1)
+        centre, half = u[gaps.argmin()], half * 3 * points ** (-1 / p)
+    return np.concatenate([centre, fixed]), half

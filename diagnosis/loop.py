@@ -1,0 +1,379 @@
+"""The loop: detect, localise, name, add and refit, show; again until nothing significant is left or nothing helps."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from importlib.metadata import version
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from avobench.bench import registry
+from avobench.bench.budget import MeteredSimulator
+from avobench.bench.errors import UsageError
+from avobench.bench.problem import Problem
+from avobench.diagnosis.classifier import classifier_gate, correction
+from avobench.diagnosis.detect import cell_gate, summary_gate, target_of
+from avobench.diagnosis.effects import Effect
+from avobench.diagnosis.effects.catalogue import catalogue, domain
+from avobench.diagnosis.effort import Effort, effort_for
+from avobench.diagnosis.fit import Fit, Target, refine, scan
+from avobench.diagnosis.identifiability import card
+from avobench.diagnosis.localise import intervals, significant
+from avobench.diagnosis.model import Model
+from avobench.diagnosis.name import candidates
+from avobench.diagnosis.pictures import pictures
+from avobench.diagnosis.pixels import Pixels, pixels_of
+from avobench.diagnosis.pool import Pool, TwoStage
+from avobench.diagnosis.rank import Ranked, ranking, tied
+from avobench.diagnosis.schema import (
+    Candidate,
+    Diagnosis,
+    EffectValue,
+    FoundEffect,
+    Gap,
+    Gate,
+    Identifiable,
+    Named,
+    Region,
+    Value,
+    Verdict,
+)
+from avobench.diagnosis.summary import Bins, Summary, bins_of
+from avobench.methods import Estimate
+from avobench.tasks import Task
+
+LEAST_EVENTS = 50
+HELD_OUT = 0.25
+"""Share of the measured events kept aside: no fit, test or choice sees them, only the gap is measured on them."""
+SHARES = {"summary": 0.8, "classifier": 0.2}
+IMAGE_SHARES = {"summary": 0.6, "cells": 0.2, "classifier": 0.2}
+"""Each gate's share of the false alarms. Most effects show in the summary."""
+METHOD_EVENTS = 160_000
+"""The budget of a registered method that looks for theta, as in the benchmark."""
+CLOSES = 0.5
+"""Share of the gap that an effect must close to be named."""
+PAIR_LEAVES, PAIR_ALONE = 0.3, 0.2
+"""A second effect must leave less of what the first left, and close more of the whole gap by itself."""
+ENOUGH = 0.9
+"""With so much closed by the first, what is left is put down to its shape, not to a second effect."""
+POOLED = 10
+"""Generated events a measured one, where a slow generator is asked only once."""
+
+
+class Counted:
+    """The task's simulator, counting events."""
+
+    def __init__(self, task: Task) -> None:
+        self.task, self.used = task, 0
+
+    def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        self.used += len(theta)
+        return self.task.simulate(theta, rng)
+
+
+@dataclass(frozen=True)
+class Step:
+    """A model of the loop, tested, and the candidates to come after it."""
+
+    fit: Fit
+    """In the metric of the loop's target."""
+    own: Fit
+    """In its own metric, with more events: what is reported."""
+    gates: dict[str, Gate]
+    ranks: list[Ranked] = field(default_factory=list)
+
+    @property
+    def p_value(self) -> float:
+        """Of both gates together: each has its share of the false alarms."""
+        shares = IMAGE_SHARES if "cells" in self.gates else SHARES
+        return min(1.0, *(gate.p_value / shares[name] for name, gate in self.gates.items()))
+
+
+def summary_of(task: Task, x: NDArray, simulated: NDArray) -> Summary:
+    """The summary that suits these measured and simulated events."""
+    return pixels_of(x, simulated, task.event_shape) if task.event_shape else bins_of(x, simulated)
+
+
+def fit_null(
+    model: Model, x: NDArray, rng: np.random.Generator, effort: Effort, centre: NDArray[np.float64] | None
+) -> tuple[Fit, Target]:
+    """Fit theta to events x (N, d), first with bins of the measured events, then with bins that suit both.
+
+    The search begins at `centre` (p,) in the unit cube, or everywhere.
+    """
+    target = target_of(x, summary_of(model.task, x, x), x)
+    near = 0.03
+    if centre is None:
+        centre, near = scan(model, target, rng, size=effort.scan)
+    per_round = max(effort.least, int(effort.rounds * len(x)))
+    fit = refine(model, target, centre, max(near, 0.005), rng, num_events=per_round)
+    simulated = model.simulate(np.tile(fit.params, (len(x), 1)), rng)
+    target = target_of(x, summary_of(model.task, x, simulated), simulated)
+    return refine(model, target, fit.unit, 0.005, rng, num_events=per_round), target
+
+
+def inferred(
+    task: Task, name: str, x: NDArray, num_events: int, rng: np.random.Generator
+) -> tuple[Estimate, MeteredSimulator]:
+    """What a registered method finds for theta, with the events that it may use."""
+    method = registry.build("method", name, {})
+    registry.require_packages("method", method)
+    least = method.min_simulations(len(task.parameter_names))
+    if num_events < least:
+        raise UsageError(f"--fit {name} needs at least {least} simulated events, got {num_events}")
+    simulate = MeteredSimulator(task, num_events, rng.spawn(1)[0])
+    return method.infer(Problem.of(task, x, simulate), rng.spawn(1)[0]), simulate
+
+
+def held_out_gap(fit: Fit, target: Target, mean: NDArray[np.float64], num_events: int) -> Gap:
+    """Chi-squared per degree of freedom between a fitted model and the mean summary (K,) of events it never saw.
+
+    1 is what is expected if the model is true: scatter of these events, and of the fit by measurement and simulation.
+    """
+    r = np.sqrt(num_events) * ((mean - fit.predicted) @ target.whitening)
+    share = num_events / target.num_events
+    ndf = target.rank * (1 + fit.noise * share) + fit.num_identified * share
+    q = float(r @ r)
+    spread = np.sqrt(2 * target.rank + 4 * max(q - target.rank, 0))
+    return Gap(value=q / ndf, low=max(q - 1.96 * spread, 0) / ndf, high=(q + 1.96 * spread) / ndf)
+
+
+def diagnose(
+    task: Task,
+    x: NDArray,
+    *,
+    seed: int = 0,
+    alpha: float = 0.05,
+    max_effects: int = 3,
+    num_simulations: int | None = None,
+    fit: str = "surrogate",
+    effects: list[Effect] | None = None,
+    jobs: int = 1,
+) -> Diagnosis:
+    """Compare measured events x (N, d) with a task, and say what it lacks.
+
+    Raises UsageError for too few events or impossible settings.
+    """
+    started = time.perf_counter()
+    if len(x) < LEAST_EVENTS:
+        raise UsageError(f"a diagnosis needs at least {LEAST_EVENTS} events, got {len(x)}")
+    if not 0 < alpha < 1:
+        raise UsageError(f"alpha must lie between 0 and 1, got {alpha}")
+    rng = np.random.default_rng(seed)
+    effects = catalogue(task) if effects is None else effects
+    order = rng.permutation(len(x))
+    cut = len(x) - int(HELD_OUT * len(x))
+    seen, aside = x[order[:cut]], x[order[cut:]]
+
+    notes: list[str] = []
+    effort = effort_for(task, domain(task), num_simulations)
+    events: Counted | Pool = Counted(task)
+    if isinstance(task, TwoStage):
+        events = Pool(task, int(max(POOLED * len(seen), effort.least)), rng.spawn(1)[0])
+    model, centre, estimate, spent = Model(task, events=events), None, None, 0
+    if fit != "surrogate":
+        estimate, simulate = inferred(task, fit, seen, num_simulations or METHOD_EVENTS, rng)
+        centre, spent = model.to_unit(np.clip(estimate.theta, model.low, model.high)), simulate.used
+    null, target = fit_null(model, seen, rng, effort, centre)
+    aside_mean = target.summary.mean(aside)[0]
+
+    def gap(of: Fit) -> Gap:
+        return held_out_gap(of, target, aside_mean, len(aside))
+
+    steps = [_tested(null, target, seen, rng, effort)]
+    before = steps[0]
+    disagree = before.p_value < alpha
+    if disagree:
+        base = refine(
+            null.model,
+            target,
+            before.own.unit,
+            0.005,
+            rng,
+            num_events=max(effort.least, int(effort.rounds * len(seen))),
+        )
+        steps[0] = replace(before, fit=base)
+        while len(steps) <= max_effects and steps[-1].p_value < alpha:
+            last = steps[-1]
+            used = {e.key for e in last.fit.model.effects}
+            fits = candidates(last.fit, target, [e for e in effects if e.key not in used], seen, rng, effort, jobs=jobs)
+            steps[-1] = replace(last, ranks=ranking(fits, base.gap))
+            chosen = _accepted(steps, gap)
+            if chosen is None:
+                break
+            steps.append(_tested(chosen, target, seen, rng, effort))
+
+    final = steps[-1]
+    named_any = len(steps) > 1
+    if not disagree:
+        verdict = Verdict.NOTHING
+    elif not named_any:
+        verdict = Verdict.UNEXPLAINED
+    else:
+        verdict = Verdict.NAMED if final.p_value >= alpha else Verdict.REDUCED
+
+    if estimate is not None:
+        notes.append(_method_note(fit, task, estimate, before.own))
+    notes += _bound_notes(final.own)
+    names = feature_names(task)
+    diagnosis = Diagnosis(
+        verdict=verdict,
+        alpha=alpha,
+        p_value_before=before.p_value,
+        p_value_after=final.p_value if named_any else None,
+        gates=before.gates,
+        gap_before=gap(before.own),
+        gap_after=gap(final.own) if named_any else None,
+        theta_before=theta_values(before.own),
+        theta_after=theta_values(final.own) if named_any else None,
+        effects=[found_effect(final.own, k, tied(step.ranks), names) for k, step in enumerate(steps[:-1])],
+        regions=regions(steps[0].fit, target, seen, rng, alpha, names) if disagree else [],
+        candidates=[
+            Candidate(
+                **named(entry.effect, names).model_dump(),
+                score=entry.score,
+                p_value=float(chi2.sf(entry.fit.q, entry.fit.dof)),
+                held_out_gap=gap(entry.fit).value,
+            )
+            for entry in steps[0].ranks
+        ],
+        identifiability=[
+            Identifiable(
+                **named(row.effect, names).model_dump(),
+                retained=row.retained,
+                minimum_detectable=row.minimum_detectable,
+                theta_bias=dict(zip(task.parameter_names, map(float, row.theta_bias), strict=False)),
+                rivals=[named(rival, names) for rival in row.rivals],
+            )
+            for row in card(final.fit, target, effects, alpha, rng, effort)
+        ],
+        notes=notes,
+        num_events=len(x),
+        num_simulations=events.used + spent,
+        seconds=time.perf_counter() - started,
+        seed=seed,
+        versions={name: version(name) for name in ("avobench", "numpy", "scipy", "scikit-learn")},
+    )
+    diagnosis._model = final.own
+    diagnosis._pictures = pictures(seen, target, before.own, final.own if named_any else None, names)
+    if verdict in (Verdict.REDUCED, Verdict.UNEXPLAINED):
+        diagnosis._correction = correction(final.own, target, seen, rng)
+    return diagnosis
+
+
+def _tested(fit: Fit, target: Target, x: NDArray, rng: np.random.Generator, effort: Effort) -> Step:
+    """A fitted model before all gates."""
+    gate, own, own_target = summary_gate(fit, target, rng, effort)
+    gates = {"summary": gate}
+    if fit.model.task.event_shape:
+        gates["cells"] = cell_gate(own, x, rng, effort)
+    gates["classifier"] = classifier_gate(own, own_target, x, rng)
+    return Step(fit, own, gates)
+
+
+def _accepted(steps: list[Step], gap: Callable[[Fit], Gap]) -> Fit | None:
+    """The first of the last step's ranks, if it may be added to the model."""
+    last = steps[-1]
+    if not last.ranks:
+        return None
+    best = last.ranks[0]
+    if gap(best.fit).value >= gap(last.fit).value:
+        return None
+
+    def excess(fit: Fit) -> float:
+        return max(fit.gap - fit.dof, 0.0)
+
+    whole = excess(steps[0].fit)
+    if len(steps) == 1:
+        return best.fit if excess(best.fit) < (1 - CLOSES) * whole else None
+    if excess(last.fit) < (1 - ENOUGH) * whole or excess(best.fit) > PAIR_LEAVES * excess(last.fit):
+        return None
+    alone = {entry.effect.key: entry.fit for entry in steps[0].ranks}
+    single = alone.get(best.effect.key)
+    return best.fit if single and whole - excess(single) > PAIR_ALONE * whole else None
+
+
+def _method_note(name: str, task: Task, estimate: Estimate, fit: Fit) -> str:
+    """What a method found beside the fit: a proposal much wider than the error warns that the model is wrong."""
+    parts = [
+        f"{p} = {theta:.4g} with a {estimate.spread_of} of width {width:.2g}, {width / error:.1f} errors of the fit"
+        for p, theta, width, error in zip(task.parameter_names, estimate.theta, estimate.std, fit.std, strict=False)
+    ]
+    return f"{name} found {'; '.join(parts)}"
+
+
+def _bound_notes(fit: Fit) -> list[str]:
+    names = [*fit.model.task.parameter_names, *(f"{e.name}: {p.name}" for e in fit.model.effects for p in e.parameters)]
+    return [f"the fit ended at the upper bound of {name}" for name, at in zip(names, fit.at_bound, strict=True) if at]
+
+
+def feature_names(task: Task) -> tuple[str, ...]:
+    """(d,)"""
+    return task.feature_names or tuple(f"x{j + 1}" for j in range(task.num_features))
+
+
+def named(effect: Effect, names: tuple[str, ...]) -> Named:
+    feature = effect.feature
+    return Named(name=effect.name, feature=names[feature] if isinstance(feature, int) else feature)
+
+
+def scaled_std(fit: Fit) -> NDArray[np.float64]:
+    """Standard errors (P,), larger where the model does not describe the events."""
+    return fit.std * np.sqrt(max(1.0, fit.q / fit.dof))
+
+
+def theta_values(fit: Fit) -> dict[str, Value]:
+    std = scaled_std(fit)
+    return {
+        name: Value(value=float(fit.params[i]), std=float(std[i]))
+        for i, name in enumerate(fit.model.task.parameter_names)
+    }
+
+
+def found_effect(fit: Fit, k: int, ties: list[Ranked], names: tuple[str, ...]) -> FoundEffect:
+    """The k-th effect of a fitted model."""
+    effect = fit.model.effects[k]
+    start = fit.model.num_theta + sum(len(e.parameters) for e in fit.model.effects[:k])
+    std = scaled_std(fit)
+    parameters = {
+        p.name: EffectValue(value=float(fit.params[start + i]), std=float(std[start + i]), null=p.null, unit=p.unit)
+        for i, p in enumerate(effect.parameters)
+    }
+    return FoundEffect(
+        **named(effect, names).model_dump(), parameters=parameters, tied_with=[named(t.effect, names) for t in ties]
+    )
+
+
+def regions(
+    fit: Fit, target: Target, x: NDArray, rng: np.random.Generator, alpha: float, names: tuple[str, ...]
+) -> list[Region]:
+    """Intervals of the features in which measured and simulated events disagree.
+
+    Of images intervals of rows, columns and the number of hits; rows and columns are counted from 0, ends included.
+    """
+    summary = target.summary
+    spans: list[tuple[str | None, NDArray[np.float64]]] = []
+    if isinstance(summary, Pixels):
+        hits = (x > 0).sum(axis=1)
+        spans = [(name, np.arange(length + 1) - 0.5) for name, length in summary.blocks[:2]]
+        spans.append(("hits", np.concatenate([[hits.min()], summary.fullness, [hits.max()]])))
+    elif isinstance(summary, Bins):
+        for j, inner in enumerate(summary.edges):
+            ends = np.concatenate([[x[:, j].min()], inner, [x[:, j].max()]])
+            spans.append((names[j] if len(summary.edges) > 1 else None, ends))
+    lengths = [len(ends) - 1 for _, ends in spans]
+    starts = np.cumsum([0, *lengths[:-1]])
+    scanned = intervals(fit, target, [(int(a), n) for a, n in zip(starts, lengths, strict=True)])
+    return [
+        Region(
+            feature=spans[block][0],
+            low=float(spans[block][1][first]),
+            high=float(spans[block][1][last + 1]),
+            kind="excess" if z > 0 else "deficit",
+            z=z,
+            p_global=p,
+        )
+        for block, first, last, z, p in significant(scanned, fit, rng, alpha)
+    ]

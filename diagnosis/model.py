@@ -1,0 +1,86 @@
+"""A simulator with effects added to it, as one simulator with more parameters."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.diagnosis.effects import Effect
+from avobench.tasks import Task
+
+Events = Callable[[NDArray[np.float64], np.random.Generator], NDArray]
+
+
+@dataclass(frozen=True)
+class Model:
+    """A task and the effects that act on its events, one after the other; parameters are theta and then their phi.
+
+    `events` is what stands for the simulator: that of the task, or a cheaper source of the same events.
+    """
+
+    task: Task
+    effects: tuple[Effect, ...] = ()
+    events: Events | None = field(default=None, compare=False)
+    stretch: tuple[float, ...] = ()
+    """By how much the upper bound of each effect's strength is raised; 1 where it is not."""
+
+    @cached_property
+    def low(self) -> NDArray[np.float64]:
+        """(P,)"""
+        return np.array([*self.task.support.low, *(p.low for e in self.effects for p in e.parameters)])
+
+    @cached_property
+    def high(self) -> NDArray[np.float64]:
+        """(P,)"""
+        high = list(self.task.support.high)
+        for effect, stretch in zip(self.effects, self.stretch or (1.0,) * len(self.effects), strict=True):
+            strength, *rest = effect.parameters
+            high += [strength.high * stretch, *(p.high for p in rest)]
+        return np.array(high)
+
+    @cached_property
+    def logarithmic(self) -> NDArray[np.bool_]:
+        """(P,)"""
+        return np.array([False] * self.num_theta + [p.logarithmic for e in self.effects for p in e.parameters])
+
+    @property
+    def num_theta(self) -> int:
+        return len(self.task.parameter_names)
+
+    @property
+    def dim(self) -> int:
+        return len(self.low)
+
+    def from_unit(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Parameters from the unit cube, logarithmic where that is their scale: (n, P) -> (n, P)."""
+        straight = self.low + u * (self.high - self.low)
+        if not self.logarithmic.any():
+            return straight
+        low, high = np.where(self.logarithmic, self.low, 1), np.where(self.logarithmic, self.high, 1)
+        # rounding may leave the bounds, which a simulator need not bear
+        return np.clip(np.where(self.logarithmic, low * (high / low) ** u, straight), self.low, self.high)
+
+    def to_unit(self, params: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The inverse of `from_unit`."""
+        straight = (params - self.low) / (self.high - self.low)
+        if not self.logarithmic.any():
+            return straight
+        low, high = np.where(self.logarithmic, self.low, 1), np.where(self.logarithmic, self.high, 1)
+        span = np.where(self.logarithmic, high / low, np.e)
+        return np.where(self.logarithmic, np.log(np.where(self.logarithmic, params, 1) / low) / np.log(span), straight)
+
+    def simulate(self, params: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        """One event per row: (n, P) -> (n, d)."""
+        return self._with_effects(len(self.effects), params, rng)
+
+    def _with_effects(self, k: int, params: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        """Events with the first k effects. An effect sees those before it as the simulator, and their parameters as
+        further columns of theta, so that it may ask for any rows again."""
+        if k == 0:
+            return (self.events or self.task.simulate)(params[:, : self.num_theta], rng)
+        stop = self.num_theta + sum(len(effect.parameters) for effect in self.effects[:k])
+        start = stop - len(self.effects[k - 1].parameters)
+        before = partial(self._with_effects, k - 1)
+        return self.effects[k - 1].apply(before, params[:, :start], params[:, start:stop], rng)

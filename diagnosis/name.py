@@ -1,0 +1,225 @@
+"""Which effect is missing? Every shape of every candidate is screened, and the promising ones fitted with theta."""
+
+from dataclasses import dataclass, replace
+from itertools import product
+
+import joblib
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.diagnosis.effects import Effect, Parameter
+from avobench.diagnosis.effort import Effort
+from avobench.diagnosis.fit import Fit, Target, polish, refine, scan
+from avobench.diagnosis.model import Model
+
+STRENGTHS = (0.001, 0.005, 0.02, 0.08, 0.25, 0.7)
+"""Of the range of a strength; between them the effect is taken as linear."""
+MOVED_EVENTS = 200
+"""Of each point, from which the share of events that change bins is taken."""
+LOCATIONS, SHAPES, WIDTHS = 12, 5, 3
+"""Grid points of a location, of a single shape parameter, of a width beside a location."""
+AT_EDGE = 0.48
+"""Distance from the middle of the range, of which the edge is at 0.5."""
+MOST_SCREENED = 24
+"""Effects of which all shapes are screened."""
+STRONG = 10.0
+"""Chi-squared per degree of freedom above which theta may be too far off for an effect to be seen from there."""
+GAIN = 3.0
+"""How far a strength may be moved from its grid point by that linearity."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where to begin a fit: a shape, its unit coordinates with theta, and the Q that screening expects there."""
+
+    model: Model
+    unit: NDArray[np.float64]
+    expected: float
+    loose: bool
+    """Whether the strength is only roughly right."""
+
+
+def grid(effect: Effect) -> NDArray[np.float64]:
+    """Points at which to screen an effect: (m, q)."""
+    strength, *shape = effect.parameters
+    sides = [side for side in (strength.high, strength.low) if side != strength.null]
+    strengths = [strength.null + share * (side - strength.null) for side in sides for share in STRENGTHS]
+    counts = [SHAPES] if len(shape) == 1 else [LOCATIONS, WIDTHS, *[2] * (len(shape) - 2)]
+    axes = [_spread(p, n) for p, n in zip(shape, counts, strict=False)]
+    return np.array(list(product(strengths, *axes)))
+
+
+def _spread(p: Parameter, n: int) -> NDArray[np.float64]:
+    share = (np.arange(n) + 0.5) / n
+    return p.low * (p.high / p.low) ** share if p.logarithmic else p.low + share * (p.high - p.low)
+
+
+class Pool:
+    """Events of a fitted model, which all effects that are screened start from, and their summary.
+
+    Only what an effect changes counts, so that the events' own scatter cancels.
+    """
+
+    def __init__(self, base: Fit, target: Target, num_events: int, rng: np.random.Generator) -> None:
+        self.base, self.target = base, target
+        self.x = base.model.simulate(np.tile(base.params, (num_events, 1)), rng)
+        self._means: dict[tuple[int, int], NDArray[np.float64]] = {}
+
+    def changes(
+        self, effect: Effect, points: NDArray[np.float64], events: int, rng: np.random.Generator
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """What an effect at each of the points (m, q) does to the summary, whitened: (m, r).
+
+        Also the square (m,) that the scatter of its few events adds, which makes an effect look stronger than it is.
+        """
+        m = len(points)
+        params = np.tile(self.base.params, (m * events, 1))
+        first = True
+
+        def simulate(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+            nonlocal first
+            if not np.array_equal(theta, params[: len(theta)]):
+                return self.base.model.simulate(theta, rng)
+            rows = np.arange(m * events) % len(self.x) if first else rng.integers(len(self.x), size=len(theta))
+            first = False
+            return self.x[rows]
+
+        changed = effect.apply(simulate, params, np.repeat(points, events, axis=0), rng)
+        target, key = self.target, (m, events)
+        untouched = self.x[np.arange(m * events) % len(self.x)]
+        if key not in self._means:
+            self._means[key] = target.summary.mean(untouched, m)
+        change = target.whiten(target.summary.mean(changed, m) - self._means[key])
+        some = np.linspace(0, m * events, m * MOVED_EVENTS, endpoint=False, dtype=int)
+        moved = target.summary.moved(untouched[some], changed[some]).reshape(m, -1).mean(axis=1)
+        return change, target.num_events / events * target.rank * moved
+
+
+def screen(pool: Pool, effect: Effect, x: NDArray, rng: np.random.Generator, effort: Effort) -> list[Start]:
+    """The best one or two grid points of one shape of an effect added to a fitted model.
+
+    Theta follows linearly, and the strength is moved to where a linear effect would fit best.
+    """
+    base = pool.base
+    model = replace(base.model, effects=(*base.model.effects, effect), stretch=())
+    guesses = effect.guess(x)
+    if guesses is not None and len(guesses) == 0:
+        return []
+    points = grid(effect) if guesses is None else guesses
+    q = points.shape[1]
+    events = max(effort.screen // len(points), effort.screen // 50)
+    change, scatter = pool.changes(effect, points, events, rng)
+    free = base.projector()
+    left, moved = base.residual @ free, change @ free
+    size = np.maximum((moved**2).sum(axis=1) - scatter, 0.1 * (moved**2).sum(axis=1)) + 1e-9
+    along = moved @ left
+    strength = effect.parameters[0]
+    gain = np.clip(along / size, 0, GAIN)
+    reach = np.where(points[:, 0] > strength.null, strength.high, strength.low) - strength.null
+    gain = np.minimum(gain, reach / (points[:, 0] - strength.null))
+    if guesses is not None:
+        gain = np.ones_like(gain)
+    expected = left @ left - 2 * gain * along + gain**2 * size
+    order = np.argsort(expected)
+    chosen = [order[0]]
+    if q > 1:
+        far = [i for i in order if np.abs(points[i, 1:] - points[order[0], 1:]).max() > 1e-12]
+        chosen += far[:1]
+    starts = []
+    for i in chosen:
+        phi = points[i].copy()
+        phi[0] = strength.null + max(gain[i], 0.05) * (phi[0] - strength.null)
+        shift = base.follow(base.residual - gain[i] * change[i])
+        theta = np.clip(base.unit + np.clip(shift, -0.1, 0.1), 0, 1)
+        unit = np.concatenate([theta, model.to_unit(np.concatenate([base.params, phi]))[base.model.dim :]])
+        starts.append(Start(model, unit, float(expected[i]), guesses is None))
+    return starts
+
+
+def joint(start: Start, target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
+    """Fit theta and the effects' parameters together, from a start.
+
+    A fit that ends at an edge of theta's range may have been led there by the effect that was missing: theta is then
+    looked for anew.
+    """
+    model, p = start.model, start.model.num_theta
+    last = model.dim - len(model.effects[-1].parameters)
+    null = (model.effects[-1].parameters[0].null - model.low[last]) / (model.high[last] - model.low[last])
+    half = np.full(model.dim, 0.08)
+    half[:last] = 0.02
+    half[last] = max((0.5 if start.loose else 0.003) * abs(start.unit[last] - null), 1e-4)
+    fit = refine(model, target, start.unit, half, rng, num_events=effort.fit)
+    if np.abs(fit.unit[:p] - 0.5).max() < AT_EDGE:
+        return fit
+    centre, near = scan(model, target, rng, fixed=fit.unit[p:], size=effort.scan)
+    half[:p] = max(near, 0.005)
+    return min(fit, refine(model, target, centre, half, rng, num_events=effort.fit), key=lambda f: f.gap)
+
+
+def searched(base: Fit, target: Target, effect: Effect, rng: np.random.Generator, effort: Effort) -> Start:
+    """A start from a search over theta and all parameters of an effect, wherever the fit without it may have gone."""
+    model = replace(base.model, effects=(*base.model.effects, effect), stretch=())
+    unit, _ = scan(model, target, rng, size=(effort.scan[0] // 2, effort.scan[1] // 2))
+    x = model.simulate(np.tile(model.from_unit(unit), (effort.fit // 5, 1)), rng)
+    left = target.whiten(target.mean - target.summary.mean(x)[0])
+    scatter = target.num_events / len(x) * target.rank
+    return Start(model, unit, float(left @ left) - scatter, True)
+
+
+def candidates(
+    base: Fit,
+    target: Target,
+    effects: list[Effect],
+    x: NDArray,
+    rng: np.random.Generator,
+    effort: Effort,
+    *,
+    jobs: int = 1,
+) -> list[Fit]:
+    """Fits to events x (N, d) of `base` with one more effect: the best starts of the most promising families.
+
+    Fits that may still be the best are repeated with more events, all from the same seed.
+    """
+    pool = Pool(base, target, effort.pool, rng)
+    effects = [effect.adapted(x) for effect in effects]
+    plain = {effect.key: screen(pool, effect, x, rng, effort) for effect in effects}
+    # Every shape of an effect that looks promising in its plainest is looked at, and of all effects if they are few.
+    promising = sorted(effects, key=lambda e: min((s.expected for s in plain[e.key]), default=np.inf))[:MOST_SCREENED]
+    families = []
+    for effect in promising:
+        starts = []
+        for k, shape in enumerate(effect.shapes()):
+            own = plain[effect.key] if k == 0 else screen(pool, shape, x, rng, effort)
+            if base.gap > STRONG * base.dof and len(effects) <= MOST_SCREENED and shape.guess(x) is None:
+                own = [*own, searched(base, target, shape, rng, effort)]
+            starts += sorted(own, key=lambda start: start.expected)[:1]
+        # The plainest shape always has its fit: screening is too rough to prefer another to it.
+        first, rest = starts[:1], sorted(starts[1:], key=lambda start: start.expected)
+        families.append([*first, *rest[: effort.starts - 1]])
+    families = sorted(filter(None, families), key=lambda starts: min(start.expected for start in starts))
+    starts = [start for starts in families[: effort.families] for start in starts]
+    work = joblib.Parallel(n_jobs=jobs)
+    streams = rng.spawn(len(starts))  # so that any number of workers gives the same fits
+    fits = work(joblib.delayed(joint)(s, target, stream, effort) for s, stream in zip(starts, streams, strict=True))
+    seed = int(rng.integers(2**63))
+    for ratio in effort.again:
+        fits = _distinct(fits)
+        best = min(fits, key=lambda fit: fit.gap + fit.gap_error, default=None)
+        likely = [fit.gap - fit.gap_error < best.gap + best.gap_error + max(best.gap, best.dof) for fit in fits]
+        events = max(int(ratio * target.num_events), effort.fit)
+        again = work(
+            joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events)
+            for fit, worth in zip(fits, likely, strict=True)
+            if worth
+        )
+        fits = [*again, *(fit for fit, worth in zip(fits, likely, strict=True) if not worth)]
+    return fits
+
+
+def _distinct(fits: list[Fit]) -> list[Fit]:
+    """The best fit of each shape of each family."""
+    best: dict[tuple, Fit] = {}
+    for fit in sorted(fits, key=lambda fit: fit.gap):
+        effect = fit.model.effects[-1]
+        best.setdefault((effect.key, effect.shape), fit)
+    return list(best.values())

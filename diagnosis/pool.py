@@ -1,0 +1,41 @@
+"""Events of a slow generator, made once and used for every theta: what differs between thetas acts after it."""
+
+from collections.abc import Iterator
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@runtime_checkable
+class TwoStage(Protocol):
+    """A task whose `simulate` is a generator that does not know theta, and a detector that does."""
+
+    def generate(self, num_events: int, rng: np.random.Generator) -> Iterator[Any]: ...
+
+    def detect(self, generated: Any, theta: NDArray[np.float64]) -> NDArray: ...
+
+
+class Pool:
+    """Generated events of a two-stage task, handed out from a random place on, again and again.
+
+    Within one request no event comes twice as long as it asks for no more than the pool holds.
+    """
+
+    def __init__(self, task: TwoStage, num_events: int, rng: np.random.Generator) -> None:
+        self.task, self.used = task, num_events
+        self._pieces = list(task.generate(num_events, rng))
+        self._starts = np.cumsum([0, *(len(piece) for piece in self._pieces)])
+
+    def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        """One event per row: theta (n, p) -> (n, d)."""
+        at = int(rng.integers(self._starts[-1]))
+        images, done = [], 0
+        while done < len(theta):
+            k = int(np.searchsorted(self._starts, at, side="right")) - 1
+            start = at - self._starts[k]
+            stop = min(start + len(theta) - done, len(self._pieces[k]))
+            images.append(self.task.detect(self._pieces[k].events(start, stop), theta[done : done + stop - start]))
+            done += stop - start
+            at = (at + stop - start) % self._starts[-1]
+        return np.concatenate(images)

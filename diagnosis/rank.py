@@ -1,0 +1,59 @@
+"""Which fitted effect deserves the name, and which others these data cannot tell from it."""
+
+from dataclasses import dataclass
+
+from avobench.diagnosis.effects import Effect
+from avobench.diagnosis.fit import Fit
+
+MODEL_ERROR = 0.03
+"""No shape of the catalogue is expected to describe a real effect better than to this share of what it does."""
+INDEPENDENT = 8.0
+"""Wrong shapes leave smooth remainders, as if the summary had so many independent parts."""
+SHAPE_PRICE = 5.0
+"""Of a free shape parameter, in chi-squared: what searching a range of shapes gains by chance."""
+TIE = 6.0
+"""Families this close in chi-squared are not told apart."""
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """A family's best fit, and how much worse it is than that of the best family, in chi-squared."""
+
+    effect: Effect
+    fit: Fit
+    score: float
+
+
+def shape_parameters(effect: Effect) -> int:
+    return len(effect.parameters) - 1 + effect.choices
+
+
+def ranking(fits: list[Fit], gap_without: float) -> list[Ranked]:
+    """The best shape of each family, best family first; the score of the first is 0.
+
+    A score is a difference of chi-squared, in units of what the best fit itself leaves beyond noise. Where it leaves
+    nothing, differences count as they are: data that resolve two effects tell them apart. Where it leaves much, since
+    the real effect has another shape than the catalogue's, only the share matters that a rival leaves. Few parameters
+    count, because a flexible shape imitates others.
+    """
+    if not fits:
+        return []
+    unit = 1.0
+    for _ in range(len(fits)):  # the best depends on the unit, and the unit on the best
+        best = min(fits, key=lambda fit: fit.gap + unit * SHAPE_PRICE * shape_parameters(fit.model.effects[-1]))
+        last, unit = unit, 1 + max(best.gap - best.dof, MODEL_ERROR**2 * gap_without, 0) / INDEPENDENT
+        if unit == last:
+            break
+    families: dict[tuple, Ranked] = {}
+    for fit in fits:
+        effect = fit.model.effects[-1]
+        price = SHAPE_PRICE * (shape_parameters(effect) - shape_parameters(best.model.effects[-1]))
+        entry = Ranked(effect, fit, (fit.gap - best.gap) / unit + price)
+        if effect.key not in families or entry.score < families[effect.key].score:
+            families[effect.key] = entry
+    return sorted(families.values(), key=lambda entry: entry.score)
+
+
+def tied(ranks: list[Ranked]) -> list[Ranked]:
+    """The families that the first cannot be told from."""
+    return [entry for entry in ranks[1:] if entry.score < ranks[0].score + TIE]

@@ -1,0 +1,150 @@
+"""The summary of a set of events: shares of bins whose edges follow the data, whitened by their covariance."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+LEAST_IN_BIN = 12
+"""Measured and simulated events together, each counted half."""
+RANK_TOLERANCE = 1e-7
+
+
+class Summary(ABC):
+    """A vector s(x) of fixed length K for each event; a set of events is summarised by its mean."""
+
+    size: int
+
+    @abstractmethod
+    def mean(self, x: NDArray, pieces: int = 1) -> NDArray[np.float64]:
+        """Mean vector of each of so many equal, consecutive pieces of the events: (n, d) -> (pieces, K)."""
+
+    @abstractmethod
+    def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """weights^T s(x): (n, d), (n, b) -> (b, K)."""
+
+    @abstractmethod
+    def project(self, x: NDArray, direction: NDArray[np.float64]) -> NDArray[np.float64]:
+        """s(x) along a direction (K,): (n, d) -> (n,)."""
+
+    @abstractmethod
+    def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
+        """How far each event's vector went, as a variance in units of that of one event: (n, d) twice -> (n,)."""
+
+    @abstractmethod
+    def covariance(self, x: NDArray) -> NDArray[np.float64]:
+        """Covariance of the vectors of events (n, d) -> (K, K)."""
+
+
+@dataclass(frozen=True)
+class Bins(Summary):
+    """Which bin of each feature, and of each pair of features, an event falls in.
+
+    `edges` are inner edges, one array a feature: k of them make k + 1 bins, open at both ends. `coarse` are those of
+    the pairs; without them there are no pairs.
+    """
+
+    edges: tuple[NDArray[np.float64], ...]
+    coarse: tuple[NDArray[np.float64], ...] = ()
+
+    @cached_property
+    def blocks(self) -> list[tuple[tuple[int, ...], int]]:
+        """(features, number of bins) of each block of the vector, in order."""
+        single = [((j,), len(e) + 1) for j, e in enumerate(self.edges)]
+        pairs = combinations(range(len(self.coarse)), 2)
+        return single + [((i, j), (len(self.coarse[i]) + 1) * (len(self.coarse[j]) + 1)) for i, j in pairs]
+
+    @cached_property
+    def size(self) -> int:
+        return sum(bins for _, bins in self.blocks)
+
+    def indices(self, x: NDArray) -> NDArray[np.int32]:
+        """The position of each event's bin in the vector, for every block: (n, d) -> (n, blocks)."""
+        columns = np.ascontiguousarray(x.T)
+        fine = [np.searchsorted(e, column, side="right") for e, column in zip(self.edges, columns, strict=True)]
+        wide = [np.searchsorted(e, column, side="right") for e, column in zip(self.coarse, columns, strict=False)]
+        indices, start = np.empty((len(x), len(self.blocks)), np.int32), 0
+        for k, (features, bins) in enumerate(self.blocks):
+            a, b = features[0], features[-1]
+            inside = fine[a] if len(features) == 1 else wide[a] * (len(self.coarse[b]) + 1) + wide[b]
+            indices[:, k] = inside + start
+            start += bins
+        return indices
+
+    def mean(self, x: NDArray, pieces: int = 1) -> NDArray[np.float64]:
+        n = len(x) // pieces
+        cells = self.indices(x) + self.size * np.repeat(np.arange(pieces), n)[:, None]
+        return np.bincount(cells.ravel(), minlength=self.size * pieces).reshape(pieces, self.size) / n
+
+    def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        indices = self.indices(x)
+        pointers = np.arange(0, indices.size + 1, indices.shape[1], dtype=np.int32)
+        rows = csr_array((np.ones(indices.size), indices.ravel(), pointers), shape=(len(x), self.size))
+        return (rows.T @ weights).T
+
+    def project(self, x: NDArray, direction: NDArray[np.float64]) -> NDArray[np.float64]:
+        return direction[self.indices(x)].sum(axis=1)
+
+    def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
+        return 2 * (self.indices(before) != self.indices(after)).mean(axis=1)
+
+    def covariance(self, x: NDArray) -> NDArray[np.float64]:
+        columns = np.ascontiguousarray(self.indices(x).T).astype(np.int64)
+        second = np.zeros(self.size**2)
+        for i, j in combinations(range(len(columns)), 2):
+            second += np.bincount(columns[i] * self.size + columns[j], minlength=self.size**2)
+        second = second.reshape(self.size, self.size)
+        mean = self.mean(x)[0]
+        return (second + second.T) / len(x) + np.diag(mean) - np.outer(mean, mean)
+
+
+def bins_of(x: NDArray, simulated: NDArray) -> Bins:
+    """Bins that hold measured and simulated events alike, so that neither a hole nor a peak falls between edges.
+
+    One feature: about 50 bins, and finer ones in its tails. Several: about 12 bins a feature, and 4 x 4 a pair where
+    there are at least 2 000 events. Few events make fewer bins. Counts are never split; the rare are merged.
+    """
+    n, d = x.shape
+    one = np.issubdtype(x.dtype, np.integer) and d == 1
+    most = min(max(n // 25, 4), 80 if one else 50) if d == 1 else min(max(n // 100, 4), 12)
+    edges = tuple(inner_edges(x[:, j], simulated[:, j], most, tails=d == 1) for j in range(d))
+    coarse = tuple(inner_edges(x[:, j], simulated[:, j], 4) for j in range(d)) if d > 1 and n >= 2000 else ()
+    return Bins(edges, coarse)
+
+
+def inner_edges(x: NDArray, simulated: NDArray, most: int, *, tails: bool = False) -> NDArray[np.float64]:
+    """Inner edges of at most `most` bins for one feature, from a mixture of both sets in equal parts.
+
+    With `tails` the bins grow from LEAST_IN_BIN at both ends, each at most twice as full as the last: what lies beyond
+    the bulk tells effects apart though it is rare.
+    """
+    values = np.concatenate([x, simulated]).astype(float)
+    weights = np.concatenate([np.full(len(x), 0.5), np.full(len(simulated), 0.5 * len(x) / len(simulated))])
+    unique, inverse = np.unique(values, return_inverse=True)
+    cumulated = np.cumsum(np.bincount(inverse, weights))
+    total = cumulated[-1]
+    need = max(len(x) / most, LEAST_IN_BIN) if most < len(unique) else LEAST_IN_BIN
+    edges, last, at = [], 0.0, -1
+    while True:
+        # Never more than what lies outside, on either side, so that the outermost bins are the least full.
+        wanted = min(need, max(min(last, (total - last) / 2), LEAST_IN_BIN)) if tails else need
+        at = max(int(np.searchsorted(cumulated, last + wanted)), at + 1)
+        if at >= len(unique) - 1 or total - cumulated[at] < LEAST_IN_BIN:
+            return np.array(edges)
+        edges.append((unique[at] + unique[at + 1]) / 2)
+        last = cumulated[at]
+
+
+def whitening(cov: NDArray[np.float64]) -> NDArray[np.float64]:
+    """W (K, r) with W^T cov W = 1, r the rank of cov: one less for each block of bins that sums to one."""
+    seen = np.flatnonzero(np.diag(cov) > 0)  # a cell of a pair may be empty
+    scale = np.sqrt(np.diag(cov)[seen])
+    values, vectors = np.linalg.eigh(cov[np.ix_(seen, seen)] / np.outer(scale, scale))
+    keep = values > RANK_TOLERANCE * values[-1]
+    w = np.zeros((len(cov), int(keep.sum())))
+    w[seen] = vectors[:, keep] / np.sqrt(values[keep]) / scale[:, None]
+    return w

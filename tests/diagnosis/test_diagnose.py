@@ -1,0 +1,114 @@
+import json
+
+import numpy as np
+import pytest
+
+from avobench.bench import registry
+from avobench.bench.errors import UsageError
+from avobench.diagnosis import Diagnosis, diagnose
+from avobench.diagnosis.augmented import AugmentedTask, describe
+from avobench.diagnosis.effects.catalogue import catalogue
+from avobench.diagnosis.loop import scaled_std
+from avobench.diagnosis.schema import Verdict
+from avobench.tasks.poisson import Poisson
+from avobench.tasks.weinberg import Weinberg
+
+RUTHERFORD_GEIGER = (57, 203, 383, 525, 532, 408, 273, 139, 45, 27, 10, 4, 0, 1, 1)
+"""Intervals with 0, 1, ... alpha particles: E. Rutherford, H. Geiger, Phil. Mag. 20 (1910) 698."""
+HORSE_KICKS = (109, 65, 22, 3, 1)
+"""Corps-years with 0, 1, ... deaths: L. von Bortkiewicz, Das Gesetz der kleinen Zahlen (1898)."""
+
+
+def counts(table):
+    return np.repeat(np.arange(len(table)), table)[:, None]
+
+
+def hidden(task, name, theta, phi, n, seed=0):
+    effect = next(e for e in catalogue(task) if e.name == name)
+    rng = np.random.default_rng(seed)
+    return effect.apply(task.simulate, np.tile(theta, (n, 1)), np.tile(phi, (n, 1)), rng)
+
+
+@pytest.mark.parametrize("table", [RUTHERFORD_GEIGER, HORSE_KICKS])
+def test_nothing_is_missing_in_counts_that_are_poisson(table):
+    x = counts(table)
+    diagnosis = diagnose(Poisson(), x, alpha=0.01)
+    assert diagnosis.verdict == Verdict.NOTHING
+    assert diagnosis.effects == diagnosis.candidates == diagnosis.regions == []
+    rate = diagnosis.theta_before["log_rate"]
+    assert rate.value == pytest.approx(np.log(x.mean()), abs=4 * rate.std)  # fitted without a quarter of the events
+    assert {row.name for row in diagnosis.identifiability} == {e.name for e in catalogue(Poisson())}
+
+
+@pytest.fixture(scope="module")
+def named():
+    x = hidden(Poisson(), "overdispersion", [2.5], [0.08], 8000)
+    return x, diagnose(Poisson(), x)
+
+
+def test_a_clear_effect_is_named_and_its_size_found(named):
+    _, diagnosis = named
+    assert diagnosis.verdict == Verdict.NAMED
+    (found,) = diagnosis.effects
+    assert (found.name, found.feature) == ("overdispersion", None)
+    variance = found.parameters["variance"]
+    assert variance.value == pytest.approx(0.08, abs=max(4 * variance.std, 0.015))
+    assert diagnosis.gap_after.value < 2 < diagnosis.gap_before.value
+    assert diagnosis.p_value_after > 0.05 > diagnosis.p_value_before
+    assert diagnosis.candidates[0].score == 0
+    assert {region.kind for region in diagnosis.regions} == {"excess", "deficit"}
+    assert len(diagnosis.pictures.spectra[0].edges) == len(diagnosis.pictures.spectra[0].measured) + 1
+
+
+def test_a_diagnosis_is_valid_json_and_repeats_for_a_seed(named):
+    x, diagnosis = named
+    text = json.dumps(diagnosis.model_dump(mode="json"), allow_nan=False)
+    assert Diagnosis.model_validate_json(text).model_dump() == diagnosis.model_dump()
+    again = diagnose(Poisson(), x).model_dump(exclude={"seconds"})
+    assert again == diagnosis.model_dump(exclude={"seconds"})
+
+
+def test_the_new_model_is_a_task_that_finds_nothing_missing(named, tmp_path):
+    x, diagnosis = named
+    path = tmp_path / "model.json"
+    path.write_text(describe(diagnosis.model, scaled_std(diagnosis.model), "poisson", {}).model_dump_json())
+    task = registry.build("task", str(path), {})
+    assert isinstance(task, AugmentedTask)
+    assert task.name == "poisson-overdispersion"
+    assert task.parameter_names == ("log_rate", "overdispersion_variance")
+    theta = np.tile([2.5, 0.08], (20_000, 1))
+    y = task.simulate(theta, np.random.default_rng(1))
+    assert y.var() == pytest.approx(np.exp(2.5) + 0.08 * np.exp(5.0), rel=0.05)
+    with pytest.raises(ValueError, match="outside the support"):
+        task.simulate(np.array([[2.5, -1.0]]), np.random.default_rng(1))
+    assert diagnose(task, x, effects=[]).verdict == Verdict.NOTHING
+
+
+def test_a_dead_region_is_found_where_it_is():
+    x = hidden(Weinberg(), "dead_region", [45.5, 1.0], [0.8, 0.3, 0.15], 8000)
+    diagnosis = diagnose(Weinberg(), x, max_effects=1)
+    assert diagnosis.effects[0].name == "dead_region"
+    deficit = next(region for region in diagnosis.regions if region.kind == "deficit")
+    assert deficit.low < 0.3 < deficit.high
+    assert diagnosis.effects[0].feature == "cos_angle"
+
+
+def test_an_effect_that_is_not_in_the_catalogue_is_not_made_up():
+    x = hidden(Poisson(), "overdispersion", [2.5], [0.08], 8000)
+    wrong = [e for e in catalogue(Poisson()) if e.name in ("dead_time", "inefficiency")]
+    diagnosis = diagnose(Poisson(), x, effects=wrong)
+    assert diagnosis.verdict == Verdict.UNEXPLAINED
+    assert diagnosis.correction.weights.mean() == pytest.approx(1)
+
+
+@pytest.mark.parametrize(("arguments", "message"), [({"alpha": 2.0}, "alpha must lie"), ({"fit": "magic"}, "magic")])
+def test_impossible_requests_are_refused(arguments, message):
+    with pytest.raises(UsageError, match=message):
+        diagnose(Poisson(), counts(HORSE_KICKS), **arguments)
+
+
+def test_a_file_that_is_no_model_is_refused(tmp_path):
+    path = tmp_path / "model.json"
+    path.write_text("{}")
+    with pytest.raises(UsageError, match="is not a model"):
+        registry.build("task", str(path), {})

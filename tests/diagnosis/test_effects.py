@@ -1,0 +1,124 @@
+import numpy as np
+import pytest
+from scipy.special import ndtr
+
+from avobench.bench import check
+from avobench.bench.errors import UsageError
+from avobench.diagnosis.effects.base import LEAST_KEPT, Parameter, accepted
+from avobench.diagnosis.effects.catalogue import catalogue
+from avobench.diagnosis.effects.continuous.base import Range, ranges
+from avobench.diagnosis.effects.counts.exposure import exposed
+from avobench.tasks.carl import Carl
+from avobench.tasks.poisson import Poisson
+from avobench.tasks.weinberg import Weinberg
+
+COUNTS = (
+    "zero_inflation overdispersion dead_time threshold_loss flat_background double_counting readout_noise quantisation "
+    "pile_up inefficiency"
+)
+CONTINUOUS = (
+    "resolution offset scale edge_acceptance forward_backward_acceptance flat_background peak_background dead_region "
+    "charge_misid outliers crosstalk quantisation saturation"
+)
+
+
+def effect_of(task, name, shape=None):
+    effect = next(e for e in catalogue(task) if e.name == name)
+    return next(s for s in effect.shapes() if shape in (None, s.shape))
+
+
+def events(task, effect, theta, phi, n=40_000, seed=0):
+    rng = np.random.default_rng(seed)
+    return effect.apply(task.simulate, np.tile(np.atleast_1d(theta), (n, 1)), np.tile(phi, (n, 1)), rng)
+
+
+def test_catalogue_has_the_promised_names():
+    assert [e.name for e in catalogue(Poisson())] == COUNTS.split()
+    assert {e.name for e in catalogue(Weinberg())} == set(CONTINUOUS.split()) - {"crosstalk"}
+    of_carl = catalogue(Carl())
+    assert {e.name for e in of_carl} == set(CONTINUOUS.split())
+    assert len({e.key for e in of_carl}) == len(of_carl) == 13 * 6  # five features, and all alike
+
+
+@pytest.mark.parametrize("name", ["overdispersion", "double_counting", "resolution", "edge_acceptance"])
+def test_effects_keep_their_contract(name):
+    results = list(check.run("effect", name))
+    assert [f"{r.what}: {r.why}" for r in results if not r.passed] == []
+    assert len(results) > 5
+
+
+def test_check_refuses_an_unknown_effect():
+    with pytest.raises(UsageError, match="no effect 'gremlins'"):
+        list(check.run("effect", "gremlins"))
+
+
+def test_parameter_refuses_a_null_outside_its_bounds():
+    with pytest.raises(ValueError, match="outside its bounds"):
+        Parameter("x", 0, 1, 2, "1")
+
+
+def test_range_of_a_cosine_is_exact_and_its_folds_stay_within():
+    (span,) = ranges(Weinberg())
+    assert span == Range(-1.0, 1.0, True)
+    np.testing.assert_allclose(span.reflect(np.array([-1.2, 0.3, 1.0, 1.5, 3.4])), [-0.8, 0.3, 1.0, 0.5, -0.6])
+    assert not any(r.bounded for r in ranges(Carl()))
+
+
+@pytest.mark.parametrize("g", [0.3, 1.0, 2.7])
+def test_exposure_scales_a_poisson_rate_exactly(g):
+    theta, n = np.full((60_000, 1), np.log(4.0)), 60_000
+    x = exposed(Poisson().simulate, theta, np.full(n, g), np.random.default_rng(0))[:, 0]
+    assert x.mean() == pytest.approx(4 * g, abs=5 * np.sqrt(4 * g / n))
+    assert x.var() == pytest.approx(4 * g, rel=0.04)
+
+
+@pytest.mark.parametrize("shape", ["gamma", "lognormal", "skewed", "drift", "uniform"])
+def test_overdispersion_adds_the_stated_variance(shape):
+    effect = effect_of(Poisson(), "overdispersion", shape)
+    phi = [0.04, 0.5][: len(effect.parameters)]
+    x = events(Poisson(), effect, np.log(20.0), phi)[:, 0]
+    assert x.mean() == pytest.approx(20, rel=0.01)
+    assert x.var() == pytest.approx(20 + 0.04 * 400, rel=0.06)
+
+
+def test_accepted_events_follow_the_acceptance():
+    def simulate(theta, rng):
+        return rng.standard_normal((len(theta), 1))
+
+    x = accepted(simulate, np.zeros((50_000, 1)), lambda x, rows: ndtr(x[:, 0]), np.random.default_rng(0))
+    # N(0, 1) times its distribution function is a skew normal of mean 1 / sqrt(pi)
+    assert x.mean() == pytest.approx(1 / np.sqrt(np.pi), abs=5 * 0.83 / np.sqrt(50_000))
+
+
+def test_an_acceptance_of_nothing_ends():
+    x = accepted(
+        lambda t, rng: rng.random((len(t), 1)),
+        np.zeros((200, 1)),
+        lambda x, rows: 0 * x[:, 0],
+        np.random.default_rng(0),
+    )
+    assert x.shape == (200, 1)
+    assert LEAST_KEPT > 0
+
+
+def test_dead_region_removes_its_share():
+    effect = effect_of(Weinberg(), "dead_region", "box")
+    theta = [45.0, 1.0]  # no asymmetry: density 3/8 (1 + x^2)
+    x = events(Weinberg(), effect, theta, [0.8, 0.0, 0.4])[:, 0]
+    inside = 3 / 8 * 2 * (0.2 + 0.2**3 / 3)
+    assert np.mean(np.abs(x) < 0.2) == pytest.approx(0.2 * inside / (1 - 0.8 * inside), abs=0.005)
+
+
+def test_threshold_keeps_its_meaning_for_the_data():
+    effect = effect_of(Poisson(), "threshold_loss")
+    assert effect.adapted(np.full((10, 1), 7)).parameters[1].high == 7
+    wide = effect_of(Poisson(), "quantisation", "16 down")
+    assert len(wide.guess(np.random.default_rng(0).poisson(3, (100, 1)))) == 0
+
+
+def test_quantisation_reads_its_step_off_the_data():
+    task = Weinberg()
+    effect = effect_of(task, "quantisation", "nearest")
+    x = events(task, effect, [46.0, 1.0], [0.05], n=3000)
+    np.testing.assert_allclose(effect.guess(x), [[0.05]])
+    assert len(effect.guess(task.simulate(np.tile([46.0, 1.0], (3000, 1)), np.random.default_rng(0)))) == 0

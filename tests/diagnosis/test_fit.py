@@ -1,0 +1,108 @@
+import numpy as np
+import pytest
+
+from avobench.diagnosis.detect import summary_gate, target_of
+from avobench.diagnosis.effort import Effort, effort_for
+from avobench.diagnosis.fit import Design, minimise, surrogate
+from avobench.diagnosis.loop import fit_null
+from avobench.diagnosis.model import Model
+from avobench.diagnosis.summary import bins_of, whitening
+from avobench.tasks.carl import Carl
+from avobench.tasks.poisson import Poisson
+from avobench.tasks.weinberg import Weinberg
+
+LIGHT = Effort(polish=6, covariance=30_000)
+
+
+def measured(task, theta, n, seed):
+    rng = np.random.default_rng(seed)
+    return task.simulate(np.tile(theta, (n, 1)), rng), rng
+
+
+def test_bins_hold_all_events_and_no_count_is_split():
+    x, _rng = measured(Poisson(), [2.0], 5000, 0)
+    bins = bins_of(x, x)
+    assert bins.mean(x).sum() == pytest.approx(1)
+    assert all(edge % 1 == 0.5 for edge in bins.edges[0])
+    pieces = bins.mean(x, 5)
+    np.testing.assert_allclose(pieces.mean(axis=0), bins.mean(x)[0])
+
+
+def test_covariance_is_that_of_the_vectors_and_whitens():
+    x, _rng = measured(Carl(), [0.5, -1.0], 4000, 1)
+    bins = bins_of(x, x)
+    rows = np.zeros((len(x), bins.size))
+    np.put_along_axis(rows, bins.indices(x), 1, axis=1)
+    cov = bins.covariance(x)
+    np.testing.assert_allclose(cov, np.cov(rows.T, bias=True), atol=1e-12)
+    w = whitening(cov)
+    np.testing.assert_allclose(w.T @ cov @ w, np.eye(w.shape[1]), atol=1e-6)
+    assert w.shape[1] == np.linalg.matrix_rank(cov, tol=1e-9)
+
+
+def test_twins_of_one_seed_make_slopes_precise():
+    """The same seed gives nearly the same events at neighbouring theta, so slopes are known better than from a
+    regression: its noise is what the covariance of the coefficients says."""
+    task = Weinberg()
+    model = Model(task)
+    x, rng = measured(task, [46.0, 1.0], 2000, 2)
+    summary = bins_of(x, x)
+    design = Design.box(model.to_unit(np.array([46.0, 1.0])), np.array([0.02, 0.02]))
+    s = surrogate(model, summary, design, 20_000, rng)
+    assert s.inverse[1, 1] < 0.5 / 20_000 * 3 * 2
+    fits = [surrogate(model, summary, design, 20_000, np.random.default_rng(k)).coefficients[1] for k in range(20)]
+    shares = summary.mean(x)[0]
+    expected = np.sqrt(s.inverse[1, 1] * (shares * (1 - shares)).mean())
+    assert np.sqrt(np.var(fits, axis=0).mean()) == pytest.approx(expected, rel=0.5)
+
+
+def test_poisson_fit_attains_the_fisher_information():
+    task = Poisson()
+    pulls = []
+    for k in range(6):
+        x, rng = measured(task, [1.5], 4000, k)
+        fit, target = fit_null(Model(task), x, rng, LIGHT, None)
+        _, own, _ = summary_gate(fit, target, rng, LIGHT)
+        assert own.std[0] == pytest.approx(np.sqrt((1 + own.noise) / (4000 * np.exp(1.5))), rel=0.25)
+        pulls.append((own.params[0] - 1.5) / own.std[0])
+    assert np.sqrt(np.mean(np.square(pulls))) < 2
+
+
+def test_weinberg_identifies_one_direction():
+    task = Weinberg()
+    x, rng = measured(task, [46.3, 1.2], 8000, 3)
+    fit, target = fit_null(Model(task), x, rng, LIGHT, None)
+    _gate, own, _ = summary_gate(fit, target, rng, LIGHT)
+    assert own.num_identified == 1
+    c = task.asymmetry(own.params[None])[0]
+    assert c == pytest.approx(task.asymmetry(np.array([[46.3, 1.2]]))[0], abs=5 * 2.2 / np.sqrt(8000))
+
+
+def test_p_values_of_a_true_model_are_not_small():
+    p = []
+    for k in range(8):
+        x, rng = measured(Poisson(), [0.5 * k], 3000, 100 + k)
+        fit, target = fit_null(Model(Poisson()), x, rng, LIGHT, None)
+        p.append(summary_gate(fit, target, rng, LIGHT)[0].p_value)
+    assert min(p) > 1e-4
+    assert sum(v < 0.05 for v in p) <= 3
+
+
+def test_a_fit_is_not_held_back_by_the_noise_of_its_slopes():
+    """From few events and far off, a fit still goes to the optimum of its design."""
+    task = Weinberg()
+    x, rng = measured(task, [46.0, 1.2], 20_000, 4)
+    simulated, _ = measured(task, [46.0, 0.9], 20_000, 5)
+    target = target_of(x, bins_of(x, simulated), simulated)
+    model = Model(task)
+    design = Design.box(model.to_unit(np.array([46.0, 0.9])), np.array([1e-3, 0.2]))
+    fits = [minimise(model, surrogate(model, target.summary, design, 10_000, rng), target).params[1] for _ in range(5)]
+    assert np.mean(fits) == pytest.approx(1.2, abs=0.06)
+
+
+def test_effort_follows_the_number_of_simulations():
+    task = Poisson()
+    assert effort_for(task, "counts", None) == Effort()
+    less = effort_for(task, "counts", 400_000)
+    assert less.fit < Effort().fit
+    assert less.fit >= 3000
