@@ -6,7 +6,7 @@ METHODS := --method avo-paper --method abc-smc --method bolfi
 QUICK := --budget 16000 --observations 20000 --targets 0-2 --set abc-smc.population_size=25
 
 .DEFAULT_GOAL := help
-.PHONY: help venv benchmark quick figures bench-cost bench-speed test lint clean
+.PHONY: help venv benchmark quick figures bench-cost bench-speed test browser lint clean
 
 help:  ## show these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -35,8 +35,14 @@ bench-speed: venv  ## BOLFI with its fast process against ELFI's own, side by si
 bench-cost: venv  ## where the time goes: a table from results/reference, and Pythia against a bare loop
 	$(BIN)/python -m avobench.bench.cost results/reference
 
-test: venv  ## the test suite
+test: venv browser  ## the test suite
 	$(BIN)/python -m pytest
+
+browser:  ## install the Chromium of the tests (Debian, as root); without it they skip what needs it
+	@if command -v chromium >/dev/null && command -v chromedriver >/dev/null; then :; \
+	elif [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+	  apt-get update --quiet=2 && apt-get install --quiet=2 --yes --no-install-recommends chromium chromium-driver; \
+	else echo "no chromium and chromedriver here: the tests that need a browser are skipped"; fi
 
 lint: venv  ## style
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .

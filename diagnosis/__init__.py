@@ -1,1 +1,1 @@
-"""Where a simulator and a measurement disagree, and which missing effect explains it."""
+"""Find where simulation and measurement disagree, name the missing effect, add it, and show the gap shrink."""

@@ -55,7 +55,7 @@ class Afterpulses(Change):
 
 @dataclass(frozen=True)
 class LateReset(Injection):
-    """Now and then the counter is not reset, and an interval holds the one before it as well, or the late part of it."""
+    """Now and then the counter is not reset, and an interval holds the one before it too, or the late part of it."""
 
     name: ClassVar = "double_counting"
     source: ClassVar = "readout that misses a reset: two intervals in one"

@@ -115,7 +115,7 @@ class SoftTrigger(Selection):
 
 @dataclass(frozen=True)
 class StrayIntervals(Replacement):
-    """Intervals whose counts have nothing to do with the source: spread nearly evenly, thinning out at the upper end."""
+    """Intervals whose counts are not those of the source: spread nearly evenly, thinning out at the upper end."""
 
     name: ClassVar = "flat_background"
     source: ClassVar = "noise bursts of electronics"
