@@ -16,6 +16,7 @@ from avobench.bench.plan import plan
 from avobench.bench.progress import ProgressView
 from avobench.bench.runner import Sweep, run
 from avobench.bench.store import Store, to_frame, write_atomically
+from avobench.diagnosis.challenge.cli import challenge
 
 RESULTS = click.option(
     "--results",
@@ -33,6 +34,9 @@ RESULTS = click.option(
 def cli(context: click.Context, debug: bool) -> None:
     """Benchmark adversarial variational optimization against ABC-SMC and BOLFI under one simulation budget."""
     context.obj = debug
+
+
+cli.add_command(challenge)
 
 
 @cli.command("list")

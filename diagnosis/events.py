@@ -129,8 +129,9 @@ def _stack(file: str, arrays: dict[str, NDArray]) -> NDArray:
 def check_events(task: Task, x: NDArray, *, drop_invalid: bool = False) -> tuple[NDArray, list[str]]:
     """The events (n, d) in the task's type, and warnings, a sentence each.
 
-    Raises UsageError where a diagnosis would be meaningless: another number of columns, rows that are not finite (unless
-    `drop_invalid` drops them), whole numbers for a continuous task or fractions for counts, fewer than MIN_EVENTS.
+    Raises UsageError where a diagnosis would be meaningless: another number of columns, rows that are not finite
+    (unless `drop_invalid` drops them), whole numbers for a continuous task or fractions for counts, fewer than
+    MIN_EVENTS.
     """
     if x.ndim != 2 or x.shape[1] != task.num_features:
         got = x.shape[1] if x.ndim == 2 else f"an array of shape {x.shape}"

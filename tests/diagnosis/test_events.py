@@ -109,8 +109,8 @@ def test_root_trees_and_branches_are_checked(tmp_path):
     source = write(tmp_path / "events.root", np.ones((3, 1)), ["a"])
     with pytest.raises(UsageError, match="has no tree 'other'; it has: folder/events"):
         read_events(source.replace("folder/events", "other"))
+    (tmp_path / "broken.root").write_bytes(b"root0000")
     with pytest.raises(UsageError, match="cannot be read"):
-        (tmp_path / "broken.root").write_bytes(b"root0000")
         read_events(f"{tmp_path / 'broken.root'}:events")
 
 
