@@ -19,13 +19,14 @@ from avobench.tasks import Task
 from avobench.tasks.base import stable_hash
 
 from .injections import Injection, Place, Simulate, shapes
-from .visibility import visibility
+from .visibility import Visibility, visibility
 
 KINDS = ("none", "own", "foreign", "two", "withheld")
 """No effect; one in a shape of the catalogue's; one in a shape that is not; two; one that solving must do without."""
-SHOWN = (0.1, 50.0)
-"""Effects are drawn anew, up to MAX_DRAWS times, until the chi2/ndf that they would at best reach, less 1, lies here:
-below nobody could see them, above they are toys. The last draw stays: it may be one that theta absorbs."""
+LEAST_POWER, MOST_DISTANCE = 0.3, 50.0
+"""Strength and shape are drawn anew, up to MAX_DRAWS times, until the best test would see the effect with this power
+and a chi2/ndf - 1 of at most so much: below nobody could see it, above it is a toy. The last draw stays as it is,
+so that effects that theta absorbs are among those that are hidden."""
 MAX_DRAWS = 6
 OWN_RANGE = (0.003, 1.0)
 """Strengths of the catalogue's own shapes are log-uniform between these shares of the way from null to the bound."""
@@ -41,7 +42,6 @@ class OwnShape:
     effect: Effect
     phi: NDArray[np.float64]
     """(q,)"""
-    stage: int = 1
 
     @classmethod
     def draw(cls, effect: Effect, rng: np.random.Generator) -> "OwnShape":
@@ -66,15 +66,34 @@ class OwnShape:
         return self.effect.name
 
     @property
-    def shape(self) -> str:
-        return self.effect.shape
-
-    @property
     def settings(self) -> dict[str, float]:
         return {parameter.name: float(v) for parameter, v in zip(self.effect.parameters, self.phi, strict=True)}
 
     def measure(self, simulate: Simulate, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         return self.effect.apply(simulate, theta, np.tile(self.phi, (len(theta), 1)), rng)
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """An injection and what is known of it."""
+
+    injection: Injection | OwnShape
+    feature: str | None
+    stage: int
+    visibility: Visibility
+
+    @property
+    def answer(self) -> dict[str, Any]:
+        """As the answers tell it."""
+        own = isinstance(self.injection, OwnShape)
+        return {
+            "name": self.injection.name,
+            "feature": self.feature,
+            "shape": self.injection.effect.shape if own else type(self.injection).__name__,
+            "settings": self.injection.settings,
+            "distance": self.visibility.distance,
+            "power": self.visibility.power,
+        }
 
 
 def make(
@@ -128,26 +147,21 @@ def hide(task: Task, kind: str, num_events: int, rng: np.random.Generator) -> tu
     theta = task.prior.sample(1, rng)[0]
     at = np.tile(theta, (num_events, 1))
     answer = {"kind": kind, "set": None, "theta": theta.tolist(), "effects": [], "allowed": None}
-    answer |= {"distance": 0.0, "power": None}
     if kind == "none":
         return task.simulate(at, rng), answer
     source = kind if kind in SETS else str(rng.choice(SETS))
     reference = task.simulate(at[:NUM_REFERENCE], rng)
-    for _ in range(MAX_DRAWS):
-        hidden = _draw(task, source, 2 if kind == "two" else 1, reference, rng)
-        simulate = _chain(task.simulate, [injection for injection, _ in hidden])
-        size = num_events if task.event_shape or task.num_features > 1 else 2 * num_events
-        seen = visibility(task, simulate(np.tile(theta, (size, 1)), rng), theta, num_events, rng)
-        if SHOWN[0] <= seen.distance <= SHOWN[1]:
-            break
-    answer |= {"set": source, "distance": seen.distance, "power": seen.power}
-    answer["effects"] = [
-        {"name": injection.name, "feature": feature, "shape": _shape(injection), "settings": injection.settings}
-        for injection, feature in hidden
-    ]
+    hidden: list[Hidden] = []
+    for _ in range(2 if kind == "two" else 1):
+        hidden.append(_draw(task, source, theta, num_events, reference, [each.injection.name for each in hidden], rng))
+    hidden.sort(key=lambda each: each.stage)
+    simulate = task.simulate
+    for each in hidden:
+        simulate = _after(simulate, each.injection)
+    answer |= {"set": source, "effects": [each.answer for each in hidden]}
     if kind == "withheld":
         names = dict.fromkeys(effect.name for effect in catalogue(task))
-        answer["allowed"] = [name for name in names if name != hidden[0][0].name]
+        answer["allowed"] = [name for name in names if name != hidden[0].injection.name]
     return simulate(at, rng), answer
 
 
@@ -159,48 +173,47 @@ def feature_label(task: Task, feature: int | Literal["all"] | None) -> str | Non
 
 
 def _draw(
-    task: Task, source: str, number: int, reference: NDArray, rng: np.random.Generator
-) -> list[tuple[Injection | OwnShape, str | None]]:
-    """Injections of different families, each with the label of its feature, in the order in which they act.
+    task: Task,
+    source: str,
+    theta: NDArray[np.float64],
+    num_events: int,
+    reference: NDArray,
+    without: list[str],
+    rng: np.random.Generator,
+) -> Hidden:
+    """A random effect of a family that is not in `without`, on events at theta (p,), visible but no toy if possible.
 
-    A family is drawn first, among the names that the catalogue and the foreign shapes share, then its place, then its
-    shape, so that no family is favoured for having many of them.
+    A family is drawn first, then its feature, then its shape, so that none is favoured for having many of them.
     """
-    keys = {(effect.name, effect.feature): effect for effect in catalogue(task)}
+    own = {(effect.name, effect.feature): effect for effect in catalogue(task)}
     foreign: dict[tuple[str, Any], list[type[Injection]]] = {}
-    for feature in dict.fromkeys(feature for _, feature in keys):
+    for feature in dict.fromkeys(feature for _, feature in own):
         for shape in shapes(Place(task, feature, reference)):
-            if (shape.name, feature) in keys:
-                foreign.setdefault((shape.name, feature), []).append(shape)
-    families = list(dict.fromkeys(name for name, _ in foreign))
-    if number > len(families):
-        raise UsageError(f"there are not enough injections for {task.name} to hide {number} effects")
-    drawn = []
-    for family in rng.choice(families, number, replace=False):
-        features = [feature for name, feature in foreign if name == family]
-        feature = features[rng.integers(len(features))]
+            foreign.setdefault((shape.name, feature), []).append(shape)
+    stages = {name: choices[0].stage for (name, _), choices in foreign.items()}  # which the catalogue does not say
+    keys = [key for key in (own if source == "own" else foreign) if key in own and key[0] not in without]
+    if not keys:
+        raise UsageError(f"there is no effect of {source} shape to hide in events of {task.name}")
+    size = num_events if task.event_shape or task.num_features > 1 else 2 * num_events
+    at = np.tile(theta, (size, 1))
+    family = str(rng.choice(list(dict.fromkeys(name for name, _ in keys))))
+    features = [feature for name, feature in keys if name == family]
+    feature = features[rng.integers(len(features))]
+    for _ in range(MAX_DRAWS):
         if source == "own":
-            injection = OwnShape.draw(keys[family, feature], rng)
+            injection = OwnShape.draw(own[family, feature], rng)
         else:
             choices = foreign[family, feature]
             injection = choices[rng.integers(len(choices))].draw(Place(task, feature, reference), rng)
-        stage = foreign[family, feature][0].stage  # of the family, as the catalogue does not say
-        drawn.append((stage, injection, feature_label(task, feature)))
-    return [(injection, label) for _, injection, label in sorted(drawn, key=lambda each: each[0])]
+        seen = visibility(task, injection.measure(task.simulate, at, rng), theta, num_events, rng)
+        if seen.power >= LEAST_POWER and seen.distance <= MOST_DISTANCE:
+            break
+    return Hidden(injection, feature_label(task, feature), stages.get(family, 1), seen)
 
 
-def _chain(simulate: Simulate, injections: list[Injection | OwnShape]) -> Simulate:
-    """The simulator with each injection acting on what those before it leave."""
-    for injection in injections:
-
-        def simulate(theta, rng, inner=simulate, injection=injection):
-            return injection.measure(inner, theta, rng)
-
-    return simulate
-
-
-def _shape(injection: Injection | OwnShape) -> str:
-    return injection.shape if isinstance(injection, OwnShape) else type(injection).__name__
+def _after(simulate: Simulate, injection: Injection | OwnShape) -> Simulate:
+    """The simulator with one more injection, which acts on what it makes."""
+    return lambda theta, rng: injection.measure(simulate, theta, rng)
 
 
 def _json(content: dict[str, Any]) -> bytes:

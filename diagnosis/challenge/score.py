@@ -22,6 +22,7 @@ POWERS = (0.2, 0.5, 0.9, 0.99)
 """Borders of classes of visibility: the power of the best test of binned events, see `visibility`."""
 INVISIBLE = 0.2
 """A hidden effect of lower power that is not detected counts as undetectable: theta absorbs it, or it is too weak."""
+VISIBLE = 0.9
 NEAR = 2.0
 """Theta is right within so many of its quoted errors."""
 
@@ -41,7 +42,12 @@ class Case:
 
     @property
     def undetectable(self) -> bool:
-        return not self.detected and self.answer["power"] < INVISIBLE
+        return not self.detected and self.power < INVISIBLE
+
+    @property
+    def power(self) -> float:
+        """Of the best test, for the least visible of the hidden effects."""
+        return min(effect["power"] for effect in self.answer["effects"])
 
     @property
     def hidden(self) -> list[tuple[str, str | None]]:
@@ -64,7 +70,7 @@ class Case:
         return effect["name"], effect["feature"] if choose else None
 
     def bias(self, when: str) -> float | None:
-        """|theta - truth| in widths of the prior, mean over parameters; on weinberg |c - truth|. `when`: theta_after."""
+        """|theta - truth| in widths of the prior, mean over parameters; on weinberg |c - truth|. `when`: theta_..."""
         estimate = self._theta(when)
         if estimate is None:
             return None
@@ -141,14 +147,14 @@ def score(folder: Path) -> dict[str, Any]:
 def _one(cases: list[Case]) -> dict[str, Any]:
     """One hidden effect, which the catalogue has. Names are judged where something was detected."""
     found = [case for case in cases if case.detected]
-    visible = [case for case in cases if case.answer["power"] >= POWERS[2]]
+    visible = [case for case in cases if case.power >= VISIBLE]
     explained = [case for case in found if case.diagnosis["verdict"] == NAMED]
     borders = (0, *POWERS, np.inf)
     return {
         "cases": len(cases),
         "undetectable": sum(case.undetectable for case in cases),
         "power": [
-            {"from": low, "to": min(high, 1), **rate(c.detected for c in cases if low <= c.answer["power"] < high)}
+            {"from": low, "to": min(high, 1), **rate(c.detected for c in cases if low <= c.power < high)}
             for low, high in pairwise(borders)
         ],
         "right_first": rate(_first(case) for case in found),
@@ -176,9 +182,11 @@ def _withheld(cases: list[Case]) -> dict[str, Any]:
 
 def _two(cases: list[Case]) -> dict[str, Any]:
     found = [case for case in cases if case.detected]
+    visible = [case for case in found if case.power >= VISIBLE]
     return {
         "cases": len(cases),
         "detected": rate(case.detected for case in cases),
+        "visible_both": rate(set(case.hidden) <= set(case.named) for case in visible),
         "both": rate(set(case.hidden) <= set(case.named) for case in found),
         "at_least_one": rate(bool(set(case.hidden) & set(case.named)) for case in found),
         "both_with_ties": rate(set(case.hidden) <= set().union(*case.ties) for case in found),

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from .score import NAMED, POWERS
+from .score import NAMED, VISIBLE
 
 
 def as_text(result: dict[str, Any]) -> str:
@@ -24,7 +24,7 @@ def as_text(result: dict[str, Any]) -> str:
             f"  of those detected: right name first {_percent(one['right_first'])} "
             f"(whatever the feature {_percent(one['right_first_whatever_feature'])})",
             f"  truth in the tie set {_percent(one['in_tie_set'])}, mean size {_number(one['tie_size'])}",
-            f"  of all with a power of {100 * POWERS[2]:.0f} % or more: right name first "
+            f"  of all with a power of {100 * VISIBLE:.0f} % or more: right name first "
             f"{_percent(one['visible_right_first'])}",
             f'  "{NAMED}" {_percent(one["explained"])}; then theta within 2 errors {_percent(one["theta_within_2"])}',
             _medians(one),
@@ -43,6 +43,8 @@ def as_text(result: dict[str, Any]) -> str:
                 f"two effects, {each} shapes: detected {_percent(two['detected'])}, of these both named "
                 f"{_percent(two['both'])}, with ties {_percent(two['both_with_ties'])}, at least one "
                 f"{_percent(two['at_least_one'])}",
+                f"  where the best test would see each alone with a power of {100 * VISIBLE:.0f} % or more: both named "
+                f"{_percent(two['visible_both'])}",
                 _medians(two),
                 *(f"    {line}" for line in two["mistaken"]),
             ]
