@@ -80,12 +80,15 @@ class Case:
         return float((np.abs(estimate - truth) / self.task.prior.width).mean())
 
     def pull(self, when: str) -> float | None:
-        """Largest |theta - truth| in quoted errors."""
-        estimate = self._theta(when)
-        if estimate is None:
-            return None
-        std = np.array([self.diagnosis[when][name]["std"] for name in self.task.parameter_names])
-        return float((np.abs(estimate - np.array(self.answer["theta"])) / std).max())
+        """Largest |theta - truth| in quoted errors; None where none is quoted."""
+        theta = self.diagnosis[when] or {}
+        names = self.task.parameter_names
+        pulls = [
+            abs(theta[name]["value"] - truth) / theta[name]["std"]
+            for name, truth in zip(names, self.answer["theta"], strict=True)
+            if name in theta and theta[name]["std"]
+        ]
+        return max(pulls, default=None)
 
     def _theta(self, when: str) -> np.ndarray | None:
         theta = self.diagnosis[when]

@@ -12,6 +12,7 @@ from avobench.bench import registry
 from avobench.bench.errors import AvobenchError, UsageError
 from avobench.bench.store import write_atomically
 from avobench.diagnosis import diagnose
+from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.events import check_events, read_events
 
 from .make import MANIFEST
@@ -60,7 +61,9 @@ def _solve_case(spec: str, data: Path, number: int, case: dict, path: Path, opti
     try:
         task = registry.build("task", spec, {})
         x, warnings = check_events(task, read_events(str(data / f"{case['case']}.npz")))
-        diagnosis = diagnose(task, x, seed=number, effects=case["effects"], **options)
+        allowed = case["effects"]
+        effects = None if allowed is None else [effect for effect in catalogue(task) if effect.name in allowed]
+        diagnosis = diagnose(task, x, seed=number, effects=effects, **options)
         result |= {"warnings": warnings, "diagnosis": diagnosis.model_dump(mode="json")}
         line = diagnosis.verdict
     except UsageError:

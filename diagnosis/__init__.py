@@ -1,1 +1,0 @@
-"""Find where simulation and measurement disagree, name the missing effect, add it, and show the gap shrink."""

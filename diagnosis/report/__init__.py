@@ -1,0 +1,21 @@
+"""A diagnosis for the eye: figures, and one page that holds them and every number."""
+
+from pathlib import Path
+
+from avobench.bench.store import write_atomically
+from avobench.diagnosis.schema import Diagnosis
+from avobench.tasks import Task
+
+from .figures import draw
+from .page import render
+from .pictures import Pictures
+
+__all__ = ["Pictures", "write"]
+
+
+def write(task: Task, diagnosis: Diagnosis, pictures: Pictures, folder: Path, title: str) -> list[Path]:
+    """Write the figures and `report.html` to the folder, each file whole or not at all; the page comes last."""
+    drawn = draw(task, diagnosis, pictures)
+    paths = [path for figure in drawn for path in figure.save(folder)]
+    page = render(task, diagnosis, drawn, title)
+    return [*paths, write_atomically(folder / "report.html", page.encode())]

@@ -1,0 +1,169 @@
+"""The figures and the page of a diagnosis, the page in a real browser."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from avobench.diagnosis.report import Pictures, write
+from avobench.diagnosis.schema import Diagnosis, Verdict
+from avobench.tasks import Box, Task
+from avobench.tasks.carl import Carl
+from avobench.tasks.poisson import Poisson
+
+HOSTILE = "<script>document.title = 'run'</script><img src=x onerror=alert(1)> & \"quotes\""
+VALUE = {"value": 1.5, "std": 0.1}
+EFFECT = {"name": "zero_inflation", "feature": None}
+
+
+def diagnosis(task, verdict=Verdict.NAMED, **changes):
+    named = verdict in (Verdict.NAMED, Verdict.REDUCED)
+    theta = {name: VALUE for name in task.parameter_names}
+    parameter = {"value": 0.04, "std": 0.002, "null": 0.0, "unit": "1"}
+    found = {**EFFECT, "parameters": {"fraction": parameter}, "tied_with": [{**EFFECT, "name": "dead_time"}]}
+    content = {
+        "verdict": verdict,
+        "alpha": 0.05,
+        "p_value_before": 1e-9,
+        "p_value_after": 0.4 if named else None,
+        "gates": {"summary": {"statistic": 900.0, "dof": 12, "p_value": 1e-9}},
+        "gap_before": {"value": 70.0, "low": 65.0, "high": 75.0},
+        "gap_after": {"value": 1.1, "low": 0.6, "high": 1.6} if named else None,
+        "theta_before": theta,
+        "theta_after": theta if named else None,
+        "effects": [found] if named else [],
+        "regions": [
+            {"feature": None, "low": -0.5, "high": 0.5, "kind": "excess", "z": 20.0, "p_global": 0.0005},
+            {"feature": None, "low": 3.5, "high": 6.5, "kind": "deficit", "z": -9.0, "p_global": 0.0005},
+        ],
+        "candidates": [
+            {**EFFECT, "score": 3.5, "p_value": 0.4, "held_out_gap": 1.1},
+            {**EFFECT, "name": "dead_time", "score": 3.6, "p_value": 0.3, "held_out_gap": 1.2},
+            {**EFFECT, "name": "pile_up", "score": 6.0, "p_value": 1e-9, "held_out_gap": None},
+        ],
+        "identifiability": [
+            {
+                **EFFECT,
+                "retained": 0.6,
+                "minimum_detectable": 0.006,
+                "theta_bias": {"log_rate": 0.01},
+                "rivals": [EFFECT],
+            }
+        ],
+        "notes": [HOSTILE],
+        "num_events": 5000,
+        "num_simulations": 100_000,
+        "seconds": 2.0,
+        "seed": 0,
+        "versions": {"avobench": "0.1.0"},
+    }
+    return Diagnosis.model_validate({**content, **changes})
+
+
+class Images(Task):
+    """Images of 8 x 12 cells, each hit with probability theta."""
+
+    name, parameter_names, parameter_units, source = "images", ("rate",), ("1",), "test"
+    prior = support = Box((0.1,), (0.9,))
+    num_features, event_shape, dtype = 96, (8, 12), np.uint8
+
+    def simulate(self, theta, rng):
+        return (rng.random((len(theta), 96)) < theta).astype(np.uint8)
+
+    def summary(self, x):
+        return x.mean(axis=0)
+
+    def floor(self, theta, num_observations, num_simulations):
+        return np.nan
+
+
+def events(task, n, seed=0):
+    rng = np.random.default_rng(seed)
+    return task.simulate(np.tile(task.prior.center, (n, 1)), rng)
+
+
+def missing_zeros(n=5000):
+    """Poisson counts with 4 % zeros in excess, and the simulators without and with them."""
+    x, before, after = (events(Poisson(), size, seed) for seed, size in enumerate((n, 4 * n, 4 * n)))
+    x[: n // 25] = 0
+    after[: 4 * n // 25] = 0
+    return x, before, after
+
+
+@pytest.mark.parametrize("task", [Poisson(), Carl()], ids=lambda task: task.name)
+def test_pulls_are_standard_normal_where_simulation_is_right(task):
+    pictures = Pictures.of(task, events(task, 20_000), events(task, 60_000, 1), None)
+    assert len(pictures.histograms) == task.num_features
+    assert pictures.maps is None
+    for histogram in pictures.histograms:
+        assert histogram.measured.sum() == 20_000
+        assert histogram.before.sum() == pytest.approx(20_000)
+        assert histogram.after is None
+    pulls = np.concatenate([histogram.pulls_before for histogram in pictures.histograms])
+    assert np.abs(pulls).max() < 5
+    assert (pulls**2).mean() == pytest.approx(1, abs=5 * np.sqrt(2 / len(pulls)))
+
+
+def test_pulls_show_what_is_missing_before_and_not_after():
+    x, before, after = missing_zeros()
+    (histogram,) = Pictures.of(Poisson(), x, before, after).histograms
+    assert histogram.edges[0] == -0.5
+    assert histogram.pulls_before[0] > 20
+    assert np.abs(histogram.pulls_after).max() < 5
+
+
+def test_maps_show_the_dead_cell():
+    task = Images()
+    x, before = events(task, 1000), events(task, 3000, 1)
+    x[:, 17] = 0
+    maps = Pictures.of(task, x, before, before.copy()).maps
+    assert maps.measured.shape == maps.pulls_before.shape == maps.pulls_after.shape == (8, 12)
+    assert np.unravel_index(np.argmin(maps.pulls_before), (8, 12)) == (1, 5)
+    assert np.abs(np.delete(maps.pulls_before.ravel(), 17)).max() < 5
+
+
+def test_values_beyond_the_bins_count_in_the_outermost():
+    x = events(Carl(), 5000)
+    x[:4] = [[1e6, -1e6, 0, 0, 0]] * 4
+    first, second, *_ = Pictures.of(Carl(), x, events(Carl(), 5000, 1), None).histograms
+    assert first.measured.sum() == second.measured.sum() == 5000
+    assert first.measured[-1] >= 4
+    assert second.measured[0] >= 4
+
+
+def test_the_page_opens_without_network_shows_its_figures_and_escapes(browser, tmp_path):
+    task = Poisson()
+    paths = write(task, diagnosis(task), Pictures.of(task, *missing_zeros()), tmp_path, title=HOSTILE)
+    names = {"distribution-1", "gap", "theta", "candidates"}
+    assert {path.name for path in paths} == {f"{name}.{kind}" for name in names for kind in ("pdf", "png", "csv")} | {
+        "report.html"
+    }
+    assert (tmp_path / "gap.pdf").read_bytes().startswith(b"%PDF")
+    assert (tmp_path / "gap.png").read_bytes().startswith(b"\x89PNG")
+    assert pd.read_csv(tmp_path / "distribution-1.csv")["pull_before"][0] > 20
+    browser.open(tmp_path / "report.html")
+    assert browser.complaints() == []
+    widths = browser.run("return [...document.images].map(image => image.naturalWidth)")
+    assert len(widths) == len(names)
+    assert min(widths) > 200
+    assert browser.driver.title.startswith("<script>document.title")
+    assert browser.run("return document.querySelector('h1').textContent") == HOSTILE
+    assert browser.run("return document.querySelector('#notes li').textContent") == HOSTILE
+    assert browser.run("return document.scripts.length") == 0
+    assert browser.run("return document.querySelector('#verdict').textContent") == "missing effect named"
+    text = browser.run("return document.body.innerText")
+    for expected in ("zero_inflation", "cannot tell it from dead_time", "0.04 ± 0.002", "deficit", "log_rate 0.01"):
+        assert expected in text
+
+
+@pytest.mark.parametrize("verdict", list(Verdict), ids=lambda verdict: verdict.name.lower())
+def test_every_verdict_has_a_page_also_where_there_is_nothing_to_show(browser, tmp_path, verdict):
+    task = Images()
+    content = diagnosis(task, verdict, regions=[], candidates=[], identifiability=[], notes=[])
+    named = content.theta_after is not None
+    x = events(task, 300)
+    write(task, content, Pictures.of(task, x, x[::-1], x if named else None), tmp_path, title="images")
+    browser.open(tmp_path / "report.html")
+    assert browser.complaints() == []
+    assert browser.run("return document.querySelector('#verdict').textContent") == str(verdict.value)
+    assert browser.run("return document.querySelector('#figure-maps img').naturalWidth") > 200
+    assert ("pull_after" in pd.read_csv(tmp_path / "maps.csv")) == named
