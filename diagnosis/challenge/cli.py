@@ -47,12 +47,21 @@ def solve(folder: Path, jobs: int, alpha: float | None, num_simulations: int | N
 @challenge.command()
 @FOLDER
 @click.option("--format", "kind", type=click.Choice(["text", "json"]), default="text", show_default=True)
-def score(folder: Path, kind: str) -> None:
-    """Open the answers and tell how often the diagnosis was right."""
-    from .score import score as compare
+@click.option("--records", type=click.Path(path_type=Path), default=None, help="File to write what was scored to.")
+def score(folder: Path, kind: str, records: Path | None) -> None:
+    """Open the answers and tell how often the diagnosis was right.
+
+    FOLDER may also be a file that --records wrote: one line of JSON a case, its answer and its diagnosis.
+    """
+    from avobench.bench.store import write_atomically
+
+    from . import score as module
     from .table import as_text
 
-    result = compare(folder)
+    lines = module.read_records(folder) if folder.is_file() else module.records(folder)
+    if records is not None:
+        write_atomically(records, "".join(json.dumps(line, allow_nan=False) + "\n" for line in lines).encode())
+    result = module.score(lines)
     click.echo(json.dumps(result, indent=1, allow_nan=False) if kind == "json" else as_text(result))
 
 

@@ -133,10 +133,9 @@ def make(
         public.append({"case": name, "effects": answer.pop("allowed")})
         answers.append({"case": name, **answer})
         progress(f"{name}: made")
-    write_atomically(out / "answers.json", _json({**MANIFEST, "task": spec, "seed": seed, "cases": answers}))
-    write_atomically(
-        out / "manifest.json", _json({**MANIFEST, "task": spec, "num_events": num_events, "cases": public})
-    )
+    common = {**MANIFEST, "task": spec, "num_events": num_events}
+    write_atomically(out / "answers.json", _json({**common, "seed": seed, "kinds": kinds, "cases": answers}))
+    write_atomically(out / "manifest.json", _json({**common, "cases": public}))
 
 
 def hide(task: Task, kind: str, num_events: int, rng: np.random.Generator) -> tuple[NDArray, dict[str, Any]]:

@@ -1,5 +1,6 @@
 """How good the diagnoses of a challenge are: the answers are opened here, and only here."""
 
+import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -17,6 +18,10 @@ from avobench.tasks import Task
 from .make import SETS
 from .solve import RESULTS, read_json, read_manifest
 
+RECORDS = {"schema": "avobench-challenge-records", "version": 1}
+KEPT = ("verdict", "alpha", "p_value_before", "p_value_after", "gates", "gap_before", "gap_after", "theta_before")
+KEPT += ("theta_after", "effects", "num_simulations", "seed", "versions")
+"""Of a diagnosis, in records: without what is long and not scored, as the candidates are."""
 NOTHING, NAMED = "no significant disagreement", "missing effect named"
 POWERS = (0.2, 0.5, 0.9, 0.99)
 """Borders of classes of visibility: the power of the best test of binned events, see `visibility`."""
@@ -110,30 +115,51 @@ def rate(hits: Iterable[bool]) -> dict[str, Any]:
     }
 
 
-def score(folder: Path) -> dict[str, Any]:
-    """Compare the results in `folder` with its answers. Raises UsageError while there is nothing to compare."""
-    manifest = read_manifest(folder)
-    task = registry.build("task", manifest["task"], {})
-    path = folder / "answers.json"
+def records(folder: Path) -> list[dict[str, Any]]:
+    """All that scoring needs, a dictionary a line: the challenge as a whole, then its solved cases with their answers.
+
+    Raises UsageError while there is nothing to compare.
+    """
+    manifest, path = read_manifest(folder), folder / "answers.json"
     if not path.is_file():
         raise UsageError(f"there are no answers in {folder}: {path} is missing")
-    results = {file.stem: read_json(file) for file in sorted((folder / RESULTS).glob("*.json"))}
+    results = [read_json(file) for file in sorted((folder / RESULTS).glob("*.json"))]
     if not results:
         raise UsageError(f"nothing is solved in {folder}; `avobench challenge solve {folder}` does it")
-    answers = {answer["case"]: answer for answer in read_json(path)["cases"]}
-    failed = {name: result["error"] for name, result in results.items() if "error" in result}
-    cases = [
-        Case(task, answers[name], result["diagnosis"], result["seconds"])
-        for name, result in results.items()
-        if name not in failed
-    ]
+    answers = read_json(path)
+    of_case = {answer["case"]: answer for answer in answers["cases"]}
+    head = {**RECORDS, **{name: answers[name] for name in ("task", "num_events", "seed", "kinds")}}
+    head |= {"cases": len(manifest["cases"]), "options": results[0]["options"]}
+    rows = []
+    for result in results:
+        row = {**of_case[result["case"]], "seconds": result["seconds"], "error": result.get("error")}
+        if row["error"] is None:
+            row["diagnosis"] = {name: result["diagnosis"][name] for name in KEPT}
+        rows.append(row)
+    return [head, *rows]
+
+
+def read_records(path: Path) -> list[dict[str, Any]]:
+    """What `records` gave, from a file of it. Raises UsageError for another file."""
+    try:
+        lines = [json.loads(line) for line in path.read_text().splitlines()]
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{path} cannot be read as records of a challenge: {error}") from error
+    if not lines or {name: lines[0].get(name) for name in RECORDS} != RECORDS:
+        raise UsageError(f"{path} does not hold records of a challenge")
+    return lines
+
+
+def score(lines: list[dict[str, Any]]) -> dict[str, Any]:
+    """How often the diagnoses were right, from `records`."""
+    head, *rows = lines
+    task = registry.build("task", head["task"], {})
+    failed = {row["case"]: row["error"] for row in rows if row["error"] is not None}
+    cases = [Case(task, row, row["diagnosis"], row["seconds"]) for row in rows if row["error"] is None]
     of = {kind: [case for case in cases if case.answer["kind"] == kind] for kind in ("none", "two", "withheld")}
     seconds = [case.seconds for case in cases]
     return {
-        "task": manifest["task"],
-        "num_events": manifest["num_events"],
-        "options": next(iter(results.values()))["options"],
-        "cases": len(answers),
+        **{name: value for name, value in head.items() if name not in RECORDS},
         "solved": len(cases),
         "failed": failed,
         "none": {

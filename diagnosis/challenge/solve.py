@@ -57,21 +57,23 @@ def solve(
 
 def _solve_case(spec: str, data: Path, number: int, case: dict, path: Path, options: dict[str, Any]) -> str:
     start = time.perf_counter()
-    result: dict[str, Any] = {"case": case["case"], "options": options}
+    common: dict[str, Any] = {"case": case["case"], "options": options}
     try:
         task = registry.build("task", spec, {})
         x, warnings = check_events(task, read_events(str(data / f"{case['case']}.npz")))
         allowed = case["effects"]
         effects = None if allowed is None else [effect for effect in catalogue(task) if effect.name in allowed]
         diagnosis = diagnose(task, x, seed=number, effects=effects, **options)
-        result |= {"warnings": warnings, "diagnosis": diagnosis.model_dump(mode="json")}
-        line = diagnosis.verdict
+        result = {**common, "warnings": warnings, "diagnosis": diagnosis.model_dump(mode="json")}
+        line = str(diagnosis.verdict)
+        json.dumps(result, allow_nan=False)  # a number that is none is a fault too
     except UsageError:
         raise
     except Exception as error:  # a failed case is a row of the score, never an absence
-        result["error"] = line = f"{type(error).__name__}: {error}"
+        line = f"{type(error).__name__}: {error}"
+        result = {**common, "error": line}
     result["seconds"] = time.perf_counter() - start
-    write_atomically(path, (json.dumps(result, allow_nan=False) + "\n").encode())
+    write_atomically(path, (json.dumps(result) + "\n").encode())
     return f"{case['case']}: {line}, {result['seconds']:.1f} s"
 
 

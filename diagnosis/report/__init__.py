@@ -7,7 +7,7 @@ from avobench.diagnosis.schema import Diagnosis
 from avobench.tasks import Task
 
 from .figures import draw
-from .page import render
+from .page import Shown, render
 from .pictures import Pictures
 
 __all__ = ["Pictures", "write"]
@@ -15,7 +15,11 @@ __all__ = ["Pictures", "write"]
 
 def write(task: Task, diagnosis: Diagnosis, pictures: Pictures, folder: Path, title: str) -> list[Path]:
     """Write the figures and `report.html` to the folder, each file whole or not at all; the page comes last."""
-    drawn = draw(task, diagnosis, pictures)
-    paths = [path for figure in drawn for path in figure.save(folder)]
-    page = render(task, diagnosis, drawn, title)
+    paths, shown = [], []
+    for figure in draw(task, diagnosis, pictures):
+        saved = figure.save(folder)
+        paths += saved
+        (png,) = (path for path in saved if path.suffix == ".png")
+        shown.append(Shown(figure.name, figure.caption, png.read_bytes()))
+    page = render(task, diagnosis, shown, title)
     return [*paths, write_atomically(folder / "report.html", page.encode())]

@@ -15,12 +15,12 @@ from avobench.tasks import Task
 
 from .pictures import TOTAL, Histogram, Maps, Pictures
 
-BEFORE, AFTER, REGION = PALETTE[1], PALETTE[0], {"excess": PALETTE[2], "deficit": PALETTE[3]}
+BEFORE, AFTER, REGION = PALETTE[1], PALETTE[0], {"excess": PALETTE[2], "deficit": PALETTE[4]}
 HATCH = {"excess": "//", "deficit": "\\\\"}
 MOST_CANDIDATES = 20
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Drawn:
     """A figure, the numbers that it shows, and what a reader is told about it."""
 
@@ -79,7 +79,8 @@ def _distribution(histogram: Histogram, diagnosis: Diagnosis, name: str) -> Draw
         axis.axhspan(-2, 2, color="0.85", lw=0)
         axis.stairs(pulls, edges, baseline=0, fill=True, color=colour, alpha=0.8)
         axis.set_ylabel(f"pull\n{when}")
-        axis.set_ylim(*(np.array([-1, 1]) * max(4, 1.1 * np.abs(histogram.pulls_before).max())))
+        limit = max(4, 1.1 * np.abs(pulls).max())
+        axis.set_ylim(-limit, limit)
     below[-1].set_xlabel(histogram.feature)
     top.set_xlim(edges[0], edges[-1])
     handles, labels = top.get_legend_handles_labels()

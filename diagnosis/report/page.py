@@ -1,29 +1,41 @@
 """The page of a diagnosis: one file that needs no network and runs no script."""
 
 import base64
-import io
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 from jinja2 import Environment, FileSystemLoader
 
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.schema import Diagnosis, Verdict
-from avobench.reports.style import STYLE
 from avobench.tasks import Task
 
-from .figures import Drawn, label
+from .figures import label
 
 MEANING = {
     Verdict.NOTHING: "These data do not contradict the simulator. Below stands what they could not have shown.",
-    Verdict.NAMED: "The simulator lacks an effect. With it, simulation and measurement agree.",
+    Verdict.NAMED: "The simulator lacks what follows. With it, simulation and measurement agree.",
     Verdict.REDUCED: "The effect below closes a part of the gap; what is left is still significant.",
     Verdict.UNEXPLAINED: "Simulation and measurement disagree, and no effect of the catalogue says why.",
 }
 
 
-def render(task: Task, diagnosis: Diagnosis, drawn: list[Drawn], title: str) -> str:
+@dataclass(frozen=True)
+class Shown:
+    """A figure of the page."""
+
+    name: str
+    caption: str
+    png: bytes
+
+    @property
+    def image(self) -> str:
+        """As the address of an image that needs no file."""
+        return "data:image/png;base64," + base64.b64encode(self.png).decode()
+
+
+def render(task: Task, diagnosis: Diagnosis, figures: list[Shown], title: str) -> str:
     """The page as HTML; whatever comes from the user, such as the title, is shown as text."""
     template = Environment(
         loader=FileSystemLoader(Path(__file__).parent), autoescape=True, trim_blocks=True, lstrip_blocks=True
@@ -33,20 +45,13 @@ def render(task: Task, diagnosis: Diagnosis, drawn: list[Drawn], title: str) -> 
         task=task,
         diagnosis=diagnosis,
         meaning=MEANING[diagnosis.verdict],
-        figures=[{"name": each.name, "caption": each.caption, "image": _png(each)} for each in drawn],
+        figures=figures,
         sentences={effect.name: effect.sentence for effect in catalogue(task)},
         candidates=sorted(diagnosis.candidates, key=lambda candidate: candidate.score),
         label=label,
         number=_number,
         value=_value,
     )
-
-
-def _png(drawn: Drawn) -> str:
-    content = io.BytesIO()
-    with matplotlib.rc_context(STYLE):
-        drawn.figure.savefig(content, format="png", dpi=120)
-    return "data:image/png;base64," + base64.b64encode(content.getvalue()).decode()
 
 
 def _number(value: float | None) -> str:
