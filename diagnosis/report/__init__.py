@@ -7,16 +7,19 @@ from avobench.diagnosis.schema import Diagnosis
 from avobench.tasks import Task
 
 from .figures import draw
+from .maps import Maps
 from .page import Shown, render
-from .pictures import Pictures
 
-__all__ = ["Pictures", "write"]
+__all__ = ["Maps", "write"]
 
 
-def write(task: Task, diagnosis: Diagnosis, pictures: Pictures, folder: Path, title: str) -> list[Path]:
-    """Write the figures and `report.html` to the folder, each file whole or not at all; the page comes last."""
+def write(task: Task, diagnosis: Diagnosis, folder: Path, title: str, maps: Maps | None = None) -> list[Path]:
+    """Write the figures and `report.html` to the folder, each file whole or not at all; the page comes last.
+
+    `diagnosis` is as `diagnose` returns it, with its pictures; `maps` belongs to events that are images.
+    """
     paths, shown = [], []
-    for figure in draw(task, diagnosis, pictures):
+    for figure in draw(task, diagnosis, maps):
         saved = figure.save(folder)
         paths += saved
         (png,) = (path for path in saved if path.suffix == ".png")

@@ -9,11 +9,12 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from avobench.diagnosis.schema import Diagnosis, FoundEffect, Named, Region
+from avobench.diagnosis.pictures import Spectrum
+from avobench.diagnosis.schema import Diagnosis, FoundEffect, Named
 from avobench.reports.style import PALETTE, STYLE, save
 from avobench.tasks import Task
 
-from .pictures import TOTAL, Histogram, Maps, Pictures
+from .maps import Maps
 
 BEFORE, AFTER, REGION = PALETTE[1], PALETTE[0], {"excess": PALETTE[2], "deficit": PALETTE[4]}
 HATCH = {"excess": "//", "deficit": "\\\\"}
@@ -34,17 +35,17 @@ class Drawn:
         return save(self.figure, self.table, folder, self.name)
 
 
-def draw(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> list[Drawn]:
-    """All figures that the diagnosis has something to show in."""
+def draw(task: Task, diagnosis: Diagnosis, maps: Maps | None) -> list[Drawn]:
+    """All figures that the diagnosis has something to show in; `maps` where events are images."""
     with matplotlib.rc_context(STYLE):
-        return list(_figures(task, diagnosis, pictures))
+        return list(_figures(task, diagnosis, maps))
 
 
-def _figures(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> Iterator[Drawn]:
-    if pictures.maps is not None:
-        yield _maps(pictures.maps)
-    for number, histogram in enumerate(pictures.histograms, start=1):
-        yield _distribution(histogram, diagnosis, f"distribution-{number}")
+def _figures(task: Task, diagnosis: Diagnosis, maps: Maps | None) -> Iterator[Drawn]:
+    if maps is not None:
+        yield _maps(maps)
+    for number, spectrum in enumerate(diagnosis.pictures.spectra, start=1):
+        yield _distribution(spectrum, diagnosis, f"distribution-{number}")
     yield _gap(diagnosis)
     yield _theta(task, diagnosis)
     if diagnosis.candidates:
@@ -56,49 +57,45 @@ def label(effect: Named) -> str:
     return effect.name if effect.feature is None else f"{effect.name} of {effect.feature}"
 
 
-def _distribution(histogram: Histogram, diagnosis: Diagnosis, name: str) -> Drawn:
-    models = [("before", BEFORE, "--", histogram.before, histogram.pulls_before)]
-    if histogram.after is not None:
-        models.append(("after", AFTER, "-", histogram.after, histogram.pulls_after))
+def _distribution(spectrum: Spectrum, diagnosis: Diagnosis, name: str) -> Drawn:
+    models = [("before", BEFORE, "--", spectrum.before)]
+    if spectrum.after is not None:
+        models.append(("after", AFTER, "-", spectrum.after))
     figure = Figure(figsize=(6.4, 3.2 + 1.1 * len(models)), layout="constrained")
     top, *below = figure.subplots(1 + len(models), 1, sharex=True, height_ratios=[3] + [1] * len(models))
-    edges, centres = histogram.edges, (histogram.edges[1:] + histogram.edges[:-1]) / 2
-    for when, colour, style, expected, _ in models:
-        top.stairs(expected, edges, color=colour, ls=style, lw=1.4, label=f"simulated, {when}")
-    error = np.sqrt(histogram.measured)
-    top.errorbar(centres, histogram.measured, error, fmt="o", color="black", ms=2.5, lw=0.8, label="measured")
-    top.set_ylabel("events")
+    edges, width = spectrum.edges, np.diff(spectrum.edges)
+    for when, colour, style, share in models:
+        top.stairs(share / width, edges, color=colour, ls=style, lw=1.4, label=f"simulated, {when}")
+    measured, error = spectrum.measured / width, spectrum.error / width
+    centres = (edges[1:] + edges[:-1]) / 2
+    top.errorbar(centres, measured, error, fmt="o", color="black", ms=2.5, lw=0.8, label="measured")
+    top.set_ylabel("probability density")
     top.set_ylim(bottom=0)
     for region in diagnosis.regions:
-        if not _on(region, histogram):
-            continue
-        for axis in (top, below[0]):
-            colour, own = REGION[region.kind], {"hatch": HATCH[region.kind], "label": region.kind, "lw": 0}
-            axis.axvspan(region.low, region.high, fc=(*colour, 0.15), ec=(*colour, 0.5), **own)
-    for axis, (when, colour, _, _, pulls) in zip(below, models, strict=True):
+        if region.feature in (spectrum.feature, None):
+            for axis in (top, below[0]):
+                colour, own = REGION[region.kind], {"hatch": HATCH[region.kind], "label": region.kind, "lw": 0}
+                axis.axvspan(region.low, region.high, fc=(*colour, 0.15), ec=(*colour, 0.5), **own)
+    for axis, (when, colour, _, share) in zip(below, models, strict=True):
+        pulls = spectrum.pulls(share)
         axis.axhspan(-2, 2, color="0.85", lw=0)
         axis.stairs(pulls, edges, baseline=0, fill=True, color=colour, alpha=0.8)
         axis.set_ylabel(f"pull\n{when}")
         limit = max(4, 1.1 * np.abs(pulls).max())
         axis.set_ylim(-limit, limit)
-    below[-1].set_xlabel(histogram.feature)
+    below[-1].set_xlabel(spectrum.feature)
     top.set_xlim(edges[0], edges[-1])
     handles, labels = top.get_legend_handles_labels()
     once = dict(zip(labels, handles, strict=True))  # several regions of a kind are one entry
     top.legend(once.values(), once.keys())
-    columns = {"low": edges[:-1], "high": edges[1:], "measured": histogram.measured}
-    for when, _, _, expected, pulls in models:
-        columns |= {f"simulated_{when}": expected, f"pull_{when}": pulls}
+    columns = {"low": edges[:-1], "high": edges[1:], "measured": spectrum.measured, "error": spectrum.error}
+    for when, _, _, share in models:
+        columns |= {f"simulated_{when}": share, f"pull_{when}": spectrum.pulls(share)}
     caption = (
-        f"Measured and simulated {histogram.feature}. Pulls are differences in standard deviations, the band spans 2, "
-        "the outermost bins hold what lies beyond. Hatched: regions that stand out though all were looked at."
+        f"Measured and simulated {spectrum.feature}. Pulls are differences in standard errors, the band spans 2. "
+        "Hatched: regions that stand out though all were looked at."
     )
     return Drawn(name, caption, figure, pd.DataFrame(columns))
-
-
-def _on(region: Region, histogram: Histogram) -> bool:
-    """Whether the region lies on the histogram's axis; without a feature it does where there is only one."""
-    return region.feature == histogram.feature or (region.feature is None and histogram.feature != TOTAL)
 
 
 def _maps(maps: Maps) -> Drawn:
@@ -121,6 +118,7 @@ def _maps(maps: Maps) -> Drawn:
         axis.grid(visible=False)
     row, column = np.indices(maps.measured.shape)
     table = {"row": row, "column": column, "measured": maps.measured, "simulated_before": maps.before}
+    table |= {} if maps.after is None else {"simulated_after": maps.after}
     table |= {f"pull_{when}": values for when, values in pulls}
     caption = (
         "Mean of the measured images, and cell by cell its difference from the simulated one in standard deviations."
