@@ -33,6 +33,8 @@ OWN_RANGE = (0.003, 1.0)
 NUM_REFERENCE = 20_000
 MANIFEST = {"schema": "avobench-challenge", "version": 1}
 SETS = ("own", "foreign")
+UNFINISHED = {"data", "answers.json"}
+"""What an interrupted `make` leaves; the next one begins anew."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +108,7 @@ def make(
     kinds: tuple[str, ...] = KINDS,
     progress: Callable[[str], None] = lambda line: None,
 ) -> None:
-    """Write `cases` data sets of the task `spec` to the new folder `out`, the kinds in equal shares and random order.
+    """Write `cases` data sets of the task `spec` to the folder `out`, the kinds in equal shares and random order.
 
     `manifest.json` and `data/` are all that solving needs; `answers.json` holds what was hidden. The manifest comes
     last, so that a folder without it is known to be incomplete. Raises UsageError for anything that cannot be met.
@@ -116,7 +118,7 @@ def make(
     unknown = [kind for kind in kinds if kind not in KINDS]
     if unknown or not kinds:
         raise UsageError(f"--kinds must be among {', '.join(KINDS)}, got {', '.join(unknown) or 'none'}")
-    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+    if out.exists() and (not out.is_dir() or {path.name for path in out.iterdir()} - UNFINISHED):
         raise UsageError(f"{out} exists and is not an empty folder")
     task = registry.build("task", spec, {})
     registry.require_packages("task", task)

@@ -23,7 +23,7 @@ MEANING = {
 
 @dataclass(frozen=True)
 class Shown:
-    """A figure of the page."""
+    """A figure of the page, shown at half its pixels so that it is sharp."""
 
     name: str
     caption: str
@@ -33,6 +33,10 @@ class Shown:
     def image(self) -> str:
         """As the address of an image that needs no file."""
         return "data:image/png;base64," + base64.b64encode(self.png).decode()
+
+    @property
+    def width(self) -> int:
+        return int.from_bytes(self.png[16:20]) // 2  # where a PNG says it
 
 
 def render(task: Task, diagnosis: Diagnosis, figures: list[Shown], title: str) -> str:

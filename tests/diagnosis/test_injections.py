@@ -1,6 +1,7 @@
 """The effects that a challenge hides: what they do to distributions whose moments are known."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -309,3 +310,13 @@ def test_registered_tasks_have_injections_for_their_events():
         task = registry.build("task", name, {})
         where = Place(task, None if task.event_shape else 0, np.zeros((2, task.num_features)))
         assert shapes(where)
+
+
+def test_the_page_on_the_challenge_lists_every_shape_with_its_strengths():
+    page = (Path(__file__).parents[2] / "docs" / "challenge.md").read_text()
+    for shape in (shape for family in FAMILIES.values() for shape in family):
+        (drawn,) = (each.metadata for each in fields(shape) if each.name == "strength")
+        sign, unit = "± " * drawn["sign"], "" if drawn["unit"] == "1" else f" {drawn['unit']}"
+        sentence = " ".join(shape.__doc__.split("\n\n")[0].split())
+        row = f"| {shape.name} | {shape.__name__} | {sign}{drawn['low']:g} to {drawn['high']:g}{unit} | {sentence} |"
+        assert row in page
