@@ -7,19 +7,18 @@ from avobench.diagnosis.schema import Diagnosis
 from avobench.tasks import Task
 
 from .figures import draw
-from .maps import Maps
 from .page import Shown, render
 
-__all__ = ["Maps", "write"]
+__all__ = ["write"]
 
 
-def write(task: Task, diagnosis: Diagnosis, folder: Path, title: str, maps: Maps | None = None) -> list[Path]:
+def write(task: Task, diagnosis: Diagnosis, folder: Path, title: str) -> list[Path]:
     """Write the figures and `report.html` to the folder, each file whole or not at all; the page comes last.
 
-    `diagnosis` is as `diagnose` returns it, with its pictures; `maps` belongs to events that are images.
+    `diagnosis` is as `diagnose` returns it, with its pictures; `title` may be any text.
     """
     paths, shown = [], []
-    for figure in draw(task, diagnosis, maps):
+    for figure in draw(task, diagnosis):
         saved = figure.save(folder)
         paths += saved
         (png,) = (path for path in saved if path.suffix == ".png")

@@ -9,12 +9,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from avobench.diagnosis.pictures import Spectrum
+from avobench.diagnosis.pictures import Maps, Spectrum
 from avobench.diagnosis.schema import Diagnosis, FoundEffect, Named
 from avobench.reports.style import PALETTE, STYLE, save
 from avobench.tasks import Task
-
-from .maps import Maps
 
 BEFORE, AFTER, REGION = PALETTE[1], PALETTE[0], {"excess": PALETTE[2], "deficit": PALETTE[4]}
 HATCH = {"excess": "//", "deficit": "\\\\"}
@@ -35,15 +33,15 @@ class Drawn:
         return save(self.figure, self.table, folder, self.name)
 
 
-def draw(task: Task, diagnosis: Diagnosis, maps: Maps | None) -> list[Drawn]:
-    """All figures that the diagnosis has something to show in; `maps` where events are images."""
+def draw(task: Task, diagnosis: Diagnosis) -> list[Drawn]:
+    """All figures that the diagnosis has something to show in."""
     with matplotlib.rc_context(STYLE):
-        return list(_figures(task, diagnosis, maps))
+        return list(_figures(task, diagnosis))
 
 
-def _figures(task: Task, diagnosis: Diagnosis, maps: Maps | None) -> Iterator[Drawn]:
-    if maps is not None:
-        yield _maps(maps)
+def _figures(task: Task, diagnosis: Diagnosis) -> Iterator[Drawn]:
+    if diagnosis.pictures.maps is not None:
+        yield _maps(diagnosis.pictures.maps, diagnosis)
     for number, spectrum in enumerate(diagnosis.pictures.spectra, start=1):
         yield _distribution(spectrum, diagnosis, f"distribution-{number}")
     yield _gap(diagnosis)
@@ -98,30 +96,36 @@ def _distribution(spectrum: Spectrum, diagnosis: Diagnosis, name: str) -> Drawn:
     return Drawn(name, caption, figure, pd.DataFrame(columns))
 
 
-def _maps(maps: Maps) -> Drawn:
-    pulls = [("before", maps.pulls_before)]
-    if maps.pulls_after is not None:
-        pulls.append(("after", maps.pulls_after))
-    figure = Figure(figsize=(3.2 * (1 + len(pulls)), 3.2), layout="constrained")
-    first, *others = figure.subplots(1, 1 + len(pulls))
+def _maps(maps: Maps, diagnosis: Diagnosis) -> Drawn:
+    models = [("before", maps.before)]
+    if maps.after is not None:
+        models.append(("after", maps.after))
+    figure = Figure(figsize=(3.2 * (1 + len(models)), 3.2), layout="constrained")
+    first, *others = figure.subplots(1, 1 + len(models))
     image = first.imshow(maps.measured, cmap="cividis", origin="lower", aspect="auto")
     figure.colorbar(image, ax=first, label="mean of a cell", location="bottom")
     first.set_title("measured")
-    limit = max(4, float(np.abs(maps.pulls_before).max()))
-    for axis, (when, values) in zip(others, pulls, strict=True):
-        image = axis.imshow(values, cmap="PuOr", vmin=-limit, vmax=limit, origin="lower", aspect="auto")
+    limit = max(4.0, float(np.abs(maps.pulls(maps.before)).max()))
+    for axis, (when, simulated) in zip(others, models, strict=True):
+        style = {"cmap": "PuOr", "vmin": -limit, "vmax": limit, "origin": "lower", "aspect": "auto"}
+        image = axis.imshow(maps.pulls(simulated), **style)
         axis.set_title(f"pulls {when}")
-        figure.colorbar(image, ax=axis, label="measured - simulated [std]", location="bottom")
+        figure.colorbar(image, ax=axis, label="measured - simulated [standard errors]", location="bottom")
+    for region in diagnosis.regions:
+        if span := {"row": others[0].axhspan, "column": others[0].axvspan}.get(region.feature or ""):
+            style = {"fill": False, "lw": 1.5, "ec": REGION[region.kind]}
+            span(region.low - 0.5, region.high + 0.5, **style)  # whole cells, the ends included
     for axis in (first, *others):
         axis.set_xlabel("column")
         axis.set_ylabel("row")
         axis.grid(visible=False)
     row, column = np.indices(maps.measured.shape)
-    table = {"row": row, "column": column, "measured": maps.measured, "simulated_before": maps.before}
-    table |= {} if maps.after is None else {"simulated_after": maps.after}
-    table |= {f"pull_{when}": values for when, values in pulls}
+    table = {"row": row, "column": column, "measured": maps.measured, "error": maps.error}
+    for when, simulated in models:
+        table |= {f"simulated_{when}": simulated, f"pull_{when}": maps.pulls(simulated)}
     caption = (
-        "Mean of the measured images, and cell by cell its difference from the simulated one in standard deviations."
+        "Mean of the measured images, and cell by cell its difference from the simulated one in standard errors. "
+        "Framed: rows and columns that stand out though all were looked at."
     )
     return Drawn("maps", caption, figure, pd.DataFrame({name: values.ravel() for name, values in table.items()}))
 

@@ -291,6 +291,15 @@ def test_cells_fail_and_fire_at_the_rates_asked_for(collisions):
         assert set(np.unique(x)) <= {0, 1}
 
 
+def test_a_trigger_on_the_number_of_hits_loses_events_with_few(collisions):
+    where, _, _ = collisions
+    trigger = drawn(images.MultiplicityTrigger, where, strength=0.3, width=0.1)
+    hits = where.reference.sum(axis=1)
+    efficiency = trigger.efficiency(where.reference)
+    assert (np.diff(efficiency[np.argsort(hits)]) >= 0).all()
+    assert efficiency.mean() == pytest.approx((hits >= np.quantile(hits, 0.3)).mean(), abs=0.03)
+
+
 def test_pile_up_adds_collisions(collisions):
     where, _, theta = collisions
     simulate = lambda at, rng: np.ones((len(at), 1024), np.uint8)  # noqa: E731

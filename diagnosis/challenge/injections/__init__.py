@@ -61,6 +61,7 @@ FAMILIES: dict[str, tuple[type[Injection], ...]] = {
         images.UnevenEfficiency,
         images.NoiseClusters,
         images.SpreadPileUp,
+        images.MultiplicityTrigger,
         tracker.MovedBeam,
         tracker.TiltedDetector,
         tracker.SoftParticles,

@@ -5,8 +5,9 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtr
 
-from .base import Injection, Place, Simulate, drawn, strength
+from .base import Injection, Place, Selection, Simulate, drawn, strength
 
 
 class ImageInjection(Injection):
@@ -142,6 +143,21 @@ class SpreadPileUp(Injection):
         for one, image in zip(event, more, strict=True):
             x[one] = overlay(self.place, x[one], image)
         return x
+
+
+@dataclass(frozen=True)
+class MultiplicityTrigger(Selection):
+    """An event with few hits may not start the readout: an erf turn-on in the number of hits."""
+
+    name: ClassVar = "threshold"
+    source: ClassVar = "the usual erf turn-on of multiplicity triggers"
+    strength: float = strength(0.01, 0.4, "share of the events below the threshold")
+    width: float = drawn(0.1, 0.5, "standard deviations")
+
+    def efficiency(self, x: NDArray) -> NDArray[np.float64]:
+        hits = np.count_nonzero(self.place.reference, axis=1)
+        threshold = np.quantile(hits, self.strength)
+        return ndtr((np.count_nonzero(x, axis=1) + 0.5 - threshold) / (self.width * hits.std()))
 
 
 def hit_size(place: Place) -> float:

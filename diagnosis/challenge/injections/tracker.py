@@ -80,10 +80,10 @@ class TiltedDetector(ParticleInjection):
 
 @dataclass(frozen=True)
 class SoftParticles(ParticleInjection):
-    """Particles of low momentum leave no signal above the threshold of the electronics: an erf turn-on in momentum."""
+    """Hits are lost where a particle's momentum is low: an erf turn-on in momentum."""
 
-    name: ClassVar = "threshold"
-    source: ClassVar = "momentum thresholds of tracking detectors"
+    name: ClassVar = "inefficiency"
+    source: ClassVar = "efficiency of tracking detectors as a function of momentum"
     strength: float = strength(0.03, 1, "GeV")
     width: float = drawn(0.1, 0.4, "of the threshold")
 
