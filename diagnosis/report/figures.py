@@ -114,7 +114,7 @@ def _maps(maps: Maps, diagnosis: Diagnosis) -> Drawn:
     for region in diagnosis.regions:
         if span := {"row": others[0].axhspan, "column": others[0].axvspan}.get(region.feature or ""):
             style = {"fill": False, "lw": 1.5, "ec": REGION[region.kind]}
-            span(region.low - 0.5, region.high + 0.5, **style)  # whole cells, the ends included
+            span(region.low, region.high, **style)
     for axis in (first, *others):
         axis.set_xlabel("column")
         axis.set_ylabel("row")

@@ -117,7 +117,7 @@ def test_the_page_opens_without_network_shows_its_figures_and_escapes(browser, t
 @pytest.mark.parametrize("verdict", [Verdict.NOTHING, Verdict.REDUCED], ids=lambda verdict: verdict.name.lower())
 def test_every_verdict_has_a_page_also_where_there_is_nothing_to_show(browser, tmp_path, verdict):
     task = Images()
-    row = {"feature": "row", "low": 0, "high": 1, "kind": "deficit", "z": -9.0, "p_global": 0.0005}
+    row = {"feature": "row", "low": -0.5, "high": 1.5, "kind": "deficit", "z": -9.0, "p_global": 0.0005}
     regions = [row, {**row, "feature": "column"}] if verdict == Verdict.REDUCED else []
     content = diagnosis(task, verdict, regions=regions, candidates=[], identifiability=[], notes=[])
     named = content.theta_after is not None
