@@ -110,7 +110,7 @@ def _maps(maps: Maps, diagnosis: Diagnosis) -> Drawn:
         style = {"cmap": "PuOr", "vmin": -limit, "vmax": limit, "origin": "lower", "aspect": "auto"}
         image = axis.imshow(maps.pulls(simulated), **style)
         axis.set_title(f"pulls {when}")
-        figure.colorbar(image, ax=axis, label="measured - simulated [standard errors]", location="bottom")
+        figure.colorbar(image, ax=axis, label="pull", location="bottom")
     for region in diagnosis.regions:
         if span := {"row": others[0].axhspan, "column": others[0].axvspan}.get(region.feature or ""):
             style = {"fill": False, "lw": 1.5, "ec": REGION[region.kind]}
