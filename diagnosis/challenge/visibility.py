@@ -89,10 +89,33 @@ def visibility(
 ) -> Visibility:
     """Of the effect in events x (n, d), measured at theta (p,), if there were `num_events` of them.
 
-    Theta is fitted to the binned events by Gauss-Newton steps from its true value; the fluctuations of x and of the
-    simulation are subtracted on average. With as many events in x as `num_events` the distance is uncertain by about
-    1.5 sqrt(2 / ndf).
+    Theta is fitted to the binned events by Gauss-Newton steps, from its true value and from where the means agree, in
+    case it has far to go; the better fit counts. The fluctuations of x and of the simulation are subtracted on average.
+    With as many events in x as `num_events` the distance is uncertain by about 1.5 sqrt(2 / ndf).
     """
+    starts = [theta] if task.event_shape else [theta, _where_means_agree(task, x, theta, rng)]
+    return min((_from(task, x, start, num_events, rng) for start in starts), key=lambda seen: seen.distance)
+
+
+def _where_means_agree(
+    task: Task, x: NDArray, theta: NDArray[np.float64], rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """The theta (p,) at which the mean of each feature is that of x, as far as there is one."""
+    low, high, step = np.array(task.support.low), np.array(task.support.high), STEP * task.prior.width
+    scale = x.std(axis=0)
+
+    def mean(at: NDArray[np.float64], seed: int) -> NDArray[np.float64]:
+        events = task.simulate(np.tile(np.clip(at, low, high), (len(x), 1)), np.random.default_rng(seed))
+        return events.mean(axis=0) / scale
+
+    for seed in rng.integers(2**63, size=NUM_ROUNDS):
+        slopes = [(mean(theta + change, seed) - mean(theta - change, seed)) / 2 for change in np.diag(step)]
+        residual = x.mean(axis=0) / scale - mean(theta, seed)
+        theta = np.clip(theta + step * np.linalg.lstsq(np.stack(slopes, axis=1), residual, rcond=0.02)[0], low, high)
+    return theta
+
+
+def _from(task: Task, x: NDArray, theta: NDArray[np.float64], num_events: int, rng: np.random.Generator) -> Visibility:
     n, m = len(x), len(x) if task.event_shape else 2 * len(x)
     simulated = task.simulate(np.tile(theta, (m, 1)), rng)
     bins, half = Bins(task, x), NUM_COVARIANCE // 2
