@@ -5,8 +5,15 @@ METHODS := --method avo --method abc-smc --method bolfi
 # Populations of 25 give ABC-SMC several generations from a tenth of the events.
 QUICK := --budget 16000 --observations 20000 --targets 0-2 --set abc-smc.population_size=25
 
+# TASK-KINDS-CASES of `make challenge`, and of `make challenge FULL=1`.
+CHALLENGE := poisson-none-10 poisson-effects-12 weinberg-none-10 weinberg-effects-12 carl-none-4 carl-effects-8
+FULL_CHALLENGE := $(foreach task,poisson weinberg carl,$(task)-none-200 $(task)-effects-160)
+FULL_CHALLENGE += alignment-none-40 alignment-effects-40
+EFFECTS := own,foreign,two,withheld
+JOBS ?= 1
+
 .DEFAULT_GOAL := help
-.PHONY: help venv benchmark quick figures studies pages bench-avo bench-cost bench-scaling bench-speed test browser lint clean
+.PHONY: help venv benchmark quick figures studies pages bench-avo bench-cost bench-scaling bench-speed challenge test browser lint clean
 
 help:  ## show these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -48,6 +55,15 @@ bench-cost: venv  ## where the time goes, from results/reference; simulators aga
 
 pages: venv  ## write into README and docs what the commands named there print
 	$(BIN)/python -m avobench.reports.printed README.md docs/performance.md
+
+challenge: $(patsubst %,challenge-%,$(if $(FULL),$(FULL_CHALLENGE),$(CHALLENGE)))  ## hide effects, find and score them; FULL=1 for all
+
+challenge-%: venv
+	@test -e results/challenge/$*/manifest.json || $(BIN)/avobench challenge make --out results/challenge/$* \
+	  --task $(word 1,$(subst -, ,$*)) --cases $(word 3,$(subst -, ,$*)) \
+	  --kinds $(if $(findstring none,$*),none,$(EFFECTS)) --events $(if $(findstring alignment,$*),20000,50000)
+	@$(BIN)/avobench challenge solve results/challenge/$* --jobs $(JOBS)
+	@$(BIN)/avobench challenge score results/challenge/$* --records results/challenge/$*.jsonl
 
 test: venv browser  ## the test suite
 	$(BIN)/python -m pytest

@@ -18,6 +18,7 @@ from avobench.bench.plan import on_device, plan
 from avobench.bench.progress import ProgressView
 from avobench.bench.runner import Sweep, run
 from avobench.bench.store import Store, to_frame
+from avobench.diagnosis.challenge.cli import challenge
 from avobench.diagnosis.cli import diagnose
 from avobench.reports.cli import COMMANDS, draw
 
@@ -166,9 +167,8 @@ def check_(kind: str, name: str) -> None:
         raise AvobenchError(f"{kind} {name} does not keep the contract")
 
 
-from avobench.bench.store import Store, to_frame
-from avobench.diagnosis.cli import diagnose
-from avobench.reports.cli import COMMANDS, draw
+for command in (*COMMANDS, diagnose, challenge):
+    cli.add_command(command)
 
 
 def main() -> None:

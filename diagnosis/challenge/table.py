@@ -1,0 +1,75 @@
+"""The score of a challenge as a page of text."""
+
+from typing import Any
+
+from .score import NAMED, VISIBLE
+
+
+def as_text(result: dict[str, Any]) -> str:
+    """The score as a page of text."""
+    lines = [
+        f"{result['task']}: {result['solved']} of {result['cases']} cases solved, {len(result['failed'])} failed, "
+        f"{result['num_events']} events each",
+        *(f"  failed {name}: {error}" for name, error in result["failed"].items()),
+        f"no effect: false alarms {_percent(result['none']['false_alarms'])}, "
+        f"theta within 2 errors {_percent(result['none']['theta_within_2'])}",
+    ]
+    for each, one in result["one"].items():
+        if not one["cases"]:
+            continue
+        lines += [
+            f"one effect, {each} shapes: {one['cases']} cases, {one['undetectable']} undetectable; detected, by the "
+            "power that the best test would have:",
+            *(f"  {100 * p['from']:3.0f} to {100 * p['to']:3.0f} %: {_percent(p)}" for p in one["power"] if p["of"]),
+            f"  of those detected: right name first {_percent(one['right_first'])} "
+            f"(whatever the feature {_percent(one['right_first_whatever_feature'])})",
+            f"  truth in the tie set {_percent(one['in_tie_set'])}, mean size {_number(one['tie_size'])}",
+            f"  of all with a power of {100 * VISIBLE:.0f} % or more: right name first "
+            f"{_percent(one['visible_right_first'])}",
+            f'  "{NAMED}" {_percent(one["explained"])}; then theta within 2 errors {_percent(one["theta_within_2"])}',
+            _medians(one),
+            *(f"    {line}" for line in one["mistaken"]),
+        ]
+    for each, withheld in result["withheld"].items():
+        if withheld["cases"]:
+            lines += [
+                f"withheld effect, {each} shapes: detected {_percent(withheld['detected'])}, of these falsely "
+                f"explained {_percent(withheld['falsely_explained'])}",
+                *(f"    {line}" for line in withheld["mistaken"]),
+            ]
+    for each, two in result["two"].items():
+        if two["cases"]:
+            lines += [
+                f"two effects, {each} shapes: detected {_percent(two['detected'])}, of these both named "
+                f"{_percent(two['both'])}, with ties {_percent(two['both_with_ties'])}, at least one "
+                f"{_percent(two['at_least_one'])}",
+                f"  where the best test would see each alone with a power of {100 * VISIBLE:.0f} % or more: both named "
+                f"{_percent(two['visible_both'])}",
+                _medians(two),
+                *(f"    {line}" for line in two["mistaken"]),
+            ]
+    if result["seconds"]:
+        lines.append(
+            f"seconds a data set: median {result['seconds']['median']:.1f}, max {result['seconds']['max']:.1f}"
+        )
+    return "\n".join(lines)
+
+
+def _percent(rate: dict[str, Any]) -> str:
+    if not rate["of"]:
+        return "0/0"
+    return (
+        f"{rate['count']}/{rate['of']} = {100 * rate['share']:.0f} % "
+        f"({100 * rate['low']:.0f} to {100 * rate['high']:.0f})"
+    )
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3g}"
+
+
+def _medians(part: dict[str, Any]) -> str:
+    return (
+        f"  medians: held-out chi2/ndf {_number(part['gap_before'])} -> {_number(part['gap_after'])}, "
+        f"bias of theta {_number(part['bias_before'])} -> {_number(part['bias_after'])}"
+    )

@@ -1,0 +1,27 @@
+"""A diagnosis for the eye: figures, and one page that holds them and every number."""
+
+from pathlib import Path
+
+from avobench.bench.store import write_atomically
+from avobench.diagnosis.schema import Diagnosis
+from avobench.tasks import Task
+
+from .figures import draw
+from .page import Shown, render
+
+__all__ = ["write"]
+
+
+def write(task: Task, diagnosis: Diagnosis, folder: Path, title: str) -> list[Path]:
+    """Write the figures and `report.html` to the folder, each file whole or not at all; the page comes last.
+
+    `diagnosis` is as `diagnose` returns it, with its pictures; `title` may be any text.
+    """
+    paths, shown = [], []
+    for figure in draw(task, diagnosis):
+        saved = figure.save(folder)
+        paths += saved
+        (png,) = (path for path in saved if path.suffix == ".png")
+        shown.append(Shown(figure.name, figure.caption, png.read_bytes()))
+    page = render(task, diagnosis, shown, title)
+    return [*paths, write_atomically(folder / "report.html", page.encode())]

@@ -1,0 +1,334 @@
+"""Hiding effects, finding them without the answers, and scoring."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+from scipy.stats import poisson
+
+from avobench.bench import cli
+from avobench.bench.errors import UsageError
+from avobench.diagnosis.challenge import make as making
+from avobench.diagnosis.challenge import solve as solving
+from avobench.diagnosis.challenge.make import KINDS, make
+from avobench.diagnosis.challenge.score import RECORDS, rate, read_records, records, score
+from avobench.diagnosis.challenge.solve import read_manifest, solve
+from avobench.diagnosis.challenge.table import as_text
+from avobench.diagnosis.challenge.visibility import visibility
+from avobench.diagnosis.schema import Diagnosis
+from avobench.tasks.poisson import Poisson
+from avobench.tasks.weinberg import Weinberg
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A small challenge of each kind, made once."""
+    path = tmp_path_factory.mktemp("challenge") / "poisson"
+    make("poisson", 10, 3, path, num_events=1000)
+    return path
+
+
+@pytest.fixture
+def fresh(folder, tmp_path):
+    """The same without any result and without answers, and where the answers are."""
+    copy = tmp_path / "copy"
+    copy.mkdir()
+    (copy / "data").symlink_to(folder / "data")
+    (copy / "manifest.json").write_bytes((folder / "manifest.json").read_bytes())
+    return copy, folder / "answers.json"
+
+
+def said(verdict="no significant disagreement", effects=(), theta=1.0, **changes):
+    """A diagnosis of a poisson data set; effects are (name, tied names)."""
+    gap = {"value": 2.0, "low": 1.0, "high": 3.0}
+    value = {"log_rate": {"value": theta, "std": 0.1}}
+    content = {
+        "verdict": verdict,
+        "alpha": 0.05,
+        "p_value_before": 0.5,
+        "p_value_after": 0.4 if effects else None,
+        "gates": {},
+        "gap_before": gap,
+        "gap_after": {**gap, "value": 1.1} if effects else None,
+        "theta_before": value,
+        "theta_after": value if effects else None,
+        "effects": [
+            {
+                "name": name,
+                "feature": None,
+                "parameters": {},
+                "tied_with": [{"name": rival, "feature": None} for rival in ties],
+            }
+            for name, ties in effects
+        ],
+        **{name: [] for name in ("regions", "candidates", "identifiability", "notes")},
+        "num_events": 1000,
+        "num_simulations": 1,
+        "seconds": 1.0,
+        "seed": 0,
+        "versions": {},
+    }
+    return Diagnosis.model_validate({**content, **changes})
+
+
+def test_data_are_repeated_for_a_seed_and_differ_for_another(folder, tmp_path):
+    for seed, same in ((3, True), (4, False)):
+        make("poisson", 10, seed, tmp_path / str(seed), num_events=1000)
+        one, other = ((path / "answers.json").read_bytes() for path in (folder, tmp_path / str(seed)))
+        assert (one == other) == same
+        x, y = (np.load(path / "data" / "0000.npz")["x"] for path in (folder, tmp_path / str(seed)))
+        assert np.array_equal(x, y) == same
+
+
+def test_kinds_come_in_equal_shares_and_answers_stand_apart(folder):
+    answers = json.loads((folder / "answers.json").read_text())["cases"]
+    assert sorted(answer["kind"] for answer in answers) == sorted(KINDS * 2)
+    number = {"none": 0, "own": 1, "foreign": 1, "two": 2, "withheld": 1}
+    for answer in answers:
+        assert len({effect["name"] for effect in answer["effects"]}) == number[answer["kind"]]
+        assert Poisson.prior.contains(answer["theta"]).all()
+    public = read_manifest(folder)
+    assert all(set(case) == {"case", "effects"} for case in public["cases"])
+    allowed = {case["case"]: case["effects"] for case in public["cases"]}
+    for answer in answers:
+        if answer["kind"] == "withheld":
+            assert answer["effects"][0]["name"] not in allowed[answer["case"]]
+            assert len(allowed[answer["case"]]) == 9
+        else:
+            assert allowed[answer["case"]] is None
+
+
+def test_data_have_the_task_s_shape_and_type(folder):
+    for path in sorted((folder / "data").iterdir()):
+        x = np.load(path)["x"]
+        assert x.shape == (1000, 1)
+        assert x.dtype == np.int64
+
+
+def test_what_cannot_be_made_is_refused_and_leaves_nothing(tmp_path):
+    for arguments, message in [
+        (("nothing", 1, 0), "there is no task named"),
+        (("poisson", 0, 0), "--cases"),
+        (("poisson", 1, -1), "--seed"),
+    ]:
+        with pytest.raises(UsageError, match=message):
+            make(*arguments, tmp_path / "new")
+    with pytest.raises(UsageError, match="--kinds must be among"):
+        make("poisson", 1, 0, tmp_path / "new", kinds=("three",))
+    assert not (tmp_path / "new").exists()
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "file").touch()
+    with pytest.raises(UsageError, match="not an empty folder"):
+        make("poisson", 1, 0, tmp_path / "full")
+    with pytest.raises(UsageError, match="holds no challenge"):
+        solve(tmp_path / "full")
+
+
+def test_an_effect_of_the_catalogue_is_drawn_within_its_bounds():
+    rng = np.random.default_rng(0)
+    for effect in making.catalogue(Weinberg()):
+        for _ in range(20):
+            drawn = making.OwnShape.draw(effect, rng)
+            for parameter, value in zip(drawn.effect.parameters, drawn.phi, strict=True):
+                assert parameter.low <= value <= parameter.high
+            assert drawn.phi[0] != drawn.effect.parameters[0].null
+
+
+def test_solving_never_opens_the_answers_and_goes_on_from_where_it_stopped(fresh, monkeypatch):
+    folder, answers = fresh
+    assert not (folder / "answers.json").exists()
+    seen = []
+
+    def diagnose(task, x, *, seed, effects):
+        seen.append((seed, x.shape, effects and len(effects)))
+        if len(seen) == 4:
+            raise KeyboardInterrupt
+        return said()
+
+    monkeypatch.setattr(solving, "diagnose", diagnose)
+    with pytest.raises(KeyboardInterrupt):
+        solve(folder)
+    assert len(list((folder / "results").iterdir())) == 3
+    solve(folder)
+    assert [number for number, _, _ in seen] == [0, 1, 2, 3, *range(3, 10)]
+    assert {shape for _, shape, _ in seen} == {(1000, 1)}
+    assert sorted(len(list(making.catalogue(Poisson()))) - n for _, _, n in seen if n) == [1, 1]
+    before = {path: path.stat().st_mtime_ns for path in (folder / "results").iterdir()}
+    solve(folder)
+    assert before == {path: path.stat().st_mtime_ns for path in (folder / "results").iterdir()}
+    with pytest.raises(UsageError, match="there are no answers"):
+        records(folder)
+    (folder / "answers.json").symlink_to(answers)
+    assert score(records(folder))["solved"] == 10
+
+
+def test_a_case_that_fails_is_a_row_and_is_tried_again(fresh, monkeypatch):
+    folder, answers = fresh
+
+    def fails(task, x, *, seed, effects):
+        if seed == 2:
+            raise RuntimeError("lost the thread")
+        return said()
+
+    monkeypatch.setattr(solving, "diagnose", fails)
+    solve(folder)
+    (folder / "answers.json").symlink_to(answers)
+    result = score(records(folder))
+    assert result["failed"] == {"0002": "RuntimeError: lost the thread"}
+    assert result["solved"] == 9
+    monkeypatch.setattr(solving, "diagnose", lambda task, x, *, seed, effects: said())
+    solve(folder)
+    assert score(records(folder))["failed"] == {}
+
+
+def test_results_of_other_options_are_not_mixed(fresh, monkeypatch):
+    folder, _ = fresh
+    monkeypatch.setattr(solving, "diagnose", lambda task, x, *, seed, effects, alpha=0.05: said())
+    solve(folder)
+    with pytest.raises(UsageError, match="was made with"):
+        solve(folder, options={"alpha": 0.01})
+
+
+NAMED, REDUCED = "missing effect named", "disagreement reduced, still significant"
+UNEXPLAINED = "disagreement not explained by the catalogue"
+
+
+def row(case, kind, hidden=(), diagnosis=None, power=1.0, theta=1.0, source="own"):
+    """A line of records."""
+    effects = [
+        {"name": name, "feature": None, "shape": "", "settings": {}, "distance": 1.0, "power": power} for name in hidden
+    ]
+    answer = {"case": f"{case:04d}", "kind": kind, "set": source, "theta": [theta], "effects": effects}
+    return {**answer, "seconds": 2.0, "error": None, "diagnosis": (diagnosis or said()).model_dump(mode="json")}
+
+
+def test_the_score_counts_what_it_says():
+    head = {
+        **RECORDS,
+        "task": "poisson",
+        "num_events": 1000,
+        "seed": 0,
+        "kinds": list(KINDS),
+        "cases": 20,
+        "options": {},
+    }
+    lines = [
+        row(0, "none"),
+        row(1, "none", diagnosis=said(NAMED, [("pile_up", ())])),
+        row(2, "own", ["pile_up"], power=0.06),  # absorbed by theta: undetectable
+        row(3, "own", ["dead_time"], power=0.95),  # missed
+        row(4, "own", ["dead_time"], said(NAMED, [("dead_time", ["pile_up"])], theta=1.1)),
+        row(5, "own", ["dead_time"], said(REDUCED, [("pile_up", ["dead_time"])])),
+        row(6, "own", ["dead_time"], said(NAMED, [("inefficiency", [])], theta=1.3)),
+        row(7, "foreign", ["dead_time"], said(UNEXPLAINED), source="foreign"),
+        row(8, "withheld", ["dead_time"], said(NAMED, [("pile_up", [])])),
+        row(9, "withheld", ["dead_time"], said(UNEXPLAINED)),
+        row(10, "withheld", ["pile_up"], power=0.1),
+        row(11, "two", ["dead_time", "pile_up"], said(NAMED, [("pile_up", []), ("dead_time", [])])),
+        row(12, "two", ["dead_time", "pile_up"], said(NAMED, [("pile_up", ["inefficiency"])])),
+        row(13, "two", ["dead_time", "pile_up"], said(NAMED, [("inefficiency", ["dead_time", "pile_up"])])),
+    ]
+    result = score([head, *lines])
+
+    def counts(part):
+        return part["count"], part["of"]
+
+    assert counts(result["none"]["false_alarms"]) == (1, 2)
+    own = result["one"]["own"]
+    assert (own["cases"], own["undetectable"]) == (5, 1)
+    assert [counts(part) for part in own["power"]] == [(0, 1), (0, 0), (0, 0), (0, 1), (3, 3)]
+    assert counts(own["right_first"]) == (1, 3)
+    assert counts(own["in_tie_set"]) == (2, 3)
+    assert counts(own["visible_right_first"]) == (1, 4)
+    assert own["tie_size"] == pytest.approx(5 / 3)
+    assert counts(own["explained"]) == (2, 3)
+    assert counts(own["theta_within_2"]) == (1, 2)
+    assert (own["gap_before"], own["gap_after"]) == (2.0, 1.1)
+    assert own["bias_after"] == pytest.approx(0.1 / 4)
+    assert len(own["mistaken"]) == 2
+    foreign = result["one"]["foreign"]
+    assert counts(foreign["right_first"]) == (0, 1)
+    assert foreign["tie_size"] is None
+    assert "taken for nothing" in foreign["mistaken"][0]
+    assert counts(result["withheld"]["own"]["falsely_explained"]) == (1, 2)
+    two = result["two"]["own"]
+    assert [counts(two[name]) for name in ("both", "at_least_one", "both_with_ties")] == [(1, 3), (2, 3), (2, 3)]
+    text = as_text(result)
+    assert "false alarms 1/2 = 50 %" in text
+    assert "0006: dead_time taken for inefficiency" in text
+
+
+def test_intervals_are_those_of_clopper_and_pearson():
+    none = rate([False] * 20)
+    assert (none["low"], none["high"]) == (0, pytest.approx(1 - 0.025 ** (1 / 20)))
+    assert rate([True] * 20)["low"] == pytest.approx(0.025 ** (1 / 20))
+    assert rate([])["share"] is None
+
+
+def test_records_in_a_file_give_the_same_score(fresh, monkeypatch, tmp_path):
+    folder, answers = fresh
+    monkeypatch.setattr(solving, "diagnose", lambda task, x, *, seed, effects: said(NAMED, [("pile_up", ())]))
+    solve(folder)
+    (folder / "answers.json").symlink_to(answers)
+    lines = records(folder)
+    file = tmp_path / "records.jsonl"
+    file.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    assert score(read_records(file)) == score(lines)
+    file.write_text("{}\n")
+    with pytest.raises(UsageError, match="does not hold records"):
+        read_records(file)
+
+
+def test_zeros_in_excess_are_as_visible_as_their_distribution_says():
+    """Noncentrality of the chi-square test, at the best theta, from exact probabilities."""
+    rate_, share, n = 6.0, 0.03, 5000
+    counts = np.arange(40)
+    hidden = (1 - share) * poisson.pmf(counts, rate_) + share * (counts == 0)
+
+    def best(start):  # the covariance is that of the measured events and of those simulated at the start, together
+        both = (hidden + poisson.pmf(counts, start)) / 2
+        distance = lambda other: n * ((poisson.pmf(counts, other) - hidden) ** 2 / both).sum()  # noqa: E731
+        return minimize_scalar(distance, (5, 6)).fun
+
+    expected = min(best(rate_), best((1 - share) * rate_))  # from the truth, and from where the means agree
+    rng, task, theta = np.random.default_rng(0), Poisson(), np.log([rate_])
+    x = task.simulate(np.tile(theta, (400_000, 1)), rng)
+    x[rng.permutation(400_000)[:12_000]] = 0
+    seen = visibility(task, x, theta, n, rng)
+    low, high = np.quantile(x, [0.005, 0.995])
+    ndf = len(np.unique(np.clip(x, low - 1, high + 1))) - 2  # bins with events, less the total and theta
+    assert seen.distance * ndf == pytest.approx(expected, rel=0.1)
+    assert seen.power > 0.99
+
+
+def test_what_theta_absorbs_is_invisible():
+    rng, task = np.random.default_rng(0), Poisson()
+    theta = np.array([1.5])
+    x = task.simulate(np.tile(theta, (100_000, 1)), rng)
+    for events in (x, x + rng.poisson(0.1, x.shape), x + rng.poisson(4, x.shape), rng.binomial(x, 0.9)):
+        assert visibility(task, events, theta, 10_000, rng).power < 0.2
+    turned = -Weinberg().simulate(np.full((100_000, 2), [44.0, 1.0]), rng)  # charge taken wrongly: another c
+    assert visibility(Weinberg(), turned, np.array([44.0, 1.0]), 10_000, rng).power < 0.2
+
+
+def test_from_the_command_line(tmp_path, monkeypatch, capsys):
+    def avobench(*arguments):
+        monkeypatch.setattr(sys, "argv", ["avobench", *map(str, arguments)])
+        with pytest.raises(SystemExit) as exit:
+            cli.main()
+        return exit.value.code or 0, *capsys.readouterr()
+
+    folder = tmp_path / "challenge"
+    made = ("challenge", "make", "--task", "poisson", "--cases", 2, "--out", folder, "--events", 1000)
+    assert avobench(*made, "--kinds", "none,own")[0] == 0
+    code, out, error = avobench("challenge", "solve", folder)
+    assert code == 0, error
+    code, out, _ = avobench("challenge", "score", folder, "--format", "json", "--records", tmp_path / "records.jsonl")
+    assert json.loads(out)["solved"] == 2
+    code, out, _ = avobench("challenge", "score", tmp_path / "records.jsonl")
+    assert "poisson: 2 of 2 cases solved, 0 failed, 1000 events each" in out
+    code, _, error = avobench(*made)
+    assert code == 2
+    assert len(error.strip().splitlines()) == 1

@@ -1,0 +1,171 @@
+"""Reading measured events, and what is told about bad ones."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import uproot
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from avobench.bench.errors import UsageError
+from avobench.diagnosis.events import check_events, read_events
+from avobench.tasks.carl import Carl
+from avobench.tasks.poisson import Poisson
+from avobench.tasks.weinberg import Weinberg
+
+
+def simulate(task, n=1000, seed=0):
+    rng = np.random.default_rng(seed)
+    return task.simulate(np.tile(task.prior.center, (n, 1)), rng)
+
+
+def write(path, x, names):
+    if path.suffix == ".npy":
+        np.save(path, x)
+    elif path.suffix == ".npz":
+        np.savez_compressed(path, x)
+    elif path.suffix == ".root":
+        with uproot.recreate(path) as file:
+            file["folder/events"] = dict(zip(names, x.T, strict=True))
+        return f"{path}:folder/events"
+    else:
+        frame = pd.DataFrame(x, columns=names)
+        frame.to_csv(path, index=False) if path.suffix == ".csv" else frame.to_parquet(path)
+    return str(path)
+
+
+@pytest.mark.parametrize("suffix", ["npy", "npz", "csv", "parquet", "root"])
+@pytest.mark.parametrize("task", [Poisson(), Carl()], ids=lambda task: task.name)
+def test_every_format_gives_back_the_events(tmp_path, suffix, task):
+    x = simulate(task)
+    source = write(tmp_path / f"events.{suffix}", x, [f"b{i}" for i in range(x.shape[1])])
+    read = read_events(source)
+    np.testing.assert_allclose(read, x, rtol=1e-15)
+    assert np.issubdtype(read.dtype, np.integer) == np.issubdtype(x.dtype, np.integer)
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet", "root"])
+def test_columns_are_chosen_in_the_order_asked_for(tmp_path, suffix):
+    source = write(tmp_path / f"events.{suffix}", np.arange(12.0).reshape(4, 3), ["a", "b", "c"])
+    np.testing.assert_array_equal(read_events(source, ["c", "a"]), [[2, 0], [5, 3], [8, 6], [11, 9]])
+    with pytest.raises(UsageError, match="has no d; it has: a, b, c"):
+        read_events(source, ["d"])
+
+
+def test_a_csv_needs_no_line_of_names(tmp_path):
+    (tmp_path / "events.csv").write_text("1,2\n3,nan\n")
+    np.testing.assert_array_equal(read_events(str(tmp_path / "events.csv")), [[1, 2], [3, np.nan]])
+
+
+def test_arrays_of_an_npz_are_columns_by_name(tmp_path):
+    path = tmp_path / "events.npz"
+    np.savez(path, a=np.arange(3.0), b=np.ones(3))
+    np.testing.assert_array_equal(read_events(str(path), ["b", "a"]), [[1, 0], [1, 1], [1, 2]])
+    with pytest.raises(UsageError, match="choose by --columns: a, b"):
+        read_events(str(path))
+
+
+def test_one_dimension_is_one_feature_and_images_are_flattened(tmp_path):
+    np.save(tmp_path / "line.npy", np.arange(5))
+    np.save(tmp_path / "images.npy", np.arange(24).reshape(2, 3, 4))
+    assert read_events(str(tmp_path / "line.npy")).shape == (5, 1)
+    np.testing.assert_array_equal(read_events(str(tmp_path / "images.npy"))[1], np.arange(12, 24))
+
+
+def test_pickled_files_are_refused_and_run_nothing(tmp_path):
+    class Trap:
+        def __reduce__(self):
+            return (pytest.fail, ("unpickled",))
+
+    np.save(tmp_path / "objects.npy", np.array([Trap()], object), allow_pickle=True)
+    np.array([1.0]).dump(tmp_path / "pickle.npy")
+    for name in ("objects.npy", "pickle.npy"):
+        with pytest.raises(UsageError, match="pickled"):
+            read_events(str(tmp_path / name))
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("missing.npy", None, "there is no file"),
+        ("events.txt", b"1 2", "events are read from"),
+        ("events.npy", b"", "cannot be read"),
+        ("events.npz", b"PK\x03\x04broken", "cannot be read"),
+        ("events.parquet", b"PAR1", "cannot be read"),
+        ("events.csv", b"", "cannot be read"),
+        ("events.csv", b"a,b\n1,x\n", "'b' does not hold one real number"),
+        ("events.root", b"root", "needs the name of a tree"),
+    ],
+)
+def test_what_cannot_be_read_is_told_in_one_line(tmp_path, name, content, message):
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    with pytest.raises(UsageError, match=message) as caught:
+        read_events(str(tmp_path / name))
+    assert name in str(caught.value)
+
+
+def test_root_trees_and_branches_are_checked(tmp_path):
+    source = write(tmp_path / "events.root", np.ones((3, 1)), ["a"])
+    with pytest.raises(UsageError, match="has no tree 'other'; it has: folder/events"):
+        read_events(source.replace("folder/events", "other"))
+    (tmp_path / "broken.root").write_bytes(b"root0000")
+    with pytest.raises(UsageError, match="cannot be read"):
+        read_events(f"{tmp_path / 'broken.root'}:events")
+
+
+@pytest.mark.parametrize("task", [Poisson(), Weinberg(), Carl()], ids=lambda task: task.name)
+def test_sound_events_pass_without_a_warning(task):
+    x = simulate(task, 50_000)
+    checked, warnings = check_events(task, x)
+    assert warnings == []
+    np.testing.assert_array_equal(checked, x)
+    assert checked.dtype == task.dtype
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(1, 799), st.sampled_from([np.nan, np.inf, -np.inf]))
+def test_rows_that_are_not_finite_are_counted_and_refused_or_dropped(count, bad):
+    x = simulate(Carl())
+    x[:count, 2] = bad
+    with pytest.raises(UsageError, match=f"{count} of 1000 rows hold NaN or infinite values"):
+        check_events(Carl(), x)
+    checked, warnings = check_events(Carl(), x, drop_invalid=True)
+    np.testing.assert_array_equal(checked, x[count:])
+    assert warnings == [f"{count} of 1000 rows hold NaN or infinite values and were dropped"]
+
+
+def test_what_makes_a_diagnosis_meaningless_is_refused():
+    for task, x, message in [
+        (Carl(), simulate(Weinberg()), "has 5 columns, the data have 1"),
+        (Weinberg(), simulate(Weinberg(), 199), "199 events are too few"),
+        (Poisson(), simulate(Weinberg()), "1000 of 1000 rows hold fractions"),
+        (Weinberg(), simulate(Poisson()), "whole numbers only"),
+        (Weinberg(), np.empty((0, 1)), "0 events are too few"),
+    ]:
+        with pytest.raises(UsageError, match=message):
+            check_events(task, x)
+    assert len(check_events(Weinberg(), simulate(Weinberg(), 200))[0]) == 200
+
+
+def test_whole_numbers_stored_as_fractions_are_counts():
+    x = simulate(Poisson())
+    checked, _ = check_events(Poisson(), x.astype(float))
+    assert checked.dtype == np.int64
+    np.testing.assert_array_equal(checked, x)
+
+
+@pytest.mark.parametrize(("task", "value"), [(Poisson(), -1), (Weinberg(), 1.01), (Weinberg(), -2), (Carl(), -999)])
+def test_values_that_the_simulator_never_makes_are_counted(task, value):
+    x = simulate(task)
+    x[:7, -1] = value
+    _, warnings = check_events(task, x)
+    name = (task.feature_names or [f"x{i + 1}" for i in range(5)])[-1]
+    assert len([text for text in warnings if text.startswith(f"7 values of {name} lie outside")]) == 1
+
+
+def test_repeated_events_are_told_where_values_are_continuous():
+    x = simulate(Weinberg())
+    x[500:] = x[:500]
+    assert any("500 of 1000 events repeat" in text for text in check_events(Weinberg(), x)[1])
+    assert check_events(Poisson(), np.tile(simulate(Poisson(), 500), (2, 1)))[1] == []
