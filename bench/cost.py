@@ -153,8 +153,12 @@ def _pythia_seconds(num_events: int) -> float:
 
 
 def main() -> None:
-    store = Store(Path(sys.argv[1] if len(sys.argv) > 1 else "results/reference"))
-    print(format_cost(store))
+    arguments = sys.argv[1:]
+    only_records = "--only-records" in arguments
+    folders = [argument for argument in arguments if argument != "--only-records"]
+    print(format_cost(Store(Path(folders[0] if folders else "results/reference"))))
+    if only_records:
+        return
     ours, bare = pythia_rates()
     ratio = statistics.median(a / b for a, b in zip(ours, bare, strict=True))
     print(
