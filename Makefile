@@ -13,7 +13,7 @@ EFFECTS := own,foreign,two,withheld
 JOBS ?= 1
 
 .DEFAULT_GOAL := help
-.PHONY: help venv benchmark quick figures studies pages bench-avo bench-cost bench-scaling bench-speed challenge test browser lint clean
+.PHONY: help venv benchmark quick figures studies pages bench-avo bench-cost bench-scaling bench-speed challenge demo-missing-effect test browser lint clean
 
 help:  ## show these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -55,6 +55,12 @@ bench-cost: venv  ## where the time goes, from results/reference; simulators aga
 
 pages: venv  ## write into README and docs what the commands named there print
 	$(BIN)/python -m avobench.reports.printed README.md docs/performance.md
+
+demo-missing-effect: venv  ## hide one effect in simulated measurements, find and name it; page in reports/demo
+	@test -e results/demo/manifest.json || \
+	  $(BIN)/avobench challenge make --task weinberg --cases 1 --kinds foreign --seed 1 --out results/demo
+	$(BIN)/avobench diagnose --task weinberg --data results/demo/data/0000.npz --out reports/demo
+	@echo "the page is reports/demo/report.html; what was hidden stands in results/demo/answers.json"
 
 challenge: $(patsubst %,challenge-%,$(if $(FULL),$(FULL_CHALLENGE),$(CHALLENGE)))  ## hide effects, find and score them; FULL=1 for all
 

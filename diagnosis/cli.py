@@ -45,7 +45,7 @@ def diagnose(
 
     Writes diagnosis.json, model.json (a task, for wherever a task is accepted), report.html and figures.
     """
-    from avobench.diagnosis import loop
+    from avobench.diagnosis import loop, report
     from avobench.diagnosis.augmented import describe
     from avobench.diagnosis.effects.catalogue import catalogue
     from avobench.diagnosis.events import check_events, read_events
@@ -74,6 +74,7 @@ def diagnose(
         jobs=jobs,
     )
     result.notes[:0] = warnings
+    report.write(task, result, out, f"{Path(data).name} against {spec}")
     sources = {name: source for name, (source, _) in theirs.items()}
     model = describe(result.model, loop.scaled_std(result.model), spec, sources)
     write_atomically(out / "model.json", (model.model_dump_json(indent=1) + "\n").encode())
