@@ -18,7 +18,7 @@ from avobench.diagnosis.detect import cell_gate, summary_gate, target_of
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effects.catalogue import catalogue, domain
 from avobench.diagnosis.effort import Effort, effort_for
-from avobench.diagnosis.fit import Fit, Target, refine, scan
+from avobench.diagnosis.fit import Fit, Target, polish, refine, scan
 from avobench.diagnosis.identifiability import card
 from avobench.diagnosis.localise import intervals, significant
 from avobench.diagnosis.model import Model
@@ -203,7 +203,8 @@ def diagnose(
             chosen = _accepted(steps, gap)
             if chosen is None:
                 break
-            steps.append(_tested(chosen, target, seen, rng, effort))
+            settled = polish(chosen, target, rng, int(effort.again[-1] * len(seen)), rounds=8)
+            steps.append(_tested(min(settled, chosen, key=lambda f: f.gap), target, seen, rng, effort))
 
     final = steps[-1]
     named_any = len(steps) > 1
