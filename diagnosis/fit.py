@@ -14,7 +14,7 @@ CHUNK = 100_000
 """Events simulated at a time, to bound memory."""
 MIN_SIGMAS = 4.0
 """Half the width of a design, in standard errors, at least."""
-SLOPE_NOISE = 0.3
+SLOPE_NOISE = 0.2
 """Standard error of a slope over a design, in units of the slope that is one standard error of the parameter."""
 WIDEST = 0.1
 """Half the width of a design, of the range of a parameter, where the data say little about it."""
