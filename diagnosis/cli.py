@@ -1,9 +1,11 @@
 """`avobench diagnose`: from a file of measured events to what the simulator lacks."""
 
+import io
 import json
 from pathlib import Path
 
 import click
+import numpy as np
 
 from avobench.bench import registry
 from avobench.bench.errors import UsageError
@@ -43,7 +45,8 @@ def diagnose(
 ) -> None:
     """Say whether measured events disagree with a simulator, where, which effect is missing, and add it.
 
-    Writes diagnosis.json, model.json (a task, for wherever a task is accepted), report.html and figures.
+    Writes diagnosis.json, model.json (a task, for wherever a task is accepted), and correction.npz, weights for
+    simulated events, where the catalogue does not explain all.
     """
     from avobench.diagnosis import loop, report
     from avobench.diagnosis.augmented import describe
@@ -78,6 +81,10 @@ def diagnose(
     sources = {name: source for name, (source, _) in theirs.items()}
     model = describe(result.model, loop.scaled_std(result.model), spec, sources)
     write_atomically(out / "model.json", (model.model_dump_json(indent=1) + "\n").encode())
+    if result.correction is not None:
+        content = io.BytesIO()
+        np.savez_compressed(content, x=result.correction.x, weights=result.correction.weights)
+        write_atomically(out / "correction.npz", content.getvalue())
     # Last, so that a folder with a diagnosis has all that belongs to it.
     write_atomically(out / "diagnosis.json", (json.dumps(result.model_dump(mode="json"), indent=1) + "\n").encode())
     click.echo(summary(result))

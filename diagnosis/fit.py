@@ -14,7 +14,7 @@ CHUNK = 100_000
 """Events simulated at a time, to bound memory."""
 MIN_SIGMAS = 4.0
 """Half the width of a design, in standard errors, at least."""
-SLOPE_NOISE = 0.3
+SLOPE_NOISE = 0.2
 """Standard error of a slope over a design, in units of the slope that is one standard error of the parameter."""
 WIDEST = 0.1
 """Half the width of a design, of the range of a parameter, where the data say little about it."""
@@ -22,8 +22,8 @@ SHRINK = 3.0
 """How much narrower a design may be than the one before."""
 ANCHOR = 0.1
 """What moving to the edge of the design costs in Q: it keeps parameters still that the data say nothing about."""
-POLISHES, MOST_LEVERAGE = 4, 4.0
-"""How often a fit is polished, until its noise is at most so many times that of its events."""
+POLISHES = 4
+"""Rounds of a polish, at most."""
 WALL = 1e4
 """Slope of the penalty that keeps a fit within the unit cube, in standard errors."""
 IDENTIFIED = 5.0
@@ -273,13 +273,14 @@ def without_noise(s: Surrogate, target: Target) -> tuple[NDArray[np.float64], ND
     strength, directions = np.linalg.eigh(scaled @ scaled.T)
     noise = target.rank * target.num_events
     seen = strength > noise * (1 + 3 * np.sqrt(2 / target.rank))
-    left, directions = np.sqrt(strength[seen] - noise), directions[:, seen]
+    # Less two standard errors of the noise: a fit must not run to where chance makes the noise look larger than it is.
+    known = noise * max(0.0, 1 - 2 * np.sqrt(2 / target.rank))
+    left, directions = np.sqrt(strength[seen] - known), directions[:, seen]
     return root @ directions * left, directions.T @ (scaled @ target.whiten(target.mean)) / left
 
 
 def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
     """The point of the design where the surrogate comes closest to the target."""
-    z = target.whiten(target.mean)
     terms, wanted = without_noise(s, target)
     axes, centre, p = s.design.axes, s.design.centre, model.dim
 
@@ -295,14 +296,18 @@ def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
         return np.concatenate([(basis_slope(t).T @ terms).T, np.sqrt(ANCHOR) * np.eye(p), wall])
 
     t = least_squares(residual, np.zeros(p), slope, bounds=(-1, 1), method="dogbox", max_nfev=60).x
-    u = s.design.to_u(t)
-    mean, slope_at = s.at(u)
-    back, steps = np.linalg.inv(axes), basis_slope(s.design.to_t(u))
+    return fit_at(model, s, target, s.design.to_u(t))
+
+
+def fit_at(model: Model, s: Surrogate, target: Target, u: NDArray[np.float64]) -> Fit:
+    """What a surrogate says of the point u (P,) of its design."""
+    mean, slope = s.at(u)
+    back, steps = np.linalg.inv(s.design.axes), basis_slope(s.design.to_t(u))
     return Fit(
         model=model,
         unit=u,
-        residual=z - target.whiten(mean),
-        jacobian=target.whiten(slope_at).T,
+        residual=target.whiten(target.mean - mean),
+        jacobian=target.whiten(slope).T,
         jacobian_noise=target.num_events * target.rank * back.T @ steps.T @ s.inverse @ steps @ back,
         noise=target.num_events * s.variance_at(u),
         predicted=mean,
@@ -321,40 +326,48 @@ def refine(
     num_events: int,
     max_rounds: int = 10,
 ) -> Fit:
-    """Shrinking designs around `start` (P,) in the unit cube, the first of half-width `half`, until they are as small
-    as `num_events` events allow."""
+    """Fit from `start` (P,) in the unit cube, with designs that begin with half-width `half` and shrink.
+
+    `num_events` are simulated for each.
+    """
     design = Design.box(start, np.broadcast_to(half, model.dim).astype(float))
+    return descend(model, target, design, rng, num_events, max_rounds)
+
+
+def descend(
+    model: Model, target: Target, design: Design, rng: np.random.Generator, num_events: int, max_rounds: int
+) -> Fit:
+    """Go from design to design, each around the minimum of the last one's surrogate.
+
+    What a surrogate promises is not believed: with many coefficients it follows the data by chance. A step counts once
+    simulation at its end has borne it out, and is taken back and shortened if not.
+    """
+    best, promised = None, np.inf
     scale = float(np.abs(design.axes).max())
-    centre, promised = design.centre, np.inf
     for _ in range(max_rounds):
         s = surrogate(model, target.summary, design, num_events, rng)
         here, error = s.gap_at_centre(target)
-        if here > promised + 3 * error:  # the last step led uphill: its design was too wide for a quadratic
+        if here > promised + error:
             scale /= SHRINK
-            design = Design(centre, design.axes / SHRINK)
+            design = Design(best.unit, design.axes / SHRINK)
             continue
-        centre, promised = design.centre, here
-        fit = minimise(model, s, target)
-        moved = np.abs(design.to_t(fit.unit)).max()
-        design = fit.next_design(num_events)
+        best, promised = fit_at(model, s, target, design.centre), here
+        step = minimise(model, s, target)
+        moved = np.abs(design.to_t(step.unit)).max()
+        design = step.next_design(num_events)
         smallest = np.abs(design.axes).max()
-        if moved < 0.6 and scale <= smallest:
-            break
+        if moved < 0.3 and scale <= smallest:
+            return step
         # A curved model is not known to be as sharp as its slope at a distance says.
         scale = max(scale if moved > 0.9 else scale / SHRINK, smallest)
         lengths = np.linalg.norm(design.axes, axis=0)
         design = Design(design.centre, design.axes / lengths * np.maximum(lengths, min(scale, WIDEST)))
-    return fit
+    return best
 
 
-def polish(fit: Fit, target: Target, rng: np.random.Generator, num_events: int) -> Fit:
-    """The same fit with many events in a small design around it, again if it ends where that design tells little."""
-    for _ in range(POLISHES):
-        design = fit.next_design(num_events)
-        fit = minimise(fit.model, surrogate(fit.model, target.summary, design, num_events, rng), target)
-        if fit.noise < MOST_LEVERAGE * fit.num_observed / num_events:
-            break
-    return fit
+def polish(fit: Fit, target: Target, rng: np.random.Generator, num_events: int, rounds: int = POLISHES) -> Fit:
+    """The same fit with many events in small designs around it."""
+    return descend(fit.model, target, fit.next_design(num_events), rng, num_events, rounds)
 
 
 def scan(

@@ -18,7 +18,7 @@ from avobench.diagnosis.detect import cell_gate, summary_gate, target_of
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effects.catalogue import catalogue, domain
 from avobench.diagnosis.effort import Effort, effort_for
-from avobench.diagnosis.fit import Fit, Target, refine, scan
+from avobench.diagnosis.fit import Fit, Target, polish, refine, scan
 from avobench.diagnosis.identifiability import card
 from avobench.diagnosis.localise import intervals, significant
 from avobench.diagnosis.model import Model
@@ -50,6 +50,7 @@ HELD_OUT = 0.25
 SHARES = {"summary": 0.8, "classifier": 0.2}
 IMAGE_SHARES = {"summary": 0.6, "cells": 0.2, "classifier": 0.2}
 """Each gate's share of the false alarms. Most effects show in the summary."""
+FEW_EVENTS = 1000
 METHOD_EVENTS = 160_000
 """The budget of a registered method that looks for theta, as in the benchmark."""
 CLOSES = 0.5
@@ -203,7 +204,10 @@ def diagnose(
             chosen = _accepted(steps, gap)
             if chosen is None:
                 break
-            steps.append(_tested(chosen, target, seen, rng, effort))
+            chosen, widened_note = widened(chosen, target, rng, effort)
+            notes += widened_note
+            settled = polish(chosen, target, rng, int(effort.again[-1] * len(seen)), rounds=8)
+            steps.append(_tested(min(settled, chosen, key=lambda f: f.gap), target, seen, rng, effort))
 
     final = steps[-1]
     named_any = len(steps) > 1
@@ -216,6 +220,8 @@ def diagnose(
 
     if estimate is not None:
         notes.append(_method_note(fit, task, estimate, before.own))
+    if len(x) < FEW_EVENTS:
+        notes.append(f"{len(x)} events make {target.rank} bins or less: the card says what so few cannot show")
     notes += _bound_notes(final.own)
     names = feature_names(task)
     diagnosis = Diagnosis(
@@ -293,6 +299,18 @@ def _accepted(steps: list[Step], gap: Callable[[Fit], Gap]) -> Fit | None:
     alone = {entry.effect.key: entry.fit for entry in steps[0].ranks}
     single = alone.get(best.effect.key)
     return best.fit if single and whole - excess(single) > PAIR_ALONE * whole else None
+
+
+def widened(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) -> tuple[Fit, list[str]]:
+    """The fit with the bound of its last effect's strength doubled, if it ended there and the bound is a guess."""
+    effect = fit.model.effects[-1]
+    at = fit.model.dim - len(effect.parameters)
+    if not (effect.parameters[0].soft and fit.at_bound[at]):
+        return fit, []
+    stretch = (*(fit.model.stretch or (1.0,) * len(fit.model.effects))[:-1], 2.0)
+    model = replace(fit.model, stretch=stretch)
+    again = refine(model, target, model.to_unit(fit.params), 0.1, rng, num_events=effort.least)
+    return again, [f"the bound of {effect.name}: {effect.parameters[0].name} was doubled, since the fit ended there"]
 
 
 def _method_note(name: str, task: Task, estimate: Estimate, fit: Fit) -> str:

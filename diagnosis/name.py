@@ -101,7 +101,11 @@ def screen(pool: Pool, effect: Effect, x: NDArray, rng: np.random.Generator, eff
     Theta follows linearly, and the strength is moved to where a linear effect would fit best.
     """
     base = pool.base
-    model = replace(base.model, effects=(*base.model.effects, effect), stretch=())
+    model = replace(
+        base.model,
+        effects=(*base.model.effects, effect),
+        stretch=(*base.model.stretch, 1.0) if base.model.stretch else (),
+    )
     guesses = effect.guess(x)
     if guesses is not None and len(guesses) == 0:
         return []
@@ -158,7 +162,11 @@ def joint(start: Start, target: Target, rng: np.random.Generator, effort: Effort
 
 def searched(base: Fit, target: Target, effect: Effect, rng: np.random.Generator, effort: Effort) -> Start:
     """A start from a search over theta and all parameters of an effect, wherever the fit without it may have gone."""
-    model = replace(base.model, effects=(*base.model.effects, effect), stretch=())
+    model = replace(
+        base.model,
+        effects=(*base.model.effects, effect),
+        stretch=(*base.model.stretch, 1.0) if base.model.stretch else (),
+    )
     unit, _ = scan(model, target, rng, size=(effort.scan[0] // 2, effort.scan[1] // 2))
     x = model.simulate(np.tile(model.from_unit(unit), (effort.fit // 5, 1)), rng)
     left = target.whiten(target.mean - target.summary.mean(x)[0])

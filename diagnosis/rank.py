@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.fit import Fit
 
@@ -38,17 +40,22 @@ def ranking(fits: list[Fit], gap_without: float) -> list[Ranked]:
     """
     if not fits:
         return []
+
+    def left(fit: Fit) -> float:
+        """What a fit leaves, at most: one that is known badly must not win by chance. Below noise nothing is better."""
+        return max(fit.gap + fit.gap_error, fit.dof - 2 * np.sqrt(2 * fit.dof))
+
     unit = 1.0
     for _ in range(len(fits)):  # the best depends on the unit, and the unit on the best
-        best = min(fits, key=lambda fit: fit.gap + unit * SHAPE_PRICE * shape_parameters(fit.model.effects[-1]))
-        last, unit = unit, 1 + max(best.gap - best.dof, MODEL_ERROR**2 * gap_without, 0) / INDEPENDENT
+        best = min(fits, key=lambda fit: left(fit) + unit * SHAPE_PRICE * shape_parameters(fit.model.effects[-1]))
+        last, unit = unit, 1 + max(left(best) - best.dof, MODEL_ERROR**2 * gap_without, 0) / INDEPENDENT
         if unit == last:
             break
     families: dict[tuple, Ranked] = {}
     for fit in fits:
         effect = fit.model.effects[-1]
         price = SHAPE_PRICE * (shape_parameters(effect) - shape_parameters(best.model.effects[-1]))
-        entry = Ranked(effect, fit, (fit.gap - best.gap) / unit + price)
+        entry = Ranked(effect, fit, (left(fit) - left(best)) / unit + price)
         if effect.key not in families or entry.score < families[effect.key].score:
             families[effect.key] = entry
     return sorted(families.values(), key=lambda entry: entry.score)

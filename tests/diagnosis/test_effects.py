@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.special import ndtr
@@ -45,6 +47,16 @@ def test_effects_keep_their_contract(name):
     results = list(check.run("effect", name))
     assert [f"{r.what}: {r.why}" for r in results if not r.passed] == []
     assert len(results) > 5
+
+
+def test_the_example_of_the_page_is_an_effect_and_the_page_quotes_it(monkeypatch):
+    docs = Path(__file__).parents[2] / "docs"
+    monkeypatch.syspath_prepend(str(docs / "examples"))
+    assert all(result.passed for result in check.run("effect", "afterpulses:Afterpulses"))
+    source = (docs / "examples" / "afterpulses.py").read_text()
+    quoted = (docs / "add-an-effect.md").read_text().split("```python\n")[1].split("```")[0]
+    for line in quoted.splitlines():
+        assert line in source
 
 
 def test_check_refuses_an_unknown_effect():
