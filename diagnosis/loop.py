@@ -207,7 +207,10 @@ def diagnose(
             chosen, widened_note = widened(chosen, target, rng, effort)
             notes += widened_note
             settled = polish(chosen, target, rng, int(effort.again[-1] * len(seen)), rounds=8)
-            steps.append(_tested(min(settled, chosen, key=lambda f: f.gap), target, seen, rng, effort))
+            step = _tested(min(settled, chosen, key=lambda f: f.gap), target, seen, rng, effort)
+            if len(steps) == 1 and excess(step.own) > (1 - CLOSES) * excess(before.own):
+                break  # the fit without an effect had not converged, and with more events it closes the gap itself
+            steps.append(step)
 
     final = steps[-1]
     named_any = len(steps) > 1
@@ -288,9 +291,6 @@ def _accepted(steps: list[Step], gap: Callable[[Fit], Gap]) -> Fit | None:
     if gap(best.fit).value >= gap(last.fit).value:
         return None
 
-    def excess(fit: Fit) -> float:
-        return max(fit.gap - fit.dof, 0.0)
-
     whole = excess(steps[0].fit)
     if len(steps) == 1:
         return best.fit if excess(best.fit) < (1 - CLOSES) * whole else None
@@ -299,6 +299,11 @@ def _accepted(steps: list[Step], gap: Callable[[Fit], Gap]) -> Fit | None:
     alone = {entry.effect.key: entry.fit for entry in steps[0].ranks}
     single = alone.get(best.effect.key)
     return best.fit if single and whole - excess(single) > PAIR_ALONE * whole else None
+
+
+def excess(fit: Fit) -> float:
+    """By how much chi-squared exceeds its degrees of freedom."""
+    return max(fit.gap - fit.dof, 0.0)
 
 
 def widened(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) -> tuple[Fit, list[str]]:
