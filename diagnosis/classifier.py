@@ -1,7 +1,7 @@
 """What binned summaries cannot see: a classifier between measured and simulated events, its test, its correction."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +10,7 @@ from scipy.stats import norm
 
 from avobench.diagnosis.fit import Fit, Target, surrogate
 from avobench.diagnosis.pixels import Pixels
+from avobench.diagnosis.pool import Pool
 from avobench.diagnosis.schema import Gate
 
 if TYPE_CHECKING:
@@ -72,8 +73,11 @@ def classifier_gate(fit: Fit, target: Target, x: NDArray, rng: np.random.Generat
     half = len(x) // 2
     learn, judge = x[:half], x[half:]
     at = np.tile(fit.params, (len(x), 1))
-    seen = features_of(target)
-    score = Score(trained(seen(learn), seen(fit.model.simulate(at[:half], rng)), int(rng.integers(2**31))), seen)
+    seen, model = features_of(target), fit.model
+    if isinstance(model.events, Pool):
+        # The pool serves the expectation below; a classifier knows again the events that it learned from.
+        model = replace(model, events=model.events.fresh)
+    score = Score(trained(seen(learn), seen(model.simulate(at[:half], rng)), int(rng.integers(2**31))), seen)
     expected = surrogate(fit.model, score, fit.design, CHECK_EVENTS * len(x), rng)
     at_fit, slope = expected.at(fit.unit)
     g = score.of(judge)

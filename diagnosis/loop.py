@@ -55,6 +55,8 @@ METHOD_EVENTS = 160_000
 """The budget of a registered method that looks for theta, as in the benchmark."""
 CLOSES = 0.5
 """Share of the gap that an effect must close to be named."""
+VETO = 0.1
+"""An effect is not added if the gap on the events kept aside grows by more; a weak one may hide in their scatter."""
 PAIR_LEAVES, PAIR_ALONE = 0.3, 0.2
 """A second effect must leave less of what the first left, and close more of the whole gap by itself."""
 ENOUGH = 0.9
@@ -288,7 +290,7 @@ def _accepted(steps: list[Step], gap: Callable[[Fit], Gap]) -> Fit | None:
     if not last.ranks:
         return None
     best = last.ranks[0]
-    if gap(best.fit).value >= gap(last.fit).value:
+    if gap(best.fit).value > gap(last.fit).value + VETO:
         return None
 
     whole = excess(steps[0].fit)

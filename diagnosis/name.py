@@ -22,6 +22,8 @@ AT_EDGE = 0.48
 """Distance from the middle of the range, of which the edge is at 0.5."""
 MOST_SCREENED = 24
 """Effects of which all shapes are screened."""
+WEAK, MOST_EVENTS = 10.0, 4
+"""Noise of chi-squared is kept to a fifth of the excess, with at most so many events a measured one."""
 STRONG = 10.0
 """Chi-squared per degree of freedom above which theta may be too far off for an effect to be seen from there."""
 GAIN = 3.0
@@ -206,6 +208,9 @@ def candidates(
         families.append([*first, *rest[: effort.starts - 1]])
     families = sorted(filter(None, families), key=lambda starts: min(start.expected for start in starts))
     starts = [start for starts in families[: effort.families] for start in starts]
+    # A weak effect is not seen in fits whose noise is as large as what it leaves.
+    needed = WEAK * target.num_events * np.sqrt(2 * target.rank) / max(base.gap - base.dof, 1.0)
+    effort = replace(effort, fit=int(np.clip(needed, effort.fit, max(effort.fit, MOST_EVENTS * target.num_events))))
     work = joblib.Parallel(n_jobs=jobs)
     streams = rng.spawn(len(starts))  # so that any number of workers gives the same fits
     fits = work(joblib.delayed(joint)(s, target, stream, effort) for s, stream in zip(starts, streams, strict=True))

@@ -27,6 +27,11 @@ class Pool:
         self._pieces = list(task.generate(num_events, rng))
         self._starts = np.cumsum([0, *(len(piece) for piece in self._pieces)])
 
+    def fresh(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        """Events that are not in the pool: theta (n, p) -> (n, d)."""
+        self.used += len(theta)
+        return self.task.simulate(theta, rng)
+
     def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """One event per row: theta (n, p) -> (n, d)."""
         at = int(rng.integers(self._starts[-1]))

@@ -31,7 +31,10 @@ class ZeroInflation(Family):
 
 @dataclass(frozen=True)
 class DeadTime(Family):
-    """Each of n counts survives with probability 1 / (1 + tau n), or exp(-tau n) where lost counts prolong it."""
+    """Each of n counts survives with probability 1 / (1 + tau n), or exp(-tau n) where lost counts prolong it.
+
+    The latter only down to 1 / e: beyond, more counts would leave fewer, and a counter is not run there.
+    """
 
     shape: str = "non_paralysable"
 
@@ -54,7 +57,7 @@ class DeadTime(Family):
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
         busy = phi[:, 0] * x[:, 0]
-        x[:, 0] = rng.binomial(x[:, 0], np.exp(-busy) if self.shape == "paralysable" else 1 / (1 + busy))
+        x[:, 0] = rng.binomial(x[:, 0], np.exp(-np.minimum(busy, 1)) if self.shape == "paralysable" else 1 / (1 + busy))
         return x
 
 
