@@ -94,14 +94,14 @@ def discriminator_step(task: Task, batch_size: int, rounds: int) -> dict[str, fl
     real, synthetic = x[:n], x[n : 2 * n]
     by_autograd, by_hand = (Discriminator(problem, hidden, np.random.default_rng(0)) for _ in range(2))
     optimiser = torch.optim.RMSprop(by_autograd.parameters(), lr=RATE)
-    fused = FusedStep(by_hand.network, RATE, R1, "probability")
+    fused = FusedStep([by_hand.network], RATE, R1, "probability")
 
     def autograd() -> None:
         optimiser.zero_grad()
         by_autograd.loss(real, synthetic, R1, "probability").backward()
         optimiser.step()
 
-    works = [autograd, lambda: fused(by_hand.inputs(real), by_hand.inputs(synthetic)), products(by_hand, n)]
+    works = [autograd, lambda: fused(by_hand.inputs(real)[None], by_hand.inputs(synthetic)[None]), products(by_hand, n)]
     autograd_ms, fused_ms, products_ms = milliseconds(works, rounds)
     parameters = sum(p.numel() for p in by_hand.parameters())
     traffic = 5 * 4 * parameters / bandwidth()

@@ -71,11 +71,7 @@ class AvoPaper(Method):
             raise ValueError(f"r1 must not be negative, got {self.r1}")
         if self.hidden is not None and (not self.hidden or min(self.hidden) < 1):
             raise ValueError(f"hidden must be a list of positive layer sizes, got {list(self.hidden)}")
-        if self.device == "cuda":
-            import torch
-
-            if not torch.cuda.is_available():
-                raise ValueError("PyTorch finds no CUDA device on this machine; leave device at cpu")
+        require_device(self.device)
 
     @property
     def events_per_iteration(self) -> int:
@@ -97,7 +93,7 @@ class AvoPaper(Method):
         psi = torch.tensor(np.broadcast_to([[self.initial_mean], [np.log(self.initial_std)]], shape).copy())
         discriminator = Discriminator(problem, self.hidden or problem.discriminator.hidden, rng, self.device)
         if self.step == "fused":
-            fused = FusedStep(discriminator.network, self.learning_rate, self.r1, self.r1_of)
+            fused = FusedStep([discriminator.network], self.learning_rate, self.r1, self.r1_of)
         else:
             update_d = torch.optim.RMSprop(discriminator.parameters(), lr=self.learning_rate)
         update_q = torch.optim.RMSprop([psi], lr=self.proposal_learning_rate)
@@ -110,7 +106,7 @@ class AvoPaper(Method):
             rows = rng.integers(len(problem.x_observed), size=len(x_synthetic))
             x_real = problem.x_observed[rows]
             if self.step == "fused":
-                fused(discriminator.inputs(x_real), discriminator.inputs(x_synthetic))
+                fused(discriminator.inputs(x_real)[None], discriminator.inputs(x_synthetic)[None])
                 return
             update_d.zero_grad()
             discriminator.loss(x_real, x_synthetic, self.r1, self.r1_of).backward()
@@ -162,6 +158,15 @@ class AvoPaper(Method):
                 log_q = proposal.log_density(psi, u).sum(axis=1)[:, None, None]
                 gradient += self.entropy * (-np.exp(log_q) * (1 + log_q) * score).mean(axis=0)
         return gradient
+
+
+def require_device(device: str) -> None:
+    """Raise ValueError unless PyTorch finds the device, "cpu" or "cuda", on this machine."""
+    if device == "cuda":
+        import torch
+
+        if not torch.cuda.is_available():
+            raise ValueError("PyTorch finds no CUDA device on this machine; leave device at cpu")
 
 
 def baseline(

@@ -25,10 +25,15 @@ STANDS_STILL = 1e-3
 class Polished:
     mean: NDArray[np.float64]
     """(p,)"""
-    error: NDArray[np.float64]
-    """Standard error of the mean (p,), of the prior's order along a direction that the events leave open."""
+    covariance: NDArray[np.float64]
+    """Of the mean (p, p), of the prior's order along a direction that the events leave open."""
     num_steps: int
     converged: bool
+
+    @property
+    def error(self) -> NDArray[np.float64]:
+        """Standard error of the mean (p,)."""
+        return np.sqrt(np.diag(self.covariance))
 
 
 class Fold:
@@ -40,11 +45,20 @@ class Fold:
     def __init__(self, real: NDArray[np.float32], synthetic: NDArray[np.float32], u: NDArray[np.float64]) -> None:
         scale = real.std(axis=0, dtype=float)
         kept = scale > 1e-6 * scale.max()
-        shift, scale = real.mean(axis=0, dtype=float)[kept], scale[kept]
-        real, self.synthetic = (((phi[:, kept] - shift) / scale).astype(np.float32) for phi in (real, synthetic))
+        self.kept, self.shift, self.scale = kept, real.mean(axis=0, dtype=float)[kept], scale[kept]
+        real = self._standardised(real)
         covariance = (real.T @ real).astype(float) / len(real)
         self.inverse = np.linalg.inv(covariance + RIDGE * np.eye(len(covariance)))
-        self.num_observations, self.u = len(real), u
+        self.num_observations = len(real)
+        self.synthetic, self.u = self._standardised(synthetic), u
+
+    def _standardised(self, phi: NDArray[np.float32]) -> NDArray[np.float32]:
+        return ((phi[:, self.kept] - self.shift) / self.scale).astype(np.float32)
+
+    def add(self, synthetic: NDArray[np.float32], u: NDArray[np.float64]) -> None:
+        """Take in more simulated events."""
+        self.synthetic = np.concatenate([self.synthetic, self._standardised(synthetic)])
+        self.u = np.concatenate([self.u, u])
 
     def at(
         self, mean: NDArray[np.float64], width: NDArray[np.float64]
@@ -98,11 +112,11 @@ def polish(
         gradient, information = significant(*(sum(part) for part in parts))
         precision = information + np.eye(len(mean))
         move = np.linalg.solve(precision, gradient - mean)
-        error = np.sqrt(np.diag(np.linalg.inv(precision)))
+        covariance = np.linalg.inv(precision)
         mean = np.clip(mean + move / max(1, np.abs(move / width).max()), low, high)
-        if (np.abs(move) < STANDS_STILL * error).all():
-            return Polished(mean, error, step, converged=True)
-    return Polished(mean, error, MAX_STEPS, converged=False)
+        if (np.abs(move) < STANDS_STILL * np.sqrt(np.diag(covariance))).all():
+            return Polished(mean, covariance, step, converged=True)
+    return Polished(mean, covariance, MAX_STEPS, converged=False)
 
 
 def significant(

@@ -31,10 +31,36 @@ def test_trace_counts_every_event_and_ends_with_the_estimate():
     estimate = Avo(**FEW).infer(given, np.random.default_rng(3))
     used = [point.simulations for point in estimate.trace]
     assert used[0] == 0
-    assert used[-2:] == [1001, 1001]  # before and after the polish
+    assert used[-4:] == [400, 600, 800, 1000]  # the first polish and the local rounds; both halves get as many events
     assert used == sorted(used)
     np.testing.assert_array_equal(estimate.trace[-1].theta, estimate.theta)
     assert (estimate.trace[-1].std < estimate.trace[0].std).all()
+
+
+def test_local_stage_brings_the_standard_error_near_that_of_all_events_at_the_right_place():
+    quoted = {}
+    for share in (0.0, 0.6):
+        estimate = Avo(**FEW, local_share=share).infer(
+            gaussian_problem(GaussianMeans(), 30_000, np.array([1.0, 12.5])), np.random.default_rng(4)
+        )
+        quoted[share] = np.array([float(e) for e in estimate.message.rpartition("error of ")[2].split(", ")])
+    best = np.sqrt(1 / 10_000 + 1 / 30_000)
+    assert (quoted[0.6] < 1.2 * best).all()
+    assert (quoted[0.6] < quoted[0.0]).all()
+
+
+def test_problems_solved_together_are_solved_as_each_by_itself():
+    means = [np.array([1.0, 12.5]), np.array([-1.0, 8.0])]
+    method = Avo(iterations=30, hidden=(16,))
+
+    def problems():
+        return [gaussian_problem(GaussianMeans(), 3000, mean) for mean in means]
+
+    alone = [method.infer(given, np.random.default_rng(i)) for i, given in enumerate(problems())]
+    together = method.infer_together(problems(), [np.random.default_rng(i) for i in range(2)])
+    for a, b in zip(alone, together, strict=True):
+        np.testing.assert_allclose(b.theta, a.theta, rtol=1e-4)
+        assert [point.simulations for point in b.trace] == [point.simulations for point in a.trace]
 
 
 @pytest.mark.parametrize(
@@ -46,6 +72,8 @@ def test_trace_counts_every_event_and_ends_with_the_estimate():
         {"max_std": 2.0},
         {"min_std": 0.0},
         {"r1": -1.0},
+        {"local_share": 1.0},
+        {"replay": 1},
         {"entropy": -1.0},
     ],
 )
