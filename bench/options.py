@@ -8,19 +8,13 @@ import click
 from avobench.bench.errors import StoreError, UsageError
 from avobench.bench.store import write_atomically
 
-
-def results_option(default: str) -> click.Option:
-    """`--results`, with the folder that a command reads or fills by itself."""
-    return click.option(
-        "--results",
-        type=click.Path(path_type=Path),
-        default=Path(default),
-        show_default=True,
-        help="Folder of the records.",
-    )
-
-
-RESULTS = results_option("results/local")
+RESULTS = click.option(
+    "--results",
+    type=click.Path(path_type=Path),
+    default=Path("results/local"),
+    show_default=True,
+    help="Folder of the records.",
+)
 
 
 def require_folder(path: Path, *, make: bool = True) -> None:

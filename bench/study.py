@@ -23,6 +23,26 @@ NUM_OBSERVATIONS = 100_000
 REPETITIONS = {"poisson": 5, "alignment": 2}
 """The paper shows one run each."""
 SUMMARY_TARGETS = 3
+ABLATION_TARGETS, ABLATION_REPETITIONS = 5, 3
+ABLATION_TASKS = ("poisson", "carl", "weinberg", "alignment")
+ABLATIONS: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
+    "without the local stage": ({"local_share": 0.0}, ABLATION_TASKS),
+    "without polish and local stage": ({"polish": False}, ABLATION_TASKS),
+    "each d used on its own events": ({"cross_fit": False}, ABLATION_TASKS),
+    "fresh events only": ({"replay": 160, "proposal_replay": 160}, ABLATION_TASKS),
+    "images not summed": ({"symmetric": False}, ("alignment",)),
+    "features not decorrelated": ({"whiten": False}, ABLATION_TASKS),
+    "R1 with lambda = 10": ({"r1": 10.0}, ABLATION_TASKS),
+    "no bonus on the entropy": ({"entropy": 0.0}, ABLATION_TASKS),
+    "std free": ({"min_std": 1e-3, "max_std": 1.0}, ABLATION_TASKS),
+    "constant learning rates": (
+        {"learning_rate": [1e-3, 1e-3], "proposal_learning_rate": [0.1, 0.1]},
+        ABLATION_TASKS,
+    ),
+    "the paper's network": ({"hidden": [100] * 4}, ("carl",)),
+}
+"""Differences of avo from avo-paper, each undone alone: the settings, and the tasks on which it means something.
+160 events are those of one iteration. The paper's networks for the other tasks cost ten times the time and more."""
 
 
 @dataclass(frozen=True)
@@ -68,9 +88,10 @@ class AlignmentRows(Alignment):
 
 
 def cells(study: str, seed: int = 0) -> list[Cell]:
-    """The cells of the study `poisson` or `alignment`, avo-paper with the experiment's own settings, or of `summary`.
+    """The cells of the study `poisson` or `alignment`, avo-paper with the experiment's own settings, or of another.
 
-    `summary` is ABC-SMC and BOLFI on the first targets of alignment with AlignmentRows, all else as in the benchmark.
+    `summary` is ABC-SMC and BOLFI on the first targets of alignment with AlignmentRows, all else as in the benchmark;
+    `ablation` is avo on the first targets of every task with each of ABLATIONS.
     The paper's example has gamma = 0 and 1e-4; 1e-2, and 1e-4 with the gradient of the entropy as printed, are there to
     tell what gamma does. Both studies count 32 events an iteration, as Section 4.2 does with its 5 000 iterations for
     160 000 simulations: the schedule `shared`.
@@ -81,6 +102,14 @@ def cells(study: str, seed: int = 0) -> list[Cell]:
             Cell(spec, {}, method, {}, target, 0, 160_000, NUM_OBSERVATIONS, seed)
             for target in range(SUMMARY_TARGETS)
             for method in ("abc-smc", "bolfi")
+        ]
+    if study == "ablation":
+        return [
+            cell
+            for task in ABLATION_TASKS
+            for settings, tasks in ABLATIONS.values()
+            if task in tasks
+            for cell in ablation(task, settings, seed)
         ]
     if study == "poisson":  # Section 4.1: 3 000 iterations
         spec, budget = f"{__name__}:PoissonExample", 3000 * 32
@@ -93,6 +122,15 @@ def cells(study: str, seed: int = 0) -> list[Cell]:
         Cell(spec, {}, "avo-paper", settings, 0, repetition, budget, NUM_OBSERVATIONS, seed)
         for repetition in range(REPETITIONS[study])
         for settings in variants
+    ]
+
+
+def ablation(task: str, settings: dict[str, Any], seed: int = 0) -> list[Cell]:
+    """The cells of one of ABLATIONS on a task, or with {} those of the benchmark's avo to compare them with."""
+    return [
+        Cell(task, {}, "avo", settings, target, repetition, 160_000, NUM_OBSERVATIONS, seed)
+        for repetition in range(ABLATION_REPETITIONS)
+        for target in range(ABLATION_TARGETS)
     ]
 
 

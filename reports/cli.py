@@ -12,37 +12,42 @@ from avobench.bench import listing, study
 from avobench.bench.cells import Status, reason
 from avobench.bench.errors import AvobenchError, StoreError, UsageError
 from avobench.bench.local import LocalBackend
-from avobench.bench.options import RESULTS, require_folder, results_option, write_file
+from avobench.bench.options import RESULTS, require_folder, write_file
 from avobench.bench.progress import ProgressView
 from avobench.bench.runner import run
 from avobench.bench.store import Store
 
-STUDY_RESULTS = results_option("results/studies")
 OUT = click.option("--out", type=click.Path(path_type=Path), default=Path("reports"), show_default=True, help="Folder.")
 FIGURES = ("benchmark", "weinberg", "efficiency", "cost", "poisson", "alignment", "detector")
-STUDIES = ("poisson", "alignment", "detector", "summary")
+STUDIES = ("poisson", "alignment", "detector", "summary", "ablation")
 STUDY_FIGURES = ("poisson", "alignment", "detector")
 """Drawn from the records of the study of that name; the others from those of a benchmark."""
 
 
 @click.command("study")
 @click.argument("name", type=click.Choice(STUDIES))
-@STUDY_RESULTS
+@click.option(
+    "--results",
+    type=click.Path(path_type=Path),
+    default=None,
+    help="Folder of the records.  [results/studies, results/ablation for ablation]",
+)
 @click.option("--seed", type=int, default=0, show_default=True, help="Root of all random streams.")
 @click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [one a core]")
 @click.pass_obj
-def study_(debug: bool, name: str, results: Path, seed: int, jobs: int | None) -> None:
+def study_(debug: bool, name: str, results: Path | None, seed: int, jobs: int | None) -> None:
     """Carry out one of the paper's single experiments, as far as the results folder lacks it.
 
     poisson and alignment are runs of avo-paper (Sections 4.1 and 4.2), detector is the average response at two offsets,
-    summary runs abc-smc and bolfi on alignment with a better summary statistic.
+    summary runs abc-smc and bolfi on alignment with a better summary statistic, ablation runs avo with what sets it
+    apart from avo-paper undone, one difference at a time.
     """
     jobs = joblib.cpu_count() if jobs is None else jobs
     if jobs < 1:
         raise UsageError(f"--jobs must be at least 1, got {jobs}")
     if not 0 <= seed < 2**63:
         raise UsageError(f"--seed must lie between 0 and 2^63 - 1, got {seed}")
-    store = Store(results, create=True)
+    store = Store(results or Path("results/ablation" if name == "ablation" else "results/studies"), create=True)
     if name == "detector":
         with store.lock():
             study.detector(store.path / study.DETECTOR_FILE, seed)
