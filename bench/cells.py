@@ -216,7 +216,7 @@ def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bo
 
 
 def execute_together(
-    cells: Sequence[Cell], progress: Sequence[Callable[[int], None]], debug: bool = False
+    cells: Sequence[Cell], progress: Sequence[Callable[[int], None] | None], debug: bool = False
 ) -> list[dict[str, Any]]:
     """Carry out cells of one task and method as one, by `Method.infer_together`, and return their records in order.
 
