@@ -8,9 +8,10 @@ from avobench.bench.cells import Cell
 
 
 class Backend(ABC):
-    """Carries out cells, one at a time in each of its workers, and hands their records back to the sweep.
+    """Carries out cells in its workers and hands their records back to the sweep.
 
-    The records do not depend on the backend: `cells.execute` makes them everywhere, with one thread a worker.
+    The records do not depend on the backend: `cells.Trial` makes them everywhere, with one thread a worker. Where cells
+    are carried out together, estimates are the same to floating-point reordering.
     """
 
     name: str

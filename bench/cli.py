@@ -18,6 +18,7 @@ from avobench.bench.plan import on_device, plan
 from avobench.bench.progress import ProgressView
 from avobench.bench.runner import Sweep, run
 from avobench.bench.store import Store, to_frame
+from avobench.bench.together import TogetherBackend
 from avobench.diagnosis.challenge.cli import challenge
 from avobench.diagnosis.cli import diagnose
 from avobench.reports.cli import COMMANDS, draw
@@ -47,7 +48,13 @@ def list_() -> None:
 @click.option("--repetitions", type=int, default=1, show_default=True)
 @click.option("--seed", type=int, default=0, show_default=True, help="Root of all random streams.")
 @click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [one a core]")
-@click.option("--backend", type=click.Choice(["local", "dask"]), default="local", show_default=True)
+@click.option(
+    "--backend",
+    type=click.Choice(["local", "together", "dask"]),
+    default=None,
+    help="Processes, all cells of a task at once where a method gains, or a cluster.  [local; together with cuda]",
+)
+@click.option("--group", type=int, default=None, metavar="N", help="Most cells at once with together.  [all]")
 @click.option("--scheduler", default=None, metavar="ADDRESS", help="Of Dask, such as tcp://10.0.0.1:8786.")
 @click.option("--device", type=click.Choice(["cpu", "cuda"]), default="cpu", show_default=True, help="Of the networks.")
 @RESULTS
@@ -65,7 +72,8 @@ def run_(
     repetitions: int,
     seed: int,
     jobs: int | None,
-    backend: str,
+    backend: str | None,
+    group: int | None,
     scheduler: str | None,
     device: str,
     results: Path,
@@ -79,10 +87,13 @@ def run_(
     """
     if jobs is not None and jobs < 1:
         raise UsageError(f"--jobs must be at least 1, got {jobs}")
+    backend = backend or ("together" if device == "cuda" else "local")
     if (backend == "dask") != (scheduler is not None):
         raise UsageError("--backend dask and --scheduler ADDRESS belong together")
     if backend == "dask" and jobs is not None:
         raise UsageError("--jobs is for --backend local; a Dask cluster has the workers that it has")
+    if group is not None and (backend != "together" or group < 1):
+        raise UsageError(f"--group is for --backend together, at least 1; got {group} with --backend {backend}")
     tasks, methods = list(tasks) or registry.names("task"), list(methods) or registry.names("method")
     if device != "cpu":
         settings += on_device(methods, device)
@@ -97,10 +108,13 @@ def run_(
         if figure is not None and all((other.target, other.repetition) != same for other in sweep.pending):
             draw("benchmark", list(sweep.done.values()), figure)
 
-    if scheduler is None:
-        where = LocalBackend(jobs or joblib.cpu_count(), store.running, debug=debug)
-    else:
+    jobs = jobs or joblib.cpu_count()
+    if scheduler is not None:
         where = DaskBackend(scheduler, debug=debug)
+    elif backend == "together":
+        where = TogetherBackend(jobs, store.running, group, debug=debug)
+    else:
+        where = LocalBackend(jobs, store.running, debug=debug)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with ProgressView(Console(stderr=True), redraw) as view:
         records = run(cells, store, where, view, retry_failed=retry_failed)

@@ -41,7 +41,7 @@ def harness_share(store: Store) -> float:
     work = sum(frame[f"{part}_seconds"].sum() for part in PARTS[:-1])
     harness = frame["harness_seconds"].sum()
     for sweep in store.sweeps():
-        alone = sweep["jobs"] == 1 and sweep.get("backend", "local") == "local"
+        alone = sweep["jobs"] == 1 and sweep.get("backend", "local") != "dask"
         harness += sweep["wall_seconds"] - sweep["cell_seconds"] if alone else sweep["cpu_seconds"]
     return harness / (work + harness)
 

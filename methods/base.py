@@ -1,7 +1,7 @@
 """The contract of a method: from a problem and a random stream to an estimate."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import ClassVar, NamedTuple
@@ -56,6 +56,8 @@ class Method(ABC):
     packages: ClassVar[tuple[str, ...]] = ()
     """Modules that must be importable, checked before a sweep begins; `extra` is the extra that installs them."""
     extra: ClassVar[str] = ""
+    together: ClassVar[bool] = False
+    """Whether `infer_together` takes less time than one problem after the other."""
 
     @abstractmethod
     def min_simulations(self, num_parameters: int) -> int:
@@ -71,6 +73,14 @@ class Method(ABC):
         Stop before the budget ends, or let a package run into BudgetExhausted and use what it had completed. Errors of
         the simulator are left to propagate: they become the status of the record.
         """
+
+    def infer_together(self, problems: Sequence[Problem], rngs: Sequence[np.random.Generator]) -> list[Estimate]:
+        """What `infer` makes of each problem with its own random stream, to floating-point reordering.
+
+        The problems are of one task. A method that gains from knowing them all at once, such as one that trains their
+        networks in one batch, says so with `together = True`. What goes wrong with any of them is raised for all.
+        """
+        return [self.infer(problem, rng) for problem, rng in zip(problems, rngs, strict=True)]
 
 
 @contextmanager

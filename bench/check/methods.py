@@ -11,7 +11,7 @@ import numpy as np
 
 from avobench.bench import registry
 from avobench.bench.budget import MeteredSimulator
-from avobench.bench.cells import Cell, Status, execute, observe, stream
+from avobench.bench.cells import Cell, Status, execute, execute_together, observe, stream
 from avobench.bench.check.promises import BrokenPromise, Stage, expect, recordable, state_kept
 from avobench.bench.errors import SimulatorError
 from avobench.bench.problem import Problem
@@ -22,6 +22,8 @@ NUM_OBSERVATIONS = 1000
 MODEST_BUDGET = 3001
 """Events of the larger of the two budgets, where twice the method's minimum is not more. Odd on purpose."""
 MAX_LEFT_WITHOUT_REASON = 0.1
+MAX_SHIFT = 0.1
+"""Of an estimate made together with others, in units of the spread that the method states: what rounding may do."""
 
 
 def stages(name: str, method: Method) -> Iterator[Stage]:
@@ -48,6 +50,8 @@ def stages(name: str, method: Method) -> Iterator[Stage]:
         ("makes no estimate from fewer events than it needs", partial(_too_small, smallest.cell)),
         ("lets errors of the simulator through", partial(_failing_simulator, method, last)),
     ]
+    if method.together:
+        yield [("makes the same estimates together as alone", partial(_together, last))]
 
 
 def _minimum(method: Method) -> None:
@@ -120,6 +124,18 @@ def _too_small(cell: Cell) -> None:
     status, used = record["status"], record["simulations_used"]
     sound = status == Status.BUDGET_EXHAUSTED or (status == Status.OK and used > 0)
     expect(sound, f"with a budget of 1, status {status} after {used} events, where BudgetExhausted is due")
+
+
+def _together(trial: _Trial) -> None:
+    cells = [replace(trial.cell, target=target) for target in range(3)]
+    for cell, record in zip(cells, execute_together(cells, [None] * len(cells)), strict=True):
+        alone = trial.record if cell == trial.cell else execute(cell)
+        for field in ("status", "simulations_used"):
+            expect(record[field] == alone[field], f"{field} of {cell.label} is {alone[field]}, then {record[field]}")
+        shift = np.abs(np.subtract(record["theta_hat"], alone["theta_hat"]))
+        spread = np.array([0.0 if value is None else value for value in alone["std"]])
+        near = (shift <= MAX_SHIFT * spread + 1e-6 * cell.build_task().prior.width).all()
+        expect(near, f"theta_hat of {cell.label} is {alone['theta_hat']}, then {record['theta_hat']}")
 
 
 def _failing_simulator(method: Method, trial: _Trial) -> None:

@@ -361,6 +361,20 @@ class SwallowsFailure(SoundMethod):
         return np.array(theta), np.array(x)
 
 
+class MixesThemUp(SoundMethod):
+    together = True
+
+    def infer_together(self, problems, rngs):
+        return super().infer_together(problems, rngs)[::-1]
+
+
+class SharesAStream(SoundMethod):
+    together = True
+
+    def infer_together(self, problems, rngs):
+        return super().infer_together(problems, [rngs[0]] * len(rngs))
+
+
 class DisguisesFailure(SoundMethod):
     def draws(self, problem, rng):
         try:

@@ -34,6 +34,7 @@ SAME_ESTIMATE = "repeats its estimate bit for bit for a seed, whatever the globa
 OBSERVED = "leaves the observed events as they are"
 TOO_SMALL = "makes no estimate from fewer events than it needs"
 FAILURE = "lets errors of the simulator through"
+TOGETHER = "makes the same estimates together as alone"
 
 
 @pytest.fixture(autouse=True)
@@ -135,6 +136,8 @@ def test_a_faulty_task_fails_on_what_it_breaks(name, expected, why):
         ("OwnEntropyMethod", {SAME_ESTIMATE}, "theta_hat was"),
         ("Remembers", {SAME_ESTIMATE}, "theta_hat was"),
         ("SwallowsFailure", {FAILURE}, "made an estimate though the simulator failed"),
+        ("MixesThemUp", {TOGETHER}, "theta_hat of carl sound target 0 repetition 0 is ["),
+        ("SharesAStream", {TOGETHER}, "theta_hat of carl sound target 1 repetition 0 is ["),
         ("DisguisesFailure", {FAILURE}, "SimulatorError became RuntimeError: sampling failed"),
     ],
 )

@@ -3,7 +3,7 @@
 import os
 import signal
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -102,6 +102,65 @@ class Dying(Moment):
 
     name: ClassVar = "dying"
     fault: str = "dies"
+
+
+class OutOfMemoryError(RuntimeError):
+    """Named as PyTorch's."""
+
+
+@dataclass(frozen=True)
+class Lockstep(Moment):
+    """The same for several problems at once, a step of all at a time.
+
+    It fails, as `fault` says, where the observed events of any of them have a mean above `limit`, or where there are
+    more than `most`.
+    """
+
+    name: ClassVar = "lockstep"
+    together: ClassVar = True
+
+    limit: float = 9.0
+    most: int = 99
+
+    def infer(self, problem, rng):
+        if self.fault == "dies" and problem.x_observed.mean() > self.limit:
+            os.kill(os.getpid(), signal.SIGKILL)
+        if self.fault == "raises" and problem.x_observed.mean() > self.limit:
+            raise RuntimeError("lost the thread")
+        return replace(self, fault="").infer_together([problem], [rng])[0]
+
+    def infer_together(self, problems, rngs):
+        means = np.array([problem.x_observed.mean() for problem in problems])
+        if self.fault == "dies" and means.max() > self.limit:
+            os.kill(os.getpid(), signal.SIGKILL)
+        if self.fault == "raises" and means.max() > self.limit:
+            raise RuntimeError("lost the thread")
+        if len(problems) > self.most:
+            raise OutOfMemoryError("CUDA out of memory. Tried to allocate 2.00 GiB. GPU 0 has a total of 79 GiB. See")
+        theta, traces = np.zeros(len(problems)), [[] for _ in problems]
+        for _ in range(self.steps):
+            time.sleep(self.pause)
+            n = problems[0].simulate.budget // self.steps
+            x = np.stack([p.simulate.repeat([[t]], n)[0, :, 0] for p, t in zip(problems, theta, strict=True)])
+            theta = theta + means - x.mean(axis=1) + 1e-9 * len(problems)  # as if sums were rounded otherwise
+            for problem, trace, t in zip(problems, traces, theta, strict=True):
+                trace.append(TracePoint(problem.simulate.used, np.array([t])))
+        return [
+            Estimate(trace[-1].theta, "last step", "posterior", trace[-1].theta, np.full(1, n**-0.5), trace)
+            for trace in traces[: None if self.fault != "few" or len(problems) == 1 else 1]
+        ]
+
+
+@dataclass(frozen=True)
+class Cliff(Normal):
+    """Fails above theta = 0.5, where some of the targets are, if asked for the 100 events of an observation."""
+
+    name: ClassVar = "cliff"
+
+    def simulate(self, theta, rng):
+        if len(theta) == 100 and theta.max() > 0.5:
+            raise RuntimeError("over the edge")
+        return super().simulate(theta, rng)
 
 
 class Careless(Normal):
