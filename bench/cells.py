@@ -14,7 +14,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from enum import StrEnum
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -129,6 +129,12 @@ def observe(task: Task, target: int, num_observations: int, seed: int) -> NDArra
     return checked_events(task, theta, stream(seed, "observation", task.name, target))
 
 
+@lru_cache(maxsize=1)
+def _observed(task: str, settings: str, target: int, num_observations: int, seed: int) -> NDArray:
+    """The same from the name of the task and its settings, in JSON; kept, as the next cell often has the same."""
+    return observe(registry.build("task", task, json.loads(settings)), target, num_observations, seed)
+
+
 class Trial:
     """A cell while it is carried out, by itself or with others: what its method is given, and how it ended.
 
@@ -154,7 +160,8 @@ class Trial:
         self._floors: dict[str, float | None] = {}
         with self.failing():
             self._floors = _floors(self._task, cell)
-            x_observed = observe(self._task, cell.target, cell.num_observations, cell.seed)
+            settings = json.dumps(cell.task_settings, sort_keys=True)
+            x_observed = _observed(cell.task, settings, cell.target, cell.num_observations, cell.seed)
             self.problem = Problem.of(self._task, x_observed, self.simulate)
         self._observation_seconds = time.perf_counter() - start
 

@@ -104,13 +104,13 @@ def cells(study: str, seed: int = 0) -> list[Cell]:
             for method in ("abc-smc", "bolfi")
         ]
     if study == "ablation":
-        return [
-            cell
-            for task in ABLATION_TASKS
+        each = [
+            (ABLATION_TASKS.index(task), cell)
             for settings, tasks in ABLATIONS.values()
-            if task in tasks
+            for task in tasks
             for cell in ablation(task, settings, seed)
         ]
+        return [cell for _, cell in sorted(each, key=lambda item: (item[0], item[1].target))]
     if study == "poisson":  # Section 4.1: 3 000 iterations
         spec, budget = f"{__name__}:PoissonExample", 3000 * 32
         common = {"schedule": "shared", "hidden": [20, 20, 20], "initial_std": 0.5}

@@ -26,18 +26,25 @@ def worth(cells: pd.DataFrame, task: str) -> str:
 
 
 def table(stores: tuple[Path, ...] = STORES) -> pd.DataFrame:
-    """A row a difference, a column a task; "-" where it means nothing on the task or a record is missing."""
+    """A row a difference, a column a task, of the targets on which every row has all its records; else empty.
+
+    Raises UsageError when there is no such folder.
+    """
     records = {record["id"]: record for store in stores for record in Store(store).read_all()}
-    rows = []
-    for label, (settings, tasks) in {"avo as it is": ({}, ABLATION_TASKS), **ABLATIONS}.items():
-        row = {"": label, **dict.fromkeys(ABLATION_TASKS, "-")}
-        for task in tasks:
-            found = [records.get(cell.id) for cell in ablation(task, settings)]
-            if None not in found:
-                row[task] = worth(labelled(found), task)
-        rows.append(row)
-    return pd.DataFrame(rows)
+    rows = {"avo as it is": ({}, ABLATION_TASKS), **ABLATIONS}
+    columns = {}
+    for task in ABLATION_TASKS:
+        cells = {label: ablation(task, settings) for label, (settings, tasks) in rows.items() if task in tasks}
+        missing = {cell.target for own in cells.values() for cell in own if cell.id not in records}
+        shown = {
+            label: labelled([records[cell.id] for cell in own if cell.target not in missing])
+            for label, own in cells.items()
+            if any(cell.target not in missing for cell in own)
+        }
+        num_targets = max((own["target"].nunique() for own in shown.values()), default=0)
+        columns[f"{task}, {num_targets} targets"] = {label: worth(own, task) for label, own in shown.items()}
+    return pd.DataFrame(columns, index=list(rows)).fillna("")
 
 
 if __name__ == "__main__":
-    print(table().to_string(index=False))
+    print(table().to_string())
