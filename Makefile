@@ -38,8 +38,8 @@ figures: venv  ## draw the committed records into docs/figures, and write docs/r
 	$(BIN)/avobench figure poisson alignment detector --results results/studies --out docs/figures
 	$(BIN)/python -m avobench.reports.reproduction --out docs/reproduction.md
 
-studies: venv  ## the paper's single experiments into results/studies, as far as they lack
-	for study in poisson detector summary alignment; do $(BIN)/avobench study $$study || exit 1; done
+studies: venv  ## the paper's single experiments and the ablation into results/, as far as they lack
+	for study in poisson detector summary alignment ablation; do $(BIN)/avobench study $$study || exit 1; done
 
 bench-speed: venv  ## BOLFI with its fast process against ELFI's own, side by side in one run
 	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.bolfi_speed
@@ -54,7 +54,7 @@ bench-cost: venv  ## where the time goes, from results/reference; simulators aga
 	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.cost results/reference
 
 pages: venv  ## write into README and docs what the commands named there print
-	$(BIN)/python -m avobench.reports.printed README.md docs/performance.md
+	$(BIN)/python -m avobench.reports.printed README.md docs/performance.md docs/methods.md
 
 demo-missing-effect: venv  ## hide one effect in simulated measurements, find and name it; page in reports/demo
 	@test -e results/demo/manifest.json || \

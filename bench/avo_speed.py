@@ -22,6 +22,7 @@ from avobench.bench.plain_avo import PlainAvo
 from avobench.bench.problem import Problem
 from avobench.bench.registry import build, names
 from avobench.methods.avo import AvoPaper
+from avobench.methods.avo_replay import Avo
 from avobench.methods.discriminator import Discriminator
 from avobench.methods.fused_step import FusedStep
 from avobench.tasks import Task
@@ -84,13 +85,18 @@ def whole_step(task: Task, batch_size: int, rounds: int) -> dict[str, float]:
     return measured | {"plain / autograd": times[0] / autograd, "plain / fused": times[0] / fused}
 
 
-def discriminator_step(task: Task, batch_size: int, rounds: int) -> dict[str, float]:
-    """Milliseconds of one update from M / 2 observed and M / 2 simulated events, and of what bounds it."""
+def discriminator_step(
+    task: Task, batch_size: int, rounds: int, hidden: tuple[int, ...] | None = None
+) -> dict[str, float]:
+    """Milliseconds of one update from M / 2 observed and M / 2 simulated events, and of what bounds it.
+
+    Of the task's network, or of one with the layers `hidden`.
+    """
     rng = np.random.default_rng(0)
     noise = Noise(task)
     x = rng.standard_normal((NUM_OBSERVATIONS, task.num_features))
     problem = Problem.of(noise, x, MeteredSimulator(noise, 1, rng))
-    n, hidden = batch_size // 2, task.discriminator.hidden
+    n, hidden = batch_size // 2, hidden or task.discriminator.hidden
     real, synthetic = x[:n], x[n : 2 * n]
     by_autograd, by_hand = (Discriminator(problem, hidden, np.random.default_rng(0)) for _ in range(2))
     optimiser = torch.optim.RMSprop(by_autograd.parameters(), lr=RATE)
@@ -156,9 +162,17 @@ def main(tasks: tuple[str, ...], batch_sizes: tuple[int, ...], rounds: int) -> N
         cases = [(build("task", name, {}), size) for size in batch_sizes for name in tasks or names("task")]
     except AvobenchError as error:
         raise click.ClickException(str(error)) from error
-    for measure in (whole_step, discriminator_step):
-        rows = [{"task": task.name, "M": size, **measure(task, size, rounds)} for task, size in cases]
-        click.echo(f"{measure.__name__.replace('_', ' ')}, median of {rounds} rounds")
+    avo = Avo()
+    tuned = partial(discriminator_step, hidden=avo.hidden)
+    own = [(task, 2 * avo.batch_size) for task, size in cases if size == batch_sizes[0]]
+    tables = {
+        "whole step": (whole_step, cases),
+        "discriminator step": (discriminator_step, cases),
+        f"discriminator step with the network of avo, {'-'.join(map(str, avo.hidden))}": (tuned, own),
+    }
+    for title, (measure, sizes) in tables.items():
+        rows = [{"task": task.name, "M": size, **measure(task, size, rounds)} for task, size in sizes]
+        click.echo(f"{title}, median of {rounds} rounds")
         click.echo(pd.DataFrame(rows).to_string(index=False, float_format="{:.3g}".format) + "\n")
 
 
