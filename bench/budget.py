@@ -92,7 +92,7 @@ def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Genera
         expected = (len(theta), task.num_features)
         got = f"shape {x.shape}" if isinstance(x, np.ndarray) else type(x).__name__
         raise SimulatorError(f"the simulator of {task.name} returned {got} where an array {expected} was due")
-    if x.dtype != np.dtype(task.dtype):
+    if x.dtype != task.dtype:
         raise SimulatorError(f"the simulator of {task.name} returned {x.dtype} where {np.dtype(task.dtype)} was due")
     if x.dtype.kind == "f" and not np.isfinite(x).all():
         bad = np.flatnonzero(~np.isfinite(x).all(axis=1))

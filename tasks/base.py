@@ -57,16 +57,20 @@ class Box:
         if theta.shape[1] != len(self.low):
             raise ValueError(f"theta must have {len(self.low)} columns, got {theta.shape[1]}")
         columns = theta.T if len(self.low) > 1 else (theta,)
-        for column, low, high in zip(columns, self.low, self.high, strict=True):
-            # Where there is a NaN, argmin and argmax find it, and it fails both comparisons. For few events a call of
-            # them takes a third of what one of min, max, or a comparison of arrays does.
-            if not (low <= column.item(column.argmin()) and column.item(column.argmax()) <= high):
-                return False
-        return True
+        return all(map(_within, columns, self.low, self.high))
 
     def sample(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
         """Uniform draws: (n, p)."""
         return rng.uniform(self.low, self.high, (n, self.dim))
+
+
+def _within(values: NDArray[np.float64], low: float, high: float) -> bool:
+    """Whether all values lie in [low, high].
+
+    Where there is a NaN, argmin and argmax find it, and it fails both comparisons. On few values a call of them takes a
+    third of what one of min, max, or a comparison of arrays does.
+    """
+    return low <= values.item(values.argmin()) and values.item(values.argmax()) <= high
 
 
 @dataclass(frozen=True)
