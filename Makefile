@@ -41,7 +41,8 @@ figures: venv  ## draw the committed records into docs/figures, and write docs/r
 studies: venv  ## the paper's single experiments and the ablation into results/, as far as they lack
 	for study in poisson detector summary alignment ablation; do $(BIN)/avobench study $$study || exit 1; done
 
-bench-speed: venv  ## BOLFI with its fast process against ELFI's own, side by side in one run
+bench-speed: venv  ## side by side: simulators against bare NumPy and Pythia, BOLFI's fast process against ELFI's own
+	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.simulator_speed
 	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.bolfi_speed
 
 bench-avo: venv  ## AVO's step beside a plain implementation, matrix products alone and memory traffic
@@ -50,8 +51,8 @@ bench-avo: venv  ## AVO's step beside a plain implementation, matrix products al
 bench-scaling: venv  ## time and memory against budget, observations, targets, workers and number of cells
 	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.scaling
 
-bench-cost: venv  ## where the time goes, from results/reference; simulators against bare NumPy and a bare Pythia loop
-	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.cost results/reference
+bench-cost: venv  ## where the time goes, from results/reference
+	$(BIN)/python -m avobench.bench.cost results/reference
 
 pages: venv  ## write into README and docs what the commands named there print
 	$(BIN)/python -m avobench.reports.printed README.md docs/performance.md docs/methods.md

@@ -55,9 +55,20 @@ class MeteredSimulator:
         Raises SupportError for a theta that is not finite, of the wrong shape or outside the support, BudgetExhausted
         when fewer than n events remain, SimulatorError when the simulator fails.
         """
-        theta = _checked(theta, self._task)
+        # A copy: a simulator cannot change what the method holds.
+        return self._simulate(_checked(np.array(theta, float), self._task))
+
+    def repeat(self, theta: ArrayLike, n: int) -> NDArray:
+        """n events per row: theta (m, p) -> x (m, n, d). Raises as `__call__` does."""
+        theta = _checked(np.atleast_2d(np.asarray(theta, float)), self._task)
+        if n < 1:
+            raise SupportError(f"at least 1 event per row must be asked for, got {n}")
+        return self._simulate(np.repeat(theta, n, axis=0)).reshape(len(theta), n, -1)
+
+    def _simulate(self, theta: NDArray[np.float64]) -> NDArray:
+        """Charge and simulate one event per row of an array that was checked and that nobody else holds."""
         n = len(theta)
-        if n > self.remaining:
+        if n > self._budget - self._used:
             self._refused += n
             raise BudgetExhausted(f"{n} events asked for, {self.remaining} of {self.budget} left")
         self._used += n
@@ -67,13 +78,8 @@ class MeteredSimulator:
         finally:
             self._seconds += time.perf_counter() - start
         if self._progress is not None:
-            self._progress(self.used)
+            self._progress(self._used)
         return x
-
-    def repeat(self, theta: ArrayLike, n: int) -> NDArray:
-        """n events per row: theta (m, p) -> x (m, n, d). Raises as `__call__` does."""
-        theta = np.atleast_2d(theta)
-        return self(np.repeat(theta, n, axis=0)).reshape(len(theta), n, -1)
 
 
 def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
@@ -82,11 +88,11 @@ def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Genera
         x = task.simulate(theta, rng)
     except (Exception, SystemExit) as error:
         raise SimulatorError(f"the simulator of {task.name} raised {type(error).__name__}: {error}") from error
-    expected = (len(theta), task.num_features)
-    if not isinstance(x, np.ndarray) or x.shape != expected:
+    if not isinstance(x, np.ndarray) or x.shape != (len(theta), task.num_features):
+        expected = (len(theta), task.num_features)
         got = f"shape {x.shape}" if isinstance(x, np.ndarray) else type(x).__name__
         raise SimulatorError(f"the simulator of {task.name} returned {got} where an array {expected} was due")
-    if x.dtype != np.dtype(task.dtype):
+    if x.dtype != task.dtype:
         raise SimulatorError(f"the simulator of {task.name} returned {x.dtype} where {np.dtype(task.dtype)} was due")
     if x.dtype.kind == "f" and not np.isfinite(x).all():
         bad = np.flatnonzero(~np.isfinite(x).all(axis=1))
@@ -108,8 +114,7 @@ def checked_summary(task: Task, x: NDArray) -> NDArray[np.float64]:
     return summary
 
 
-def _checked(theta: ArrayLike, task: Task) -> NDArray[np.float64]:
-    theta = np.array(theta, float)  # a copy: a simulator cannot change what the method holds
+def _checked(theta: NDArray[np.float64], task: Task) -> NDArray[np.float64]:
     p = len(task.parameter_names)
     if theta.ndim != 2 or theta.shape[1] != p or len(theta) == 0:
         raise SupportError(f"theta must have shape (n, {p}) with n > 0, got {theta.shape}")

@@ -254,10 +254,11 @@ class _Stream:
 
     def _generate(self) -> Particles:
         # Pythia skips the rare event that it cannot finish; the 2 makes it raise RuntimeError if half of them fail.
-        records = self._pythia.nextBatch(CHUNK, 2.0)["prt"].layout.to_packed()
+        records = self._pythia.nextBatch(CHUNK, 2.0)["prt"].layout.to_ListOffsetArray64(True)
         if len(records) != CHUNK:
             raise RuntimeError(f"Pythia generated {len(records)} of {CHUNK} events")
-        particles, starts = records.content, records.offsets.data
+        starts = records.offsets.data
+        particles = records.content[: starts[-1]]
         ids, status, mother, tau, mass = (particles[k].data for k in ("id", "status", "mother1", "tau", "m"))
         p = [particles["p"][k].data for k in ("px", "py", "pz")]
         kept = np.flatnonzero((status > 0) | ((status <= -PRIMARY_HADRON) & (tau > 0)))  # no partons, beams, or Z
@@ -275,8 +276,9 @@ class _Stream:
         while (product := np.abs(status[above]) >= DECAY_PRODUCT).any():
             below, above = below[product], above[product]
             above = start[below] + mother[above]
+            reached = tau[above] / mass[above]
             for axis in range(3):
-                position[axis, below] += tau[above] / mass[above] * p[axis][above]
+                position[axis, below] += reached * p[axis][above]
         momentum = np.stack([component[kept] for component in p])
         return Particles(offsets, position, momentum, particles["p"]["e"].data[kept], reach)
 

@@ -49,9 +49,28 @@ class Box:
             inside &= (column >= low) & (column <= high)
         return inside
 
+    def contains_all(self, theta: NDArray[np.float64]) -> bool:
+        """Whether all rows of theta (n, p) lie in the box; `contains(theta).all()`, in less time. n > 0.
+
+        Raises ValueError for another number of columns.
+        """
+        if theta.shape[1] != len(self.low):
+            raise ValueError(f"theta must have {len(self.low)} columns, got {theta.shape[1]}")
+        columns = theta.T if len(self.low) > 1 else (theta,)
+        return all(map(_within, columns, self.low, self.high))
+
     def sample(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
         """Uniform draws: (n, p)."""
         return rng.uniform(self.low, self.high, (n, self.dim))
+
+
+def _within(values: NDArray[np.float64], low: float, high: float) -> bool:
+    """Whether all values lie in [low, high].
+
+    Where there is a NaN, argmin and argmax find it, and it fails both comparisons. On few values a call of them takes a
+    third of what one of min, max, or a comparison of arrays does.
+    """
+    return low <= values.item(values.argmin()) and values.item(values.argmax()) <= high
 
 
 @dataclass(frozen=True)
@@ -99,10 +118,10 @@ class Task(ABC):
 
     def require_support(self, theta: NDArray[np.float64]) -> None:
         """Raise ValueError unless all rows of theta (n, p) lie within the support."""
-        inside = self.support.contains(theta)
-        if not inside.all():
+        if not self.support.contains_all(theta):
+            outside = theta[~self.support.contains(theta)]
             raise ValueError(
-                f"theta = {theta[~inside][0].tolist()} lies outside the support of {self.name}, "
+                f"theta = {outside[0].tolist()} lies outside the support of {self.name}, "
                 f"{list(self.support.low)} to {list(self.support.high)}"
             )
 

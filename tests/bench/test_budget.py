@@ -53,6 +53,29 @@ def test_repeat_gives_n_events_of_each_row():
     assert x[0].mean() < -0.2 < 0.2 < x[1].mean()  # E[x] = c / 4
 
 
+def test_repeat_needs_an_event_of_each_row():
+    simulate = metered(10)
+    for n in (0, -1):
+        with pytest.raises(SupportError, match=f"at least 1 event per row must be asked for, got {n}"):
+            simulate.repeat(THETA, n)
+    with pytest.raises(SupportError, match="outside the support"):
+        simulate.repeat([50.0, 1.0], 2)
+    assert simulate.requested == 0
+
+
+def test_a_simulator_cannot_change_what_the_method_holds():
+    def spoil(theta):
+        theta[:] = 0
+        return np.zeros((len(theta), 1))
+
+    given_theta = np.array([THETA, THETA])
+    simulate = metered(10, Faulty(spoil))
+    simulate(given_theta)
+    simulate.repeat(given_theta, 2)
+    simulate.repeat(given_theta, 1)
+    assert given_theta.tolist() == [THETA, THETA]
+
+
 def test_progress_hears_of_every_call():
     heard = []
     simulate = metered(10, progress=heard.append)

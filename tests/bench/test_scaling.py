@@ -6,7 +6,6 @@ import pytest
 import torch
 
 from avobench.bench.avo_speed import Noise, discriminator_step, whole_step
-from avobench.bench.cost import BARE, numpy_rates
 from avobench.bench.plain_avo import PlainAvo
 from avobench.bench.registry import build
 from avobench.bench.scaling import against_budget_and_observations, exponent, sweep
@@ -31,16 +30,6 @@ def test_memory_does_not_grow_with_the_number_of_cells(tmp_path):
     many = sweep(10, 6, 1, 480, tmp_path / "many")
     assert many["cells"] == 60
     assert many["of it new [MiB]"] < few["of it new [MiB]"] + 3
-
-
-@pytest.mark.parametrize("name", BARE)
-def test_the_bare_simulators_have_the_distribution_of_the_tasks(name):
-    task, rng = build("task", name, {}), np.random.default_rng(0)
-    theta = np.repeat(task.targets()[:1], 200_000, axis=0)
-    x, bare = task.simulate(theta, rng), BARE[name](theta, rng)
-    error = np.sqrt((x.var(axis=0) + bare.var(axis=0)) / len(x))
-    assert (np.abs(x.mean(axis=0) - bare.mean(axis=0)) < 4.5 * error).all()
-    assert bare.std(axis=0) == pytest.approx(x.std(axis=0), rel=0.02)
 
 
 def test_the_plain_implementation_follows_the_same_algorithm():
@@ -70,9 +59,3 @@ def test_every_column_of_the_step_is_a_time():
     assert whole["plain / fused"] == whole["plain [ms]"] / whole["fused [ms]"]
     assert all(value > 0 for value in part.values())
     assert part["share"] == part["products [ms]"] / part["fused [ms]"]
-
-
-def test_rates_of_the_numpy_simulators_are_told_for_each():
-    table = numpy_rates(100, num_events=2000, rounds=2)
-    assert table["task"].tolist() == list(BARE)
-    assert (table[["events/s", "bare", "times the bare"]] > 0).all(axis=None)

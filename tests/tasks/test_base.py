@@ -34,6 +34,17 @@ def test_a_box_knows_its_center_and_width_and_includes_its_bounds():
     assert box.contains(theta).tolist() == [True, True, True, False, False, False, False]
 
 
+VALUES = st.sampled_from([-1.0, -1.0000000000000002, 0.0, 1.0, 1.0000000000000002, np.nan, np.inf, -np.inf])
+
+
+@given(arrays(float, st.tuples(st.integers(1, 5), st.integers(1, 3)), elements=VALUES | st.floats(-1, 1)))
+def test_a_box_contains_all_rows_when_it_contains_each(theta):
+    box = Box((-1,) * theta.shape[1], (1,) * theta.shape[1])
+    assert box.contains_all(theta) == box.contains(theta).all()
+    with pytest.raises(ValueError, match="must have"):
+        Box((0,) * 4, (1,) * 4).contains_all(theta)
+
+
 def test_boxes_of_the_same_bounds_are_equal_whatever_numbers_they_were_given_as():
     assert Box((0,), (4,)) == Box((0.0,), (np.float64(4),))
 
