@@ -25,9 +25,11 @@ from avobench.bench.store import Store
 TASK = "poisson"
 METHODS = {"avo-paper": {"hidden": [16], "batch_size": 512}, "abc-smc": {"events_per_theta": 64, "population_size": 25}}
 SIZES = (10_000, 100_000, 1_000_000)
-TINY = {"method": "avo-paper", "settings": ["avo-paper.hidden=[4]"]}
-TINY_BUDGET = 96
-"""Two iterations: a cell that is nearly all harness."""
+TINY = {
+    "avo-paper": (96, ["avo-paper.hidden=[4]"]),
+    "abc-smc": (2400, ["abc-smc.events_per_theta=16", "abc-smc.population_size=15"]),
+}
+"""Budget and settings of a cell that is nearly all harness and package: two iterations, a few generations."""
 
 
 def exponent(x: pd.Series, y: pd.Series) -> float:
@@ -56,7 +58,9 @@ def against_budget_and_observations(method: str, sizes: tuple[int, ...] = SIZES)
     return pd.DataFrame(rows)
 
 
-def sweep(targets: int, repetitions: int, jobs: int, budget: int, folder: Path) -> dict[str, float]:
+def sweep(
+    targets: int, repetitions: int, jobs: int, budget: int, folder: Path, method: str = "avo-paper"
+) -> dict[str, float]:
     """A sweep of small cells in workers that stand ready: cells, wall seconds, memory [MiB].
 
     Memory is the highest of the process that leads (of which so much is new), and of any worker. With one job the two
@@ -66,9 +70,9 @@ def sweep(targets: int, repetitions: int, jobs: int, budget: int, folder: Path) 
     backend = LocalBackend(jobs, store.running)
 
     def small(last: int, repetitions: int, budget: int, seed: int) -> list[Cell]:
-        return plan([TASK], [TINY["method"]], f"0-{last}", repetitions, budget, 100, seed, TINY["settings"])
+        return plan([TASK], [method], f"0-{last}", repetitions, budget, 100, seed, TINY[method][1])
 
-    run(small(0, 2 * jobs, TINY_BUDGET, 1), store, backend, View())  # starts the workers
+    run(small(0, 2 * jobs, TINY[method][0], 1), store, backend, View())  # starts the workers
     cells = small(targets - 1, repetitions, budget, 0)
     reset_peak_memory()
     before, start = peak_memory_mib() or np.nan, time.perf_counter()
@@ -118,21 +122,23 @@ def main(largest: str, cells: int) -> None:
         for name, values in sweeps.items():
             rows = []
             for i, (targets, repetitions, jobs) in enumerate(values):
-                measured = sweep(targets, repetitions, jobs, 100 * TINY_BUDGET, Path(folder) / f"{name}{i}")
+                measured = sweep(targets, repetitions, jobs, 100 * TINY["avo-paper"][0], Path(folder) / f"{name}{i}")
                 rows.append({name: targets if name == "targets" else jobs, **measured})
             table = pd.DataFrame(rows)
             show(table)
             click.echo(f"{name}: seconds ~ {name}^{exponent(table[name], table['seconds']):.2f}\n")
 
         sizes = [size for size in (10, 100, 1000, 10_000) if size <= cells]
-        rows = [sweep(10, size // 10, 2, TINY_BUDGET, Path(folder) / f"cells{size}") for size in sizes]
-    table = pd.DataFrame(rows)
-    show(table)
-    for name in ("leader [MiB]", "largest worker [MiB]"):
-        slope = np.polyfit(table["cells"], table[name], 1)[0]
-        click.echo(
-            f"{name[:-6]}: {1024 * slope:.2g} KiB a cell, memory ~ cells^{exponent(table['cells'], table[name]):.3f}"
-        )
+        for method, (budget, _) in TINY.items():
+            at = Path(folder) / method
+            table = pd.DataFrame([sweep(10, size // 10, 2, budget, at / f"{size}", method) for size in sizes])
+            click.echo(f"cells of {method}")
+            show(table)
+            for name in ("leader [MiB]", "largest worker [MiB]"):
+                slope = np.polyfit(table["cells"], table[name], 1)[0]
+                power = exponent(table["cells"], table[name])
+                click.echo(f"{name[:-6]}: {1024 * slope:.2g} KiB a cell, memory ~ cells^{power:.3f}")
+            click.echo()
 
 
 if __name__ == "__main__":
