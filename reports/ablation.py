@@ -43,7 +43,7 @@ def table(stores: tuple[Path, ...] = STORES) -> pd.DataFrame:
         }
         num_targets = max((own["target"].nunique() for own in shown.values()), default=0)
         columns[f"{task}, {num_targets} targets"] = {label: worth(own, task) for label, own in shown.items()}
-    return pd.DataFrame(columns, index=list(rows)).fillna("")
+    return pd.DataFrame(columns, index=list(rows), dtype=object).fillna("")
 
 
 if __name__ == "__main__":
