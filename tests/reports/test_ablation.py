@@ -1,0 +1,39 @@
+"""The table of the ablation compares like with like."""
+
+import pytest
+
+from avobench.bench.cells import Status, blank_record
+from avobench.bench.store import Store
+from avobench.bench.study import ABLATION_TASKS, ABLATIONS, ablation, cells
+from avobench.reports.ablation import table
+
+
+def test_every_difference_makes_other_cells_on_the_same_targets():
+    for settings, tasks in ABLATIONS.values():
+        for task in tasks:
+            own, plain = ablation(task, settings), ablation(task, {})
+            assert not {cell.id for cell in own} & {cell.id for cell in plain}
+            assert [(c.target, c.repetition, c.seed) for c in own] == [(c.target, c.repetition, c.seed) for c in plain]
+    ids = [cell.id for cell in cells("ablation")]
+    assert len(ids) == len(set(ids))
+    assert {cell.task for cell in cells("ablation")} == set(ABLATION_TASKS)
+
+
+def test_a_target_that_lacks_a_record_of_any_row_is_in_none(tmp_path):
+    store = Store(tmp_path, create=True)
+    rows = {"avo as it is": {}} | {label: settings for label, (settings, tasks) in ABLATIONS.items() if "carl" in tasks}
+    for i, (label, settings) in enumerate(rows.items()):
+        for cell in ablation("carl", settings):
+            ratio = 1 + i if cell.target == 0 else 1000
+            scored = {"squared_error": 1e-4 * ratio, "floor": 1e-4, "theta_hat": [0.0, 0.0]}
+            if cell.target == 0 or (cell.target == 1 and label != "fresh events only"):
+                store.write({**blank_record(cell, Status.OK, ""), **scored})
+    shown = table((tmp_path,))
+    column = shown["carl, 1 targets"]
+    efficient = 0.53  # median of an efficient estimator's squared error over the floor, for carl's two parameters
+    for i, label in enumerate(rows):
+        inefficiency, worst = column[label].split(" ")
+        assert float(inefficiency) == pytest.approx((1 + i) / efficient, rel=0.05)
+        assert worst == f"({1 + i:.2g})"
+    assert column["images not summed"] == ""
+    assert (shown["poisson, 0 targets"] == "").all()
