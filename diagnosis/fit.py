@@ -12,14 +12,16 @@ from avobench.diagnosis.summary import Summary, whitening
 
 CHUNK = 100_000
 """Events simulated at a time, to bound memory."""
+COMPARED = 10_000
+"""Of these, compared one by one with what the same seed makes elsewhere."""
 MIN_SIGMAS = 4.0
 """Half the width of a design, in standard errors, at least."""
 SLOPE_NOISE = 0.2
 """Standard error of a slope over a design, in units of the slope that is one standard error of the parameter."""
-WIDEST = 0.1
-"""Half the width of a design, of the range of a parameter, where the data say little about it."""
 SHRINK = 3.0
 """How much narrower a design may be than the one before."""
+WORSE = 2.0
+"""Standard errors by which the end of a step must be worse than its start, to be given up."""
 ANCHOR = 0.1
 """What moving to the edge of the design costs in Q: it keeps parameters still that the data say nothing about."""
 POLISHES = 4
@@ -200,14 +202,18 @@ class Fit:
         reach, _ = np.linalg.qr(self.jacobian @ vectors[:, self.model.dim - self.num_identified :])
         return np.eye(len(self.residual)) - reach @ reach.T
 
-    def next_design(self, num_events: int) -> Design:
-        """A design around the fit for `num_events` events, along the directions of the Fisher information."""
-        values, vectors = np.linalg.eigh(self.information[0])
+    def next_design(self, num_events: int, least: float = 0.0) -> Design:
+        """A design around the fit for `num_events` events, along the directions of the Fisher information.
+
+        `least` is its half-width at least, as a share of what the model can bear; see `Model.reach`.
+        """
+        reach = self.model.reach(self.unit)
+        values, vectors = np.linalg.eigh(self.information[0] * np.outer(reach, reach))
         # Over a design of half-width h a slope is known to sqrt(6 r N / n) / h, all summaries taken together.
         ratio = 6 * len(self.residual) * self.num_observed / num_events
         sigmas = max(MIN_SIGMAS, np.sqrt(ratio) / SLOPE_NOISE)
-        half = np.clip(sigmas / np.sqrt(np.maximum(values, 1e-9)), 1e-6, WIDEST)
-        return Design(self.unit, vectors * half)
+        half = np.clip(sigmas / np.sqrt(np.maximum(values, 1e-9)), max(least, 1e-4), 1)
+        return Design(self.unit, reach[:, None] * vectors * half)
 
 
 def basis(t: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -246,9 +252,8 @@ def surrogate(model: Model, summary: Summary, design: Design, num_events: int, r
         normal += b.T @ b
         at_centre = at_centre + summary.moments(twins, b)
         spread = spread + summary.moments(x, b)
-        unlike += float(summary.moved(twins, x).sum())
+        unlike += n / pairs * float(summary.moved(twins[:COMPARED], x[:COMPARED]).mean())
         left -= n
-    unlike /= pairs
     if unlike < 1:
         inverse = np.zeros((k, k))
         inverse[0, 0] = 1 / pairs
@@ -337,31 +342,31 @@ def refine(
 def descend(
     model: Model, target: Target, design: Design, rng: np.random.Generator, num_events: int, max_rounds: int
 ) -> Fit:
-    """Go from design to design, each around the minimum of the last one's surrogate.
+    """Go from design to design, each around the minimum of the last one's surrogate, until it stands still.
 
-    What a surrogate promises is not believed: with many coefficients it follows the data by chance. A step counts once
-    simulation at its end has borne it out, and is taken back and shortened if not.
+    What a surrogate promises is not believed: with many coefficients it follows the data by chance. Where simulation
+    at the end of a step is clearly worse than at its start, the step is taken back and tried in a narrower design. The
+    start is then simulated anew: a value that was low by chance would keep every step away.
     """
-    best, promised = None, np.inf
-    scale = float(np.abs(design.axes).max())
+    best, gap, error = None, np.inf, 0.0
+    scale = float(np.abs(design.axes / model.reach(design.centre)[:, None]).max())
     for _ in range(max_rounds):
         s = surrogate(model, target.summary, design, num_events, rng)
-        here, error = s.gap_at_centre(target)
-        if here > promised + error:
+        here, its_error = s.gap_at_centre(target)
+        if here > gap + WORSE * np.hypot(error, its_error):
             scale /= SHRINK
-            design = Design(best.unit, design.axes / SHRINK)
+            design = Design(best.unit, best.next_design(num_events, scale).axes / SHRINK)
+            gap = np.inf
             continue
-        best, promised = fit_at(model, s, target, design.centre), here
+        best, gap, error = fit_at(model, s, target, design.centre), here, its_error
         step = minimise(model, s, target)
         moved = np.abs(design.to_t(step.unit)).max()
-        design = step.next_design(num_events)
-        smallest = np.abs(design.axes).max()
-        if moved < 0.3 and scale <= smallest:
+        narrowest = step.next_design(num_events)
+        design = step.next_design(num_events, scale if moved > 0.9 else scale / SHRINK)
+        if moved < 0.3 and np.allclose(design.axes, narrowest.axes):
             return step
         # A curved model is not known to be as sharp as its slope at a distance says.
-        scale = max(scale if moved > 0.9 else scale / SHRINK, smallest)
-        lengths = np.linalg.norm(design.axes, axis=0)
-        design = Design(design.centre, design.axes / lengths * np.maximum(lengths, min(scale, WIDEST)))
+        scale = scale if moved > 0.9 else scale / SHRINK
     return best
 
 
