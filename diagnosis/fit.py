@@ -265,28 +265,13 @@ def surrogate(model: Model, summary: Summary, design: Design, num_events: int, r
     return Surrogate(design, inverse @ (spread + np.outer(constant, at_centre[0])), inverse)
 
 
-def without_noise(s: Surrogate, target: Target) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """A and w with |A^T basis - w|^2 = Q + constant, Q without what the noise of the coefficients adds: (b, k), (k,).
-
-    Noise adds r N basis^T (covariance of the coefficients) basis to Q, more the further from the centre. Left in, it
-    would hold every fit near the middle of its design. Combinations of terms that do not stand out of it are dropped.
-    """
-    values, vectors = np.linalg.eigh(s.inverse)
-    solid = values > 1e-12 * values[-1]
-    root = vectors[:, solid] * np.sqrt(values[solid])  # inverse = root root^T
-    scaled = np.linalg.pinv(root) @ target.whiten(s.coefficients)  # each entry with noise of variance N
-    strength, directions = np.linalg.eigh(scaled @ scaled.T)
-    noise = target.rank * target.num_events
-    seen = strength > noise * (1 + 3 * np.sqrt(2 / target.rank))
-    # Less two standard errors of the noise: a fit must not run to where chance makes the noise look larger than it is.
-    known = noise * max(0.0, 1 - 2 * np.sqrt(2 / target.rank))
-    left, directions = np.sqrt(strength[seen] - known), directions[:, seen]
-    return root @ directions * left, directions.T @ (scaled @ target.whiten(target.mean)) / left
-
-
 def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
-    """The point of the design where the surrogate comes closest to the target."""
-    terms, wanted = without_noise(s, target)
+    """The point of the design where the surrogate comes closest to the target.
+
+    The noise of the coefficients adds to the distance, the more the further from the centre. That is left in: where the
+    slopes stand out of it, as `next_design` sees to, it hardly matters, and where they do not, nothing should move.
+    """
+    terms, wanted = target.whiten(s.coefficients), target.whiten(target.mean)
     axes, centre, p = s.design.axes, s.design.centre, model.dim
 
     def outside(t: NDArray[np.float64]) -> NDArray[np.float64]:

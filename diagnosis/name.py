@@ -20,6 +20,8 @@ LOCATIONS, SHAPES, WIDTHS = 12, 5, 3
 """Grid points of a location, of a single shape parameter, of a width beside a location."""
 AT_EDGE = 0.48
 """Distance from the middle of the range, of which the edge is at 0.5."""
+FINALISTS, FINAL_EVENTS = 8, 8
+"""Points of the grid that are looked at again, and with how many times the events."""
 MOST_SCREENED = 24
 """Effects of which all shapes are screened."""
 WEAK, MOST_EVENTS = 10.0, 4
@@ -113,19 +115,23 @@ def screen(pool: Pool, effect: Effect, x: NDArray, rng: np.random.Generator, eff
         return []
     points = grid(effect) if guesses is None else guesses
     q = points.shape[1]
-    events = max(effort.screen // len(points), effort.screen // 50)
-    change, scatter = pool.changes(effect, points, events, rng)
-    free = base.projector()
-    left, moved = base.residual @ free, change @ free
-    size = np.maximum((moved**2).sum(axis=1) - scatter, 0.1 * (moved**2).sum(axis=1)) + 1e-9
-    along = moved @ left
     strength = effect.parameters[0]
-    gain = np.clip(along / size, 0, GAIN)
-    reach = np.where(points[:, 0] > strength.null, strength.high, strength.low) - strength.null
-    gain = np.minimum(gain, reach / (points[:, 0] - strength.null))
-    if guesses is not None:
-        gain = np.ones_like(gain)
-    expected = left @ left - 2 * gain * along + gain**2 * size
+    events = max(effort.screen // len(points), effort.screen // 50)
+    free = base.projector()
+    left = base.residual @ free
+    for number in (events, FINAL_EVENTS * events):
+        change, scatter = pool.changes(effect, points, number, rng)
+        moved = change @ free
+        size = np.maximum((moved**2).sum(axis=1) - scatter, 0.1 * (moved**2).sum(axis=1)) + 1e-9
+        along = moved @ left
+        gain = np.clip(along / size, 0, GAIN)
+        reach = np.where(points[:, 0] > strength.null, strength.high, strength.low) - strength.null
+        gain = np.minimum(gain, reach / (points[:, 0] - strength.null))
+        if guesses is not None:
+            gain = np.ones_like(gain)
+        expected = left @ left - 2 * gain * along + gain**2 * size
+        if number == events:  # what looks best from few events is looked at with more
+            points = points[np.argsort(expected)[:FINALISTS]]
     order = np.argsort(expected)
     chosen = [order[0]]
     if q > 1:
@@ -202,7 +208,7 @@ def candidates(
             own = plain[effect.key] if k == 0 else screen(pool, shape, x, rng, effort)
             if base.gap > STRONG * base.dof and len(effects) <= MOST_SCREENED and shape.guess(x) is None:
                 own = [*own, searched(base, target, shape, rng, effort)]
-            starts += sorted(own, key=lambda start: start.expected)[:1]
+            starts += sorted(own, key=lambda start: start.expected)
         # The plainest shape always has its fit: screening is too rough to prefer another to it.
         first, rest = starts[:1], sorted(starts[1:], key=lambda start: start.expected)
         families.append([*first, *rest[: effort.starts - 1]])
