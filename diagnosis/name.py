@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit import Fit, Target, polish, refine, scan
+from avobench.diagnosis.fit import Base, Fit, Target, polish, refine, scan
 from avobench.diagnosis.model import Model
 
 STRENGTHS = (0.001, 0.005, 0.02, 0.08, 0.25, 0.7)
@@ -148,7 +148,7 @@ def screen(pool: Pool, effect: Effect, x: NDArray, rng: np.random.Generator, eff
     return starts
 
 
-def joint(start: Start, target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
+def joint(start: Start, base: Base, target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
     """Fit theta and the effects' parameters together, from a start.
 
     A fit that ends at an edge of theta's range may have been led there by the effect that was missing: theta is then
@@ -160,12 +160,13 @@ def joint(start: Start, target: Target, rng: np.random.Generator, effort: Effort
     half = np.full(model.dim, 0.08)
     half[:last] = 0.02
     half[last] = max((0.5 if start.loose else 0.003) * abs(start.unit[last] - null), 1e-4)
-    fit = refine(model, target, start.unit, half, rng, num_events=effort.fit)
+    fit = refine(model, target, start.unit, half, rng, num_events=effort.fit, base=base)
     if np.abs(fit.unit[:p] - 0.5).max() < AT_EDGE:
         return fit
     centre, near = scan(model, target, rng, fixed=fit.unit[p:], size=effort.scan)
     half[:p] = max(near, 0.005)
-    return min(fit, refine(model, target, centre, half, rng, num_events=effort.fit), key=lambda f: f.gap)
+    again = refine(model, target, centre, half, rng, num_events=effort.fit, base=base)
+    return min(fit, again, key=lambda f: f.gap)
 
 
 def searched(base: Fit, target: Target, effect: Effect, rng: np.random.Generator, effort: Effort) -> Start:
@@ -190,11 +191,13 @@ def candidates(
     rng: np.random.Generator,
     effort: Effort,
     *,
+    leaves: float,
     jobs: int = 1,
-) -> list[Fit]:
+) -> tuple[list[Fit], Base]:
     """Fits to events x (N, d) of `base` with one more effect: the best starts of the most promising families.
 
-    Fits that may still be the best are repeated with more events, all from the same seed.
+    Fits that may still be the best are repeated with more events, all from the same seed, if one of them may leave less
+    than the share `leaves` of the excess over chi-squared; else none will do. Also `base`, made known for that.
     """
     pool = Pool(base, target, effort.pool, rng)
     effects = [effect.adapted(x) for effect in effects]
@@ -219,20 +222,25 @@ def candidates(
     effort = replace(effort, fit=int(np.clip(needed, effort.fit, max(effort.fit, MOST_EVENTS * target.num_events))))
     work = joblib.Parallel(n_jobs=jobs)
     streams = rng.spawn(len(starts))  # so that any number of workers gives the same fits
-    fits = work(joblib.delayed(joint)(s, target, stream, effort) for s, stream in zip(starts, streams, strict=True))
+    known = Base.around(base, target, int(effort.base * target.num_events), rng)
+    fits = work(
+        joblib.delayed(joint)(s, known, target, stream, effort) for s, stream in zip(starts, streams, strict=True)
+    )
     seed = int(rng.integers(2**63))
     for ratio in effort.again:
         fits = _distinct(fits)
         best = min(fits, key=lambda fit: fit.gap + fit.gap_error, default=None)
+        if best is None or best.gap - best.dof - 2 * best.gap_error > leaves * (base.gap - base.dof):
+            break
         likely = [fit.gap - fit.gap_error < best.gap + best.gap_error + max(best.gap, best.dof) for fit in fits]
         events = max(int(ratio * target.num_events), effort.fit)
         again = work(
-            joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events)
+            joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events, base=known)
             for fit, worth in zip(fits, likely, strict=True)
             if worth
         )
         fits = [*again, *(fit for fit, worth in zip(fits, likely, strict=True) if not worth)]
-    return fits
+    return fits, known
 
 
 def _distinct(fits: list[Fit]) -> list[Fit]:
