@@ -18,7 +18,7 @@ from avobench.diagnosis.detect import cell_gate, summary_gate, target_of
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effects.catalogue import catalogue, domain
 from avobench.diagnosis.effort import Effort, effort_for
-from avobench.diagnosis.fit import Base, Fit, Target, polish, refine, scan
+from avobench.diagnosis.fit import IDENTIFIED, Base, Fit, Target, polish, refine, scan
 from avobench.diagnosis.identifiability import card
 from avobench.diagnosis.localise import intervals, significant
 from avobench.diagnosis.model import Model
@@ -29,6 +29,7 @@ from avobench.diagnosis.pool import Pool, TwoStage
 from avobench.diagnosis.rank import Ranked, ranking, tied
 from avobench.diagnosis.schema import (
     Candidate,
+    Combination,
     Diagnosis,
     EffectValue,
     FoundEffect,
@@ -237,6 +238,8 @@ def diagnose(
         gap_after=gap(last) if named_any else None,
         theta_before=theta_values(first),
         theta_after=theta_values(last) if named_any else None,
+        identified_before=identified(first),
+        identified_after=identified(last) if named_any else None,
         effects=[found_effect(last, k, tied(step.ranks), names) for k, step in enumerate(steps[:-1])],
         regions=regions(steps[0].fit, target, seen, rng, alpha, names) if disagree else [],
         candidates=[
@@ -379,6 +382,27 @@ def theta_values(fit: Fit) -> dict[str, Value]:
         name: Value(value=float(fit.params[i]), std=float(std[i]))
         for i, name in enumerate(fit.model.task.parameter_names)
     }
+
+
+def identified(fit: Fit) -> list[Combination]:
+    """The combinations of theta that the data determine, best known first; uncorrelated with each other.
+
+    Eigenvectors of the covariance of theta, the parameters of the effects being free, in units of theta's range. A
+    combination counts whose error is less than a fifth of what the range alone would give.
+    """
+    p, model = fit.model.num_theta, fit.model
+    width = (model.high - model.low)[:p]
+    variances, directions = np.linalg.eigh(fit.unit_covariance[:p, :p])
+    scale = max(1.0, fit.q / fit.dof)
+    return [
+        Combination(
+            coefficients=dict(zip(model.task.parameter_names, map(float, direction / width), strict=True)),
+            value=float(direction / width @ fit.params[:p]),
+            std=float(np.sqrt(scale * variance)),
+        )
+        for variance, direction in zip(variances, directions.T, strict=True)
+        if variance < 1 / IDENTIFIED**2 / 12
+    ]
 
 
 def found_effect(fit: Fit, k: int, ties: list[Ranked], names: tuple[str, ...]) -> FoundEffect:
