@@ -33,7 +33,7 @@ class Effort:
     """Points of each search for theta, and events at each."""
     families: int = 12
     """Effects that are fitted."""
-    starts: int = 6
+    starts: int = 5
     """Shapes of an effect that are fitted."""
 
     def scaled(self, share: float) -> "Effort":

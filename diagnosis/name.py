@@ -24,6 +24,8 @@ FINALISTS, FINAL_EVENTS = 8, 8
 """Points of the grid that are looked at again, and with how many times the events."""
 MOST_SCREENED = 24
 """Effects of which all shapes are screened."""
+FIRST_ROUNDS, LAST_ROUNDS, CONTINUED = 3, 7, 6
+"""Rounds of all fits, of those that go on, and how many go on beside the best of each family."""
 WEAK, MOST_EVENTS = 10.0, 4
 """Noise of chi-squared is kept to a fifth of the excess, with at most so many events a measured one."""
 STRONG = 10.0
@@ -148,24 +150,30 @@ def screen(pool: Pool, effect: Effect, x: NDArray, rng: np.random.Generator, eff
     return starts
 
 
-def joint(start: Start, base: Base, target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
-    """Fit theta and the effects' parameters together, from a start.
-
-    A fit that ends at an edge of theta's range may have been led there by the effect that was missing: theta is then
-    looked for anew.
-    """
-    model, p = start.model, start.model.num_theta
+def joint(start: Start, base: Base, target: Target, rng: np.random.Generator, num_events: int) -> Fit:
+    """The first steps of a fit of theta and the effects' parameters together."""
+    model = start.model
     last = model.dim - len(model.effects[-1].parameters)
     null = (model.effects[-1].parameters[0].null - model.low[last]) / (model.high[last] - model.low[last])
     half = np.full(model.dim, 0.08)
     half[:last] = 0.02
     half[last] = max((0.5 if start.loose else 0.003) * abs(start.unit[last] - null), 1e-4)
-    fit = refine(model, target, start.unit, half, rng, num_events=effort.fit, base=base)
+    return refine(model, target, start.unit, half, rng, num_events=num_events, max_rounds=FIRST_ROUNDS, base=base)
+
+
+def continued(fit: Fit, base: Base, target: Target, rng: np.random.Generator, num_events: int, effort: Effort) -> Fit:
+    """The same fit until it stands still.
+
+    One that ends at an edge of theta's range may have been led there by the effect that was missing: theta is then
+    looked for anew.
+    """
+    p = fit.model.num_theta
+    fit = polish(fit, target, rng, num_events, rounds=LAST_ROUNDS, base=base)
     if np.abs(fit.unit[:p] - 0.5).max() < AT_EDGE:
         return fit
-    centre, near = scan(model, target, rng, fixed=fit.unit[p:], size=effort.scan)
-    half[:p] = max(near, 0.005)
-    again = refine(model, target, centre, half, rng, num_events=effort.fit, base=base)
+    centre, near = scan(fit.model, target, rng, fixed=fit.unit[p:], size=effort.scan)
+    half = np.r_[np.full(p, max(near, 0.005)), 0.3 * fit.model.reach(centre)[p:]]
+    again = refine(fit.model, target, centre, half, rng, num_events=num_events, base=base)
     return min(fit, again, key=lambda f: f.gap)
 
 
@@ -217,14 +225,23 @@ def candidates(
         families.append([*first, *rest[: effort.starts - 1]])
     families = sorted(filter(None, families), key=lambda starts: min(start.expected for start in starts))
     starts = [start for starts in families[: effort.families] for start in starts]
+    work = joblib.Parallel(n_jobs=jobs)
+    known = Base.around(base, target, int(effort.base * target.num_events), rng)
+    streams = rng.spawn(len(starts))  # so that any number of workers gives the same fits
+    fits = work(
+        joblib.delayed(joint)(s, known, target, stream, effort.fit // 2)
+        for s, stream in zip(starts, streams, strict=True)
+    )
     # A weak effect is not seen in fits whose noise is as large as what it leaves.
     needed = WEAK * target.num_events * np.sqrt(2 * target.rank) / max(base.gap - base.dof, 1.0)
-    effort = replace(effort, fit=int(np.clip(needed, effort.fit, max(effort.fit, MOST_EVENTS * target.num_events))))
-    work = joblib.Parallel(n_jobs=jobs)
-    streams = rng.spawn(len(starts))  # so that any number of workers gives the same fits
-    known = Base.around(base, target, int(effort.base * target.num_events), rng)
+    enough = int(np.clip(needed, effort.fit, max(effort.fit, MOST_EVENTS * target.num_events)))
+    fits = _distinct(fits)
+    firsts = {fit.model.effects[-1].key: fit for fit in reversed(fits)}.values()  # the best of each family
+    fits = [*firsts, *[fit for fit in fits if all(fit is not first for first in firsts)][:CONTINUED]]
+    streams = rng.spawn(len(fits))
     fits = work(
-        joblib.delayed(joint)(s, known, target, stream, effort) for s, stream in zip(starts, streams, strict=True)
+        joblib.delayed(continued)(fit, known, target, stream, enough, effort)
+        for fit, stream in zip(fits, streams, strict=True)
     )
     seed = int(rng.integers(2**63))
     for ratio in effort.again:
@@ -233,7 +250,7 @@ def candidates(
         if best is None or best.gap - best.dof - 2 * best.gap_error > leaves * (base.gap - base.dof):
             break
         likely = [fit.gap - fit.gap_error < best.gap + best.gap_error + max(best.gap, best.dof) for fit in fits]
-        events = max(int(ratio * target.num_events), effort.fit)
+        events = max(int(ratio * target.num_events), enough)
         again = work(
             joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events, base=known)
             for fit, worth in zip(fits, likely, strict=True)
