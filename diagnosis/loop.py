@@ -60,8 +60,9 @@ VETO = 0.1
 """An effect is not added if the gap on the events kept aside grows by more; a weak one may hide in their scatter."""
 STILL = 0.2
 """Of alpha: the level at which a model with an effect is still rejected: no shape of the catalogue is exactly right."""
-PAIR_LEAVES, PAIR_ALONE = 0.3, 0.2
-"""A second effect must leave less of what the first left, and close more of the whole gap by itself."""
+PAIR_LEAVES, PAIR_CLEAR, PAIR_ALONE = 0.3, 0.1, 0.2
+"""A second effect must leave less than the first share of what the first effect left; unless it leaves less than the
+second, which two wrong effects hardly do, it must close more than the third of the whole gap by itself."""
 ENOUGH = 0.9
 """With so much closed by the first, what is left is put down to its shape, not to a second effect."""
 POOLED = 10
@@ -308,7 +309,7 @@ def _worth_another(steps: list[Step], alpha: float) -> bool:
     last = steps[-1]
     if len(steps) == 1:
         return True
-    return last.p_value < STILL * alpha and excess(last.fit) >= (1 - ENOUGH) * excess(steps[0].fit)
+    return last.p_value < STILL * alpha and excess(last.fit) > (1 - ENOUGH) * excess(steps[0].fit)
 
 
 def _accepted(steps: list[Step], gap: Callable[[Fit], Gap]) -> Fit | None:
@@ -323,11 +324,12 @@ def _accepted(steps: list[Step], gap: Callable[[Fit], Gap]) -> Fit | None:
     whole = excess(steps[0].fit)
     if len(steps) == 1:
         return best.fit if excess(best.fit) < (1 - CLOSES) * whole else None
-    if excess(best.fit) > PAIR_LEAVES * excess(last.fit):
-        return None
-    alone = {entry.effect.key: entry.fit for entry in steps[0].ranks}
-    single = alone.get(best.effect.key)
-    return best.fit if single and whole - excess(single) > PAIR_ALONE * whole else None
+    left = excess(best.fit) / excess(last.fit)
+    if left < PAIR_CLEAR:
+        return best.fit
+    single = {entry.effect.key: entry.fit for entry in steps[0].ranks}.get(best.effect.key)
+    alone = single is not None and whole - excess(single) > PAIR_ALONE * whole
+    return best.fit if left < PAIR_LEAVES and alone else None
 
 
 def excess(fit: Fit) -> float:
