@@ -32,7 +32,7 @@ def summary_gate(
     num_events = int(effort.polish * target.num_events)
     x = fit.model.simulate(np.tile(fit.params, (min(num_events, effort.covariance), 1)), rng)
     own_target = Target.of(target.summary, target.mean, target.num_events, target.summary.covariance(x))
-    own = polish(fit, own_target, rng, num_events, base=base)
+    own = polish(fit, own_target, rng, num_events if base is None else num_events // 2, base=base)
     return Gate(statistic=own.q, dof=own.dof, p_value=float(chi2.sf(own.q, own.dof))), own, own_target
 
 

@@ -320,8 +320,8 @@ class Base:
     ) -> Surrogate:
         """The surrogate of `model`, which is this one with one more effect; half of the events at the centre."""
         p, k = self.model.dim, (model.dim + 1) * (model.dim + 2) // 2
-        normal, before, after, unlike = np.zeros((k, k)), 0.0, 0.0, 0.0
-        left = num_events
+        normal, change, after, unlike = np.zeros((k, k)), 0.0, 0.0, 0.0
+        left, most = num_events, False
         while left > 0:
             n = min(left, CHUNK)
             u = design.to_u(rng.uniform(-1, 1, (n, model.dim)))
@@ -330,19 +330,22 @@ class Base:
             params = model.from_unit(u)
             x, y = with_and_without(self.model, model.effects[-1], params[:, :p], params[:, p:], rng)
             normal += b.T @ b
-            before = before + summary.moments(x, b)
-            after = after + summary.moments(y, b)
+            hit = (x != y).any(axis=1)
+            change = change + summary.moments(y[hit], b[hit]) - summary.moments(x[hit], b[hit])
+            most = hit.mean() > 0.5 if left == num_events else most
+            if most:
+                after = after + summary.moments(y, b)
             some = slice(None, None, max(n // COMPARED, 1))
             unlike += n / num_events * float(summary.moved(x[some], y[some]).mean())
             left -= n
         inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
-        if unlike > 1:
+        if most and unlike > 1:  # simulation alone says more
             return Surrogate(design, inverse @ after, num_events, inverse)
         # The known polynomial in the coordinates of this design, by its values at as many points as it has terms.
         t = np.random.default_rng(0).uniform(-1, 1, (2 * k, model.dim))
         there = basis(self.known.design.to_t((design.centre + t @ design.axes.T)[:, :p]))
         translate = np.linalg.lstsq(basis(t), there, rcond=None)[0]
-        coefficients = inverse @ (after - before) + translate @ self.known.coefficients
+        coefficients = inverse @ change + translate @ self.known.coefficients
         noise = unlike * inverse + translate @ self.known.inverse @ translate.T
         return Surrogate(design, coefficients, num_events, noise)
 
