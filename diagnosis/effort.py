@@ -68,7 +68,7 @@ IMAGES = Effort(
     families=8,
     starts=2,
 )
-MANY = Effort(base=12, families=8, starts=3)
+MANY = Effort(base=12, screen=14_000, families=8, starts=3)
 """For several features, each of which has its own entries in the catalogue."""
 USUAL = {"counts": 4_000_000, "continuous": 12_000_000, "images": 1_500_000}
 """Simulated events that a diagnosis usually takes, by domain; a little more or less with what it finds."""
