@@ -56,8 +56,8 @@ METHOD_EVENTS = 160_000
 """The budget of a registered method that looks for theta, as in the benchmark."""
 CLOSES = 0.5
 """Share of the gap that an effect must close to be named."""
-VETO = 0.1
-"""An effect is not added if the gap on the events kept aside grows by more; a weak one may hide in their scatter."""
+VETO = 2.5
+"""Standard errors by which the growth of the gap on the events kept aside must exceed their scatter, to veto an effect."""
 STILL = 0.2
 """Of alpha: the level at which a model with an effect is still rejected: no shape of the catalogue is exactly right."""
 PAIR_LEAVES, PAIR_CLEAR, PAIR_ALONE = 0.3, 0.1, 0.2
@@ -147,6 +147,20 @@ def held_out_gap(fit: Fit, target: Target, mean: NDArray[np.float64], num_events
     return Gap(value=q / ndf, low=max(q - 1.96 * spread, 0) / ndf, high=(q + 1.96 * spread) / ndf)
 
 
+def grew(new: Fit, old: Fit, target: Target, mean: NDArray[np.float64], num_events: int) -> bool:
+    """Whether the gap to the mean summary (K,) of events kept aside grows from one fit to another beyond their scatter.
+
+    If the new one is right, what it leaves of them is noise, also along the difference d of the two: normal, of
+    variance 1 from these events, and their share of those that were fitted from the fit. The gap grows where it is
+    below -|d| / 2, which chance alone brings about for a weak effect.
+    """
+    left, before = (np.sqrt(num_events) * ((mean - fit.predicted) @ target.whitening) for fit in (new, old))
+    d = before - left
+    error = np.sqrt(1 + (1 + new.noise + old.noise) * num_events / target.num_events)
+    z = float(left @ d) / max(float(np.linalg.norm(d)) * error, 1e-12)
+    return float(left @ left) > float(before @ before) and z < -VETO
+
+
 def diagnose(
     task: Task,
     x: NDArray,
@@ -201,7 +215,7 @@ def diagnose(
             others = [e for e in effects if e.key not in used]
             fits, known = candidates(last.fit, target, others, seen, rng, effort, leaves=leaves, jobs=jobs)
             steps[-1] = replace(last, ranks=ranking(fits, steps[0].fit.gap))
-            chosen = _accepted(steps, gap)
+            chosen = _accepted(steps, lambda new, old: grew(new, old, target, aside_mean, len(aside)))
             if chosen is None:
                 break
             chosen, widened_note = widened(chosen, target, rng, effort)
@@ -312,13 +326,13 @@ def _worth_another(steps: list[Step], alpha: float) -> bool:
     return last.p_value < STILL * alpha and excess(last.fit) > (1 - ENOUGH) * excess(steps[0].fit)
 
 
-def _accepted(steps: list[Step], gap: Callable[[Fit], Gap]) -> Fit | None:
+def _accepted(steps: list[Step], grew: Callable[[Fit, Fit], bool]) -> Fit | None:
     """The first of the last step's ranks, if it may be added to the model."""
     last = steps[-1]
     if not last.ranks:
         return None
     best = last.ranks[0]
-    if gap(best.fit).value > gap(last.fit).value + VETO:
+    if grew(best.fit, last.fit):
         return None
 
     whole = excess(steps[0].fit)
