@@ -57,7 +57,7 @@ METHOD_EVENTS = 160_000
 CLOSES = 0.5
 """Share of the gap that an effect must close to be named."""
 VETO = 2.5
-"""Standard errors by which the growth of the gap on the events kept aside must exceed their scatter, to veto an effect."""
+"""Of the scatter of the events kept aside, in standard errors: a gap that grows on them by more vetoes an effect."""
 STILL = 0.2
 """Of alpha: the level at which a model with an effect is still rejected: no shape of the catalogue is exactly right."""
 PAIR_LEAVES, PAIR_CLEAR, PAIR_ALONE = 0.3, 0.1, 0.2
