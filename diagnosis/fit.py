@@ -318,10 +318,13 @@ class Base:
     def extended(
         self, model: Model, summary: Summary, design: Design, num_events: int, rng: np.random.Generator
     ) -> Surrogate:
-        """The surrogate of `model`, which is this one with one more effect; half of the events at the centre."""
+        """The surrogate of `model`, which is this one with one more effect; half of the events at the centre.
+
+        An effect that changes most events is better seen without this one, from twins of one seed.
+        """
         p, k = self.model.dim, (model.dim + 1) * (model.dim + 2) // 2
-        normal, change, after, unlike = np.zeros((k, k)), 0.0, 0.0, 0.0
-        left, most = num_events, False
+        normal, change, unlike = np.zeros((k, k)), 0.0, 0.0
+        left = num_events
         while left > 0:
             n = min(left, CHUNK)
             u = design.to_u(rng.uniform(-1, 1, (n, model.dim)))
@@ -329,18 +332,16 @@ class Base:
             b = basis(design.to_t(u))
             params = model.from_unit(u)
             x, y = with_and_without(self.model, model.effects[-1], params[:, :p], params[:, p:], rng)
+            some = slice(None, None, max(n // COMPARED, 1))
+            moved = float(summary.moved(x[some], y[some]).mean())
+            if left == num_events and moved > 1:
+                return surrogate(model, summary, design, num_events, rng)
+            unlike += n / num_events * moved
             normal += b.T @ b
             hit = (x != y).any(axis=1)
             change = change + summary.moments(y[hit], b[hit]) - summary.moments(x[hit], b[hit])
-            most = hit.mean() > 0.5 if left == num_events else most
-            if most:
-                after = after + summary.moments(y, b)
-            some = slice(None, None, max(n // COMPARED, 1))
-            unlike += n / num_events * float(summary.moved(x[some], y[some]).mean())
             left -= n
         inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
-        if most and unlike > 1:  # simulation alone says more
-            return Surrogate(design, inverse @ after, num_events, inverse)
         # The known polynomial in the coordinates of this design, by its values at as many points as it has terms.
         t = np.random.default_rng(0).uniform(-1, 1, (2 * k, model.dim))
         there = basis(self.known.design.to_t((design.centre + t @ design.axes.T)[:, :p]))
