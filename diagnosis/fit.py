@@ -447,7 +447,7 @@ def descend(
     at the end of a step is clearly worse than at its start, the step is taken back and tried in a narrower design. The
     start is then simulated anew: a value that was low by chance would keep every step away.
     """
-    best, gap, error = None, np.inf, 0.0
+    best, lowest, gap, error = None, None, np.inf, 0.0
     scale = float(np.abs(design.axes / model.reach(design.centre)[:, None]).max())
     for _ in range(max_rounds):
         inside = None if base is None else base.within(design)
@@ -463,16 +463,19 @@ def descend(
             gap = np.inf
             continue
         best, gap, error = fit_at(model, s, target, design.centre), here, its_error
+        lowest = best if lowest is None else min(lowest, best, key=lambda fit: fit.gap + fit.gap_error)
         step = minimise(model, s, target)
         moved = np.abs(design.to_t(step.unit)).max()
         narrowest = step.next_design()
         design = step.next_design(scale if moved > 0.9 else scale / SHRINK)
         promises_much = step.gap < here - WORSE * its_error
         if moved < 0.3 and not promises_much and np.allclose(design.axes, narrowest.axes):
-            return step
+            best = step
+            break
         # A curved model is not known to be as sharp as its slope at a distance says.
         scale = scale if moved > 0.9 else scale / SHRINK
-    return best
+    # The lowest of many values is low by chance; only a clear difference counts.
+    return lowest if lowest.gap + lowest.gap_error < best.gap - best.gap_error else best
 
 
 def polish(
