@@ -3,13 +3,22 @@
 import io
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 import numpy as np
+from numpy.typing import NDArray
 
 from avobench.bench import registry
 from avobench.bench.errors import UsageError
 from avobench.bench.store import write_atomically
+from avobench.tasks import Task
+
+if TYPE_CHECKING:
+    from avobench.diagnosis.effects import Effect
+
+TRIED = 50
+"""Events on which an effect of the user's is tried."""
 
 
 @click.command()
@@ -58,7 +67,9 @@ def diagnose(
     known = registry.blamed(lambda: catalogue(task), f"task '{spec}'")
     chosen = chosen_effects(known, effects)
     theirs = {(effect := registry.effect(name)).name: (name, effect) for name in own}
-    chosen += [effect for _, effect in theirs.values()]
+    for name, effect in theirs.values():
+        tried(name, effect, task)
+        chosen.append(effect)
     x, warnings = check_events(
         task, read_events(data, columns.split(",") if columns else None), drop_invalid=drop_invalid
     )
@@ -100,6 +111,23 @@ def chosen_effects(known: list, names: str | None) -> list:
             there = ", ".join(dict.fromkeys(effect.name for effect in known))
             raise UsageError(f"there is no effect '{name}' for this task; it has {there}")
     return [effect for effect in known if effect.name in wanted]
+
+
+def tried(name: str, effect: "Effect", task: Task) -> None:
+    """Try an effect of the user's on a few events. Raises UsageError if it raises or makes other events than the task.
+
+    Before anything is fitted, since a fault would else show minutes later; `avobench check effect` tries much more.
+    """
+    rng = np.random.default_rng(0)
+    theta = task.prior.sample(TRIED, rng)
+
+    def apply() -> NDArray:
+        phi = rng.uniform(*np.transpose([(p.low, p.high) for p in effect.parameters]), (TRIED, len(effect.parameters)))
+        return np.asarray(effect.apply(task.simulate, theta, phi, rng))
+
+    x = registry.blamed(apply, f"effect '{name}'")
+    if x.shape != (TRIED, task.num_features):
+        raise UsageError(f"effect '{name}' makes events of shape {x.shape}, not {(TRIED, task.num_features)}")
 
 
 def writable(folder: Path) -> None:

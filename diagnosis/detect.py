@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit import Fit, Target, polish
+from avobench.diagnosis.fit import Base, Fit, Target, polish
 from avobench.diagnosis.pixels import LEAST_HITS
 from avobench.diagnosis.schema import Gate
 from avobench.diagnosis.summary import Summary
@@ -20,16 +20,19 @@ def target_of(x: NDArray, summary: Summary, simulated: NDArray) -> Target:
     return Target.of(summary, summary.mean(x)[0], len(x), cov)
 
 
-def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) -> tuple[Gate, Fit, Target]:
+def summary_gate(
+    fit: Fit, target: Target, rng: np.random.Generator, effort: Effort, base: Base | None = None
+) -> tuple[Gate, Fit, Target]:
     """Hansen's J: the whitened distance at the best theta, with the covariance that the model itself predicts.
 
     Chi-squared with as many degrees of freedom as the summary has, less those that theta takes up. The model's own
-    covariance, because that of few measured events is biased where they are fewest. Also the fit in that metric.
+    covariance, because that of few measured events is biased where they are fewest. Also the fit in that metric. `base`
+    is the model without its last effect, if that is known well.
     """
     num_events = int(effort.polish * target.num_events)
     x = fit.model.simulate(np.tile(fit.params, (min(num_events, effort.covariance), 1)), rng)
     own_target = Target.of(target.summary, target.mean, target.num_events, target.summary.covariance(x))
-    own = polish(fit, own_target, rng, num_events)
+    own = polish(fit, own_target, rng, num_events if base is None else num_events // 2, base=base)
     return Gate(statistic=own.q, dof=own.dof, p_value=float(chi2.sf(own.q, own.dof))), own, own_target
 
 

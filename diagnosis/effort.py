@@ -13,6 +13,8 @@ class Effort:
     """Of each round of the first fit, a measured one."""
     polish: float = 12
     """Where a p-value is at stake, a measured one: simulation then adds a tenth to the variance."""
+    base: float = 24
+    """Of the model that candidates are added to, a measured one."""
     again: tuple[float, ...] = (3, 6)
     """Of the repeated fits of candidates that may be the best, a measured one."""
     least: int = 30_000
@@ -31,7 +33,7 @@ class Effort:
     """Points of each search for theta, and events at each."""
     families: int = 12
     """Effects that are fitted."""
-    starts: int = 6
+    starts: int = 5
     """Shapes of an effect that are fitted."""
 
     def scaled(self, share: float) -> "Effort":
@@ -40,6 +42,7 @@ class Effort:
             self,
             rounds=self.rounds * share,
             polish=max(self.polish * share, 1),
+            base=max(self.base * share, 1),
             again=tuple(max(n * share, 0.5) for n in self.again),
             least=max(int(self.least * share), 3000),
             fit=max(int(self.fit * share), 3000),
@@ -53,6 +56,7 @@ class Effort:
 IMAGES = Effort(
     rounds=2,
     polish=8,
+    base=12,
     again=(4,),
     least=8000,
     fit=8000,
@@ -64,7 +68,7 @@ IMAGES = Effort(
     families=8,
     starts=2,
 )
-MANY = Effort(families=8, starts=3)
+MANY = Effort(base=12, screen=14_000, families=8, starts=3)
 """For several features, each of which has its own entries in the catalogue."""
 USUAL = {"counts": 4_000_000, "continuous": 12_000_000, "images": 1_500_000}
 """Simulated events that a diagnosis usually takes, by domain; a little more or less with what it finds."""

@@ -44,7 +44,7 @@ def read_events(path: str, columns: Sequence[str] | None = None) -> NDArray:
         raise
     except Exception as error:  # every reader has its own exceptions, and a damaged file may raise any
         if "allow_pickle" in str(error):
-            raise UsageError(f"{file} holds pickled objects, which could run code; save a plain array") from error
+            raise UsageError(f"{file} is no plain array; it may hold pickled objects, which could run code") from error
         raise UsageError(f"{file} cannot be read: {type(error).__name__}: {error}") from error
     if x.dtype == bool:
         x = x.astype(np.uint8)

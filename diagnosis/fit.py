@@ -7,19 +7,30 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.summary import Summary, whitening
 
 CHUNK = 100_000
 """Events simulated at a time, to bound memory."""
+COMPARED = 10_000
+"""Of these, compared one by one with what the same seed makes elsewhere."""
+BASE_SIGMAS, BEYOND, NEAR, LEAST_ROOM = 25.0, 0.25, 0.5, 0.05
+"""How far around a fit it is made known well, in standard errors; the share of it by which this may be left; the share
+that a larger model's first design takes up; and the share of a design that must lie within."""
+COMPARED = 10_000
+"""Of these, compared one by one with what the same seed makes elsewhere."""
+BASE_SIGMAS, BEYOND, NEAR = 25.0, 0.25, 0.5
+"""How far around a fit it is made known well, in standard errors, the share of it by which it may be left, and the
+share that a larger model's first design takes up."""
 MIN_SIGMAS = 4.0
 """Half the width of a design, in standard errors, at least."""
 SLOPE_NOISE = 0.2
 """Standard error of a slope over a design, in units of the slope that is one standard error of the parameter."""
-WIDEST = 0.1
-"""Half the width of a design, of the range of a parameter, where the data say little about it."""
 SHRINK = 3.0
 """How much narrower a design may be than the one before."""
+WORSE = 2.0
+"""Standard errors by which the end of a step must be worse than its start, to be given up."""
 ANCHOR = 0.1
 """What moving to the edge of the design costs in Q: it keeps parameters still that the data say nothing about."""
 POLISHES = 4
@@ -84,6 +95,7 @@ class Surrogate:
     design: Design
     coefficients: NDArray[np.float64]
     """(b, K)"""
+    num_events: int
     inverse: NDArray[np.float64]
     """(b, b), of the normal equations: the covariance of the coefficients in units of that of one event."""
 
@@ -118,11 +130,14 @@ class Fit:
     """Derivative of the simulated mean, whitened, with respect to the unit coordinates: (r, P)."""
     jacobian_noise: NDArray[np.float64]
     """What simulation adds to jacobian^T jacobian: (P, P)."""
+    slope_error: float
+    """Of a slope by simulation, all summaries taken together, over the design: about sqrt(6 r N / n)."""
     noise: float
     """Variance that simulation adds, in units of that of the measurement."""
     predicted: NDArray[np.float64]
     """Simulated mean (K,)."""
-    num_observed: int
+    num_events: int
+    """Simulated for it."""
     design: Design
     """Of the surrogate that the fit was made with."""
 
@@ -200,14 +215,19 @@ class Fit:
         reach, _ = np.linalg.qr(self.jacobian @ vectors[:, self.model.dim - self.num_identified :])
         return np.eye(len(self.residual)) - reach @ reach.T
 
-    def next_design(self, num_events: int) -> Design:
-        """A design around the fit for `num_events` events, along the directions of the Fisher information."""
-        values, vectors = np.linalg.eigh(self.information[0])
-        # Over a design of half-width h a slope is known to sqrt(6 r N / n) / h, all summaries taken together.
-        ratio = 6 * len(self.residual) * self.num_observed / num_events
-        sigmas = max(MIN_SIGMAS, np.sqrt(ratio) / SLOPE_NOISE)
-        half = np.clip(sigmas / np.sqrt(np.maximum(values, 1e-9)), 1e-6, WIDEST)
-        return Design(self.unit, vectors * half)
+    def next_design(self, least: float = 0.0, ratio: float = 1.0) -> Design:
+        """A design around the fit for `ratio` times its events, with `least` as in `around`."""
+        return self.around(max(MIN_SIGMAS, self.slope_error / np.sqrt(ratio) / SLOPE_NOISE), least)
+
+    def around(self, sigmas: float, least: float = 0.0) -> Design:
+        """A design along the directions of the Fisher information, so many standard errors wide to either side.
+
+        At most as wide as the model can bear, see `Model.reach`, and `least` of that at least.
+        """
+        reach = self.model.reach(self.unit)
+        values, vectors = np.linalg.eigh(self.information[0] * np.outer(reach, reach))
+        half = np.clip(sigmas / np.sqrt(np.maximum(values, 1e-9)), max(least, 1e-4), 1)
+        return Design(self.unit, reach[:, None] * vectors * half)
 
 
 def basis(t: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -246,42 +266,117 @@ def surrogate(model: Model, summary: Summary, design: Design, num_events: int, r
         normal += b.T @ b
         at_centre = at_centre + summary.moments(twins, b)
         spread = spread + summary.moments(x, b)
-        unlike += float(summary.moved(twins, x).sum())
+        unlike += n / pairs * float(summary.moved(twins[:COMPARED], x[:COMPARED]).mean())
         left -= n
-    unlike /= pairs
     if unlike < 1:
         inverse = np.zeros((k, k))
         inverse[0, 0] = 1 / pairs
         slopes = np.linalg.pinv(normal[1:, 1:], rcond=1e-12, hermitian=True)
         inverse[1:, 1:] = unlike * slopes
-        return Surrogate(design, np.vstack([at_centre[0] / pairs, slopes @ (spread - at_centre)[1:]]), inverse)
+        return Surrogate(
+            design, np.vstack([at_centre[0] / pairs, slopes @ (spread - at_centre)[1:]]), num_events, inverse
+        )
     constant = np.eye(k)[0]  # the basis at the centre
     inverse = np.linalg.pinv(normal + pairs * np.outer(constant, constant), rcond=1e-12, hermitian=True)
-    return Surrogate(design, inverse @ (spread + np.outer(constant, at_centre[0])), inverse)
+    return Surrogate(design, inverse @ (spread + np.outer(constant, at_centre[0])), num_events, inverse)
 
 
-def without_noise(s: Surrogate, target: Target) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """A and w with |A^T basis - w|^2 = Q + constant, Q without what the noise of the coefficients adds: (b, k), (k,).
+@dataclass(frozen=True)
+class Base:
+    """A model that is well known around a fit, to which an effect is to be added.
 
-    Noise adds r N basis^T (covariance of the coefficients) basis to Q, more the further from the centre. Left in, it
-    would hold every fit near the middle of its design. Combinations of terms that do not stand out of it are dropped.
+    What the effect changes is seen event by event: only those that it changes add to the noise.
     """
-    values, vectors = np.linalg.eigh(s.inverse)
-    solid = values > 1e-12 * values[-1]
-    root = vectors[:, solid] * np.sqrt(values[solid])  # inverse = root root^T
-    scaled = np.linalg.pinv(root) @ target.whiten(s.coefficients)  # each entry with noise of variance N
-    strength, directions = np.linalg.eigh(scaled @ scaled.T)
-    noise = target.rank * target.num_events
-    seen = strength > noise * (1 + 3 * np.sqrt(2 / target.rank))
-    # Less two standard errors of the noise: a fit must not run to where chance makes the noise look larger than it is.
-    known = noise * max(0.0, 1 - 2 * np.sqrt(2 / target.rank))
-    left, directions = np.sqrt(strength[seen] - known), directions[:, seen]
-    return root @ directions * left, directions.T @ (scaled @ target.whiten(target.mean)) / left
+
+    model: Model
+    known: Surrogate
+
+    @classmethod
+    def around(cls, fit: Fit, target: Target, num_events: int, rng: np.random.Generator) -> "Base":
+        """With so many events, over a wide design around the fit."""
+        return cls(fit.model, surrogate(fit.model, target.summary, fit.around(BASE_SIGMAS), num_events, rng))
+
+    def design(self, start: NDArray[np.float64], half: NDArray[np.float64]) -> Design:
+        """A design for the larger model from `start` (P,): a box of half-widths `half` (P,), or what of it is known."""
+        p, known = self.model.dim, self.known.design
+        inside = np.abs(known.to_t(start[:p])).max() < 1 - NEAR
+        if not inside:
+            return Design.box(start, half)
+        axes = np.diag(half).astype(float)
+        lengths = np.abs(known.axes / half[:p, None]).max(axis=0)
+        axes[:p, :p] = known.axes * np.minimum(NEAR, 1 / lengths)
+        return Design(np.clip(start, 0, 1), axes)
+
+    def within(self, design: Design) -> Design | None:
+        """The design, narrowed to where this model is known; None where that leaves next to nothing."""
+        p, known = self.model.dim, self.known.design
+        room = 1 + BEYOND - np.abs(known.to_t(design.centre[:p]))
+        extent = np.abs(np.linalg.inv(known.axes) @ design.axes[:p]) * len(design.axes)
+        factor = np.minimum((room[:, None] / np.maximum(extent, 1e-12)).min(axis=0), 1)
+        return Design(design.centre, design.axes * factor) if factor.min() > LEAST_ROOM else None
+
+    def extended(
+        self, model: Model, summary: Summary, design: Design, num_events: int, rng: np.random.Generator
+    ) -> Surrogate:
+        """The surrogate of `model`, which is this one with one more effect; half of the events at the centre.
+
+        An effect that changes most events is better seen without this one, from twins of one seed.
+        """
+        p, k = self.model.dim, (model.dim + 1) * (model.dim + 2) // 2
+        normal, change, unlike = np.zeros((k, k)), 0.0, 0.0
+        left = num_events
+        while left > 0:
+            n = min(left, CHUNK)
+            u = design.to_u(rng.uniform(-1, 1, (n, model.dim)))
+            u[: n // 2] = design.centre
+            b = basis(design.to_t(u))
+            params = model.from_unit(u)
+            x, y = with_and_without(self.model, model.effects[-1], params[:, :p], params[:, p:], rng)
+            some = slice(None, None, max(n // COMPARED, 1))
+            moved = float(summary.moved(x[some], y[some]).mean())
+            if left == num_events and moved > 1:
+                return surrogate(model, summary, design, num_events, rng)
+            unlike += n / num_events * moved
+            normal += b.T @ b
+            hit = (x != y).any(axis=1)
+            change = change + summary.moments(y[hit], b[hit]) - summary.moments(x[hit], b[hit])
+            left -= n
+        inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
+        # The known polynomial in the coordinates of this design, by its values at as many points as it has terms.
+        t = np.random.default_rng(0).uniform(-1, 1, (2 * k, model.dim))
+        there = basis(self.known.design.to_t((design.centre + t @ design.axes.T)[:, :p]))
+        translate = np.linalg.lstsq(basis(t), there, rcond=None)[0]
+        coefficients = inverse @ change + translate @ self.known.coefficients
+        noise = unlike * inverse + translate @ self.known.inverse @ translate.T
+        return Surrogate(design, coefficients, num_events, noise)
+
+
+def with_and_without(
+    model: Model, effect: Effect, theta: NDArray[np.float64], phi: NDArray[np.float64], rng: np.random.Generator
+) -> tuple[NDArray, NDArray]:
+    """Events of a model, and the same after an effect: theta (n, P), phi (n, q) -> (n, d) twice.
+
+    The same as far as the effect asks the simulator for them first, at the parameters that it was given.
+    """
+    first: list[NDArray] = []
+
+    def simulate(params: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        x = model.simulate(params, rng)
+        if not first and np.array_equal(params, theta):
+            first.append(x.copy())
+        return x
+
+    changed = effect.apply(simulate, theta, phi, rng)
+    return (first[0] if first else model.simulate(theta, rng)), changed
 
 
 def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
-    """The point of the design where the surrogate comes closest to the target."""
-    terms, wanted = without_noise(s, target)
+    """The point of the design where the surrogate comes closest to the target.
+
+    The noise of the coefficients adds to the distance, the more the further from the centre. That is left in: where the
+    slopes stand out of it, as `next_design` sees to, it hardly matters, and where they do not, nothing should move.
+    """
+    terms, wanted = target.whiten(s.coefficients), target.whiten(target.mean)
     axes, centre, p = s.design.axes, s.design.centre, model.dim
 
     def outside(t: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -309,9 +404,10 @@ def fit_at(model: Model, s: Surrogate, target: Target, u: NDArray[np.float64]) -
         residual=target.whiten(target.mean - mean),
         jacobian=target.whiten(slope).T,
         jacobian_noise=target.num_events * target.rank * back.T @ steps.T @ s.inverse @ steps @ back,
+        slope_error=float(np.sqrt(target.num_events * target.rank * np.diag(s.inverse)[1 : model.dim + 1].mean())),
         noise=target.num_events * s.variance_at(u),
         predicted=mean,
-        num_observed=target.num_events,
+        num_events=s.num_events,
         design=s.design,
     )
 
@@ -325,49 +421,74 @@ def refine(
     *,
     num_events: int,
     max_rounds: int = 10,
+    base: Base | None = None,
 ) -> Fit:
     """Fit from `start` (P,) in the unit cube, with designs that begin with half-width `half` and shrink.
 
-    `num_events` are simulated for each.
+    `num_events` are simulated for each. `base` is the model without its last effect, if that is known well.
     """
-    design = Design.box(start, np.broadcast_to(half, model.dim).astype(float))
-    return descend(model, target, design, rng, num_events, max_rounds)
+    half = np.broadcast_to(half, model.dim).astype(float)
+    design = Design.box(start, half) if base is None else base.design(start, half)
+    return descend(model, target, design, rng, num_events, max_rounds, base)
 
 
 def descend(
-    model: Model, target: Target, design: Design, rng: np.random.Generator, num_events: int, max_rounds: int
+    model: Model,
+    target: Target,
+    design: Design,
+    rng: np.random.Generator,
+    num_events: int,
+    max_rounds: int,
+    base: Base | None = None,
 ) -> Fit:
-    """Go from design to design, each around the minimum of the last one's surrogate.
+    """Go from design to design, each around the minimum of the last one's surrogate, until it stands still.
 
-    What a surrogate promises is not believed: with many coefficients it follows the data by chance. A step counts once
-    simulation at its end has borne it out, and is taken back and shortened if not.
+    What a surrogate promises is not believed: with many coefficients it follows the data by chance. Where simulation
+    at the end of a step is clearly worse than at its start, the step is taken back and tried in a narrower design. The
+    start is then simulated anew: a value that was low by chance would keep every step away.
     """
-    best, promised = None, np.inf
-    scale = float(np.abs(design.axes).max())
+    best, lowest, gap, error = None, None, np.inf, 0.0
+    scale = float(np.abs(design.axes / model.reach(design.centre)[:, None]).max())
     for _ in range(max_rounds):
-        s = surrogate(model, target.summary, design, num_events, rng)
-        here, error = s.gap_at_centre(target)
-        if here > promised + error:
+        inside = None if base is None else base.within(design)
+        if inside is None:
+            s = surrogate(model, target.summary, design, num_events, rng)
+        else:
+            design = inside
+            s = base.extended(model, target.summary, design, num_events, rng)
+        here, its_error = s.gap_at_centre(target)
+        if here > gap + WORSE * np.hypot(error, its_error):
             scale /= SHRINK
-            design = Design(best.unit, design.axes / SHRINK)
+            design = Design(best.unit, best.next_design(scale).axes / SHRINK)
+            gap = np.inf
             continue
-        best, promised = fit_at(model, s, target, design.centre), here
+        best, gap, error = fit_at(model, s, target, design.centre), here, its_error
+        lowest = best if lowest is None else min(lowest, best, key=lambda fit: fit.gap + fit.gap_error)
         step = minimise(model, s, target)
         moved = np.abs(design.to_t(step.unit)).max()
-        design = step.next_design(num_events)
-        smallest = np.abs(design.axes).max()
-        if moved < 0.3 and scale <= smallest:
-            return step
+        narrowest = step.next_design()
+        design = step.next_design(scale if moved > 0.9 else scale / SHRINK)
+        promises_much = step.gap < here - WORSE * its_error
+        if moved < 0.3 and not promises_much and np.allclose(design.axes, narrowest.axes):
+            best = step
+            break
         # A curved model is not known to be as sharp as its slope at a distance says.
-        scale = max(scale if moved > 0.9 else scale / SHRINK, smallest)
-        lengths = np.linalg.norm(design.axes, axis=0)
-        design = Design(design.centre, design.axes / lengths * np.maximum(lengths, min(scale, WIDEST)))
-    return best
+        scale = scale if moved > 0.9 else scale / SHRINK
+    # The lowest of many values is low by chance; only a clear difference counts.
+    return lowest if lowest.gap + lowest.gap_error < best.gap - best.gap_error else best
 
 
-def polish(fit: Fit, target: Target, rng: np.random.Generator, num_events: int, rounds: int = POLISHES) -> Fit:
+def polish(
+    fit: Fit,
+    target: Target,
+    rng: np.random.Generator,
+    num_events: int,
+    rounds: int = POLISHES,
+    base: Base | None = None,
+) -> Fit:
     """The same fit with many events in small designs around it."""
-    return descend(fit.model, target, fit.next_design(num_events), rng, num_events, rounds)
+    design = fit.next_design(ratio=max(num_events / fit.num_events, 1))
+    return descend(fit.model, target, design, rng, num_events, rounds, base)
 
 
 def scan(

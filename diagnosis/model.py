@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from avobench.diagnosis.effects import Effect
 from avobench.tasks import Task
 
+WIDEST = 0.1
+LEAST_STRENGTH = 0.003
+"""Both of a parameter's range, for `Model.reach`."""
 Events = Callable[[NDArray[np.float64], np.random.Generator], NDArray]
 
 
@@ -52,6 +55,18 @@ class Model:
     @property
     def dim(self) -> int:
         return len(self.low)
+
+    def reach(self, unit: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How far from a point (P,) of the unit cube the mean of events is about quadratic, at most: (P,).
+
+        A tenth of the range, and of a strength no more than there is of it.
+        """
+        reach, at = np.full(self.dim, WIDEST), self.num_theta
+        for effect in self.effects:
+            null = (effect.parameters[0].null - self.low[at]) / (self.high[at] - self.low[at])
+            reach[at] = np.clip(abs(unit[at] - null), LEAST_STRENGTH, WIDEST)
+            at += len(effect.parameters)
+        return reach
 
     def from_unit(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
         """Parameters from the unit cube, logarithmic where that is their scale: (n, P) -> (n, P)."""

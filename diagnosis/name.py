@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit import Fit, Target, polish, refine, scan
+from avobench.diagnosis.fit import Base, Fit, Target, polish, refine, scan
 from avobench.diagnosis.model import Model
 
 STRENGTHS = (0.001, 0.005, 0.02, 0.08, 0.25, 0.7)
@@ -20,8 +20,12 @@ LOCATIONS, SHAPES, WIDTHS = 12, 5, 3
 """Grid points of a location, of a single shape parameter, of a width beside a location."""
 AT_EDGE = 0.48
 """Distance from the middle of the range, of which the edge is at 0.5."""
+FINALISTS, FINAL_EVENTS = 8, 8
+"""Points of the grid that are looked at again, and with how many times the events."""
 MOST_SCREENED = 24
 """Effects of which all shapes are screened."""
+FIRST_ROUNDS, LAST_ROUNDS, CONTINUED = 3, 7, 6
+"""Rounds of all fits, of those that go on, and how many go on beside the best of each family."""
 WEAK, MOST_EVENTS = 10.0, 4
 """Noise of chi-squared is kept to a fifth of the excess, with at most so many events a measured one."""
 STRONG = 10.0
@@ -113,19 +117,23 @@ def screen(pool: Pool, effect: Effect, x: NDArray, rng: np.random.Generator, eff
         return []
     points = grid(effect) if guesses is None else guesses
     q = points.shape[1]
-    events = max(effort.screen // len(points), effort.screen // 50)
-    change, scatter = pool.changes(effect, points, events, rng)
-    free = base.projector()
-    left, moved = base.residual @ free, change @ free
-    size = np.maximum((moved**2).sum(axis=1) - scatter, 0.1 * (moved**2).sum(axis=1)) + 1e-9
-    along = moved @ left
     strength = effect.parameters[0]
-    gain = np.clip(along / size, 0, GAIN)
-    reach = np.where(points[:, 0] > strength.null, strength.high, strength.low) - strength.null
-    gain = np.minimum(gain, reach / (points[:, 0] - strength.null))
-    if guesses is not None:
-        gain = np.ones_like(gain)
-    expected = left @ left - 2 * gain * along + gain**2 * size
+    events = max(effort.screen // len(points), effort.screen // 50)
+    free = base.projector()
+    left = base.residual @ free
+    for number in (events, FINAL_EVENTS * events):
+        change, scatter = pool.changes(effect, points, number, rng)
+        moved = change @ free
+        size = np.maximum((moved**2).sum(axis=1) - scatter, 0.1 * (moved**2).sum(axis=1)) + 1e-9
+        along = moved @ left
+        gain = np.clip(along / size, 0, GAIN)
+        reach = np.where(points[:, 0] > strength.null, strength.high, strength.low) - strength.null
+        gain = np.minimum(gain, reach / (points[:, 0] - strength.null))
+        if guesses is not None:
+            gain = np.ones_like(gain)
+        expected = left @ left - 2 * gain * along + gain**2 * size
+        if number == events:  # what looks best from few events is looked at with more
+            points = points[np.argsort(expected)[:FINALISTS]]
     order = np.argsort(expected)
     chosen = [order[0]]
     if q > 1:
@@ -142,24 +150,31 @@ def screen(pool: Pool, effect: Effect, x: NDArray, rng: np.random.Generator, eff
     return starts
 
 
-def joint(start: Start, target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
-    """Fit theta and the effects' parameters together, from a start.
-
-    A fit that ends at an edge of theta's range may have been led there by the effect that was missing: theta is then
-    looked for anew.
-    """
-    model, p = start.model, start.model.num_theta
+def joint(start: Start, base: Base, target: Target, rng: np.random.Generator, num_events: int) -> Fit:
+    """The first steps of a fit of theta and the effects' parameters together."""
+    model = start.model
     last = model.dim - len(model.effects[-1].parameters)
     null = (model.effects[-1].parameters[0].null - model.low[last]) / (model.high[last] - model.low[last])
     half = np.full(model.dim, 0.08)
     half[:last] = 0.02
     half[last] = max((0.5 if start.loose else 0.003) * abs(start.unit[last] - null), 1e-4)
-    fit = refine(model, target, start.unit, half, rng, num_events=effort.fit)
+    return refine(model, target, start.unit, half, rng, num_events=num_events, max_rounds=FIRST_ROUNDS, base=base)
+
+
+def continued(fit: Fit, base: Base, target: Target, rng: np.random.Generator, num_events: int, effort: Effort) -> Fit:
+    """The same fit until it stands still.
+
+    One that ends at an edge of theta's range may have been led there by the effect that was missing: theta is then
+    looked for anew.
+    """
+    p = fit.model.num_theta
+    fit = polish(fit, target, rng, num_events, rounds=LAST_ROUNDS, base=base)
     if np.abs(fit.unit[:p] - 0.5).max() < AT_EDGE:
         return fit
-    centre, near = scan(model, target, rng, fixed=fit.unit[p:], size=effort.scan)
-    half[:p] = max(near, 0.005)
-    return min(fit, refine(model, target, centre, half, rng, num_events=effort.fit), key=lambda f: f.gap)
+    centre, near = scan(fit.model, target, rng, fixed=fit.unit[p:], size=effort.scan)
+    half = np.r_[np.full(p, max(near, 0.005)), 0.3 * fit.model.reach(centre)[p:]]
+    again = refine(fit.model, target, centre, half, rng, num_events=num_events, base=base)
+    return min(fit, again, key=lambda f: f.gap)
 
 
 def searched(base: Fit, target: Target, effect: Effect, rng: np.random.Generator, effort: Effort) -> Start:
@@ -184,11 +199,13 @@ def candidates(
     rng: np.random.Generator,
     effort: Effort,
     *,
+    leaves: float,
     jobs: int = 1,
-) -> list[Fit]:
+) -> tuple[list[Fit], Base]:
     """Fits to events x (N, d) of `base` with one more effect: the best starts of the most promising families.
 
-    Fits that may still be the best are repeated with more events, all from the same seed.
+    Fits that may still be the best are repeated with more events, all from the same seed, if one of them may leave less
+    than the share `leaves` of the excess over chi-squared; else none will do. Also `base`, made known for that.
     """
     pool = Pool(base, target, effort.pool, rng)
     effects = [effect.adapted(x) for effect in effects]
@@ -202,31 +219,45 @@ def candidates(
             own = plain[effect.key] if k == 0 else screen(pool, shape, x, rng, effort)
             if base.gap > STRONG * base.dof and len(effects) <= MOST_SCREENED and shape.guess(x) is None:
                 own = [*own, searched(base, target, shape, rng, effort)]
-            starts += sorted(own, key=lambda start: start.expected)[:1]
+            starts += sorted(own, key=lambda start: start.expected)
         # The plainest shape always has its fit: screening is too rough to prefer another to it.
         first, rest = starts[:1], sorted(starts[1:], key=lambda start: start.expected)
         families.append([*first, *rest[: effort.starts - 1]])
     families = sorted(filter(None, families), key=lambda starts: min(start.expected for start in starts))
     starts = [start for starts in families[: effort.families] for start in starts]
+    work = joblib.Parallel(n_jobs=jobs)
+    known = Base.around(base, target, int(effort.base * target.num_events), rng)
+    streams = rng.spawn(len(starts))  # so that any number of workers gives the same fits
+    fits = work(
+        joblib.delayed(joint)(s, known, target, stream, effort.fit // 2)
+        for s, stream in zip(starts, streams, strict=True)
+    )
     # A weak effect is not seen in fits whose noise is as large as what it leaves.
     needed = WEAK * target.num_events * np.sqrt(2 * target.rank) / max(base.gap - base.dof, 1.0)
-    effort = replace(effort, fit=int(np.clip(needed, effort.fit, max(effort.fit, MOST_EVENTS * target.num_events))))
-    work = joblib.Parallel(n_jobs=jobs)
-    streams = rng.spawn(len(starts))  # so that any number of workers gives the same fits
-    fits = work(joblib.delayed(joint)(s, target, stream, effort) for s, stream in zip(starts, streams, strict=True))
+    enough = int(np.clip(needed, effort.fit, max(effort.fit, MOST_EVENTS * target.num_events)))
+    fits = _distinct(fits)
+    firsts = {fit.model.effects[-1].key: fit for fit in reversed(fits)}.values()  # the best of each family
+    fits = [*firsts, *[fit for fit in fits if all(fit is not first for first in firsts)][:CONTINUED]]
+    streams = rng.spawn(len(fits))
+    fits = work(
+        joblib.delayed(continued)(fit, known, target, stream, enough, effort)
+        for fit, stream in zip(fits, streams, strict=True)
+    )
     seed = int(rng.integers(2**63))
     for ratio in effort.again:
         fits = _distinct(fits)
         best = min(fits, key=lambda fit: fit.gap + fit.gap_error, default=None)
+        if best is None or best.gap - best.dof - 2 * best.gap_error > leaves * (base.gap - base.dof):
+            break
         likely = [fit.gap - fit.gap_error < best.gap + best.gap_error + max(best.gap, best.dof) for fit in fits]
-        events = max(int(ratio * target.num_events), effort.fit)
+        events = max(int(ratio * target.num_events), enough)
         again = work(
-            joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events)
+            joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events, base=known)
             for fit, worth in zip(fits, likely, strict=True)
             if worth
         )
         fits = [*again, *(fit for fit, worth in zip(fits, likely, strict=True) if not worth)]
-    return fits
+    return fits, known
 
 
 def _distinct(fits: list[Fit]) -> list[Fit]:

@@ -13,8 +13,8 @@ INDEPENDENT = 8.0
 """Wrong shapes leave smooth remainders, as if the summary had so many independent parts."""
 SHAPE_PRICE = 5.0
 """Of a free shape parameter, in chi-squared: what searching a range of shapes gains by chance."""
-TIE = 6.0
-"""Families this close in chi-squared are not told apart."""
+TIE = 9.0
+"""Families this close in score are not told apart: the price of a parameter, and four for scatter."""
 
 
 @dataclass(frozen=True)

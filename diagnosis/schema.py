@@ -50,6 +50,15 @@ class Value(Strict):
     std: float | None
 
 
+class Combination(Strict):
+    """A linear combination of theta, about its estimate, that the data determine."""
+
+    coefficients: dict[str, float]
+    """By parameter; the combination is the sum of their products with theta."""
+    value: float
+    std: float
+
+
 class EffectValue(Strict):
     value: float
     std: float | None
@@ -105,6 +114,8 @@ class Diagnosis(Strict):
     gap_after: Gap | None
     theta_before: dict[str, Value]
     theta_after: dict[str, Value] | None
+    identified_before: list[Combination]
+    identified_after: list[Combination] | None
     effects: list[FoundEffect]
     regions: list[Region]
     candidates: list[Candidate]

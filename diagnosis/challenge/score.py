@@ -20,7 +20,7 @@ from .solve import RESULTS, read_json, read_manifest
 
 RECORDS = {"schema": "avobench-challenge-records", "version": 1}
 KEPT = ("verdict", "alpha", "p_value_before", "p_value_after", "gates", "gap_before", "gap_after", "theta_before")
-KEPT += ("theta_after", "effects", "num_simulations", "seed", "versions")
+KEPT += ("theta_after", "identified_before", "identified_after", "effects", "num_simulations", "seed", "versions")
 """Of a diagnosis, in records: without what is long and not scored, as the candidates are."""
 NOTHING, NAMED = "no significant disagreement", "missing effect named"
 POWERS = (0.2, 0.5, 0.9, 0.99)
@@ -39,7 +39,6 @@ class Case:
     task: Task
     answer: dict[str, Any]
     diagnosis: dict[str, Any]
-    seconds: float
 
     @property
     def detected(self) -> bool:
@@ -85,15 +84,30 @@ class Case:
         return float((np.abs(estimate - truth) / self.task.prior.width).mean())
 
     def pull(self, when: str) -> float | None:
-        """Largest |theta - truth| in quoted errors; None where none is quoted."""
-        theta = self.diagnosis[when] or {}
+        """How far theta is from the truth, in quoted errors, at most; None where the data determine nothing of it.
+
+        `when`: before or after. Of the combinations of theta that the diagnosis says are determined; on weinberg of c,
+        which determines the same and is no straight line, with the error that they give it.
+        """
+        known, estimate, truth = (
+            self.diagnosis[f"identified_{when}"],
+            self._theta(f"theta_{when}"),
+            self.answer["theta"],
+        )
+        if not known:
+            return None
         names = self.task.parameter_names
-        pulls = [
-            abs(theta[name]["value"] - truth) / theta[name]["std"]
-            for name, truth in zip(names, self.answer["theta"], strict=True)
-            if name in theta and theta[name]["std"]
-        ]
-        return max(pulls, default=None)
+        rows = np.array([[each["coefficients"][name] for name in names] for each in known])
+        std = np.array([each["std"] for each in known])
+        if not hasattr(self.task, "asymmetry"):
+            return float(np.abs(rows @ (estimate - truth) / std).max())
+        step = 1e-4 * self.task.prior.width
+        at = np.stack([estimate, truth, *(estimate + change for change in np.diag(step))])
+        c, c_true, *moved = self.task.asymmetry(at)
+        # A combination moves theta along its own coefficients, in units of the range, by its error.
+        width = np.subtract(self.task.support.high, self.task.support.low)
+        slopes = (rows * width) @ ((np.array(moved) - c) / step * width)
+        return float(abs(c - c_true) / np.sqrt((slopes**2) @ std**2))
 
     def _theta(self, when: str) -> np.ndarray | None:
         theta = self.diagnosis[when]
@@ -132,7 +146,8 @@ def records(folder: Path) -> list[dict[str, Any]]:
     head |= {"cases": len(manifest["cases"]), "options": results[0]["options"]}
     rows = []
     for result in results:
-        row = {**of_case[result["case"]], "seconds": result["seconds"], "error": result.get("error")}
+        row = {**of_case[result["case"]], "error": result.get("error")}
+        row |= {name: result[name] for name in ("seconds", "cpu_seconds")}
         if row["error"] is None:
             row["diagnosis"] = {name: result["diagnosis"][name] for name in KEPT}
         rows.append(row)
@@ -155,21 +170,20 @@ def score(lines: list[dict[str, Any]]) -> dict[str, Any]:
     head, *rows = lines
     task = registry.build("task", head["task"], {})
     failed = {row["case"]: row["error"] for row in rows if row["error"] is not None}
-    cases = [Case(task, row, row["diagnosis"], row["seconds"]) for row in rows if row["error"] is None]
+    cases = [Case(task, row, row["diagnosis"]) for row in rows if row["error"] is None]
     of = {kind: [case for case in cases if case.answer["kind"] == kind] for kind in ("none", "two", "withheld")}
-    seconds = [case.seconds for case in cases]
     return {
         **{name: value for name, value in head.items() if name not in RECORDS},
         "solved": len(cases),
         "failed": failed,
         "none": {
             "false_alarms": rate(case.detected for case in of["none"]),
-            "theta_within_2": rate(_near(of["none"], "theta_before")),
+            "theta_within_2": rate(_near(of["none"], "before")),
         },
         "one": {each: _one([case for case in cases if case.answer["kind"] == each]) for each in SETS},
         "withheld": {each: _withheld([case for case in of["withheld"] if case.answer["set"] == each]) for each in SETS},
         "two": {each: _two([case for case in of["two"] if case.answer["set"] == each]) for each in SETS},
-        "seconds": {"median": median(seconds), "max": max(seconds)} if seconds else None,
+        **{name: _spread([row[name] for row in rows if row["error"] is None]) for name in ("seconds", "cpu_seconds")},
     }
 
 
@@ -193,7 +207,7 @@ def _one(cases: list[Case]) -> dict[str, Any]:
         "visible_right_first": rate(_first(case) for case in visible),
         "explained": rate(case.diagnosis["verdict"] == NAMED for case in found),
         **_before_and_after(found),
-        "theta_within_2": rate(_near(explained, "theta_after")),
+        "theta_within_2": rate(_near(explained, "after")),
         "mistaken": _mistaken(found),
     }
 
@@ -222,6 +236,10 @@ def _two(cases: list[Case]) -> dict[str, Any]:
         **_before_and_after(found),
         "mistaken": _mistaken(found),
     }
+
+
+def _spread(values: list[float]) -> dict[str, float] | None:
+    return {"median": median(values), "max": max(values)} if values else None
 
 
 def _first(case: Case, *, feature: bool = True) -> bool:

@@ -56,7 +56,7 @@ def solve(
 
 
 def _solve_case(spec: str, data: Path, number: int, case: dict, path: Path, options: dict[str, Any]) -> str:
-    start = time.perf_counter()
+    start, cpu = time.perf_counter(), time.process_time()
     common: dict[str, Any] = {"case": case["case"], "options": options}
     try:
         task = registry.build("task", spec, {})
@@ -73,8 +73,9 @@ def _solve_case(spec: str, data: Path, number: int, case: dict, path: Path, opti
         line = f"{type(error).__name__}: {error}"
         result = {**common, "error": line}
     result["seconds"] = time.perf_counter() - start
+    result["cpu_seconds"] = time.process_time() - cpu
     write_atomically(path, (json.dumps(result) + "\n").encode())
-    return f"{case['case']}: {line}, {result['seconds']:.1f} s"
+    return f"{case['case']}: {line}, {result['cpu_seconds']:.1f} s"
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:

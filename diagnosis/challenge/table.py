@@ -50,7 +50,9 @@ def as_text(result: dict[str, Any]) -> str:
             ]
     if result["seconds"]:
         lines.append(
-            f"seconds a data set: median {result['seconds']['median']:.1f}, max {result['seconds']['max']:.1f}"
+            "seconds a data set: "
+            f"of a processor median {result['cpu_seconds']['median']:.1f}, max {result['cpu_seconds']['max']:.1f}; "
+            f"on the clock median {result['seconds']['median']:.1f}, max {result['seconds']['max']:.1f}"
         )
     return "\n".join(lines)
 

@@ -13,7 +13,7 @@ from avobench.bench.errors import UsageError
 from avobench.diagnosis.challenge import make as making
 from avobench.diagnosis.challenge import solve as solving
 from avobench.diagnosis.challenge.make import KINDS, make
-from avobench.diagnosis.challenge.score import RECORDS, rate, read_records, records, score
+from avobench.diagnosis.challenge.score import RECORDS, Case, rate, read_records, records, score
 from avobench.diagnosis.challenge.solve import read_manifest, solve
 from avobench.diagnosis.challenge.table import as_text
 from avobench.diagnosis.challenge.visibility import visibility
@@ -44,6 +44,7 @@ def said(verdict="no significant disagreement", effects=(), theta=1.0, **changes
     """A diagnosis of a poisson data set; effects are (name, tied names)."""
     gap = {"value": 2.0, "low": 1.0, "high": 3.0}
     value = {"log_rate": {"value": theta, "std": 0.1}}
+    combination = {"coefficients": {"log_rate": 0.25}, "value": theta / 4, "std": 0.025}
     content = {
         "verdict": verdict,
         "alpha": 0.05,
@@ -54,6 +55,8 @@ def said(verdict="no significant disagreement", effects=(), theta=1.0, **changes
         "gap_after": {**gap, "value": 1.1} if effects else None,
         "theta_before": value,
         "theta_after": value if effects else None,
+        "identified_before": [combination],
+        "identified_after": [combination] if effects else None,
         "effects": [
             {
                 "name": name,
@@ -201,7 +204,27 @@ def row(case, kind, hidden=(), diagnosis=None, power=1.0, theta=1.0, source="own
         {"name": name, "feature": None, "shape": "", "settings": {}, "distance": 1.0, "power": power} for name in hidden
     ]
     answer = {"case": f"{case:04d}", "kind": kind, "set": source, "theta": [theta], "effects": effects}
-    return {**answer, "seconds": 2.0, "error": None, "diagnosis": (diagnosis or said()).model_dump(mode="json")}
+    return {
+        **answer,
+        "seconds": 2.0,
+        "cpu_seconds": 1.5,
+        "error": None,
+        "diagnosis": (diagnosis or said()).model_dump(mode="json"),
+    }
+
+
+@pytest.mark.parametrize(("g_f", "pull"), [(1.2, 0.0), (1.26, 2.0)])
+def test_theta_of_weinberg_is_judged_by_what_the_data_determine(g_f, pull):
+    """c = 2 tanh(v) G: theta far away on the curve of the same c is right, and an error of G alone is one of c."""
+    task = Weinberg()
+    width = np.subtract(task.support.high, task.support.low)
+    estimate = np.array([46.0, 1.2])
+    same = np.array([45.4, 0.0])
+    same[1] = g_f * np.tanh(10 * (2 * 46.0 - 90) / 90) / np.tanh(10 * (2 * same[0] - 90) / 90)
+    known = {"coefficients": {"e_beam": 0.0, "g_f": 1 / width[1]}, "value": 1.2 / width[1], "std": 0.03 / width[1]}
+    theta = {name: {"value": v, "std": None} for name, v in zip(task.parameter_names, estimate, strict=True)}
+    case = Case(task, {"theta": same.tolist()}, {"theta_before": theta, "identified_before": [known]})
+    assert case.pull("before") == pytest.approx(pull, abs=1e-6)
 
 
 def test_the_score_counts_what_it_says():
@@ -257,6 +280,7 @@ def test_the_score_counts_what_it_says():
     assert [counts(two[name]) for name in ("both", "at_least_one", "both_with_ties")] == [(1, 3), (2, 3), (2, 3)]
     text = as_text(result)
     assert "false alarms 1/2 = 50 %" in text
+    assert "of a processor median 1.5" in text
     assert "0006: dead_time taken for inefficiency" in text
 
 

@@ -7,6 +7,8 @@ from avobench.bench import registry
 from avobench.bench.errors import UsageError
 from avobench.diagnosis import Diagnosis, diagnose
 from avobench.diagnosis.augmented import AugmentedTask, describe
+from avobench.diagnosis.cli import tried
+from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.loop import scaled_std
 from avobench.diagnosis.schema import Verdict
@@ -112,3 +114,24 @@ def test_a_file_that_is_no_model_is_refused(tmp_path):
     path.write_text("{}")
     with pytest.raises(UsageError, match="is not a model"):
         registry.build("task", str(path), {})
+
+
+class Own(Effect):
+    """A user's effect that does what it is told."""
+
+    name = "own"
+    parameters = (Parameter("strength", 0, 1, 0, "1"),)
+
+    def __init__(self, events):
+        self.events = events
+
+    def apply(self, simulate, theta, phi, rng):
+        return self.events(simulate(theta, rng))
+
+
+def test_an_effect_of_the_users_is_tried_before_anything_is_fitted():
+    tried("mod:Own", Own(lambda x: x), Weinberg())
+    with pytest.raises(UsageError, match="'mod:Own' cannot be used, it raised ZeroDivisionError"):
+        tried("mod:Own", Own(lambda x: 1 / 0), Weinberg())
+    with pytest.raises(UsageError, match=r"'mod:Own' makes events of shape \(50,\), not \(50, 1\)"):
+        tried("mod:Own", Own(lambda x: x[:, 0]), Weinberg())

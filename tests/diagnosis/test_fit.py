@@ -2,9 +2,10 @@ import numpy as np
 import pytest
 
 from avobench.diagnosis.detect import summary_gate, target_of
+from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effort import Effort, effort_for
-from avobench.diagnosis.fit import Design, minimise, surrogate
-from avobench.diagnosis.loop import fit_null
+from avobench.diagnosis.fit import Base, Design, minimise, refine, surrogate
+from avobench.diagnosis.loop import Step, best_without, fit_null
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.summary import bins_of, whitening
 from avobench.tasks.carl import Carl
@@ -106,3 +107,54 @@ def test_effort_follows_the_number_of_simulations():
     less = effort_for(task, "counts", 400_000)
     assert less.fit < Effort().fit
     assert less.fit >= 3000
+
+
+@pytest.fixture(scope="module")
+def background():
+    """Counts with a background of 6 %, the fit of the simulator without it, and the simulator with it."""
+    effect = next(e for e in catalogue(Poisson()) if e.name == "flat_background")
+    rng = np.random.default_rng(6)
+    theta, phi = np.tile([1.0], (20_000, 1)), np.tile([0.06, 6.0], (20_000, 1))
+    x = effect.apply(Poisson().simulate, theta, phi, rng)
+    fit, target = fit_null(Model(Poisson()), x, rng, LIGHT, None)
+    return Model(Poisson(), (effect,)), fit, target
+
+
+def test_a_known_base_leaves_only_the_noise_of_what_the_effect_changes(background):
+    model, fit, target = background
+    rng = np.random.default_rng(0)
+    base = Base.around(fit, target, 400_000, rng)
+    design = Design.box(model.to_unit(np.r_[fit.params, 0.03, 6.0]), np.array([1e-3, 0.01, 0.02]))
+    ours = base.extended(model, target.summary, base.within(design), 40_000, rng)
+    plain = surrogate(model, target.summary, design, 400_000, rng)
+    assert ours.inverse[0, 0] < 0.3 / 40_000 + 2 / 400_000
+    pull = (ours.coefficients[0] - plain.coefficients[0]) / np.sqrt(
+        (ours.inverse[0, 0] + plain.inverse[0, 0]) * np.diag(target.cov)
+    )
+    assert np.sqrt(np.mean(pull**2)) < 2
+    far = Design.box(model.to_unit(np.r_[fit.params + 0.5, 0.03, 6.0]), np.array([1e-3, 0.01, 0.02]))
+    assert base.within(far) is None
+
+
+@pytest.mark.parametrize("start", [(0.02, 5.0), (0.12, 5.0)])
+def test_a_fit_goes_to_the_optimum_from_far_off_and_with_few_events(background, start):
+    model, fit, target = background
+    base = Base.around(fit, target, 400_000, np.random.default_rng(0))
+    unit, half = model.to_unit(np.r_[fit.params, start]), [0.02, 0.03, 0.08]
+    fits = [refine(model, target, unit, half, np.random.default_rng(k), num_events=80_000, base=base) for k in range(3)]
+    for found in fits:
+        assert found.gap - 3 * found.gap_error < found.dof + 3 * np.sqrt(2 * found.dof) < fit.gap
+    assert (np.abs(np.median([found.params for found in fits], axis=0) - [1.0, 0.06, 6.0]) < [0.02, 0.03, 0.8]).all()
+
+
+def test_a_fit_that_leaves_much_is_the_same_whatever_the_seed():
+    """Counts with a long tail, which no rate describes: a search that stops short would show in the gap."""
+    rng = np.random.default_rng(7)
+    x = rng.poisson(4 * rng.pareto(2.5, 8000) + 0.5)[:, None]
+    found = []
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        fit, target = fit_null(Model(Poisson()), x, rng, LIGHT, None)
+        gate, own, _ = summary_gate(fit, target, rng, LIGHT)
+        found.append(best_without(Step(fit, own, {"summary": gate}), target, rng, LIGHT).params[0])
+    assert np.ptp(found) < 0.1

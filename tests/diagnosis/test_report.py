@@ -30,6 +30,8 @@ def diagnosis(task, verdict=Verdict.NAMED, **changes):
         "gap_after": {"value": 1.1, "low": 0.6, "high": 1.6} if named else None,
         "theta_before": theta,
         "theta_after": theta if named else None,
+        "identified_before": [],
+        "identified_after": [] if named else None,
         "effects": [found] if named else [],
         "regions": [
             {"feature": None, "low": -0.5, "high": 0.5, "kind": "excess", "z": 20.0, "p_global": 0.0005},
