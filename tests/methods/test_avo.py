@@ -165,7 +165,9 @@ def test_a_device_out_of_memory_fails_its_cell_in_a_line(monkeypatch):
 
     monkeypatch.setattr(Discriminator, "loss", loss)
     record = execute(Cell("poisson", {}, "avo-paper", {"hidden": [4]}, 0, 0, 96, 100, 0))
-    assert reason(record).startswith("method_error: OutOfMemoryError: CUDA out of memory. Tried to allocate 20.00 MiB.")
+    assert reason(record).startswith(
+        "method_error: CUDA out of memory. Tried to allocate 20.00 MiB. GPU 0 has 79 GiB; fewer"
+    )
     assert "\n" not in reason(record)
 
 
