@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit import Base, Fit, Target, polish
+from avobench.diagnosis.fit import Base, Fit, Target, decided, polish
 from avobench.diagnosis.pixels import LEAST_HITS
 from avobench.diagnosis.schema import Gate
 from avobench.diagnosis.summary import Summary
@@ -32,7 +32,9 @@ def summary_gate(
     num_events = int(effort.polish * target.num_events)
     x = fit.model.simulate(np.tile(fit.params, (min(num_events, effort.covariance), 1)), rng)
     own_target = Target.of(target.summary, target.mean, target.num_events, target.summary.covariance(x))
-    own = polish(fit, own_target, rng, num_events if base is None else num_events // 2, base=base)
+    num_events = num_events if base is None else num_events // 2
+    own = polish(fit, own_target, rng, num_events, base=base)
+    own = decided(own, own_target, rng, num_events, effort.decide)
     return Gate(statistic=own.q, dof=own.dof, p_value=float(chi2.sf(own.q, own.dof))), own, own_target
 
 

@@ -17,6 +17,8 @@ class Effort:
     """Of the model that candidates are added to, a measured one."""
     again: tuple[float, ...] = (3, 6)
     """Of the repeated fits of candidates that may be the best, a measured one."""
+    decide: tuple[float, ...] = (3, 9)
+    """Times a polish, to tell what the data say nothing about from what simulation does not show."""
     least: int = 30_000
     """Of a round, at least."""
     fit: int = 25_000
@@ -58,6 +60,7 @@ IMAGES = Effort(
     polish=8,
     base=12,
     again=(4,),
+    decide=(2,),
     least=8000,
     fit=8000,
     pool=12_000,

@@ -18,11 +18,6 @@ COMPARED = 10_000
 BASE_SIGMAS, BEYOND, NEAR, LEAST_ROOM = 25.0, 0.25, 0.5, 0.05
 """How far around a fit it is made known well, in standard errors; the share of it by which this may be left; the share
 that a larger model's first design takes up; and the share of a design that must lie within."""
-COMPARED = 10_000
-"""Of these, compared one by one with what the same seed makes elsewhere."""
-BASE_SIGMAS, BEYOND, NEAR = 25.0, 0.25, 0.5
-"""How far around a fit it is made known well, in standard errors, the share of it by which it may be left, and the
-share that a larger model's first design takes up."""
 MIN_SIGMAS = 4.0
 """Half the width of a design, in standard errors, at least."""
 SLOPE_NOISE = 0.2
@@ -39,6 +34,8 @@ WALL = 1e4
 """Slope of the penalty that keeps a fit within the unit cube, in standard errors."""
 IDENTIFIED = 5.0
 """A direction is identified if moving across its range changes the summary by so many standard errors."""
+CLEAR = 3.0
+"""Standard errors by simulation from which a squared slope is one."""
 
 
 @dataclass(frozen=True)
@@ -152,12 +149,12 @@ class Fit:
         return float(self.residual @ self.residual) / (1 + self.noise)
 
     @cached_property
-    def information(self) -> tuple[NDArray[np.float64], int]:
-        """Fisher information in unit coordinates (P, P), and its rank: how many directions the data identify.
+    def _directions(self) -> tuple[NDArray[np.float64], ...]:
+        """Directions of the parameters with the squared slope of the summary along each, its scatter by simulation, and
+        the squared length of their whole range: (P, P), and (P,) thrice.
 
-        The noise of the slopes adds to their square, the more the more summaries there are. It is taken out, and a
-        direction counts only if it stands out of what is left of the noise, in the coordinates of the design, where
-        the noise is much the same in all directions.
+        The noise of the slopes adds to their square, the more the more summaries there are. It is taken out, in the
+        coordinates of the design, where it is much the same in all directions.
         """
         axes = self.design.axes
         slopes, noise = self.jacobian @ axes, axes.T @ self.jacobian_noise @ axes
@@ -165,8 +162,23 @@ class Fit:
         by_chance = np.sqrt(2 / len(self.residual)) * np.einsum("ik,ij,jk->k", vectors, noise, vectors)
         back = vectors.T @ np.linalg.inv(axes)
         whole_range = 1 / np.maximum((np.linalg.inv(back) ** 2).sum(axis=0), 1e-30)
-        seen = (values > 3 * by_chance) & (values * whole_range > IDENTIFIED**2)
+        return back, values, by_chance, whole_range
+
+    @cached_property
+    def information(self) -> tuple[NDArray[np.float64], int]:
+        """Fisher information in unit coordinates (P, P), and its rank: how many directions the data identify.
+
+        A direction counts only if its slope stands out of the simulation's noise.
+        """
+        back, values, by_chance, whole_range = self._directions
+        seen = (values > CLEAR * by_chance) & (values * whole_range > IDENTIFIED**2)
         return (back[seen].T * values[seen]) @ back[seen] / (1 + self.noise), int(seen.sum())
+
+    @property
+    def undecided(self) -> bool:
+        """Whether a direction may be identified, but its slope does not stand out of the simulation's noise."""
+        _, values, by_chance, whole_range = self._directions
+        return bool(((values < CLEAR * by_chance) & ((values + CLEAR * by_chance) * whole_range > IDENTIFIED**2)).any())
 
     @property
     def gap(self) -> float:
@@ -232,9 +244,14 @@ class Fit:
 
 def basis(t: NDArray[np.float64]) -> NDArray[np.float64]:
     """1, t_i, and all products t_i t_j: (n, P) -> (n, 1 + P + P (P + 1) / 2)."""
-    p = t.shape[1]
-    columns = [np.ones(len(t)), *t.T, *(t[:, i] * t[:, j] for i in range(p) for j in range(i, p))]
-    return np.stack(columns, axis=1)
+    n, p = t.shape
+    rows = np.empty(((p + 1) * (p + 2) // 2, n))
+    rows[0], rows[1 : p + 1] = 1, t.T
+    at = p + 1
+    for i in range(p):
+        np.multiply(rows[1 + i], rows[1 + i : p + 1], out=rows[at : at + p - i])
+        at += p - i
+    return rows.T
 
 
 def basis_slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -351,6 +368,21 @@ class Base:
         return Surrogate(design, coefficients, num_events, noise)
 
 
+def decided(fit: Fit, target: Target, rng: np.random.Generator, num_events: int, ratios: tuple[float, ...]) -> Fit:
+    """The same point, with more events until it is plain which directions the data identify.
+
+    The degrees of freedom that a fit takes up, and the errors that are quoted, hang on that. No `Base`: a polynomial
+    over so wide a design is not exact enough where the data say nearly nothing.
+    """
+    for ratio in ratios:
+        if not fit.undecided:
+            break
+        more = int(ratio * num_events)
+        design = fit.next_design(ratio=more / fit.num_events)
+        fit = fit_at(fit.model, surrogate(fit.model, target.summary, design, more, rng), target, fit.unit)
+    return fit
+
+
 def with_and_without(
     model: Model, effect: Effect, theta: NDArray[np.float64], phi: NDArray[np.float64], rng: np.random.Generator
 ) -> tuple[NDArray, NDArray]:
@@ -383,12 +415,19 @@ def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
         u = centre + axes @ t
         return u - np.clip(u, 0, 1)
 
+    bends = np.zeros((p, p, terms.shape[1]))  # of the products of t, half for each order of the two factors
+    i, j = np.triu_indices(p)
+    bends[i, j] += terms[p + 1 :] / 2
+    bends[j, i] += terms[p + 1 :] / 2
+
     def residual(t: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.concatenate([basis(t[None])[0] @ terms - wanted, np.sqrt(ANCHOR) * t, WALL * outside(t)])
+        left = terms[0] - wanted + t @ (terms[1 : p + 1] + np.tensordot(t, bends, 1))
+        return np.concatenate([left, np.sqrt(ANCHOR) * t, WALL * outside(t)])
 
     def slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
         wall = WALL * (outside(t) != 0)[:, None] * axes
-        return np.concatenate([(basis_slope(t).T @ terms).T, np.sqrt(ANCHOR) * np.eye(p), wall])
+        steps = terms[1 : p + 1] + 2 * np.tensordot(t, bends, 1)
+        return np.concatenate([steps.T, np.sqrt(ANCHOR) * np.eye(p), wall])
 
     t = least_squares(residual, np.zeros(p), slope, bounds=(-1, 1), method="dogbox", max_nfev=60).x
     return fit_at(model, s, target, s.design.to_u(t))

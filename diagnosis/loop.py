@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from importlib.metadata import version
 
 import numpy as np
@@ -26,7 +27,7 @@ from avobench.diagnosis.name import candidates
 from avobench.diagnosis.pictures import pictures
 from avobench.diagnosis.pixels import Pixels, pixels_of
 from avobench.diagnosis.pool import Pool, TwoStage
-from avobench.diagnosis.rank import Ranked, ranking, tied
+from avobench.diagnosis.rank import TIE, Ranked, cost, ranking, tied
 from avobench.diagnosis.schema import (
     Candidate,
     Combination,
@@ -63,8 +64,8 @@ STILL = 0.2
 PAIR_LEAVES, PAIR_CLEAR, PAIR_ALONE = 0.3, 0.1, 0.2
 """A second effect must leave less than the first share of what the first effect left; unless it leaves less than the
 second, which two wrong effects hardly do, it must close more than the third of the whole gap by itself."""
-ENOUGH = 0.9
-"""With so much closed by the first, what is left is put down to its shape, not to a second effect."""
+PARTNERS = 3
+"""Effects to which a second one is added at once, where none alone closes enough."""
 POOLED = 10
 """Generated events a measured one, where a slow generator is asked only once."""
 
@@ -90,6 +91,13 @@ class Step:
     """In its own metric, with more events: what is reported."""
     gates: dict[str, Gate]
     ranks: list[Ranked] = field(default_factory=list)
+    rivals: list[Ranked] | None = None
+    """Of the effect that was chosen, where that is not the first of the ranks."""
+
+    @property
+    def ties(self) -> list[Ranked]:
+        """Those that the effect which was chosen cannot be told from."""
+        return tied(self.ranks) if self.rivals is None else self.rivals
 
     @property
     def p_value(self) -> float:
@@ -208,14 +216,23 @@ def diagnose(
     disagree = before.p_value < alpha
     if disagree:
         steps[0] = replace(before, fit=best_without(before, target, rng, effort))
-        while len(steps) <= max_effects and _worth_another(steps, alpha):
-            last = steps[-1]
-            leaves = 1 - CLOSES if len(steps) == 1 else PAIR_LEAVES
-            used = {e.key for e in last.fit.model.effects}
+
+        def search(fit: Fit, leaves: float) -> tuple[list[Ranked], Base]:
+            used = {e.key for e in fit.model.effects}
             others = [e for e in effects if e.key not in used]
-            fits, known = candidates(last.fit, target, others, seen, rng, effort, leaves=leaves, jobs=jobs)
-            steps[-1] = replace(last, ranks=ranking(fits, steps[0].fit.gap))
-            chosen = _accepted(steps, lambda new, old: grew(new, old, target, aside_mean, len(aside)))
+            without = steps[0].fit.gap
+            options = {"leaves": leaves, "gap_without": without, "jobs": jobs}
+            fits, known = candidates(fit, target, others, seen, rng, effort, **options)
+            return ranking(fits, without), known
+
+        while len(steps) <= max_effects and (len(steps) == 1 or steps[-1].p_value < STILL * alpha):
+            ranks, known = search(steps[-1].fit, 1 - CLOSES if len(steps) == 1 else PAIR_LEAVES)
+            steps[-1] = replace(steps[-1], ranks=ranks)
+            worse = partial(grew, target=target, mean=aside_mean, num_events=len(aside))
+            chosen = _accepted(steps, worse)
+            if chosen is None and len(steps) == 1 and max_effects > 1:
+                steps, known = _pair(steps[0], search, worse) or (steps, known)
+                chosen = steps[-1].ranks[0].fit if len(steps) > 1 else None
             if chosen is None:
                 break
             chosen, widened_note = widened(chosen, target, rng, effort)
@@ -255,7 +272,7 @@ def diagnose(
         theta_after=theta_values(last) if named_any else None,
         identified_before=identified(first),
         identified_after=identified(last) if named_any else None,
-        effects=[found_effect(last, k, tied(step.ranks), names) for k, step in enumerate(steps[:-1])],
+        effects=[found_effect(last, k, step.ties, names) for k, step in enumerate(steps[:-1])],
         regions=regions(steps[0].fit, target, seen, rng, alpha, names) if disagree else [],
         candidates=[
             Candidate(
@@ -318,14 +335,6 @@ def _tested(
     return Step(fit, own, gates)
 
 
-def _worth_another(steps: list[Step], alpha: float) -> bool:
-    """Whether an effect, or one more, is to be looked for."""
-    last = steps[-1]
-    if len(steps) == 1:
-        return True
-    return last.p_value < STILL * alpha and excess(last.fit) > (1 - ENOUGH) * excess(steps[0].fit)
-
-
 def _accepted(steps: list[Step], grew: Callable[[Fit, Fit], bool]) -> Fit | None:
     """The first of the last step's ranks, if it may be added to the model."""
     last = steps[-1]
@@ -344,6 +353,32 @@ def _accepted(steps: list[Step], grew: Callable[[Fit, Fit], bool]) -> Fit | None
     single = {entry.effect.key: entry.fit for entry in steps[0].ranks}.get(best.effect.key)
     alone = single is not None and whole - excess(single) > PAIR_ALONE * whole
     return best.fit if left < PAIR_LEAVES and alone else None
+
+
+def _pair(
+    null: Step, search: Callable[[Fit, float], tuple[list[Ranked], Base]], grew: Callable[[Fit, Fit], bool]
+) -> tuple[list[Step], Base] | None:
+    """Two effects that together leave next to nothing, where none alone closes half of the gap.
+
+    The steps up to the first of them, with the ranks that the second leads, and the model with the first alone.
+    """
+    whole = excess(null.fit)
+    firsts = [entry for entry in null.ranks if whole - excess(entry.fit) > PAIR_ALONE * whole][:PARTNERS]
+    found = [(first, *search(first.fit, PAIR_CLEAR * whole / excess(first.fit))) for first in firsts]
+    found = [(first, ranks, known) for first, ranks, known in found if ranks]
+    if not found:
+        return None
+    found.sort(key=lambda each: cost(each[1][0].fit))
+    first, ranks, known = found[0]
+    best = ranks[0]
+    if excess(best.fit) > PAIR_CLEAR * whole or grew(best.fit, null.fit):
+        return None
+    rivals = [
+        one
+        for one, (second, *_), _ in found[1:]
+        if second.effect.key == best.effect.key and cost(second.fit) < cost(best.fit) + TIE
+    ]
+    return [replace(null, rivals=rivals), Step(first.fit, first.fit, {}, ranks)], known
 
 
 def excess(fit: Fit) -> float:

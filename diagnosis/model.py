@@ -70,21 +70,22 @@ class Model:
 
     def from_unit(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
         """Parameters from the unit cube, logarithmic where that is their scale: (n, P) -> (n, P)."""
-        straight = self.low + u * (self.high - self.low)
-        if not self.logarithmic.any():
-            return straight
-        low, high = np.where(self.logarithmic, self.low, 1), np.where(self.logarithmic, self.high, 1)
-        # rounding may leave the bounds, which a simulator need not bear
-        return np.clip(np.where(self.logarithmic, low * (high / low) ** u, straight), self.low, self.high)
+        params = self.low + u * (self.high - self.low)
+        columns = np.flatnonzero(self.logarithmic)
+        if len(columns):
+            low, high = self.low[columns], self.high[columns]
+            params[..., columns] = low * (high / low) ** u[..., columns]
+            # rounding may leave the bounds, which a simulator need not bear
+            np.clip(params, self.low, self.high, out=params)
+        return params
 
     def to_unit(self, params: NDArray[np.float64]) -> NDArray[np.float64]:
         """The inverse of `from_unit`."""
-        straight = (params - self.low) / (self.high - self.low)
-        if not self.logarithmic.any():
-            return straight
-        low, high = np.where(self.logarithmic, self.low, 1), np.where(self.logarithmic, self.high, 1)
-        span = np.where(self.logarithmic, high / low, np.e)
-        return np.where(self.logarithmic, np.log(np.where(self.logarithmic, params, 1) / low) / np.log(span), straight)
+        u = (params - self.low) / (self.high - self.low)
+        columns = np.flatnonzero(self.logarithmic)
+        low, high = self.low[columns], self.high[columns]
+        u[..., columns] = np.log(params[..., columns] / low) / np.log(high / low)
+        return u
 
     def simulate(self, params: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """One event per row: (n, P) -> (n, d)."""

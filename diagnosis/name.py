@@ -11,6 +11,7 @@ from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit import Base, Fit, Target, polish, refine, scan
 from avobench.diagnosis.model import Model
+from avobench.diagnosis.rank import likely
 
 STRENGTHS = (0.001, 0.005, 0.02, 0.08, 0.25, 0.7)
 """Of the range of a strength; between them the effect is taken as linear."""
@@ -24,8 +25,10 @@ FINALISTS, FINAL_EVENTS = 8, 8
 """Points of the grid that are looked at again, and with how many times the events."""
 MOST_SCREENED = 24
 """Effects of which all shapes are screened."""
-FIRST_ROUNDS, LAST_ROUNDS, CONTINUED = 3, 7, 6
-"""Rounds of all fits, of those that go on, and how many go on beside the best of each family."""
+FIRST_ROUNDS, LAST_ROUNDS, CONTINUED, AGAIN = 3, 7, 6, 2
+"""Rounds of all fits, of those that go on, how many of these beside the best of each family; rounds of a repetition."""
+SHAPES_AGAIN = 3
+"""Shapes of a family that are fitted again."""
 WEAK, MOST_EVENTS = 10.0, 4
 """Noise of chi-squared is kept to a fifth of the excess, with at most so many events a measured one."""
 STRONG = 10.0
@@ -200,20 +203,22 @@ def candidates(
     effort: Effort,
     *,
     leaves: float,
+    gap_without: float,
     jobs: int = 1,
 ) -> tuple[list[Fit], Base]:
     """Fits to events x (N, d) of `base` with one more effect: the best starts of the most promising families.
 
     Fits that may still be the best are repeated with more events, all from the same seed, if one of them may leave less
-    than the share `leaves` of the excess over chi-squared; else none will do. Also `base`, made known for that.
+    than the share `leaves` of the excess over chi-squared; else none will do. `gap_without` is the gap without any
+    effect. Also `base`, made known for that.
     """
     pool = Pool(base, target, effort.pool, rng)
     effects = [effect.adapted(x) for effect in effects]
     plain = {effect.key: screen(pool, effect, x, rng, effort) for effect in effects}
     # Every shape of an effect that looks promising in its plainest is looked at, and of all effects if they are few.
-    promising = sorted(effects, key=lambda e: min((s.expected for s in plain[e.key]), default=np.inf))[:MOST_SCREENED]
+    best_first = sorted(effects, key=lambda e: min((s.expected for s in plain[e.key]), default=np.inf))[:MOST_SCREENED]
     families = []
-    for effect in promising:
+    for effect in best_first:
         starts = []
         for k, shape in enumerate(effect.shapes()):
             own = plain[effect.key] if k == 0 else screen(pool, shape, x, rng, effort)
@@ -245,25 +250,26 @@ def candidates(
     )
     seed = int(rng.integers(2**63))
     for ratio in effort.again:
-        fits = _distinct(fits)
+        fits = _distinct(fits, SHAPES_AGAIN)
         best = min(fits, key=lambda fit: fit.gap + fit.gap_error, default=None)
         if best is None or best.gap - best.dof - 2 * best.gap_error > leaves * (base.gap - base.dof):
             break
-        likely = [fit.gap - fit.gap_error < best.gap + best.gap_error + max(best.gap, best.dof) for fit in fits]
+        promising = [likely(fit, best, gap_without) for fit in fits]
         events = max(int(ratio * target.num_events), enough)
         again = work(
-            joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events, base=known)
-            for fit, worth in zip(fits, likely, strict=True)
+            joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events, AGAIN, known)
+            for fit, worth in zip(fits, promising, strict=True)
             if worth
         )
-        fits = [*again, *(fit for fit, worth in zip(fits, likely, strict=True) if not worth)]
+        fits = [*again, *(fit for fit, worth in zip(fits, promising, strict=True) if not worth)]
     return fits, known
 
 
-def _distinct(fits: list[Fit]) -> list[Fit]:
-    """The best fit of each shape of each family."""
-    best: dict[tuple, Fit] = {}
+def _distinct(fits: list[Fit], most: int | None = None) -> list[Fit]:
+    """The best fit of each shape of each family, and of at most so many shapes of a family."""
+    best: dict[tuple, dict[str, Fit]] = {}
     for fit in sorted(fits, key=lambda fit: fit.gap):
         effect = fit.model.effects[-1]
-        best.setdefault((effect.key, effect.shape), fit)
-    return list(best.values())
+        best.setdefault(effect.key, {}).setdefault(effect.shape, fit)
+    kept = [fit for shapes in best.values() for fit in list(shapes.values())[:most]]
+    return sorted(kept, key=lambda fit: fit.gap)

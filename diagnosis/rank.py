@@ -30,6 +30,22 @@ def shape_parameters(effect: Effect) -> int:
     return len(effect.parameters) - 1 + effect.choices
 
 
+def unit_of(left: float, gap_without: float) -> float:
+    """What differences of chi-squared count in, where the best fit leaves so much beyond noise."""
+    return 1 + max(left, MODEL_ERROR**2 * gap_without, 0) / INDEPENDENT
+
+
+def likely(fit: Fit, best: Fit, gap_without: float) -> bool:
+    """Whether with more events a fit may turn out to be tied with the one that seems best."""
+    unit = unit_of(best.gap + best.gap_error - best.dof, gap_without)
+    return fit.gap - 2 * fit.gap_error < best.gap + 2 * best.gap_error + unit * (TIE + 2 * SHAPE_PRICE)
+
+
+def cost(fit: Fit) -> float:
+    """What a fit leaves, at most, and the price of the shape parameters of all its effects."""
+    return fit.gap + fit.gap_error + SHAPE_PRICE * sum(shape_parameters(effect) for effect in fit.model.effects)
+
+
 def ranking(fits: list[Fit], gap_without: float) -> list[Ranked]:
     """The best shape of each family, best family first; the score of the first is 0.
 
@@ -48,7 +64,7 @@ def ranking(fits: list[Fit], gap_without: float) -> list[Ranked]:
     unit = 1.0
     for _ in range(len(fits)):  # the best depends on the unit, and the unit on the best
         best = min(fits, key=lambda fit: left(fit) + unit * SHAPE_PRICE * shape_parameters(fit.model.effects[-1]))
-        last, unit = unit, 1 + max(left(best) - best.dof, MODEL_ERROR**2 * gap_without, 0) / INDEPENDENT
+        last, unit = unit, unit_of(left(best) - best.dof, gap_without)
         if unit == last:
             break
     families: dict[tuple, Ranked] = {}

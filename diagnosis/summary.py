@@ -105,21 +105,21 @@ class Bins(Summary):
 def bins_of(x: NDArray, simulated: NDArray) -> Bins:
     """Bins that hold measured and simulated events alike, so that neither a hole nor a peak falls between edges.
 
-    One feature: about 50 bins, and finer ones in its tails. Several: about 12 bins a feature, and 4 x 4 a pair where
-    there are at least 2 000 events. Few events make fewer bins. Counts are never split; the rare are merged.
+    One feature: about 50 bins. Several: about 12 bins a feature, and 4 x 4 a pair where there are at least 2 000
+    events. In a feature's tails they are finer. Few events make fewer bins. Counts are never split, the rare merged.
     """
     n, d = x.shape
     one = np.issubdtype(x.dtype, np.integer) and d == 1
     most = min(max(n // 25, 4), 80 if one else 50) if d == 1 else min(max(n // 100, 4), 12)
-    edges = tuple(inner_edges(x[:, j], simulated[:, j], most, tails=d == 1) for j in range(d))
+    edges = tuple(inner_edges(x[:, j], simulated[:, j], most, growth=2 if d == 1 else 8) for j in range(d))
     coarse = tuple(inner_edges(x[:, j], simulated[:, j], 4) for j in range(d)) if d > 1 and n >= 2000 else ()
     return Bins(edges, coarse)
 
 
-def inner_edges(x: NDArray, simulated: NDArray, most: int, *, tails: bool = False) -> NDArray[np.float64]:
+def inner_edges(x: NDArray, simulated: NDArray, most: int, *, growth: float = np.inf) -> NDArray[np.float64]:
     """Inner edges of at most `most` bins for one feature, from a mixture of both sets in equal parts.
 
-    With `tails` the bins grow from LEAST_IN_BIN at both ends, each at most twice as full as the last: what lies beyond
+    From LEAST_IN_BIN at both ends, each bin makes what lies outside at most `growth` times as much: what lies beyond
     the bulk tells effects apart though it is rare.
     """
     values = np.concatenate([x, simulated]).astype(float)
@@ -130,8 +130,8 @@ def inner_edges(x: NDArray, simulated: NDArray, most: int, *, tails: bool = Fals
     need = max(len(x) / most, LEAST_IN_BIN) if most < len(unique) else LEAST_IN_BIN
     edges, last, at = [], 0.0, -1
     while True:
-        # Never more than what lies outside, on either side, so that the outermost bins are the least full.
-        wanted = min(need, max(min(last, (total - last) / 2), LEAST_IN_BIN)) if tails else need
+        more = min((growth - 1) * last, (1 - 1 / growth) * (total - last)) if growth < np.inf else need
+        wanted = min(need, max(more, LEAST_IN_BIN))
         at = max(int(np.searchsorted(cumulated, last + wanted)), at + 1)
         if at >= len(unique) - 1 or total - cumulated[at] < LEAST_IN_BIN:
             return np.array(edges)

@@ -17,6 +17,8 @@ from avobench.tasks import Task
 BEFORE, AFTER, REGION = PALETTE[1], PALETTE[0], {"excess": PALETTE[2], "deficit": PALETTE[4]}
 HATCH = {"excess": "//", "deficit": "\\\\"}
 MOST_CANDIDATES = 20
+STEEP = 5.0
+"""A density whose highest bin is so many times the middle one is drawn on a logarithmic axis."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +70,10 @@ def _distribution(spectrum: Spectrum, diagnosis: Diagnosis, name: str) -> Drawn:
     centres = (edges[1:] + edges[:-1]) / 2
     top.errorbar(centres, measured, error, fmt="o", color="black", ms=2.5, lw=0.8, label="measured")
     top.set_ylabel("probability density")
-    top.set_ylim(bottom=0)
+    if measured.max() > STEEP * np.median(measured):
+        top.set_yscale("log", nonpositive="mask")
+    else:
+        top.set_ylim(bottom=0)
     for region in diagnosis.regions:
         if region.feature in (spectrum.feature, None):
             for axis in (top, below[0]):

@@ -63,7 +63,7 @@ class Outliers(Change):
 
     def variants(self):
         width = Parameter("width", 0.5, 20, None, "of half the range")
-        return {"gaussian": (width,), "cauchy": (width,), "uniform": (width,)}
+        return {"gaussian": (width,), "cauchy": (width,)}
 
     def changed(self, x, span, phi, rng):
         rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
@@ -71,8 +71,6 @@ class Outliers(Change):
         x = x.copy()
         if self.shape == "cauchy":
             x[rows] += 0.3 * width * rng.standard_cauchy(n)
-        elif self.shape == "uniform":
-            x[rows] = span.centre + width * rng.uniform(-1, 1, n)
         else:
             x[rows] += width * rng.standard_normal(n)
         return x
