@@ -19,7 +19,7 @@ from avobench.diagnosis.detect import cell_gate, summary_gate, target_of
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effects.catalogue import catalogue, domain
 from avobench.diagnosis.effort import Effort, effort_for
-from avobench.diagnosis.fit import IDENTIFIED, Base, Fit, Target, polish, refine, scan
+from avobench.diagnosis.fit import IDENTIFIED, Base, Fit, Target, decided, polish, refine, scan
 from avobench.diagnosis.identifiability import card
 from avobench.diagnosis.localise import intervals, significant
 from avobench.diagnosis.model import Model
@@ -253,7 +253,9 @@ def diagnose(
     # In its own metric a fit is efficient, but only where the model is right. Where it is wrong the two metrics want
     # different parameters, and the gap is measured in that of the loop.
     first = steps[0].fit if disagree else before.own
-    last = first if not named_any else final.own if verdict == Verdict.NAMED else final.fit
+    last = first if not named_any else final.own
+    if verdict == Verdict.REDUCED:
+        last = decided(final.fit, target, rng, int(effort.polish * len(seen)), effort.decide)
     if estimate is not None:
         notes.append(_method_note(fit, task, estimate, first))
     if len(x) < FEW_EVENTS:

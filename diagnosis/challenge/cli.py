@@ -5,6 +5,8 @@ from pathlib import Path
 
 import click
 
+from avobench.bench.errors import UsageError
+
 FOLDER = click.argument("folder", type=click.Path(path_type=Path))
 
 
@@ -45,11 +47,11 @@ def solve(folder: Path, jobs: int, alpha: float | None, num_simulations: int | N
 
 
 @challenge.command()
-@FOLDER
+@click.argument("places", metavar="FOLDER...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--format", "kind", type=click.Choice(["text", "json"]), default="text", show_default=True)
 @click.option("--records", type=click.Path(path_type=Path), default=None, help="File to write what was scored to.")
-def score(folder: Path, kind: str, records: Path | None) -> None:
-    """Open the answers and tell how often the diagnosis was right.
+def score(places: tuple[Path, ...], kind: str, records: Path | None) -> None:
+    """Open the answers and tell how often the diagnosis was right; several challenges are pooled.
 
     FOLDER may also be a file that --records wrote: one line of JSON a case, its answer and its diagnosis.
     """
@@ -58,10 +60,12 @@ def score(folder: Path, kind: str, records: Path | None) -> None:
     from . import score as module
     from .table import as_text
 
-    lines = module.read_records(folder) if folder.is_file() else module.records(folder)
+    if records is not None and len(places) > 1:
+        raise UsageError("--records writes one challenge; give one folder")
+    challenges = [module.read_records(place) if place.is_file() else module.records(place) for place in places]
     if records is not None:
-        write_atomically(records, "".join(json.dumps(line, allow_nan=False) + "\n" for line in lines).encode())
-    result = module.score(lines)
+        write_atomically(records, "".join(json.dumps(line, allow_nan=False) + "\n" for line in challenges[0]).encode())
+    result = module.score(*challenges)
     click.echo(json.dumps(result, indent=1, allow_nan=False) if kind == "json" else as_text(result))
 
 

@@ -28,6 +28,7 @@ POWERS = (0.2, 0.5, 0.9, 0.99)
 INVISIBLE = 0.2
 """A hidden effect of lower power that is not detected counts as undetectable: theta absorbs it, or it is too weak."""
 VISIBLE = 0.9
+ALL = "all"
 NEAR = 2.0
 """Theta is right within so many of its quoted errors."""
 
@@ -165,26 +166,35 @@ def read_records(path: Path) -> list[dict[str, Any]]:
     return lines
 
 
-def score(lines: list[dict[str, Any]]) -> dict[str, Any]:
-    """How often the diagnoses were right, from `records`."""
-    head, *rows = lines
-    task = registry.build("task", head["task"], {})
-    failed = {row["case"]: row["error"] for row in rows if row["error"] is not None}
-    cases = [Case(task, row, row["diagnosis"]) for row in rows if row["error"] is None]
+def score(*challenges: list[dict[str, Any]]) -> dict[str, Any]:
+    """How often the diagnoses were right, from the `records` of one challenge, or of several pooled."""
+    heads = [lines[0] for lines in challenges]
+    rows = [(head, row) for head, *rest in challenges for row in rest]
+    tasks = {head["task"]: registry.build("task", head["task"], {}) for head in heads}
+    solved = [(head, row) for head, row in rows if row["error"] is None]
+    cases = [Case(tasks[head["task"]], row, row["diagnosis"]) for head, row in solved]
     of = {kind: [case for case in cases if case.answer["kind"] == kind] for kind in ("none", "two", "withheld")}
     return {
-        **{name: value for name, value in head.items() if name not in RECORDS},
+        "task": " + ".join(tasks),
+        "num_events": sorted({head["num_events"] for head in heads}),
+        "seeds": [head["seed"] for head in heads],
+        "options": [head["options"] for head in heads],
+        "cases": sum(head["cases"] for head in heads),
         "solved": len(cases),
-        "failed": failed,
+        "failed": {f"{head['task']} {row['case']}": row["error"] for head, row in rows if row["error"] is not None},
         "none": {
             "false_alarms": rate(case.detected for case in of["none"]),
             "theta_within_2": rate(_near(of["none"], "before")),
         },
         "one": {each: _one([case for case in cases if case.answer["kind"] == each]) for each in SETS},
-        "withheld": {each: _withheld([case for case in of["withheld"] if case.answer["set"] == each]) for each in SETS},
-        "two": {each: _two([case for case in of["two"] if case.answer["set"] == each]) for each in SETS},
-        **{name: _spread([row[name] for row in rows if row["error"] is None]) for name in ("seconds", "cpu_seconds")},
+        "withheld": {each: _withheld(_of_set(of["withheld"], each)) for each in (*SETS, ALL)},
+        "two": {each: _two(_of_set(of["two"], each)) for each in (*SETS, ALL)},
+        **{name: _spread([row[name] for _, row in solved]) for name in ("seconds", "cpu_seconds")},
     }
+
+
+def _of_set(cases: list[Case], each: str) -> list[Case]:
+    return [case for case in cases if each in (ALL, case.answer["set"])]
 
 
 def _one(cases: list[Case]) -> dict[str, Any]:
@@ -204,6 +214,7 @@ def _one(cases: list[Case]) -> dict[str, Any]:
         "right_first_whatever_feature": rate(_first(case, feature=False) for case in found),
         "in_tie_set": rate(_in_first_tie(case) for case in found),
         "tie_size": float(np.mean([len(case.ties[0]) for case in found if case.ties])) if explained else None,
+        "more_named": rate(len(case.named) > 1 for case in found),
         "visible_right_first": rate(_first(case) for case in visible),
         "explained": rate(case.diagnosis["verdict"] == NAMED for case in found),
         **_before_and_after(found),
@@ -230,6 +241,7 @@ def _two(cases: list[Case]) -> dict[str, Any]:
         "cases": len(cases),
         "detected": rate(case.detected for case in cases),
         "visible_both": rate(set(case.hidden) <= set(case.named) for case in visible),
+        "visible_at_least_one": rate(bool(set(case.hidden) & set(case.named)) for case in visible),
         "both": rate(set(case.hidden) <= set(case.named) for case in found),
         "at_least_one": rate(bool(set(case.hidden) & set(case.named)) for case in found),
         "both_with_ties": rate(set(case.hidden) <= set().union(*case.ties) for case in found),
@@ -269,7 +281,8 @@ def _before_and_after(cases: list[Case]) -> dict[str, Any]:
 def _mistaken(cases: list[Case]) -> list[str]:
     """A line for each case that does not name all that was hidden, and only that, first."""
     return [
-        f"{case.answer['case']}: {' + '.join(_words(each) for each in case.answer['effects'])} taken for "
+        f"{case.task.name} {case.answer['case']}: "
+        f"{' + '.join(_words(each) for each in case.answer['effects'])} taken for "
         f"{' + '.join(_words(each) for each in case.diagnosis['effects']) or 'nothing'} ({case.diagnosis['verdict']})"
         for case in cases
         if case.named[: len(case.hidden)] != case.hidden

@@ -2,14 +2,14 @@
 
 from typing import Any
 
-from .score import NAMED, VISIBLE
+from .score import ALL, NAMED, VISIBLE
 
 
 def as_text(result: dict[str, Any]) -> str:
     """The score as a page of text."""
     lines = [
         f"{result['task']}: {result['solved']} of {result['cases']} cases solved, {len(result['failed'])} failed, "
-        f"{result['num_events']} events each",
+        f"{' or '.join(map(str, result['num_events']))} events each",
         *(f"  failed {name}: {error}" for name, error in result["failed"].items()),
         f"no effect: false alarms {_percent(result['none']['false_alarms'])}, "
         f"theta within 2 errors {_percent(result['none']['theta_within_2'])}",
@@ -26,27 +26,28 @@ def as_text(result: dict[str, Any]) -> str:
             f"  truth in the tie set {_percent(one['in_tie_set'])}, mean size {_number(one['tie_size'])}",
             f"  of all with a power of {100 * VISIBLE:.0f} % or more: right name first "
             f"{_percent(one['visible_right_first'])}",
+            f"  a further effect named, though none was hidden {_percent(one['more_named'])}",
             f'  "{NAMED}" {_percent(one["explained"])}; then theta within 2 errors {_percent(one["theta_within_2"])}',
             _medians(one),
             *(f"    {line}" for line in one["mistaken"]),
         ]
-    for each, withheld in result["withheld"].items():
+    for each, withheld in _sets(result["withheld"]):
         if withheld["cases"]:
             lines += [
                 f"withheld effect, {each} shapes: detected {_percent(withheld['detected'])}, of these falsely "
                 f"explained {_percent(withheld['falsely_explained'])}",
-                *(f"    {line}" for line in withheld["mistaken"]),
+                *(f"    {line}" for line in withheld["mistaken"] if each != ALL),
             ]
-    for each, two in result["two"].items():
+    for each, two in _sets(result["two"]):
         if two["cases"]:
             lines += [
                 f"two effects, {each} shapes: detected {_percent(two['detected'])}, of these both named "
                 f"{_percent(two['both'])}, with ties {_percent(two['both_with_ties'])}, at least one "
                 f"{_percent(two['at_least_one'])}",
                 f"  where the best test would see each alone with a power of {100 * VISIBLE:.0f} % or more: both named "
-                f"{_percent(two['visible_both'])}",
+                f"{_percent(two['visible_both'])}, at least one {_percent(two['visible_at_least_one'])}",
                 _medians(two),
-                *(f"    {line}" for line in two["mistaken"]),
+                *(f"    {line}" for line in two["mistaken"] if each != ALL),
             ]
     if result["seconds"]:
         lines.append(
@@ -55,6 +56,15 @@ def as_text(result: dict[str, Any]) -> str:
             f"on the clock median {result['seconds']['median']:.1f}, max {result['seconds']['max']:.1f}"
         )
     return "\n".join(lines)
+
+
+def _sets(parts: dict[str, Any]) -> list[tuple[str, Any]]:
+    """The parts by set of shapes; that of all only where it is more than one of them."""
+    return [
+        (each, part)
+        for each, part in parts.items()
+        if each != ALL or part["cases"] > max(other["cases"] for name, other in parts.items() if name != ALL)
+    ]
 
 
 def _percent(rate: dict[str, Any]) -> str:

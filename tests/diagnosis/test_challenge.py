@@ -179,7 +179,7 @@ def test_a_case_that_fails_is_a_row_and_is_tried_again(fresh, monkeypatch):
     solve(folder)
     (folder / "answers.json").symlink_to(answers)
     result = score(records(folder))
-    assert result["failed"] == {"0002": "RuntimeError: lost the thread"}
+    assert result["failed"] == {"poisson 0002": "RuntimeError: lost the thread"}
     assert result["solved"] == 9
     monkeypatch.setattr(solving, "diagnose", lambda task, x, *, seed, effects: said())
     solve(folder)
@@ -278,6 +278,12 @@ def test_the_score_counts_what_it_says():
     assert counts(result["withheld"]["own"]["falsely_explained"]) == (1, 2)
     two = result["two"]["own"]
     assert [counts(two[name]) for name in ("both", "at_least_one", "both_with_ties")] == [(1, 3), (2, 3), (2, 3)]
+    assert counts(own["more_named"]) == (0, 3)
+    both = score([head, *lines], [{**head, "seed": 1}, row(3, "own", ["dead_time"], power=0.95), row(0, "none")])
+    assert counts(both["none"]["false_alarms"]) == (1, 3)
+    assert (both["cases"], both["solved"], both["one"]["own"]["cases"]) == (40, 16, 6)
+    assert both["two"]["all"] == both["two"]["own"]
+    assert "two effects, all" not in as_text(both)
     text = as_text(result)
     assert "false alarms 1/2 = 50 %" in text
     assert "of a processor median 1.5" in text
