@@ -279,13 +279,13 @@ def _before_and_after(cases: list[Case]) -> dict[str, Any]:
 
 
 def _mistaken(cases: list[Case]) -> list[str]:
-    """A line for each case that does not name all that was hidden, and only that, first."""
+    """A line for each case that does not name all that was hidden, in any order, and only that, first."""
     return [
         f"{case.task.name} {case.answer['case']}: "
         f"{' + '.join(_words(each) for each in case.answer['effects'])} taken for "
         f"{' + '.join(_words(each) for each in case.diagnosis['effects']) or 'nothing'} ({case.diagnosis['verdict']})"
         for case in cases
-        if case.named[: len(case.hidden)] != case.hidden
+        if set(case.named[: len(case.hidden)]) != set(case.hidden)
     ]
 
 
