@@ -13,7 +13,7 @@ EFFECTS := own,foreign,two,withheld
 JOBS ?= 1
 
 .DEFAULT_GOAL := help
-.PHONY: help venv benchmark quick figures studies pages bench-avo bench-cost bench-scaling bench-speed challenge demo-missing-effect test browser lint clean
+.PHONY: help venv benchmark quick figures studies pages bench-avo bench-cost bench-diagnosis bench-scaling bench-speed challenge demo-missing-effect test browser lint clean
 
 help:  ## show these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -50,6 +50,9 @@ bench-avo: venv  ## AVO's step beside a plain implementation, matrix products al
 
 bench-scaling: venv  ## time and memory against budget, observations, targets, workers and number of cells
 	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.scaling
+
+bench-diagnosis: venv  ## seconds of a diagnosis against measured events and against the size of the catalogue
+	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.diagnosis_scaling
 
 bench-cost: venv  ## where the time goes, from results/reference
 	$(BIN)/python -m avobench.bench.cost results/reference

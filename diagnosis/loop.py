@@ -222,7 +222,8 @@ def diagnose(
             others = [e for e in effects if e.key not in used]
             without = steps[0].fit.gap
             options = {"leaves": leaves, "gap_without": without, "jobs": jobs}
-            fits, known = candidates(fit, target, others, seen, rng, effort, **options)
+            own = effort if not used else replace(effort, families=effort.families // 2)
+            fits, known = candidates(fit, target, others, seen, rng, own, **options)
             return ranking(fits, without), known
 
         while len(steps) <= max_effects and (len(steps) == 1 or steps[-1].p_value < STILL * alpha):
