@@ -2,12 +2,15 @@
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from avobench.bench.store import Store, labels, to_frame
 from avobench.tasks.base import NUM_TARGETS
 
+LARGE = 100
+"""Cells from which a sweep has its own line."""
 PARTS = ("observation", "simulator", "method", "harness")
 
 
@@ -27,20 +30,26 @@ def harness_share(store: Store) -> float:
     In the workers it is what the records call harness; in the process that leads the sweep, its own processor time
     (with one job the two are one process, whose time outside of the cells is wall time less that of the cells).
     """
-    frame = to_frame(store.read_all())
-    work = sum(frame[f"{part}_seconds"].sum() for part in PARTS[:-1])
-    harness = frame["harness_seconds"].sum()
-    for sweep in store.sweeps():
+    inside = outside = 0.0
+    for sweep in _timed(store):
         alone = sweep["jobs"] == 1 and sweep.get("backend", "local") != "dask"
-        harness += sweep["wall_seconds"] - sweep["cell_seconds"] if alone else sweep["cpu_seconds"]
-    return harness / (work + harness)
+        inside += sweep["cell_seconds"]
+        outside += sweep["wall_seconds"] - sweep["cell_seconds"] if alone else sweep["cpu_seconds"]
+    frame = to_frame(store.read_all())
+    of_cells = frame["harness_seconds"].sum() / sum(frame[f"{part}_seconds"].sum() for part in PARTS)
+    return (outside + of_cells * inside) / (outside + inside)
+
+
+def _timed(store: Store) -> list[dict[str, Any]]:
+    """The sweeps that wrote down what their cells took. A cell made anew counts in each of its sweeps."""
+    return [sweep for sweep in store.sweeps() if "cell_seconds" in sweep]
 
 
 def format_cost(store: Store) -> str:
     """The cost table as text, and below it what the harness adds."""
     table = cost_table(store).reset_index().to_string(index=False, float_format=lambda value: f"{value:.4g}")
-    busy = sum(to_frame(store.read_all())[f"{part}_seconds"].sum() for part in PARTS)
-    available = sum(sweep["wall_seconds"] * sweep["jobs"] for sweep in store.sweeps())
+    busy = sum(sweep["cell_seconds"] for sweep in _timed(store))
+    available = sum(sweep["wall_seconds"] * sweep["jobs"] for sweep in _timed(store))
     target = sum(cost_table(store)[f"{part} [s]"].sum() for part in PARTS) / 60
     return "\n".join(
         [
@@ -51,6 +60,13 @@ def format_cost(store: Store) -> str:
             f"harness: {harness_share(store):.2%} of the processor time of all sweeps",
             f"workers were in a cell for {busy / available:.1%} of the time; "
             "the rest is starting them and waiting for the last cell",
+            "",
+            *(
+                f"{sweep['cells']} cells with {sweep['jobs']} jobs in {sweep['wall_seconds'] / 60:.0f} minutes: "
+                f"{sweep['command']}"
+                for sweep in _timed(store)
+                if sweep["cells"] >= LARGE
+            ),
         ]
     )
 
