@@ -23,7 +23,7 @@ from avobench.diagnosis.fit import IDENTIFIED, Base, Fit, Target, decided, polis
 from avobench.diagnosis.identifiability import card
 from avobench.diagnosis.localise import intervals, significant
 from avobench.diagnosis.model import Model
-from avobench.diagnosis.name import candidates
+from avobench.diagnosis.name import candidates, reshaped
 from avobench.diagnosis.pictures import pictures
 from avobench.diagnosis.pixels import Pixels, pixels_of
 from avobench.diagnosis.pool import Pool, TwoStage
@@ -61,9 +61,10 @@ VETO = 2.5
 """Of the scatter of the events kept aside, in standard errors: a gap that grows on them by more vetoes an effect."""
 STILL = 0.2
 """Of alpha: the level at which a model with an effect is still rejected: no shape of the catalogue is exactly right."""
-PAIR_LEAVES, PAIR_CLEAR, PAIR_ALONE = 0.3, 0.1, 0.2
+PAIR_LEAVES, PAIR_CLEAR, PAIR_ALONE, CHANCE = 0.3, 0.1, 0.2, 1.65
 """A second effect must leave less than the first share of what the first effect left; unless it leaves less than the
-second, which two wrong effects hardly do, it must close more than the third of the whole gap by itself."""
+second, it must close more than the third of the whole gap by itself, or have no rival, or leave no more than chance: so
+many standard deviations of chi-squared."""
 PARTNERS = 3
 """Effects to which a second one is added at once, where none alone closes enough."""
 POOLED = 10
@@ -217,17 +218,24 @@ def diagnose(
     if disagree:
         steps[0] = replace(before, fit=best_without(before, target, rng, effort))
 
-        def search(fit: Fit, leaves: float) -> tuple[list[Ranked], Base]:
-            used = {e.key for e in fit.model.effects}
-            others = [e for e in effects if e.key not in used]
-            without = steps[0].fit.gap
-            options = {"leaves": leaves, "gap_without": without, "jobs": jobs}
+        def search(fit: Fit, leaves: float, others: tuple[Fit, ...] = ()) -> tuple[list[Ranked], Base]:
+            """Effects to add to a fit, best first; `others` are fits of its last effect in other shapes."""
+            used, without = {e.key for e in fit.model.effects}, steps[0].fit.gap
+            free = [e for e in effects if e.key not in used]
             own = effort if not used else replace(effort, families=effort.families // 2)
-            fits, known = candidates(fit, target, others, seen, rng, own, **options)
-            return ranking(fits, without), known
+            options = {"leaves": leaves, "gap_without": without, "jobs": jobs}
+            fits, known = candidates(fit, target, free, seen, rng, own, **options)
+            ranks = ranking(fits, without)
+            if ranks and excess(ranks[0].fit) > noise(ranks[0].fit):
+                better, known = reshaped(ranks[0].fit, known, others, target, rng, effort)
+                ranks[0] = replace(ranks[0], fit=better)
+            return ranks, known
 
         while len(steps) <= max_effects and (len(steps) == 1 or steps[-1].p_value < STILL * alpha):
-            ranks, known = search(steps[-1].fit, 1 - CLOSES if len(steps) == 1 else PAIR_LEAVES)
+            if len(steps) == 1:
+                ranks, known = search(steps[0].fit, 1 - CLOSES)
+            else:
+                ranks, known = search(steps[-1].fit, PAIR_LEAVES, steps[-2].ranks[0].others)
             steps[-1] = replace(steps[-1], ranks=ranks)
             worse = partial(grew, target=target, mean=aside_mean, num_events=len(aside))
             chosen = _accepted(steps, worse)
@@ -350,16 +358,15 @@ def _accepted(steps: list[Step], grew: Callable[[Fit, Fit], bool]) -> Fit | None
     whole = excess(steps[0].fit)
     if len(steps) == 1:
         return best.fit if excess(best.fit) < (1 - CLOSES) * whole else None
-    left = excess(best.fit) / excess(last.fit)
-    if left < PAIR_CLEAR:
-        return best.fit
+    left = excess(best.fit) / max(excess(last.fit), 1e-9)
     single = {entry.effect.key: entry.fit for entry in steps[0].ranks}.get(best.effect.key)
     alone = single is not None and whole - excess(single) > PAIR_ALONE * whole
-    return best.fit if left < PAIR_LEAVES and alone else None
+    no_rival, no_more = not tied(last.ranks), excess(best.fit) < CHANCE * noise(best.fit)
+    return best.fit if left < PAIR_CLEAR or (left < PAIR_LEAVES and (alone or no_rival or no_more)) else None
 
 
 def _pair(
-    null: Step, search: Callable[[Fit, float], tuple[list[Ranked], Base]], grew: Callable[[Fit, Fit], bool]
+    null: Step, search: Callable[..., tuple[list[Ranked], Base]], grew: Callable[[Fit, Fit], bool]
 ) -> tuple[list[Step], Base] | None:
     """Two effects that together leave next to nothing, where none alone closes half of the gap.
 
@@ -367,7 +374,7 @@ def _pair(
     """
     whole = excess(null.fit)
     firsts = [entry for entry in null.ranks if whole - excess(entry.fit) > PAIR_ALONE * whole][:PARTNERS]
-    found = [(first, *search(first.fit, PAIR_CLEAR * whole / excess(first.fit))) for first in firsts]
+    found = [(one, *search(one.fit, PAIR_CLEAR * whole / excess(one.fit), one.others)) for one in firsts]
     found = [(first, ranks, known) for first, ranks, known in found if ranks]
     if not found:
         return None
@@ -387,6 +394,11 @@ def _pair(
 def excess(fit: Fit) -> float:
     """By how much chi-squared exceeds its degrees of freedom."""
     return max(fit.gap - fit.dof, 0.0)
+
+
+def noise(fit: Fit) -> float:
+    """Standard deviation of chi-squared."""
+    return float(np.sqrt(2 * fit.dof))
 
 
 def widened(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) -> tuple[Fit, list[str]]:

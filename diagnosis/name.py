@@ -11,7 +11,7 @@ from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit import Base, Fit, Target, polish, refine, scan
 from avobench.diagnosis.model import Model
-from avobench.diagnosis.rank import likely
+from avobench.diagnosis.rank import cost, likely
 
 STRENGTHS = (0.001, 0.005, 0.02, 0.08, 0.25, 0.7)
 """Of the range of a strength; between them the effect is taken as linear."""
@@ -27,8 +27,8 @@ MOST_SCREENED = 24
 """Effects of which all shapes are screened."""
 FIRST_ROUNDS, LAST_ROUNDS, CONTINUED, AGAIN = 3, 7, 6, 2
 """Rounds of all fits, of those that go on, how many of these beside the best of each family; rounds of a repetition."""
-SHAPES_AGAIN = 3
-"""Shapes of a family that are fitted again."""
+SHAPES_AGAIN, RESHAPED = 3, 3
+"""Shapes of a family that are fitted again, and other shapes of an effect that are tried beside a second one."""
 WEAK, MOST_EVENTS = 10.0, 4
 """Noise of chi-squared is kept to a fifth of the excess, with at most so many events a measured one."""
 STRONG = 10.0
@@ -263,6 +263,24 @@ def candidates(
         )
         fits = [*again, *(fit for fit, worth in zip(fits, promising, strict=True) if not worth)]
     return fits, known
+
+
+def reshaped(
+    pair: Fit, known: Base, others: tuple[Fit, ...], target: Target, rng: np.random.Generator, effort: Effort
+) -> tuple[Fit, Base]:
+    """The fit of two effects, with the first in another shape if that leaves less; also the model without the second.
+
+    Alone, the first took the shape that imitates the second best. `others` are its fits alone, in other shapes.
+    """
+    last = len(pair.model.effects[-1].parameters)
+    best = pair, known
+    for alone in others[:RESHAPED]:
+        model = replace(alone.model, effects=(*alone.model.effects, pair.model.effects[-1]), stretch=pair.model.stretch)
+        base = Base.around(alone, target, int(effort.base * target.num_events), rng)
+        start = Start(model, np.concatenate([alone.unit, pair.unit[-last:]]), np.nan, True)
+        fit = continued(joint(start, base, target, rng, effort.fit), base, target, rng, pair.num_events, effort)
+        best = min(best, (fit, base), key=lambda each: cost(each[0]))
+    return best
 
 
 def _distinct(fits: list[Fit], most: int | None = None) -> list[Fit]:

@@ -1,6 +1,6 @@
 """Which fitted effect deserves the name, and which others these data cannot tell from it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,8 @@ class Ranked:
     effect: Effect
     fit: Fit
     score: float
+    others: tuple[Fit, ...] = ()
+    """Those of the family in its other shapes, best first."""
 
 
 def shape_parameters(effect: Effect) -> int:
@@ -74,7 +76,14 @@ def ranking(fits: list[Fit], gap_without: float) -> list[Ranked]:
         entry = Ranked(effect, fit, (left(fit) - left(best)) / unit + price)
         if effect.key not in families or entry.score < families[effect.key].score:
             families[effect.key] = entry
-    return sorted(families.values(), key=lambda entry: entry.score)
+    ranks = sorted(families.values(), key=lambda entry: entry.score)
+    by_gap = sorted(fits, key=lambda fit: fit.gap)
+    return [replace(entry, others=tuple(fit for fit in by_gap if _another_shape(fit, entry.fit))) for entry in ranks]
+
+
+def _another_shape(fit: Fit, than: Fit) -> bool:
+    effect, other = fit.model.effects[-1], than.model.effects[-1]
+    return effect.key == other.key and effect.shape != other.shape
 
 
 def tied(ranks: list[Ranked]) -> list[Ranked]:

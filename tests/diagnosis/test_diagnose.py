@@ -1,4 +1,5 @@
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,9 @@ from avobench.diagnosis.augmented import AugmentedTask, describe
 from avobench.diagnosis.cli import tried
 from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effects.catalogue import catalogue
-from avobench.diagnosis.loop import scaled_std
+from avobench.diagnosis.loop import Step, _pair, scaled_std
+from avobench.diagnosis.model import Model
+from avobench.diagnosis.rank import Ranked
 from avobench.diagnosis.schema import Verdict
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
@@ -135,3 +138,48 @@ def test_an_effect_of_the_users_is_tried_before_anything_is_fitted():
         tried("mod:Own", Own(lambda x: 1 / 0), Weinberg())
     with pytest.raises(UsageError, match=r"'mod:Own' makes events of shape \(50,\), not \(50, 1\)"):
         tried("mod:Own", Own(lambda x: x[:, 0]), Weinberg())
+
+
+def test_of_two_effects_the_first_is_reshaped_beside_the_second():
+    """Alone, rounding down imitates rounding to the nearest and zeros beside it. Together both have their size."""
+    quantisation, zeros = (
+        next(e for e in catalogue(Poisson()) if e.name == n) for n in ("quantisation", "zero_inflation")
+    )
+    nearest = next(shape for shape in quantisation.shapes() if shape.shape == "4 nearest")
+    rng = np.random.default_rng(1)
+    x = Model(Poisson(), (zeros, nearest)).simulate(np.tile([1.5, 0.05, 0.1], (10_000, 1)), rng)
+    diagnosis = diagnose(Poisson(), x, num_simulations=1_000_000)
+    assert diagnosis.verdict == Verdict.NAMED
+    found = {effect.name: effect.parameters["fraction"] for effect in diagnosis.effects}
+    assert set(found) == {"quantisation", "zero_inflation"}
+    assert found["quantisation"].value == pytest.approx(0.1, abs=4 * found["quantisation"].std)
+    assert found["zero_inflation"].value == pytest.approx(0.05, abs=4 * found["zero_inflation"].std)
+
+
+def test_a_pair_is_accepted_only_if_it_leaves_next_to_nothing():
+    """Fits stand for themselves by what they leave: two firsts, and what a second one leaves beside each."""
+    effects = {e.name: e for e in catalogue(Poisson())}
+
+    def leaving(gap, *names):
+        model = Model(Poisson(), tuple(effects[name] for name in names))
+        return SimpleNamespace(model=model, gap=gap, gap_error=0.0, dof=10, unit=None)
+
+    def ranked(fit):
+        return Ranked(fit.model.effects[-1], fit, 0.0)
+
+    null = Step(leaving(1010.0), None, {}, [ranked(leaving(610.0, "dead_time")), ranked(leaving(710.0, "pile_up"))])
+    beside = {name: leaving(gap, name, "quantisation") for name, gap in (("dead_time", 200.0), ("pile_up", 40.0))}
+
+    def search(fit, leaves, others):
+        return [ranked(beside[fit.model.effects[-1].name])], fit
+
+    steps, known = _pair(null, search, lambda new, old: False)
+    assert steps[-1].ranks[0].fit is beside["pile_up"]
+    assert known.model.effects == (effects["pile_up"],)
+    assert steps[0].ties == []
+    assert _pair(null, search, lambda new, old: True) is None  # it grew on the events kept aside
+    beside["pile_up"] = leaving(150.0, "pile_up", "quantisation")
+    assert _pair(null, search, lambda new, old: False) is None
+    beside |= {name: leaving(gap, name, "quantisation") for name, gap in (("dead_time", 42.0), ("pile_up", 40.0))}
+    steps, _ = _pair(null, search, lambda new, old: False)
+    assert [tie.effect.name for tie in steps[0].ties] == ["dead_time"]

@@ -4,7 +4,7 @@ import pytest
 from avobench.diagnosis.detect import summary_gate, target_of
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effort import Effort, effort_for
-from avobench.diagnosis.fit import Base, Design, minimise, refine, surrogate
+from avobench.diagnosis.fit import Base, Design, decided, fit_at, minimise, refine, surrogate
 from avobench.diagnosis.loop import Step, best_without, fit_null
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.summary import bins_of, whitening
@@ -158,3 +158,22 @@ def test_a_fit_that_leaves_much_is_the_same_whatever_the_seed():
         gate, own, _ = summary_gate(fit, target, rng, LIGHT)
         found.append(best_without(Step(fit, own, {"summary": gate}), target, rng, LIGHT).params[0])
     assert np.ptp(found) < 0.1
+
+
+def test_what_the_data_identify_is_settled_with_more_events():
+    """Two directions: of weinberg's theta only one combination shows, and the smearing. From few events neither is
+    plain; from more both are, and the error of the smearing is no longer that of its range."""
+    task = Weinberg()
+    (smearing,) = [effect for effect in catalogue(task) if effect.key == ("resolution", 0)]
+    model, truth = Model(task, (smearing,)), np.array([46.0, 1.0, 0.25])
+    rng = np.random.default_rng(4)
+    x = model.simulate(np.tile(truth, (20_000, 1)), rng)
+    target = target_of(x, bins_of(x, x), x)
+    design = Design.box(model.to_unit(truth), np.array([0.01, 0.01, 0.02]))
+    few = fit_at(model, surrogate(model, target.summary, design, 10_000, rng), target, model.to_unit(truth))
+    assert few.undecided
+    assert few.num_identified < 2
+    plain = decided(few, target, rng, 20_000, (30, 90))
+    assert plain.num_identified == 2
+    assert plain.std[2] < 0.01 < 0.1 < few.std[2]
+    assert np.array_equal(plain.unit, few.unit)
