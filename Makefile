@@ -5,10 +5,10 @@ METHODS := --method avo --method abc-smc --method bolfi
 # Populations of 25 give ABC-SMC several generations from a tenth of the events.
 QUICK := --budget 16000 --observations 20000 --targets 0-2 --set abc-smc.population_size=25
 
-# TASK-KINDS-CASES of `make challenge`, and of `make challenge FULL=1`.
-CHALLENGE := poisson-none-10 poisson-effects-12 weinberg-none-10 weinberg-effects-12 carl-none-4 carl-effects-8
-FULL_CHALLENGE := $(foreach task,poisson weinberg carl,$(task)-none-200 $(task)-effects-160)
-FULL_CHALLENGE += alignment-none-40 alignment-effects-40
+# TASK-KINDS-CASES-SEED of `make challenge`, and of `make challenge FULL=1`, whose records are committed.
+CHALLENGE := poisson-none-10-0 poisson-effects-12-0 weinberg-none-10-0 weinberg-effects-12-0 carl-none-4-0 carl-effects-8-0
+FULL_CHALLENGE := poisson-none-200-1011 poisson-effects-80-1012 weinberg-none-200-1013 weinberg-effects-80-1014
+FULL_CHALLENGE += carl-none-200-1015 carl-effects-48-1016 alignment-none-40-1017 alignment-effects-12-1018
 EFFECTS := own,foreign,two,withheld
 JOBS ?= 1
 
@@ -58,7 +58,7 @@ bench-cost: venv  ## where the time goes, from results/reference
 	$(BIN)/python -m avobench.bench.cost results/reference
 
 pages: venv  ## write into README and docs what the commands named there print
-	$(BIN)/python -m avobench.reports.printed README.md docs/performance.md docs/methods.md
+	$(BIN)/python -m avobench.reports.printed README.md docs/performance.md docs/methods.md docs/challenge.md
 
 demo-missing-effect: venv  ## hide one effect in simulated measurements, find and name it; page in reports/demo
 	@test -e results/demo/manifest.json || \
@@ -69,11 +69,13 @@ demo-missing-effect: venv  ## hide one effect in simulated measurements, find an
 challenge: $(patsubst %,challenge-%,$(if $(FULL),$(FULL_CHALLENGE),$(CHALLENGE)))  ## hide effects, find and score them; FULL=1 for all
 
 challenge-%: venv
-	@test -e results/challenge/$*/manifest.json || $(BIN)/avobench challenge make --out results/challenge/$* \
-	  --task $(word 1,$(subst -, ,$*)) --cases $(word 3,$(subst -, ,$*)) \
+	$(eval TASK := $(word 1,$(subst -, ,$*)))
+	$(eval PLACE := results/challenge/$(TASK)-$(word 2,$(subst -, ,$*))-$(word 3,$(subst -, ,$*)))
+	@test -e $(PLACE)/manifest.json || $(BIN)/avobench challenge make --out $(PLACE) --task $(TASK) \
+	  --cases $(word 3,$(subst -, ,$*)) --seed $(word 4,$(subst -, ,$*)) \
 	  --kinds $(if $(findstring none,$*),none,$(EFFECTS)) --events $(if $(findstring alignment,$*),20000,50000)
-	@$(BIN)/avobench challenge solve results/challenge/$* --jobs $(JOBS)
-	@$(BIN)/avobench challenge score results/challenge/$* --records results/challenge/$*.jsonl
+	@$(BIN)/avobench challenge solve $(PLACE) --jobs $(JOBS)
+	@$(BIN)/avobench challenge score $(PLACE) --records $(PLACE).jsonl
 
 test: venv browser  ## the test suite
 	$(BIN)/python -m pytest

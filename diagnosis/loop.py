@@ -64,9 +64,11 @@ STILL = 0.2
 PAIR_LEAVES, PAIR_CLEAR, PAIR_ALONE, CHANCE = 0.3, 0.1, 0.2, 1.65
 """A second effect must leave less than the first share of what the first effect left; unless it leaves less than the
 second, it must close more than the third of the whole gap by itself, or have no rival, or leave no more than chance: so
-many standard deviations of chi-squared."""
+many standard deviations of chi-squared. A third must have no rival."""
 PARTNERS = 3
 """Effects to which a second one is added at once, where none alone closes enough."""
+SCANS = 2
+"""From which theta is fitted again before a disagreement is believed."""
 POOLED = 10
 """Generated events a measured one, where a slow generator is asked only once."""
 
@@ -212,11 +214,11 @@ def diagnose(
     def gap(of: Fit) -> Gap:
         return held_out_gap(of, target, aside_mean, len(aside))
 
-    steps = [_tested(null, target, seen, rng, effort)]
-    before = steps[0]
-    disagree = before.p_value < alpha
+    before = _tested(null, target, seen, rng, effort)
+    if before.p_value < alpha:  # a fit that went astray looks like a missing effect
+        before = _tested(best_without(before, target, rng, effort), target, seen, rng, effort)
+    steps, disagree = [before], before.p_value < alpha
     if disagree:
-        steps[0] = replace(before, fit=best_without(before, target, rng, effort))
 
         def search(fit: Fit, leaves: float, others: tuple[Fit, ...] = ()) -> tuple[list[Ranked], Base]:
             """Effects to add to a fit, best first; `others` are fits of its last effect in other shapes."""
@@ -321,13 +323,12 @@ def diagnose(
 def best_without(step: Step, target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
     """The task's own best fit where it does not describe the events, hence where the way to it may have been long.
 
-    From where both fits of the step ended, and from a scan of the whole range.
+    From where both fits of the step ended, and from scans of the whole range.
     """
     model, per_round = step.fit.model, max(effort.least, int(effort.rounds * target.num_events))
-    centre, near = scan(model, target, rng, size=effort.scan)
+    starts = [(step.own.unit, 0.005), *(scan(model, target, rng, size=effort.scan) for _ in range(SCANS))]
     fits = [step.fit] + [
-        refine(model, target, start, half, rng, num_events=per_round)
-        for start, half in ((step.own.unit, 0.005), (centre, max(near, 0.005)))
+        refine(model, target, start, max(near, 0.005), rng, num_events=per_round) for start, near in starts
     ]
     best = min(fits, key=lambda fit: fit.gap)
     settled = polish(best, target, rng, int(effort.polish * target.num_events))
@@ -362,6 +363,8 @@ def _accepted(steps: list[Step], grew: Callable[[Fit, Fit], bool]) -> Fit | None
     single = {entry.effect.key: entry.fit for entry in steps[0].ranks}.get(best.effect.key)
     alone = single is not None and whole - excess(single) > PAIR_ALONE * whole
     no_rival, no_more = not tied(last.ranks), excess(best.fit) < CHANCE * noise(best.fit)
+    if len(steps) > 2 and not no_rival:
+        return None
     return best.fit if left < PAIR_CLEAR or (left < PAIR_LEAVES and (alone or no_rival or no_more)) else None
 
 

@@ -27,8 +27,8 @@ MOST_SCREENED = 24
 """Effects of which all shapes are screened."""
 FIRST_ROUNDS, LAST_ROUNDS, CONTINUED, AGAIN = 3, 7, 6, 2
 """Rounds of all fits, of those that go on, how many of these beside the best of each family; rounds of a repetition."""
-SHAPES_AGAIN, RESHAPED = 3, 3
-"""Shapes of a family that are fitted again, and other shapes of an effect that are tried beside a second one."""
+SHAPES_AGAIN, MOST_AGAIN, RESHAPED = 2, 8, 3
+"""Shapes of a family that are fitted again, and fits in all; other shapes of an effect to try beside a second one."""
 WEAK, MOST_EVENTS = 10.0, 4
 """Noise of chi-squared is kept to a fifth of the excess, with at most so many events a measured one."""
 STRONG = 10.0
@@ -254,7 +254,7 @@ def candidates(
         best = min(fits, key=lambda fit: fit.gap + fit.gap_error, default=None)
         if best is None or best.gap - best.dof - 2 * best.gap_error > leaves * (base.gap - base.dof):
             break
-        promising = [likely(fit, best, gap_without) for fit in fits]
+        promising = [k < MOST_AGAIN and likely(fit, best, gap_without) for k, fit in enumerate(fits)]
         events = max(int(ratio * target.num_events), enough)
         again = work(
             joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events, AGAIN, known)

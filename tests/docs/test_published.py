@@ -18,7 +18,7 @@ REFERENCE = Store(ROOT / "results" / "reference")
 STUDIES = Store(ROOT / "results" / "studies")
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/performance.md", "docs/methods.md"])
+@pytest.mark.parametrize("page", ["README.md", "docs/performance.md", "docs/methods.md", "docs/challenge.md"])
 def test_a_page_shows_what_its_commands_print(page, monkeypatch):
     monkeypatch.chdir(ROOT)
     text = (ROOT / page).read_text()
