@@ -67,6 +67,8 @@ second, it must close more than the third of the whole gap by itself, or have no
 many standard deviations of chi-squared. A third must have no rival."""
 PARTNERS = 3
 """Effects to which a second one is added at once, where none alone closes enough."""
+RIVALS = 3
+"""Of the effects that may be the second, for which the first is tried in other shapes."""
 SCANS = 2
 """From which theta is fitted again before a disagreement is believed."""
 POOLED = 10
@@ -228,9 +230,12 @@ def diagnose(
             options = {"leaves": leaves, "gap_without": without, "jobs": jobs}
             fits, known = candidates(fit, target, free, seen, rng, own, **options)
             ranks = ranking(fits, without)
-            if ranks and excess(ranks[0].fit) > noise(ranks[0].fit):
-                better, known = reshaped(ranks[0].fit, known, others, target, rng, effort)
-                ranks[0] = replace(ranks[0], fit=better)
+            if ranks and others and excess(ranks[0].fit) > noise(ranks[0].fit):
+                foremost = ranks[:1] + tied(ranks)[: RIVALS - 1]
+                better = reshaped([entry.fit for entry in foremost], known, others, target, rng, effort)
+                kept = [entry.fit for entry in ranks if all(entry is not one for one in foremost)]
+                ranks = ranking([fit for fit, _ in better] + kept, without)
+                known = next((base for fit, base in better if fit is ranks[0].fit), known)
             return ranks, known
 
         while len(steps) <= max_effects and (len(steps) == 1 or steps[-1].p_value < STILL * alpha):

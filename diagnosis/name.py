@@ -250,11 +250,12 @@ def candidates(
     )
     seed = int(rng.integers(2**63))
     for ratio in effort.again:
-        fits = _distinct(fits, SHAPES_AGAIN)
+        fits = _distinct(fits)
         best = min(fits, key=lambda fit: fit.gap + fit.gap_error, default=None)
         if best is None or best.gap - best.dof - 2 * best.gap_error > leaves * (base.gap - base.dof):
             break
-        promising = [k < MOST_AGAIN and likely(fit, best, gap_without) for k, fit in enumerate(fits)]
+        foremost = _distinct(fits, SHAPES_AGAIN)[:MOST_AGAIN]
+        promising = [any(fit is one for one in foremost) and likely(fit, best, gap_without) for fit in fits]
         events = max(int(ratio * target.num_events), enough)
         again = work(
             joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events, AGAIN, known)
@@ -266,20 +267,23 @@ def candidates(
 
 
 def reshaped(
-    pair: Fit, known: Base, others: tuple[Fit, ...], target: Target, rng: np.random.Generator, effort: Effort
-) -> tuple[Fit, Base]:
-    """The fit of two effects, with the first in another shape if that leaves less; also the model without the second.
+    pairs: list[Fit], known: Base, others: tuple[Fit, ...], target: Target, rng: np.random.Generator, effort: Effort
+) -> list[tuple[Fit, Base]]:
+    """Fits of two effects, the first the same in all, each with the first in another shape if that leaves less.
 
-    Alone, the first took the shape that imitates the second best. `others` are its fits alone, in other shapes.
+    Alone, the first took the shape that imitates a second best. `others` are its fits alone, in other shapes; `known`
+    is the model without the second, given and returned beside each.
     """
-    last = len(pair.model.effects[-1].parameters)
-    best = pair, known
+    best = [(pair, known) for pair in pairs]
     for alone in others[:RESHAPED]:
-        model = replace(alone.model, effects=(*alone.model.effects, pair.model.effects[-1]), stretch=pair.model.stretch)
         base = Base.around(alone, target, int(effort.base * target.num_events), rng)
-        start = Start(model, np.concatenate([alone.unit, pair.unit[-last:]]), np.nan, True)
-        fit = continued(joint(start, base, target, rng, effort.fit), base, target, rng, pair.num_events, effort)
-        best = min(best, (fit, base), key=lambda each: cost(each[0]))
+        for k, pair in enumerate(pairs):
+            second = pair.model.effects[-1]
+            model = replace(alone.model, effects=(*alone.model.effects, second), stretch=pair.model.stretch)
+            unit = np.concatenate([alone.unit, pair.unit[-len(second.parameters) :]])
+            fit = joint(Start(model, unit, np.nan, True), base, target, rng, effort.fit)
+            fit = continued(fit, base, target, rng, pair.num_events, effort)
+            best[k] = min(best[k], (fit, base), key=lambda each: cost(each[0]))
     return best
 
 
