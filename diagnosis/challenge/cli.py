@@ -50,7 +50,8 @@ def solve(folder: Path, jobs: int, alpha: float | None, num_simulations: int | N
 @click.argument("places", metavar="FOLDER...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--format", "kind", type=click.Choice(["text", "json"]), default="text", show_default=True)
 @click.option("--records", type=click.Path(path_type=Path), default=None, help="File to write what was scored to.")
-def score(places: tuple[Path, ...], kind: str, records: Path | None) -> None:
+@click.option("--targets", is_flag=True, help="Print what is wanted of a diagnosis beside what came out.")
+def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bool) -> None:
     """Open the answers and tell how often the diagnosis was right; several challenges are pooled.
 
     FOLDER may also be a file that --records wrote: one line of JSON a case, its answer and its diagnosis.
@@ -59,12 +60,16 @@ def score(places: tuple[Path, ...], kind: str, records: Path | None) -> None:
 
     from . import score as module
     from .table import as_text
+    from .table import targets as wanted
 
     if records is not None and len(places) > 1:
         raise UsageError("--records writes one challenge; give one folder")
     challenges = [module.read_records(place) if place.is_file() else module.records(place) for place in places]
     if records is not None:
         write_atomically(records, "".join(json.dumps(line, allow_nan=False) + "\n" for line in challenges[0]).encode())
+    if targets:
+        click.echo(wanted(*challenges))
+        return
     result = module.score(*challenges)
     click.echo(json.dumps(result, indent=1, allow_nan=False) if kind == "json" else as_text(result))
 

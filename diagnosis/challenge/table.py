@@ -1,8 +1,68 @@
 """The score of a challenge as a page of text."""
 
+from collections.abc import Callable
 from typing import Any
 
-from .score import ALL, NAMED, VISIBLE
+import pandas as pd
+
+from .score import ALL, NAMED, VISIBLE, score
+
+WANTED: tuple[tuple[str, tuple[str, ...], str, float], ...] = (
+    ("no effect: false alarms", ("none", "false_alarms"), "low at most", 0.05),
+    ("no effect: theta within 2 errors", ("none", "theta_within_2"), "at least", 0.9),
+    *(
+        row
+        for each, first, tie, size in (("own", 0.95, 0.98, 1.4), ("foreign", 0.85, 0.95, 1.6))
+        for row in (
+            (f"{each} shapes: right name first", ("one", each, "right_first"), "at least", first),
+            (f"{each} shapes: truth in the tie set", ("one", each, "in_tie_set"), "at least", tie),
+            (f"{each} shapes: mean size of the tie set", ("one", each, "tie_size"), "at most", size),
+            (f"{each} shapes: chi2/ndf after, median", ("one", each, "gap_after"), "at most", 1.15),
+            (f"{each} shapes: theta within 2 errors", ("one", each, "theta_within_2"), "at least", 0.9),
+        )
+    ),
+    ("withheld: falsely explained", ("withheld", ALL, "falsely_explained"), "at most", 0.1),
+    ("two effects: both named", ("two", ALL, "both"), "at least", 0.7),
+    ("two effects: at least one named", ("two", ALL, "at_least_one"), "at least", 0.95),
+    ("two effects, each visible alone: both named", ("two", ALL, "visible_both"), "at least", 0.7),
+    ("two effects, each visible alone: at least one", ("two", ALL, "visible_at_least_one"), "at least", 0.95),
+)
+"""What is wanted: a quantity, where it stands in a score, and its bound. `low` is the lower end of its interval."""
+
+
+def targets(*challenges: list[dict[str, Any]]) -> str:
+    """What is wanted of challenges beside what they gave, a column a task, and whether all pooled are as wanted."""
+    tasks = list(dict.fromkeys(lines[0]["task"] for lines in challenges))
+    scores = {task: score(*(lines for lines in challenges if lines[0]["task"] == task)) for task in tasks}
+    scores["all"] = score(*challenges)
+    rows = []
+    for name, path, how, bound in WANTED:
+        got = {task: _at(result, path) for task, result in scores.items()}
+        cells = {task: _short(value) for task, value in got.items()}
+        wanted = f"{how} {bound:.0%}" if isinstance(got["all"], dict) else f"{how} {bound:g}"
+        rows.append({"quantity": name, **cells, "wanted": wanted, "verdict": _verdict(got["all"], how, bound)})
+    return pd.DataFrame(rows).to_string(index=False)
+
+
+def _at(result: dict[str, Any], path: tuple[str, ...]) -> Any:
+    for name in path:
+        result = result[name]
+    return result
+
+
+def _short(value: dict[str, Any] | float | None) -> str:
+    if isinstance(value, dict):
+        return f"{value['count']}/{value['of']} = {value['share']:.0%}" if value["of"] else "-"
+    return _number(value)
+
+
+def _verdict(value: dict[str, Any] | float | None, how: str, bound: float) -> str:
+    if isinstance(value, dict):
+        value = value["low"] if how.startswith("low") else value["share"]
+    if value is None:
+        return "-"
+    met: Callable[[float], bool] = {"at least": lambda v: v >= bound}.get(how, lambda v: v <= bound)
+    return "met" if met(value) else "not met"
 
 
 def as_text(result: dict[str, Any]) -> str:

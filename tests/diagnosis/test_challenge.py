@@ -15,7 +15,7 @@ from avobench.diagnosis.challenge import solve as solving
 from avobench.diagnosis.challenge.make import KINDS, make
 from avobench.diagnosis.challenge.score import RECORDS, Case, rate, read_records, records, score
 from avobench.diagnosis.challenge.solve import read_manifest, solve
-from avobench.diagnosis.challenge.table import as_text
+from avobench.diagnosis.challenge.table import as_text, targets
 from avobench.diagnosis.challenge.visibility import visibility
 from avobench.diagnosis.schema import Diagnosis
 from avobench.tasks.poisson import Poisson
@@ -288,6 +288,14 @@ def test_the_score_counts_what_it_says():
     assert "false alarms 1/2 = 50 %" in text
     assert "of a processor median 1.5" in text
     assert "0006: dead_time taken for inefficiency" in text
+    head_line, *rows = targets([head, *lines], [{**head, "seed": 1}, row(0, "none")]).splitlines()
+    assert head_line.split() == ["quantity", "poisson", "all", "wanted", "verdict"]
+    (alarms,) = (line for line in rows if "false alarms" in line)
+    assert "1/3 = 33%" in alarms
+    assert alarms.endswith(" met")
+    assert "not met" not in alarms  # of three data sets, one may be by chance
+    (explained,) = (line for line in rows if "falsely explained" in line)
+    assert explained.endswith("not met")
 
 
 def test_intervals_are_those_of_clopper_and_pearson():

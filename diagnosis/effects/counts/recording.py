@@ -190,7 +190,7 @@ class Quantisation(Family):
 
     def guess(self, x):
         """Nothing where the step is wider than the counts scatter: it would be a constant, not a rounding."""
-        wide = int(self.shape.split()[0]) > 2 * x.std() + 1
+        wide = int(self.shape.split()[0]) > 4 * x.std() + 1
         return np.empty((0, 1)) if wide else None
 
     def apply(self, simulate, theta, phi, rng):
