@@ -25,7 +25,7 @@ FINALISTS, FINAL_EVENTS = 8, 8
 """Points of the grid that are looked at again, and with how many times the events."""
 MOST_SCREENED = 24
 """Effects of which all shapes are screened."""
-FIRST_ROUNDS, LAST_ROUNDS, CONTINUED, AGAIN = 3, 7, 6, 2
+FIRST_ROUNDS, LAST_ROUNDS, CONTINUED, AGAIN = 3, 7, 6, 4
 """Rounds of all fits, of those that go on, how many of these beside the best of each family; rounds of a repetition."""
 SHAPES_AGAIN, MOST_AGAIN, RESHAPED = 2, 8, 3
 """Shapes of a family that are fitted again, and fits in all; other shapes of an effect to try beside a second one."""
