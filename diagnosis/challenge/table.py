@@ -7,8 +7,10 @@ import pandas as pd
 
 from .score import ALL, NAMED, VISIBLE, score
 
+COVERS = "covers {:.0%} or below"
+"""An interval does, that is."""
 WANTED: tuple[tuple[str, tuple[str, ...], str, float], ...] = (
-    ("no effect: false alarms", ("none", "false_alarms"), "low at most", 0.05),
+    ("no effect: false alarms", ("none", "false_alarms"), COVERS, 0.05),
     ("no effect: theta within 2 errors", ("none", "theta_within_2"), "at least", 0.9),
     *(
         row
@@ -27,7 +29,7 @@ WANTED: tuple[tuple[str, tuple[str, ...], str, float], ...] = (
     ("two effects, each visible alone: both named", ("two", ALL, "visible_both"), "at least", 0.7),
     ("two effects, each visible alone: at least one", ("two", ALL, "visible_at_least_one"), "at least", 0.95),
 )
-"""What is wanted: a quantity, where it stands in a score, and its bound. `low` is the lower end of its interval."""
+"""What is wanted: a quantity, where it stands in a score, and its bound."""
 
 
 def targets(*challenges: list[dict[str, Any]]) -> str:
@@ -39,7 +41,13 @@ def targets(*challenges: list[dict[str, Any]]) -> str:
     for name, path, how, bound in WANTED:
         got = {task: _at(result, path) for task, result in scores.items()}
         cells = {task: _short(value) for task, value in got.items()}
-        wanted = f"{how} {bound:.0%}" if isinstance(got["all"], dict) else f"{how} {bound:g}"
+        wanted = (
+            how.format(bound)
+            if how == COVERS
+            else f"{how} {bound:.0%}"
+            if isinstance(got["all"], dict)
+            else f"{how} {bound:g}"
+        )
         rows.append({"quantity": name, **cells, "wanted": wanted, "verdict": _verdict(got["all"], how, bound)})
     return pd.DataFrame(rows).to_string(index=False)
 
@@ -58,7 +66,7 @@ def _short(value: dict[str, Any] | float | None) -> str:
 
 def _verdict(value: dict[str, Any] | float | None, how: str, bound: float) -> str:
     if isinstance(value, dict):
-        value = value["low"] if how.startswith("low") else value["share"]
+        value = value["low"] if how == COVERS else value["share"]
     if value is None:
         return "-"
     met: Callable[[float], bool] = {"at least": lambda v: v >= bound}.get(how, lambda v: v <= bound)
