@@ -9,12 +9,17 @@ from avobench.bench.errors import UsageError
 from avobench.diagnosis import Diagnosis, diagnose
 from avobench.diagnosis.augmented import AugmentedTask, describe
 from avobench.diagnosis.cli import tried
+from avobench.diagnosis.detect import target_of
 from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effects.catalogue import catalogue
+from avobench.diagnosis.effort import effort_for
+from avobench.diagnosis.fit import Base, refine
 from avobench.diagnosis.loop import Step, _pair, scaled_std
 from avobench.diagnosis.model import Model
+from avobench.diagnosis.name import reshaped
 from avobench.diagnosis.rank import Ranked
 from avobench.diagnosis.schema import Verdict
+from avobench.diagnosis.summary import bins_of
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
 
@@ -140,20 +145,26 @@ def test_an_effect_of_the_users_is_tried_before_anything_is_fitted():
         tried("mod:Own", Own(lambda x: x[:, 0]), Weinberg())
 
 
-def test_of_two_effects_the_first_is_reshaped_beside_the_second():
+def test_beside_a_second_effect_the_first_is_tried_in_its_other_shapes():
     """Alone, rounding down imitates rounding to the nearest and zeros beside it. Together both have their size."""
-    quantisation, zeros = (
-        next(e for e in catalogue(Poisson()) if e.name == n) for n in ("quantisation", "zero_inflation")
-    )
-    nearest = next(shape for shape in quantisation.shapes() if shape.shape == "4 nearest")
-    rng = np.random.default_rng(1)
-    x = Model(Poisson(), (zeros, nearest)).simulate(np.tile([1.5, 0.05, 0.1], (10_000, 1)), rng)
-    diagnosis = diagnose(Poisson(), x, num_simulations=1_000_000)
-    assert diagnosis.verdict == Verdict.NAMED
-    found = {effect.name: effect.parameters["fraction"] for effect in diagnosis.effects}
-    assert set(found) == {"quantisation", "zero_inflation"}
-    assert found["quantisation"].value == pytest.approx(0.1, abs=4 * found["quantisation"].std)
-    assert found["zero_inflation"].value == pytest.approx(0.05, abs=4 * found["zero_inflation"].std)
+    effects, rng = {e.name: e for e in catalogue(Poisson())}, np.random.default_rng(1)
+    zeros, shapes = effects["zero_inflation"], {s.shape: s for s in effects["quantisation"].shapes()}
+    x = Model(Poisson(), (zeros, shapes["4 nearest"])).simulate(np.tile([1.5, 0.05, 0.1], (10_000, 1)), rng)
+    target = target_of(x, bins_of(x, x), x)
+
+    def fitted(*chosen, start):
+        model = Model(Poisson(), chosen)
+        return refine(model, target, model.to_unit(np.array(start)), 0.02, rng, num_events=30_000)
+
+    down, nearest = (fitted(shapes[name], start=[1.5, 0.1]) for name in ("4 down", "4 nearest"))
+    assert down.gap < nearest.gap
+    pair = fitted(shapes["4 down"], zeros, start=[1.5, 0.1, 0.01])
+    known = Base.around(down, target, 100_000, rng)
+    ((better, beside),) = reshaped([pair], known, (nearest,), target, rng, effort_for(Poisson(), "counts", None))
+    assert [effect.shape for effect in better.model.effects] == ["4 nearest", "dead"]
+    assert beside.model.effects == (shapes["4 nearest"],)
+    assert better.gap < better.dof + 4 * np.sqrt(2 * better.dof) < pair.gap
+    np.testing.assert_allclose(better.params[1:], [0.1, 0.05], atol=0.02)
 
 
 def test_a_pair_is_accepted_only_if_it_leaves_next_to_nothing():
