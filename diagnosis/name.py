@@ -269,10 +269,10 @@ def candidates(
 def reshaped(
     pairs: list[Fit], known: Base, others: tuple[Fit, ...], target: Target, rng: np.random.Generator, effort: Effort
 ) -> list[tuple[Fit, Base]]:
-    """Fits of two effects, the first the same in all, each with the first in another shape if that leaves less.
+    """Fits of effects that differ in the last one, each with the one before in another shape if that leaves less.
 
-    Alone, the first took the shape that imitates a second best. `others` are its fits alone, in other shapes; `known`
-    is the model without the second, given and returned beside each.
+    Without the last, that one took the shape that imitates it best. `others` are fits without the last, in other shapes
+    of the one before; `known` is the model without the last, as is what is returned beside each fit.
     """
     best = [(pair, known) for pair in pairs]
     for alone in others[:RESHAPED]:

@@ -64,6 +64,8 @@ def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bo
 
     if records is not None and len(places) > 1:
         raise UsageError("--records writes one challenge; give one folder")
+    if targets and kind == "json":
+        raise UsageError("--targets prints text; leave --format out")
     challenges = [module.read_records(place) if place.is_file() else module.records(place) for place in places]
     if records is not None:
         write_atomically(records, "".join(json.dumps(line, allow_nan=False) + "\n" for line in challenges[0]).encode())
