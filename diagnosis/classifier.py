@@ -26,7 +26,12 @@ Features = Callable[[NDArray], NDArray]
 
 def features_of(target: Target) -> Features:
     """What a classifier sees of events: their features, of images the parts of their summary."""
-    return target.summary.vectors if isinstance(target.summary, Pixels) else lambda x: x
+    return target.summary.vectors if isinstance(target.summary, Pixels) else rounded
+
+
+def rounded(x: NDArray) -> NDArray:
+    """Events (n, d) to six decimals: equal values must not differ by how a computer arrives at them."""
+    return x if np.issubdtype(x.dtype, np.integer) else x.round(6)
 
 
 def trained(x: NDArray, simulated: NDArray, seed: int) -> "HistGradientBoostingClassifier":

@@ -57,7 +57,7 @@ def diagnose(
     Writes diagnosis.json, model.json (a task, for wherever a task is accepted), and correction.npz, weights for
     simulated events, where the catalogue does not explain all.
     """
-    from avobench.diagnosis import loop, report
+    from avobench.diagnosis import loop, report, values
     from avobench.diagnosis.augmented import describe
     from avobench.diagnosis.effects.catalogue import catalogue
     from avobench.diagnosis.events import check_events, read_events
@@ -90,7 +90,7 @@ def diagnose(
     result.notes[:0] = warnings
     report.write(task, result, out, f"{Path(data).name} against {spec}")
     sources = {name: source for name, (source, _) in theirs.items()}
-    model = describe(result.model, loop.scaled_std(result.model), spec, sources)
+    model = describe(result.model, values.scaled_std(result.model), spec, sources)
     write_atomically(out / "model.json", (model.model_dump_json(indent=1) + "\n").encode())
     if result.correction is not None:
         content = io.BytesIO()

@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2, norm
+from scipy.stats import norm
 
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit import Base, Fit, Target, decided, polish
@@ -35,7 +35,7 @@ def summary_gate(
     num_events = num_events if base is None else num_events // 2
     own = polish(fit, own_target, rng, num_events, base=base)
     own = decided(own, own_target, rng, num_events, effort.decide)
-    return Gate(statistic=own.q, dof=own.dof, p_value=float(chi2.sf(own.q, own.dof))), own, own_target
+    return Gate(statistic=own.q, dof=own.dof, p_value=own.p_value), own, own_target
 
 
 def cell_gate(fit: Fit, x: NDArray, rng: np.random.Generator, effort: Effort) -> Gate:

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
+from scipy.stats import chi2
 
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.model import Model
@@ -197,6 +198,11 @@ class Fit:
     @property
     def dof(self) -> int:
         return len(self.residual) - self.num_identified
+
+    @property
+    def p_value(self) -> float:
+        """Of `q`; 1 where as many parameters are fitted as there are bins."""
+        return float(chi2.sf(self.q, self.dof)) if self.dof else 1.0
 
     @cached_property
     def unit_covariance(self) -> NDArray[np.float64]:

@@ -43,7 +43,7 @@ def card(
     fit: Fit, target: Target, effects: list[Effect], alpha: float, rng: np.random.Generator, effort: Effort
 ) -> list[Row]:
     """A row for each effect that the model has not, in its plainest shape with middling shape parameters."""
-    need = noncentrality(fit.dof, alpha)
+    need = noncentrality(max(fit.dof, 1), alpha)
     pool = Pool(fit, target, effort.card * len(STRENGTHS), rng)
     there = {effect.key for effect in fit.model.effects}
     rows, left = [], []

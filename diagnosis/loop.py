@@ -8,7 +8,6 @@ from importlib.metadata import version
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
 
 from avobench.bench import registry
 from avobench.bench.budget import MeteredSimulator
@@ -19,7 +18,7 @@ from avobench.diagnosis.detect import cell_gate, summary_gate, target_of
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effects.catalogue import catalogue, domain
 from avobench.diagnosis.effort import Effort, effort_for
-from avobench.diagnosis.fit import IDENTIFIED, Base, Fit, Target, decided, polish, refine, scan
+from avobench.diagnosis.fit import Base, Fit, Target, decided, polish, refine, scan
 from avobench.diagnosis.identifiability import card
 from avobench.diagnosis.localise import intervals, significant
 from avobench.diagnosis.model import Model
@@ -30,19 +29,15 @@ from avobench.diagnosis.pool import Pool, TwoStage
 from avobench.diagnosis.rank import TIE, Ranked, cost, ranking, tied
 from avobench.diagnosis.schema import (
     Candidate,
-    Combination,
     Diagnosis,
-    EffectValue,
-    FoundEffect,
     Gap,
     Gate,
     Identifiable,
-    Named,
     Region,
-    Value,
     Verdict,
 )
 from avobench.diagnosis.summary import Bins, Summary, bins_of
+from avobench.diagnosis.values import ambiguity, feature_names, found_effect, identified, named, theta_values
 from avobench.methods import Estimate
 from avobench.tasks import Task
 
@@ -278,6 +273,7 @@ def diagnose(
         notes.append(f"{len(x)} events make {target.rank} bins or less: the card says what so few cannot show")
     notes += _bound_notes(last)
     names = feature_names(task)
+    moves = [move for step in steps[:-1] for move in ambiguity(last, step.ranks[0], step.ties, target, rng)]
     diagnosis = Diagnosis(
         verdict=verdict,
         alpha=alpha,
@@ -287,16 +283,16 @@ def diagnose(
         gap_before=gap(first),
         gap_after=gap(last) if named_any else None,
         theta_before=theta_values(first),
-        theta_after=theta_values(last) if named_any else None,
+        theta_after=theta_values(last, moves) if named_any else None,
         identified_before=identified(first),
-        identified_after=identified(last) if named_any else None,
+        identified_after=identified(last, moves) if named_any else None,
         effects=[found_effect(last, k, step.ties, names) for k, step in enumerate(steps[:-1])],
         regions=regions(steps[0].fit, target, seen, rng, alpha, names) if disagree else [],
         candidates=[
             Candidate(
                 **named(entry.effect, names).model_dump(),
                 score=entry.score,
-                p_value=float(chi2.sf(entry.fit.q, entry.fit.dof)),
+                p_value=entry.fit.p_value,
                 held_out_gap=gap(entry.fit).value,
             )
             for entry in steps[0].ranks
@@ -433,64 +429,6 @@ def _method_note(name: str, task: Task, estimate: Estimate, fit: Fit) -> str:
 def _bound_notes(fit: Fit) -> list[str]:
     names = [*fit.model.task.parameter_names, *(f"{e.name}: {p.name}" for e in fit.model.effects for p in e.parameters)]
     return [f"the fit ended at the upper bound of {name}" for name, at in zip(names, fit.at_bound, strict=True) if at]
-
-
-def feature_names(task: Task) -> tuple[str, ...]:
-    """(d,)"""
-    return task.feature_names or tuple(f"x{j + 1}" for j in range(task.num_features))
-
-
-def named(effect: Effect, names: tuple[str, ...]) -> Named:
-    feature = effect.feature
-    return Named(name=effect.name, feature=names[feature] if isinstance(feature, int) else feature)
-
-
-def scaled_std(fit: Fit) -> NDArray[np.float64]:
-    """Standard errors (P,), larger where the model does not describe the events."""
-    return fit.std * np.sqrt(max(1.0, fit.q / fit.dof))
-
-
-def theta_values(fit: Fit) -> dict[str, Value]:
-    std = scaled_std(fit)
-    return {
-        name: Value(value=float(fit.params[i]), std=float(std[i]))
-        for i, name in enumerate(fit.model.task.parameter_names)
-    }
-
-
-def identified(fit: Fit) -> list[Combination]:
-    """The combinations of theta that the data determine, best known first; uncorrelated with each other.
-
-    Eigenvectors of the covariance of theta, the parameters of the effects being free, in units of theta's range. A
-    combination counts whose error is less than a fifth of what the range alone would give.
-    """
-    p, model = fit.model.num_theta, fit.model
-    width = (model.high - model.low)[:p]
-    variances, directions = np.linalg.eigh(fit.unit_covariance[:p, :p])
-    scale = max(1.0, fit.q / fit.dof)
-    return [
-        Combination(
-            coefficients=dict(zip(model.task.parameter_names, map(float, direction / width), strict=True)),
-            value=float(direction / width @ fit.params[:p]),
-            std=float(np.sqrt(scale * variance)),
-        )
-        for variance, direction in zip(variances, directions.T, strict=True)
-        if variance < 1 / IDENTIFIED**2 / 12
-    ]
-
-
-def found_effect(fit: Fit, k: int, ties: list[Ranked], names: tuple[str, ...]) -> FoundEffect:
-    """The k-th effect of a fitted model."""
-    effect = fit.model.effects[k]
-    start = fit.model.num_theta + sum(len(e.parameters) for e in fit.model.effects[:k])
-    std = scaled_std(fit)
-    parameters = {
-        p.name: EffectValue(value=float(fit.params[start + i]), std=float(std[start + i]), null=p.null, unit=p.unit)
-        for i, p in enumerate(effect.parameters)
-    }
-    return FoundEffect(
-        **named(effect, names).model_dump(), parameters=parameters, tied_with=[named(t.effect, names) for t in ties]
-    )
 
 
 def regions(

@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit import Base, Fit, Target, polish, refine, scan
+from avobench.diagnosis.fit import Base, Fit, Target, descend, polish, refine, scan
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.rank import cost, likely
+from avobench.diagnosis.summary import Bins, whitening
 
 STRENGTHS = (0.001, 0.005, 0.02, 0.08, 0.25, 0.7)
 """Of the range of a strength; between them the effect is taken as linear."""
@@ -25,14 +26,21 @@ FINALISTS, FINAL_EVENTS = 8, 8
 """Points of the grid that are looked at again, and with how many times the events."""
 MOST_SCREENED = 24
 """Effects of which all shapes are screened."""
-FIRST_ROUNDS, LAST_ROUNDS, CONTINUED, AGAIN = 3, 7, 6, 4
+FIRST_ROUNDS, LAST_ROUNDS, CONTINUED, AGAIN = 3, 7, 8, 4
 """Rounds of all fits, of those that go on, how many of these beside the best of each family; rounds of a repetition."""
+NEARBY = 0.05
+"""In unit coordinates: fits of one shape that are closer than that are one."""
 SHAPES_AGAIN, MOST_AGAIN, RESHAPED = 2, 8, 3
 """Shapes of a family that are fitted again, and fits in all; other shapes of an effect to try beside a second one."""
 WEAK, MOST_EVENTS = 10.0, 4
 """Noise of chi-squared is kept to a fifth of the excess, with at most so many events a measured one."""
 STRONG = 10.0
 """Chi-squared per degree of freedom above which theta may be too far off for an effect to be seen from there."""
+FURTHEST = 0.2
+"""How far, in unit coordinates, theta follows an effect's strength within a first design."""
+ABSORBED, FAR = 0.3, 0.4
+"""Share of an effect's signal below which theta hides it, so that it is also looked for where it is strong; how strong,
+as a share of its range."""
 GAIN = 3.0
 """How far a strength may be moved from its grid point by that linearity."""
 
@@ -46,6 +54,8 @@ class Start:
     expected: float
     loose: bool
     """Whether the strength is only roughly right."""
+    along: NDArray[np.float64] | float = 0.0
+    """How the base's parameters move, in unit coordinates (P,), with that of the strength."""
 
 
 def grid(effect: Effect) -> NDArray[np.float64]:
@@ -149,8 +159,24 @@ def screen(pool: Pool, effect: Effect, x: NDArray, rng: np.random.Generator, eff
         shift = base.follow(base.residual - gain[i] * change[i])
         theta = np.clip(base.unit + np.clip(shift, -0.1, 0.1), 0, 1)
         unit = np.concatenate([theta, model.to_unit(np.concatenate([base.params, phi]))[base.model.dim :]])
-        starts.append(Start(model, unit, float(expected[i]), guesses is None))
+        step = (points[i, 0] - strength.null) / (strength.high - strength.low)
+        along = -base.follow(change[i]) / step
+        starts.append(Start(model, unit, float(expected[i]), guesses is None, along))
     return starts
+
+
+def worst_feature(base: Fit, target: Target) -> int | None:
+    """The feature whose own bins disagree most with a fit; None where the summary does not tell features apart."""
+    if not isinstance(target.summary, Bins):
+        return None
+    off, start, gaps = target.mean - base.predicted, 0, {}
+    for features, size in target.summary.blocks:
+        if len(features) == 1:
+            own = slice(start, start + size)
+            w = whitening(target.cov[own, own])
+            gaps[features[0]] = target.num_events * float(((off[own] @ w) ** 2).sum()) - w.shape[1]
+        start += size
+    return max(gaps, key=gaps.get)
 
 
 def joint(start: Start, base: Base, target: Target, rng: np.random.Generator, num_events: int) -> Fit:
@@ -161,7 +187,11 @@ def joint(start: Start, base: Base, target: Target, rng: np.random.Generator, nu
     half = np.full(model.dim, 0.08)
     half[:last] = 0.02
     half[last] = max((0.5 if start.loose else 0.003) * abs(start.unit[last] - null), 1e-4)
-    return refine(model, target, start.unit, half, rng, num_events=num_events, max_rounds=FIRST_ROUNDS, base=base)
+    design = base.design(start.unit, half)
+    shear = np.zeros_like(design.axes)
+    shear[:last, last] = np.clip(start.along * half[last], -FURTHEST, FURTHEST)
+    design = replace(design, axes=design.axes + shear)
+    return descend(model, target, design, rng, num_events, FIRST_ROUNDS, base)
 
 
 def continued(fit: Fit, base: Base, target: Target, rng: np.random.Generator, num_events: int, effort: Effort) -> Fit:
@@ -194,6 +224,32 @@ def searched(base: Fit, target: Target, effect: Effect, rng: np.random.Generator
     return Start(model, unit, float(left @ left) - scatter, True)
 
 
+def hidden(pool: Pool, start: Start, rng: np.random.Generator, effort: Effort) -> list[Start]:
+    """Starts at large strengths, to either side, of an effect whose small strength theta hides; else none.
+
+    Theta is searched for at each, and then follows linearly.
+    """
+    base, target, effect = pool.base, pool.target, start.model.effects[-1]
+    strength, p = effect.parameters[0], base.model.dim
+    sides = [side for side in (strength.high, strength.low) if side != strength.null]
+    phi = start.model.from_unit(start.unit)[p:]
+    points = np.array([[strength.null + FAR * (side - strength.null), *phi[1:]] for side in sides])
+    change, scatter = pool.changes(effect, points, effort.screen // 2, rng)
+    free = base.projector()
+    kept, whole = ((moves**2).sum(axis=1) - scatter for moves in (change @ free, change))
+    seen = kept > 3 * scatter * np.sqrt(2 / target.rank)
+    starts = []
+    for point in points[seen & (kept < ABSORBED * whole)]:
+        unit = start.model.to_unit(np.concatenate([base.params, point]))
+        unit, _ = scan(start.model, target, rng, fixed=unit[p:], size=(effort.scan[0] // 2, effort.scan[1]))
+        x = start.model.simulate(np.tile(start.model.from_unit(unit), (effort.fit, 1)), rng)
+        left = target.whiten(target.mean - target.summary.mean(x)[0])
+        unit[:p] = np.clip(unit[:p] + np.clip(base.follow(left), -0.1, 0.1), 0, 1)
+        noise = target.num_events / len(x) * target.rank
+        starts.append(Start(start.model, unit, float(((left @ free) ** 2).sum()) - noise, True))
+    return starts
+
+
 def candidates(
     base: Fit,
     target: Target,
@@ -216,14 +272,19 @@ def candidates(
     effects = [effect.adapted(x) for effect in effects]
     plain = {effect.key: screen(pool, effect, x, rng, effort) for effect in effects}
     # Every shape of an effect that looks promising in its plainest is looked at, and of all effects if they are few.
-    best_first = sorted(effects, key=lambda e: min((s.expected for s in plain[e.key]), default=np.inf))[:MOST_SCREENED]
+    best_first = sorted(effects, key=lambda e: min((s.expected for s in plain[e.key]), default=np.inf))
+    if len(effects) > MOST_SCREENED:
+        worst = worst_feature(base, target)
+        best_first = sorted(best_first, key=lambda e: e.feature != worst)[:MOST_SCREENED]
     families = []
     for effect in best_first:
         starts = []
         for k, shape in enumerate(effect.shapes()):
             own = plain[effect.key] if k == 0 else screen(pool, shape, x, rng, effort)
-            if base.gap > STRONG * base.dof and len(effects) <= MOST_SCREENED and shape.guess(x) is None:
+            if own and base.gap > STRONG * base.dof and len(effects) <= MOST_SCREENED:
                 own = [*own, searched(base, target, shape, rng, effort)]
+            if own and len(effects) <= MOST_SCREENED and shape.guess(x) is None:
+                own = [*own, *hidden(pool, own[0], rng, effort)]
             starts += sorted(own, key=lambda start: start.expected)
         # The plainest shape always has its fit: screening is too rough to prefer another to it.
         first, rest = starts[:1], sorted(starts[1:], key=lambda start: start.expected)
@@ -240,9 +301,7 @@ def candidates(
     # A weak effect is not seen in fits whose noise is as large as what it leaves.
     needed = WEAK * target.num_events * np.sqrt(2 * target.rank) / max(base.gap - base.dof, 1.0)
     enough = int(np.clip(needed, effort.fit, max(effort.fit, MOST_EVENTS * target.num_events)))
-    fits = _distinct(fits)
-    firsts = {fit.model.effects[-1].key: fit for fit in reversed(fits)}.values()  # the best of each family
-    fits = [*firsts, *[fit for fit in fits if all(fit is not first for first in firsts)][:CONTINUED]]
+    fits = _going_on(fits, [start.expected for start in starts])
     streams = rng.spawn(len(fits))
     fits = work(
         joblib.delayed(continued)(fit, known, target, stream, enough, effort)
@@ -285,6 +344,26 @@ def reshaped(
             fit = continued(fit, base, target, rng, pair.num_events, effort)
             best[k] = min(best[k], (fit, base), key=lambda each: cost(each[0]))
     return best
+
+
+def _going_on(fits: list[Fit], expected: list[float]) -> list[Fit]:
+    """The best fit of each family, and others by what they left or screening expected: a few rounds are rough, too."""
+    hope = {id(fit): min(fit.gap, value) for fit, value in zip(fits, expected, strict=True)}
+    fits = sorted(fits, key=lambda fit: fit.gap)
+    firsts = list({fit.model.effects[-1].key: fit for fit in reversed(fits)}.values())
+    others: list[Fit] = []
+    for fit in sorted(fits, key=lambda fit: hope[id(fit)]):
+        if len(others) < CONTINUED and not any(_same(fit, one) for one in (*firsts, *others)):
+            others.append(fit)
+    return [*firsts, *others]
+
+
+def _same(fit: Fit, other: Fit) -> bool:
+    """Whether two fits are of one shape and close to each other."""
+    effect, than = fit.model.effects[-1], other.model.effects[-1]
+    if (effect.key, effect.shape) != (than.key, than.shape):
+        return False
+    return bool(np.abs(fit.unit - other.unit).max() < NEARBY)
 
 
 def _distinct(fits: list[Fit], most: int | None = None) -> list[Fit]:

@@ -14,12 +14,13 @@ from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effort import effort_for
 from avobench.diagnosis.fit import Base, refine
-from avobench.diagnosis.loop import Step, _pair, scaled_std
+from avobench.diagnosis.loop import Step, _pair
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.name import reshaped
 from avobench.diagnosis.rank import Ranked
 from avobench.diagnosis.schema import Verdict
 from avobench.diagnosis.summary import bins_of
+from avobench.diagnosis.values import scaled_std
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
 

@@ -130,7 +130,23 @@ def test_threshold_keeps_its_meaning_for_the_data():
 
 def test_quantisation_reads_its_step_off_the_data():
     task = Weinberg()
-    effect = effect_of(task, "quantisation", "nearest")
-    x = events(task, effect, [46.0, 1.0], [0.05], n=3000)
-    np.testing.assert_allclose(effect.guess(x), [[0.05]])
+    for shape, at in (("nearest", 0), ("angle", 1)):
+        effect = effect_of(task, "quantisation", shape)
+        x = events(task, effect, [46.0, 1.0], [0.3, 0.05], n=3000)
+        adapted = effect.adapted(x)
+        assert adapted.steps[at] == pytest.approx(0.05, rel=1e-6)
+        assert adapted.guess(x) is None
+        low, high = adapted.parameters[1].low, adapted.parameters[1].high
+        assert low < 0.05 < high < 1.00001 * low
     assert len(effect.guess(task.simulate(np.tile([46.0, 1.0], (3000, 1)), np.random.default_rng(0)))) == 0
+
+
+def test_saturation_reads_its_limit_off_the_data():
+    task = Weinberg()
+    for shape in ("above", "below", "both"):
+        effect = effect_of(task, "saturation", shape)
+        x = events(task, effect, [46.0, 1.0], [0.5, 0.6], n=3000)
+        limit = next(s for s in effect.adapted(x).shapes() if s.shape == shape).parameters[1]
+        assert limit.low < 0.6 < limit.high < 1.00001 * limit.low
+    plain = effect.adapted(task.simulate(np.tile([46.0, 1.0], (3000, 1)), np.random.default_rng(0)))
+    assert plain.parameters[1].high == 1

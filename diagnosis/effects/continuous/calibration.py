@@ -1,6 +1,6 @@
 """Calibration: a value is recorded shifted, stretched, mixed with others, in steps, or cut."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -8,6 +8,12 @@ from avobench.diagnosis.effects.base import Parameter
 from avobench.diagnosis.effects.continuous.base import Change
 
 LEO = "W. R. Leo, Techniques for Nuclear and Particle Physics Experiments, 2nd ed. (1994), "
+REPEATED = 5
+"""So many equal values of a continuous feature are no chance."""
+KNOWN = 1e-9
+"""Relative error of a step that is read off the data."""
+ENDS = {"above": (False, True), "both": (True, True), "below": (True, False)}
+"""Whether values are cut at the lower and at the upper end."""
 
 
 @dataclass(frozen=True)
@@ -89,65 +95,103 @@ class Crosstalk(Change):
 
 @dataclass(frozen=True)
 class Quantisation(Change):
-    """Values are known only in steps."""
+    """A share of the values is known only in steps."""
 
     shape: str = "nearest"
+    steps: tuple[float, float] | None = None
+    """Those that the data show, in the feature and in the angle; 0 for none."""
     name = "quantisation"
     sentence = "Values are recorded in coarse steps, as by a converter of few bits."
     source = LEO + "Section 14.9"
 
     def strength(self) -> Parameter:
-        return Parameter("step", 0, self.half, 0, "rad" if self.shape == "angle" else "of the feature")
+        return Parameter("fraction", 0, 1, 0, "1")
 
     def variants(self):
-        return {"nearest": (), "down": (), "middle": ()} | ({"angle": ()} if self.bounded else {})
+        plain, angle = (self._step(in_angle) for in_angle in (False, True))
+        shapes = {"nearest": (plain,), "down": (plain,), "middle": (plain,)}
+        return shapes | ({"angle": (angle,)} if self.bounded else {})
+
+    def _step(self, in_angle: bool) -> Parameter:
+        unit = "rad" if in_angle else "of the feature"
+        shown = self.steps[in_angle] if self.steps else 0
+        if shown > 0:  # known exactly: no value of another step lies where the measured ones do
+            return Parameter("step", (1 - KNOWN) * shown, (1 + KNOWN) * shown, None, unit)
+        high = np.pi / 2 if in_angle else self.half
+        return Parameter("step", 0.005 * high, high, None, unit)
+
+    def adapted(self, x):
+        return replace(self, steps=(self._shown(x, False), self._shown(x, True) if self.bounded else 0.0))
+
+    def _shown(self, x, in_angle: bool) -> float:
+        """The typical distance of neighbouring values that repeat; 0 where none do."""
+        gaps = []
+        for j in self.columns:
+            values, counts = np.unique(self.ranges[j].angle(x[:, j]) if in_angle else x[:, j], return_counts=True)
+            apart = np.diff(values[counts >= REPEATED])
+            apart = apart[apart > 1e-6 * self.half]
+            gaps += [np.median(apart)] if len(apart) else []
+        step = float(np.median(gaps)) if gaps else 0.0
+        return step if step < self.half else 0.0
 
     def guess(self, x):
-        """The typical distance of neighbouring values, where values repeat; nothing where they do not."""
-        steps = []
-        for j in self.columns:
-            values = np.unique(self.ranges[j].angle(x[:, j]) if self.shape == "angle" else x[:, j])
-            if len(values) < len(x) / 3:
-                gaps = np.diff(values)
-                steps += [np.median(gaps[gaps > 1e-6 * self.half])] if (gaps > 1e-6 * self.half).any() else []
-        steps = np.unique(steps)
-        return steps[steps < self.strength().high][:, None]
+        """Nothing where no values repeat."""
+        shown = self.adapted(x).steps[self.shape == "angle"]
+        return None if shown > 0 else np.empty((0, 2))
 
     def changed(self, x, span, phi, rng):
-        step = np.where(phi[:, 0] > 0, phi[:, 0], 1)
+        step = phi[:, 1]
         if self.shape == "angle":
             y = span.cosine(np.rint(span.angle(x) / step) * step)
         else:
             y = step * {"nearest": np.rint, "down": np.floor, "middle": lambda v: np.floor(v) + 0.5}[self.shape](
                 x / step
             )
-        return np.where(phi[:, 0] > 0, y, x)
+        return np.where(rng.random(len(x)) < phi[:, 0], y, x)
 
 
 @dataclass(frozen=True)
 class Saturation(Change):
-    """Values end at a limit, which is half the range over `strength`: sharply above, on both sides, or softly."""
+    """A share of the values ends at a limit: sharply above, below, on both sides; or all bend towards one."""
 
     shape: str = "above"
+    limits: tuple[float, float] | None = None
+    """Those that the data show below and above, in half ranges from the centre; 0 for none."""
     name = "saturation"
     sentence = "Large values are cut at the end of the scale."
     source = LEO + "Section 14.1"
 
     def strength(self) -> Parameter:
-        return Parameter("compression", 0, 8, 0, "half ranges a limit")
+        if self.shape == "soft":
+            return Parameter("compression", 0, 8, 0, "half ranges a limit")
+        return Parameter("fraction", 0, 1, 0, "1")
 
     def variants(self):
-        return {"above": (), "both": (), "below": (), "soft": ()}
+        return {shape: (self._limit(shape),) for shape in ENDS} | {"soft": ()}
+
+    def _limit(self, shape: str) -> Parameter:
+        shown = [limit for limit, cut in zip(self.limits or (0, 0), ENDS[shape], strict=True) if cut and limit > 0]
+        at = float(np.mean(shown)) if shown else 0
+        low, high = (1 - KNOWN) * at, (1 + KNOWN) * at
+        return Parameter("limit", *((low, high) if at else (0.1, 1)), None, "of half the range")
+
+    def adapted(self, x):
+        found: tuple[list[float], list[float]] = ([], [])
+        for j in self.columns:
+            values, counts = np.unique(self.ranges[j].unit(x[:, j]), return_counts=True)
+            for ends, side in zip(found, (-1, 1), strict=True):
+                ends += [(side * values[counts >= REPEATED]).max(initial=0)]
+        return replace(self, limits=tuple(float(np.max(ends)) for ends in found))
 
     def changed(self, x, span, phi, rng):
-        k, u = phi[:, 0], span.unit(x)
+        u = span.unit(x)
         if self.shape == "soft":
-            return span.centre + span.half * u / np.sqrt(1 + (k * u) ** 2)
-        limit = 1 / np.maximum(k, 1e-9)
-        low = -limit if self.shape in ("both", "below") else -np.inf
-        high = limit if self.shape in ("both", "above") else np.inf
-        # x itself where nothing is cut: going there and back rounds, and an absent effect must change nothing
-        return np.where((u < low) | (u > high), span.centre + span.half * np.clip(u, low, high), x)
+            return span.centre + span.half * u / np.sqrt(1 + (phi[:, 0] * u) ** 2)
+        below, above = ENDS[self.shape]
+        low = -phi[:, 1] if below else -np.inf
+        high = phi[:, 1] if above else np.inf
+        cut = ((u < low) | (u > high)) & (rng.random(len(x)) < phi[:, 0])
+        return np.where(cut, span.centre + span.half * np.clip(u, low, high), x)
 
 
 @dataclass(frozen=True)

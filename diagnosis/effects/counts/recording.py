@@ -39,7 +39,7 @@ class DeadTime(Family):
     shape: str = "non_paralysable"
 
     highest: float = 1.0
-    """Of tau; beyond, most counts are lost, and what is left looks like anything."""
+    """Of tau; a counter never records more than 1 / tau counts on average."""
 
     name = "dead_time"
     SHAPES: ClassVar = {"non_paralysable": (), "paralysable": ()}
@@ -49,7 +49,7 @@ class DeadTime(Family):
         return (Parameter("tau", 0, self.highest, 0, "of the window, a count"),)
 
     def adapted(self, x):
-        return replace(self, highest=min(1.0, 0.5 / max(float(np.median(x)), 0.5)))
+        return replace(self, highest=1 / max(float(np.median(x)), 1.0))
 
     sentence: ClassVar = "After each count the counter is blind for a while, so high counts are reduced most."
     source: ClassVar = KNOLL + "Section 4.VII"
