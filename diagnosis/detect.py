@@ -5,13 +5,15 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit import Base, Fit, Target, decided, polish
+from avobench.diagnosis.fit import Base, Fit, Target, polish, settled
 from avobench.diagnosis.pixels import LEAST_HITS
 from avobench.diagnosis.schema import Gate
 from avobench.diagnosis.summary import Summary
 
 MIXED_IN = 0.1
 """Share of the simulated events in the covariance: where nothing was measured, what was expected still counts."""
+HOPELESS = 1e-12
+"""No care in the fit helps a model with a smaller p-value."""
 
 
 def target_of(x: NDArray, summary: Summary, simulated: NDArray) -> Target:
@@ -34,7 +36,8 @@ def summary_gate(
     own_target = Target.of(target.summary, target.mean, target.num_events, target.summary.covariance(x))
     num_events = num_events if base is None else num_events // 2
     own = polish(fit, own_target, rng, num_events, base=base)
-    own = decided(own, own_target, rng, num_events, effort.decide)
+    if own.p_value > HOPELESS:
+        own = settled(own, own_target, rng, int(effort.polish * target.num_events), effort.settle)
     return Gate(statistic=own.q, dof=own.dof, p_value=own.p_value), own, own_target
 
 

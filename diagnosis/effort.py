@@ -17,8 +17,10 @@ class Effort:
     """Of the model that candidates are added to, a measured one."""
     again: tuple[float, ...] = (3, 6)
     """Of the repeated fits of candidates that may be the best, a measured one."""
-    decide: tuple[float, ...] = (3, 9)
-    """Times a polish, to tell what the data say nothing about from what simulation does not show."""
+    final: tuple[float, ...] = (36,)
+    """Of candidates that are tied, a measured one."""
+    settle: tuple[float, ...] = (3, 9)
+    """Times a polish, for the last step of a fit, and to tell what the data say nothing about."""
     least: int = 30_000
     """Of a round, at least."""
     fit: int = 25_000
@@ -46,6 +48,7 @@ class Effort:
             polish=max(self.polish * share, 1),
             base=max(self.base * share, 1),
             again=tuple(max(n * share, 0.5) for n in self.again),
+            final=tuple(max(n * share, 1) for n in self.final),
             least=max(int(self.least * share), 3000),
             fit=max(int(self.fit * share), 3000),
             pool=max(int(self.pool * share), 5000),
@@ -60,7 +63,8 @@ IMAGES = Effort(
     polish=8,
     base=12,
     again=(4,),
-    decide=(2,),
+    final=(8,),
+    settle=(2,),
     least=8000,
     fit=8000,
     pool=12_000,
@@ -71,7 +75,7 @@ IMAGES = Effort(
     families=8,
     starts=2,
 )
-MANY = Effort(base=12, screen=14_000, families=8, starts=3)
+MANY = Effort(base=12, final=(12,), screen=14_000, families=8, starts=3)
 """For several features, each of which has its own entries in the catalogue."""
 USUAL = {"counts": 4_000_000, "continuous": 12_000_000, "images": 1_500_000}
 """Simulated events that a diagnosis usually takes, by domain; a little more or less with what it finds."""

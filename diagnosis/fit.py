@@ -35,6 +35,8 @@ WALL = 1e4
 """Slope of the penalty that keeps a fit within the unit cube, in standard errors."""
 IDENTIFIED = 5.0
 """A direction is identified if moving across its range changes the summary by so many standard errors."""
+INSIDE = 0.9
+"""Of a design: a minimum further out may lie beyond it."""
 CLEAR = 3.0
 """Standard errors by simulation from which a squared slope is one."""
 
@@ -374,18 +376,18 @@ class Base:
         return Surrogate(design, coefficients, num_events, noise)
 
 
-def decided(fit: Fit, target: Target, rng: np.random.Generator, num_events: int, ratios: tuple[float, ...]) -> Fit:
-    """The same point, with more events until it is plain which directions the data identify.
+def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int, ratios: tuple[float, ...]) -> Fit:
+    """The same fit with one more step from many events, and more until it is plain which directions the data identify.
 
     The degrees of freedom that a fit takes up, and the errors that are quoted, hang on that. No `Base`: a polynomial
     over so wide a design is not exact enough where the data say nearly nothing.
     """
     for ratio in ratios:
-        if not fit.undecided:
-            break
         more = int(ratio * num_events)
         design = fit.next_design(ratio=more / fit.num_events)
-        fit = fit_at(fit.model, surrogate(fit.model, target.summary, design, more, rng), target, fit.unit)
+        fit = minimise(fit.model, surrogate(fit.model, target.summary, design, more, rng), target)
+        if not fit.undecided and np.abs(design.to_t(fit.unit)).max() < INSIDE:
+            break
     return fit
 
 

@@ -18,7 +18,7 @@ from avobench.diagnosis.detect import cell_gate, summary_gate, target_of
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effects.catalogue import catalogue, domain
 from avobench.diagnosis.effort import Effort, effort_for
-from avobench.diagnosis.fit import Base, Fit, Target, decided, polish, refine, scan
+from avobench.diagnosis.fit import Base, Fit, Target, polish, refine, scan
 from avobench.diagnosis.identifiability import card
 from avobench.diagnosis.localise import intervals, significant
 from avobench.diagnosis.model import Model
@@ -266,14 +266,15 @@ def diagnose(
     first = steps[0].fit if disagree else before.own
     last = first if not named_any else final.own
     if verdict == Verdict.REDUCED:
-        last = decided(final.fit, target, rng, int(effort.polish * len(seen)), effort.decide)
+        last = settled(final.fit, target, rng, int(effort.polish * len(seen)), effort.settle)
     if estimate is not None:
         notes.append(_method_note(fit, task, estimate, first))
     if len(x) < FEW_EVENTS:
         notes.append(f"{len(x)} events make {target.rank} bins or less: the card says what so few cannot show")
     notes += _bound_notes(last)
     names = feature_names(task)
-    moves = [move for step in steps[:-1] for move in ambiguity(last, step.ranks[0], step.ties, target, rng)]
+    many = int(effort.polish * len(seen))
+    moves = [move for step in steps[:-1] for move in ambiguity(last, step.ranks[0], step.ties, target, rng, many)]
     diagnosis = Diagnosis(
         verdict=verdict,
         alpha=alpha,

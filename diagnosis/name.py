@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit import Base, Fit, Target, descend, polish, refine, scan
+from avobench.diagnosis.fit import Base, Fit, Target, descend, polish, refine, scan, settled
 from avobench.diagnosis.model import Model
-from avobench.diagnosis.rank import cost, likely
+from avobench.diagnosis.rank import cost, likely, ranking, tied
 from avobench.diagnosis.summary import Bins, whitening
 
 STRENGTHS = (0.001, 0.005, 0.02, 0.08, 0.25, 0.7)
@@ -26,19 +26,20 @@ FINALISTS, FINAL_EVENTS = 8, 8
 """Points of the grid that are looked at again, and with how many times the events."""
 MOST_SCREENED = 24
 """Effects of which all shapes are screened."""
-FIRST_ROUNDS, LAST_ROUNDS, CONTINUED, AGAIN = 3, 7, 8, 4
+FIRST_ROUNDS, LAST_ROUNDS, CONTINUED, AGAIN = 3, 7, 10, 4
 """Rounds of all fits, of those that go on, how many of these beside the best of each family; rounds of a repetition."""
 NEARBY = 0.05
 """In unit coordinates: fits of one shape that are closer than that are one."""
-SHAPES_AGAIN, MOST_AGAIN, RESHAPED = 2, 8, 3
-"""Shapes of a family that are fitted again, and fits in all; other shapes of an effect to try beside a second one."""
+SHAPES_AGAIN, MOST_AGAIN, MOST_FINAL, RESHAPED = 2, 8, 4, 3
+"""Shapes of a family that are fitted again, and fits in all; families that are told apart with yet more events; other
+shapes of an effect to try beside a second one."""
 WEAK, MOST_EVENTS = 10.0, 4
 """Noise of chi-squared is kept to a fifth of the excess, with at most so many events a measured one."""
 STRONG = 10.0
 """Chi-squared per degree of freedom above which theta may be too far off for an effect to be seen from there."""
 FURTHEST = 0.2
 """How far, in unit coordinates, theta follows an effect's strength within a first design."""
-ABSORBED, FAR = 0.3, 0.4
+ABSORBED, FAR = 0.3, (0.4, 0.9)
 """Share of an effect's signal below which theta hides it, so that it is also looked for where it is strong; how strong,
 as a share of its range."""
 GAIN = 3.0
@@ -233,7 +234,7 @@ def hidden(pool: Pool, start: Start, rng: np.random.Generator, effort: Effort) -
     strength, p = effect.parameters[0], base.model.dim
     sides = [side for side in (strength.high, strength.low) if side != strength.null]
     phi = start.model.from_unit(start.unit)[p:]
-    points = np.array([[strength.null + FAR * (side - strength.null), *phi[1:]] for side in sides])
+    points = np.array([[strength.null + far * (side - strength.null), *phi[1:]] for side in sides for far in FAR])
     change, scatter = pool.changes(effect, points, effort.screen // 2, rng)
     free = base.projector()
     kept, whole = ((moves**2).sum(axis=1) - scatter for moves in (change @ free, change))
@@ -278,17 +279,17 @@ def candidates(
         best_first = sorted(best_first, key=lambda e: e.feature != worst)[:MOST_SCREENED]
     families = []
     for effect in best_first:
-        starts = []
+        starts, far = [], []
         for k, shape in enumerate(effect.shapes()):
             own = plain[effect.key] if k == 0 else screen(pool, shape, x, rng, effort)
             if own and base.gap > STRONG * base.dof and len(effects) <= MOST_SCREENED:
                 own = [*own, searched(base, target, shape, rng, effort)]
             if own and len(effects) <= MOST_SCREENED and shape.guess(x) is None:
-                own = [*own, *hidden(pool, own[0], rng, effort)]
+                far += hidden(pool, own[0], rng, effort)
             starts += sorted(own, key=lambda start: start.expected)
         # The plainest shape always has its fit: screening is too rough to prefer another to it.
         first, rest = starts[:1], sorted(starts[1:], key=lambda start: start.expected)
-        families.append([*first, *rest[: effort.starts - 1]])
+        families.append([*first, *rest[: effort.starts - 1], *far])
     families = sorted(filter(None, families), key=lambda starts: min(start.expected for start in starts))
     starts = [start for starts in families[: effort.families] for start in starts]
     work = joblib.Parallel(n_jobs=jobs)
@@ -322,6 +323,14 @@ def candidates(
             if worth
         )
         fits = [*again, *(fit for fit, worth in zip(fits, promising, strict=True) if not worth)]
+    foremost = [entry.fit for entry in ranking(fits, gap_without)]
+    foremost = foremost[: 1 + len(tied(ranking(fits, gap_without)))][:MOST_FINAL]
+    if len(foremost) > 1:
+        final = work(
+            joblib.delayed(settled)(fit, target, np.random.default_rng(seed), target.num_events, effort.final)
+            for fit in foremost
+        )
+        fits = [*final, *(fit for fit in fits if all(fit is not one for one in foremost))]
     return fits, known
 
 
@@ -367,10 +376,10 @@ def _same(fit: Fit, other: Fit) -> bool:
 
 
 def _distinct(fits: list[Fit], most: int | None = None) -> list[Fit]:
-    """The best fit of each shape of each family, and of at most so many shapes of a family."""
-    best: dict[tuple, dict[str, Fit]] = {}
+    """The best fits of each family that are not the same, and of a family at most so many."""
+    kept: dict[tuple, list[Fit]] = {}
     for fit in sorted(fits, key=lambda fit: fit.gap):
-        effect = fit.model.effects[-1]
-        best.setdefault(effect.key, {}).setdefault(effect.shape, fit)
-    kept = [fit for shapes in best.values() for fit in list(shapes.values())[:most]]
-    return sorted(kept, key=lambda fit: fit.gap)
+        own = kept.setdefault(fit.model.effects[-1].key, [])
+        if not any(_same(fit, one) for one in own):
+            own.append(fit)
+    return sorted((fit for own in kept.values() for fit in own[:most]), key=lambda fit: fit.gap)

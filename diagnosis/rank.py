@@ -25,7 +25,7 @@ class Ranked:
     fit: Fit
     score: float
     others: tuple[Fit, ...] = ()
-    """Those of the family in its other shapes, best first."""
+    """Those of the family in its other shapes, or elsewhere in the same, best first."""
 
 
 def shape_parameters(effect: Effect) -> int:
@@ -78,12 +78,11 @@ def ranking(fits: list[Fit], gap_without: float) -> list[Ranked]:
             families[effect.key] = entry
     ranks = sorted(families.values(), key=lambda entry: entry.score)
     by_gap = sorted(fits, key=lambda fit: fit.gap)
-    return [replace(entry, others=tuple(fit for fit in by_gap if _another_shape(fit, entry.fit))) for entry in ranks]
-
-
-def _another_shape(fit: Fit, than: Fit) -> bool:
-    effect, other = fit.model.effects[-1], than.model.effects[-1]
-    return effect.key == other.key and effect.shape != other.shape
+    return [
+        replace(entry, others=tuple(f for f in by_gap if f.model.effects[-1].key == key and f is not entry.fit))
+        for entry in ranks
+        for key in [entry.effect.key]
+    ]
 
 
 def tied(ranks: list[Ranked]) -> list[Ranked]:

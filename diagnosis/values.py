@@ -7,13 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.effects import Effect
-from avobench.diagnosis.fit import IDENTIFIED, Fit, Target
+from avobench.diagnosis.fit import IDENTIFIED, Fit, Target, settled
 from avobench.diagnosis.rank import Ranked, shape_parameters
 from avobench.diagnosis.schema import Combination, EffectValue, FoundEffect, Named, Value
 from avobench.tasks import Task
 
 ALLOWED = 4.0
 """Chi-squared above the best up to which another shape is allowed: two standard errors."""
+TRIED = 4
+"""Other shapes that are fitted once more, at most."""
 MOVED_EVENTS = 50_000
 """From which it is taken how far another theta is away."""
 
@@ -25,45 +27,65 @@ class Move:
     theta: NDArray[np.float64]
     """How far theta moves, in units of its range, along what the data determine of it: (p,)."""
     worse: float
-    """By how much chi-squared is worse."""
+    """By how much chi-squared is worse, at least."""
+    covariance: NDArray[np.float64]
+    """Of theta there, along the same: (p, p)."""
 
 
-def ambiguity(last: Fit, chosen: Ranked, ties: list[Ranked], target: Target, rng: np.random.Generator) -> list[Move]:
-    """What theta would be with another shape of the chosen effect, or one that is tied with it.
+def ambiguity(
+    last: Fit, chosen: Ranked, ties: list[Ranked], target: Target, rng: np.random.Generator, num_events: int
+) -> list[Move]:
+    """What theta would be with another shape of the chosen effect, or with one that is tied with it.
 
-    `last` is the final fit, in whose model the other theta is compared with the chosen one, since a straight line
-    between the two may mean nothing where theta is not determined.
+    Those that move it furthest are fitted once more with `num_events`. Only what the data determine of theta counts, by
+    the final fit `last`. How far theta moves is measured in events of the chosen model, since a straight line between
+    two values may mean nothing where they are not determined.
     """
-    p, seed = last.model.num_theta, int(rng.integers(2**63))
-    information = last.information[0][:p, :p] * (1 + last.noise)
+    p, seed, model = last.model.num_theta, int(rng.integers(2**63)), chosen.fit.model
+    known = _known(last)[1]
 
-    def corrected(fit: Fit) -> float:
-        return fit.gap + shape_parameters(fit.model.effects[-1])
+    def settle(fit: Fit) -> Fit:
+        return settled(fit, target, rng, num_events, (1, 3))
 
-    def mean(theta: NDArray[np.float64]) -> NDArray[np.float64]:
-        params = np.concatenate([theta, last.params[p:]])
-        x = last.model.simulate(np.tile(params, (MOVED_EVENTS, 1)), np.random.default_rng(seed))
-        return target.summary.mean(x)[0]
+    def worse(fit: Fit, than: Fit) -> float:
+        shapes = shape_parameters(fit.model.effects[-1]) - shape_parameters(than.model.effects[-1])
+        return max(fit.gap + shapes - than.gap - np.hypot(fit.gap_error, than.gap_error), 0.0)
+
+    def mean(fit: Fit) -> NDArray[np.float64]:
+        params = np.concatenate([fit.params[:p], chosen.fit.params[p:]])
+        x = model.simulate(np.tile(params, (MOVED_EVENTS, 1)), np.random.default_rng(seed))
+        return target.whiten(target.summary.mean(x)[0])
+
+    def back(fit: Fit) -> NDArray[np.float64]:
+        return known @ np.linalg.pinv(fit.jacobian[:, :p] @ known)
 
     rivals = [*chosen.others, *(fit for tie in ties for fit in (tie.fit, *tie.others))]
-    allowed = [fit for fit in rivals if corrected(fit) < corrected(chosen.fit) + ALLOWED]
-    here = mean(chosen.fit.params[:p])
-    changes = [target.whiten(mean(fit.params[:p]) - here) for fit in allowed]
-    back = np.linalg.pinv(information, rcond=1e-9, hermitian=True) @ last.jacobian[:, :p].T
-    return [
-        Move(back @ change, max(corrected(fit) - corrected(chosen.fit), 0.0))
-        for fit, change in zip(allowed, changes, strict=True)
-    ]
+    rivals = [fit for fit in rivals if worse(fit, chosen.fit) < ALLOWED]
+    if not rivals:
+        return []
+    far = [np.abs(back(chosen.fit) @ (mean(fit) - mean(chosen.fit))).max() for fit in rivals]
+    best = settle(chosen.fit)
+    moves = []
+    for k in np.argsort(far)[::-1][:TRIED]:
+        fit = settle(rivals[k])
+        if (by := worse(fit, best)) < ALLOWED:
+            along = back(best) @ fit.jacobian[:, :p]
+            moves.append(Move(back(best) @ (mean(fit) - mean(best)), by, along @ fit.unit_covariance[:p, :p] @ along.T))
+    return moves
 
 
-def covering(std: NDArray[np.float64], shifts: NDArray[np.float64], moves: Sequence[Move]) -> NDArray[np.float64]:
-    """Standard errors (k,) of values, such that twice as much covers every shape that the data allow.
+def covering(std: NDArray[np.float64], directions: NDArray[np.float64], moves: Sequence[Move]) -> NDArray[np.float64]:
+    """Standard errors (k,) of theta along directions (p, k), such that twice as much covers what the data allow.
 
-    The envelope of the parabolas of all shapes (P. D. Dauncey et al., JINST 10 (2015) P04015), each as wide as that
-    of the chosen shape, `std` (k,), and `shifts` (moves, k) away.
+    The envelope of the parabolas of all shapes (P. D. Dauncey et al., JINST 10 (2015) P04015); that of the chosen one
+    has the errors `std` (k,).
     """
-    half = [np.abs(shift) + std * np.sqrt(ALLOWED - move.worse) for shift, move in zip(shifts, moves, strict=True)]
-    return np.max([2 * std, *half], axis=0) / 2
+    half = [2 * std]
+    for move in moves:
+        own = np.einsum("ik,ij,jk->k", directions, move.covariance, directions)
+        own = np.sqrt(np.minimum(own, (directions**2).sum(axis=0) / 12))  # no more than the range alone gives
+        half.append(np.abs(move.theta @ directions) + own * np.sqrt(ALLOWED - move.worse))
+    return np.max(half, axis=0) / 2
 
 
 def scale(fit: Fit) -> float:
@@ -79,7 +101,7 @@ def scaled_std(fit: Fit) -> NDArray[np.float64]:
 def theta_values(fit: Fit, moves: Sequence[Move] = ()) -> dict[str, Value]:
     p = fit.model.num_theta
     width = (fit.model.high - fit.model.low)[:p]
-    std = covering(scaled_std(fit)[:p], np.array([width * move.theta for move in moves]), moves)
+    std = covering(scaled_std(fit)[:p], np.diag(width), moves)
     return {
         name: Value(value=float(fit.params[i]), std=float(std[i]))
         for i, name in enumerate(fit.model.task.parameter_names)
@@ -94,11 +116,9 @@ def identified(fit: Fit, moves: Sequence[Move] = ()) -> list[Combination]:
     """
     p, model = fit.model.num_theta, fit.model
     width = (model.high - model.low)[:p]
-    variances, directions = np.linalg.eigh(fit.unit_covariance[:p, :p])
-    known = variances < 1 / IDENTIFIED**2 / 12
-    variances, directions = variances[known], directions[:, known]
+    variances, directions = _known(fit)
     std = scale(fit) * np.sqrt(variances)
-    std = covering(std, np.array([move.theta @ directions for move in moves]), moves)
+    std = covering(std, directions, moves)
     return [
         Combination(
             coefficients=dict(zip(model.task.parameter_names, map(float, direction / width), strict=True)),
@@ -107,6 +127,14 @@ def identified(fit: Fit, moves: Sequence[Move] = ()) -> list[Combination]:
         )
         for error, direction in zip(std, directions.T, strict=True)
     ]
+
+
+def _known(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The directions of theta in the unit cube that the data determine, with the variance along each: (k,), (p, k)."""
+    p = fit.model.num_theta
+    variances, directions = np.linalg.eigh(fit.unit_covariance[:p, :p])
+    known = variances < 1 / IDENTIFIED**2 / 12
+    return variances[known], directions[:, known]
 
 
 def feature_names(task: Task) -> tuple[str, ...]:
