@@ -18,7 +18,7 @@ from avobench.diagnosis.detect import cell_gate, summary_gate, target_of
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effects.catalogue import catalogue, domain
 from avobench.diagnosis.effort import Effort, effort_for
-from avobench.diagnosis.fit import Base, Fit, Target, polish, refine, scan
+from avobench.diagnosis.fit import Base, Fit, Target, polish, refine, scan, settled
 from avobench.diagnosis.identifiability import card
 from avobench.diagnosis.localise import intervals, significant
 from avobench.diagnosis.model import Model
@@ -248,8 +248,8 @@ def diagnose(
                 break
             chosen, widened_note = widened(chosen, target, rng, effort)
             notes += widened_note
-            settled = polish(chosen, target, rng, int(effort.again[-1] * len(seen)), rounds=8, base=known)
-            step = _tested(min(settled, chosen, key=lambda f: f.gap), target, seen, rng, effort, known)
+            refined = polish(chosen, target, rng, int(effort.again[-1] * len(seen)), rounds=8, base=known)
+            step = _tested(min(refined, chosen, key=lambda f: f.gap), target, seen, rng, effort, known)
             steps.append(step)
 
     final = steps[-1]
@@ -333,8 +333,8 @@ def best_without(step: Step, target: Target, rng: np.random.Generator, effort: E
         refine(model, target, start, max(near, 0.005), rng, num_events=per_round) for start, near in starts
     ]
     best = min(fits, key=lambda fit: fit.gap)
-    settled = polish(best, target, rng, int(effort.polish * target.num_events))
-    return min(best, settled, key=lambda fit: fit.gap + fit.gap_error)
+    refined = polish(best, target, rng, int(effort.polish * target.num_events))
+    return min(best, refined, key=lambda fit: fit.gap + fit.gap_error)
 
 
 def _tested(
