@@ -1,0 +1,99 @@
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avobench.diagnosis.classifier import rounded
+from avobench.diagnosis.detect import target_of
+from avobench.diagnosis.effects.base import Family
+from avobench.diagnosis.effects.counts.recording import DeadTime
+from avobench.diagnosis.effort import Effort
+from avobench.diagnosis.fit import Design, Fit, Target, fit_at, refine, surrogate
+from avobench.diagnosis.model import Model
+from avobench.diagnosis.name import Pool, hidden, screen, worst_feature
+from avobench.diagnosis.rank import Ranked
+from avobench.diagnosis.summary import bins_of
+from avobench.diagnosis.values import Move, ambiguity, covering, identified, theta_values
+from avobench.tasks.carl import Carl
+from avobench.tasks.poisson import Poisson
+
+DEAD: Family = DeadTime(shape="non_paralysable")
+WEAK, STRONG = [0.39, 0.062], [2.38, 0.675]
+"""Log rate and dead time, which give nearly the same counts: a counter near its highest rate."""
+
+
+def fitted(model: Model, params: list[float], target: Target) -> Fit:
+    unit = model.to_unit(np.array(params))
+    half = np.minimum(model.reach(unit), 0.01)
+    return refine(model, target, unit, half, np.random.default_rng(2), num_events=30_000)
+
+
+@pytest.fixture(scope="module")
+def counter() -> SimpleNamespace:
+    rng = np.random.default_rng(1)
+    model = Model(Poisson(), (DEAD,))
+    x = model.simulate(np.tile(STRONG, (8000, 1)), rng)
+    target = target_of(x, bins_of(x, x), x)
+    return SimpleNamespace(x=x, target=target, weak=fitted(model, WEAK, target), strong=fitted(model, STRONG, target))
+
+
+def test_theta_s_error_covers_another_solution_that_the_data_allow(counter):
+    weak, strong = counter.weak, counter.strong
+    assert strong.params[0] - weak.params[0] > 1.5
+    chosen = Ranked(DEAD, weak, 0.0, others=(strong,))
+    moves = ambiguity(weak, chosen, [], counter.target, np.random.default_rng(0), 60_000)
+    (before,), (after,) = theta_values(weak).values(), theta_values(weak, moves).values()
+    assert before.value == after.value
+    assert abs(STRONG[0] - before.value) > 2 * before.std
+    assert abs(STRONG[0] - after.value) < 2.2 * after.std
+    (known,) = identified(weak, moves)
+    width = weak.model.high[0] - weak.model.low[0]
+    assert known.std * width == pytest.approx(after.std)
+    assert known.coefficients["log_rate"] == pytest.approx(1 / width)
+
+
+def test_a_shape_that_the_data_exclude_does_not_widen_the_error(counter):
+    model, target = counter.strong.model, counter.target
+    unit = model.to_unit(np.array([1.0, 0.9]))
+    s = surrogate(model, target.summary, Design.box(unit, np.full(2, 0.01)), 20_000, np.random.default_rng(0))
+    excluded = fit_at(model, s, target, unit)
+    assert excluded.gap > counter.strong.gap + 100
+    chosen = Ranked(DEAD, counter.strong, 0.0, others=(excluded,))
+    assert ambiguity(counter.strong, chosen, [], target, np.random.default_rng(0), 20_000) == []
+
+
+def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
+    rng, effort = np.random.default_rng(3), Effort()
+    null = fitted(Model(Poisson()), [0.24], counter.target)
+    pool = Pool(null, counter.target, effort.pool, rng)
+    starts = hidden(pool, screen(pool, DEAD, counter.x, rng, effort)[0], rng, effort)
+    begun = np.array([start.model.from_unit(start.unit) for start in starts])
+    assert begun[:, 1].max() > 0.8
+    assert begun[:, 0].max() > 2
+
+
+@given(st.floats(0.01, 2), st.floats(-3, 3), st.floats(0, 3.99), st.floats(0, 0.25))
+def test_errors_only_grow_and_reach_every_allowed_value(std, shift, worse, own):
+    move = Move(np.array([shift]), worse, np.array([[own**2]]))
+    (covered,) = covering(np.array([std]), np.eye(1), [move])
+    assert covered >= std
+    assert 2 * covered >= abs(shift)
+    assert 2 * covered <= max(2 * std, abs(shift) + 2 * own) + 1e-9
+
+
+def test_the_feature_that_disagrees_most_is_looked_at_first():
+    task, rng = Carl(), np.random.default_rng(0)
+    theta = np.tile(task.prior.sample(1, rng), (4000, 1))
+    x, simulated = task.simulate(theta, rng), task.simulate(theta, rng)
+    x[:, 3] += 0.3 * x[:, 3].std()
+    target = target_of(x, bins_of(x, simulated), x)
+    assert worst_feature(SimpleNamespace(predicted=target.summary.mean(simulated)[0]), target) == 3
+
+
+def test_a_classifier_does_not_see_how_a_computer_rounds():
+    x = np.random.default_rng(0).integers(0, 9, (100, 2)) * 0.708
+    np.testing.assert_array_equal(rounded(x), rounded(x * (1 + 1e-9)))
+    counts = np.arange(5)[:, None]
+    assert rounded(counts).dtype == counts.dtype
