@@ -10,7 +10,7 @@ from scipy.stats import chi2, ncx2
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit import Fit, Target
-from avobench.diagnosis.name import STRENGTHS, Pool
+from avobench.diagnosis.screen import STRENGTHS, Sample
 
 POWER = 0.9
 SHOWN = 3.0
@@ -44,12 +44,12 @@ def card(
 ) -> list[Row]:
     """A row for each effect that the model has not, in its plainest shape with middling shape parameters."""
     need = noncentrality(max(fit.dof, 1), alpha)
-    pool = Pool(fit, target, effort.card * len(STRENGTHS), rng)
+    sample = Sample(fit, target, effort.card * len(STRENGTHS), rng)
     there = {effect.key for effect in fit.model.effects}
     rows, left = [], []
     for effect in effects:
         if effect.key not in there:
-            row, direction = _row(pool, effect, need, rng, effort.card)
+            row, direction = _row(sample, effect, need, rng, effort.card)
             rows.append(row)
             left.append(direction)
     if not rows:
@@ -62,7 +62,7 @@ def card(
 
 
 def _row(
-    pool: Pool, effect: Effect, need: float, rng: np.random.Generator, events: int
+    sample: Sample, effect: Effect, need: float, rng: np.random.Generator, events: int
 ) -> tuple[Row, NDArray[np.float64]]:
     """The row without rivals, and the direction (r,) of what the effect leaves after the fit; zero if that is noise."""
     strength, *shape = effect.parameters
@@ -72,8 +72,8 @@ def _row(
     points = np.column_stack(
         [strength.null + np.sign(side - strength.null) * size, *(np.full(len(size), m) for m in middle)]
     )
-    fit, target = pool.base, pool.target
-    change, scatter = pool.changes(effect, points, events, rng)
+    fit, target = sample.base, sample.target
+    change, scatter = sample.changes(effect, points, events, rng)
     free = change @ fit.projector()
     whole = (change**2).sum(axis=1) - scatter
     kept = (free**2).sum(axis=1) - scatter * fit.dof / target.rank

@@ -1,7 +1,7 @@
 """A simulator with effects added to it, as one simulator with more parameters."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -28,6 +28,11 @@ class Model:
     events: Events | None = field(default=None, compare=False)
     stretch: tuple[float, ...] = ()
     """By how much the upper bound of each effect's strength is raised; 1 where it is not."""
+
+    def plus(self, effect: Effect) -> "Model":
+        """This model with one more effect, which acts last."""
+        stretch = (*self.stretch, 1.0) if self.stretch else ()
+        return replace(self, effects=(*self.effects, effect), stretch=stretch)
 
     @cached_property
     def low(self) -> NDArray[np.float64]:

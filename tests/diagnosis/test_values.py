@@ -12,8 +12,9 @@ from avobench.diagnosis.effects.counts.recording import DeadTime
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit import Design, Fit, Target, fit_at, refine, surrogate
 from avobench.diagnosis.model import Model
-from avobench.diagnosis.name import Pool, hidden, screen, worst_feature
+from avobench.diagnosis.name import worst_feature
 from avobench.diagnosis.rank import Ranked
+from avobench.diagnosis.screen import Sample, hidden, screen
 from avobench.diagnosis.summary import bins_of
 from avobench.diagnosis.values import Move, ambiguity, covering, identified, theta_values
 from avobench.tasks.carl import Carl
@@ -67,8 +68,8 @@ def test_a_shape_that_the_data_exclude_does_not_widen_the_error(counter):
 def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
     rng, effort = np.random.default_rng(3), Effort()
     null = fitted(Model(Poisson()), [0.24], counter.target)
-    pool = Pool(null, counter.target, effort.pool, rng)
-    starts = hidden(pool, screen(pool, DEAD, counter.x, rng, effort)[0], rng, effort)
+    sample = Sample(null, counter.target, effort.pool, rng)
+    starts = hidden(sample, screen(sample, DEAD, counter.x, rng, effort)[0], rng, effort)
     begun = np.array([start.model.from_unit(start.unit) for start in starts])
     assert begun[:, 1].max() > 0.8
     assert begun[:, 0].max() > 2
