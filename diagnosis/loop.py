@@ -36,7 +36,7 @@ from avobench.diagnosis.schema import (
     Region,
     Verdict,
 )
-from avobench.diagnosis.summary import Bins, Summary, bins_of
+from avobench.diagnosis.summary import Bins, Summary, bins_of, closed
 from avobench.diagnosis.values import ambiguity, feature_names, found_effect, identified, named, theta_values
 from avobench.methods import Estimate
 from avobench.tasks import Task
@@ -444,11 +444,10 @@ def regions(
     if isinstance(summary, Pixels):
         hits = (x > 0).sum(axis=1)
         spans = [(name, np.arange(length + 1) - 0.5) for name, length in summary.blocks[:2]]
-        spans.append(("hits", np.concatenate([[hits.min()], summary.fullness, [hits.max()]])))
+        spans.append(("hits", closed(summary.fullness, hits)))
     elif isinstance(summary, Bins):
         for j, inner in enumerate(summary.edges):
-            ends = np.concatenate([[x[:, j].min()], inner, [x[:, j].max()]])
-            spans.append((names[j] if len(summary.edges) > 1 else None, ends))
+            spans.append((names[j] if len(summary.edges) > 1 else None, closed(inner, x[:, j])))
     lengths = [len(ends) - 1 for _, ends in spans]
     starts = np.cumsum([0, *lengths[:-1]])
     scanned = intervals(fit, target, [(int(a), n) for a, n in zip(starts, lengths, strict=True)])

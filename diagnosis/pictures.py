@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.fit import Fit, Target
 from avobench.diagnosis.pixels import Pixels
-from avobench.diagnosis.summary import Bins
+from avobench.diagnosis.summary import Bins, closed
 
 MAP_EVENTS = 4
 """Simulated events a measured one, for the maps of cells."""
@@ -20,7 +20,7 @@ class Spectrum:
 
     feature: str
     edges: NDArray[np.float64]
-    """(bins + 1,), from the smallest to the largest measured value."""
+    """(bins + 1,), from the smallest to the largest measured value at least."""
     measured: NDArray[np.float64]
     """(bins,), as the next ones."""
     error: NDArray[np.float64]
@@ -84,7 +84,5 @@ def _spectra(spans: list, target: Target, start: int, before: Fit, after: Fit | 
         share = target.mean[own]
         # At least one event's worth: a bin in which nothing was measured is not known exactly.
         error = np.sqrt(np.maximum(share * (1 - share), 1 / target.num_events) / target.num_events)
-        edges = np.concatenate([[values.min()], inner, [values.max()]]).astype(float)
-        yield Spectrum(
-            name, edges, share, error, before.predicted[own], None if after is None else after.predicted[own]
-        )
+        found = None if after is None else after.predicted[own]
+        yield Spectrum(name, closed(inner, values), share, error, before.predicted[own], found)

@@ -139,6 +139,19 @@ def inner_edges(x: NDArray, simulated: NDArray, most: int, *, growth: float = np
         last = cumulated[at]
 
 
+def closed(inner: NDArray[np.float64], values: NDArray) -> NDArray[np.float64]:
+    """Edges (k + 2,) with both ends: the outermost values, or as far out as the neighbouring bin is wide.
+
+    The latter where no measured value lies beyond the inner edges (k,), which follow simulated events as well.
+    """
+    low, high = float(values.min()), float(values.max())
+    first, last = (inner[0], inner[-1]) if len(inner) else (high, high)
+    width = np.diff(inner) if len(inner) > 1 else np.ones(1)
+    low = low if low < first else first - width[0]
+    high = high if high > last else last + width[-1]
+    return np.concatenate([[low], inner, [high]])
+
+
 def whitening(cov: NDArray[np.float64]) -> NDArray[np.float64]:
     """W (K, r) with W^T cov W = 1, r the rank of cov: one less for each block of bins that sums to one."""
     seen = np.flatnonzero(np.diag(cov) > 0)  # a cell of a pair may be empty

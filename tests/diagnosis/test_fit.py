@@ -1,5 +1,7 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from avobench.diagnosis.detect import summary_gate, target_of
 from avobench.diagnosis.effects.catalogue import catalogue
@@ -7,7 +9,7 @@ from avobench.diagnosis.effort import Effort, effort_for
 from avobench.diagnosis.fit import Base, Design, fit_at, minimise, refine, settled, surrogate
 from avobench.diagnosis.loop import Step, best_without, fit_null
 from avobench.diagnosis.model import Model
-from avobench.diagnosis.summary import bins_of, whitening
+from avobench.diagnosis.summary import bins_of, closed, whitening
 from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
@@ -27,6 +29,19 @@ def test_bins_hold_all_events_and_no_count_is_split():
     assert all(edge % 1 == 0.5 for edge in bins.edges[0])
     pieces = bins.mean(x, 5)
     np.testing.assert_allclose(pieces.mean(axis=0), bins.mean(x)[0])
+
+
+@given(
+    st.lists(st.floats(-10, 10), min_size=1, max_size=30),
+    st.lists(st.integers(-9, 9), max_size=8, unique=True),
+)
+def test_edges_grow_also_where_only_simulated_events_lie(values, inner):
+    inner = np.sort(np.array(inner, dtype=float))
+    edges = closed(inner, np.array(values))
+    assert (np.diff(edges) > 0).all()
+    assert edges[0] <= min(values)
+    assert edges[-1] >= max(values)
+    np.testing.assert_array_equal(edges[1:-1], inner)
 
 
 def test_covariance_is_that_of_the_vectors_and_whitens():
