@@ -10,11 +10,13 @@ from avobench.diagnosis.effects.continuous.base import Acceptance
 
 LEP = "ALEPH, DELPHI, L3, OPAL, SLD, Phys. Rep. 427 (2006) 257, "
 LOSS = Parameter("lost", 0, 0.98, 0, "1")
+SHARP = 0.01
+"""Width of a cut, of half the range: narrower than what events resolve, and smooth in where it is."""
 
 
 @dataclass(frozen=True)
 class EdgeAcceptance(Acceptance):
-    """Events towards the ends of the range are lost: as a power, a turn-on curve, or in the angle; one end or both."""
+    """Events towards the ends of the range are lost: as a power, a turn-on, a cut, or in the angle; one end or both."""
 
     shape: str = "power"
     name = "edge_acceptance"
@@ -28,7 +30,7 @@ class EdgeAcceptance(Acceptance):
         power = Parameter("power", 1, 30, None, "1")
         edge = Parameter("edge", 0.2, 1, None, "of half the range")
         width = Parameter("width", 0.01, 0.5, None, "of half the range")
-        shapes = {"power": (power,), "turn_on": (edge,), "soft_turn_on": (edge, width)}
+        shapes = {"power": (power,), "turn_on": (edge,), "cut": (edge,), "soft_turn_on": (edge, width)}
         for side in ("low", "high"):
             shapes |= {f"power_{side}": (power,), f"turn_on_{side}": (Parameter("edge", -1, 1, None, edge.unit),)}
         if self.bounded:
@@ -48,7 +50,8 @@ class EdgeAcceptance(Acceptance):
             return 1 - loss * at ** phi[:, 1]
         if kind == "angle":  # the angle to the nearer pole, with a turn-on of a fifth of the edge's own angle
             return 1 - loss * ndtr((phi[:, 1] - np.arccos(at)) / (0.2 * phi[:, 1]))
-        return 1 - loss * ndtr((u - phi[:, 1]) / (phi[:, 2] if self.shape == "soft_turn_on" else 0.05))
+        width = {"soft_turn_on": lambda: phi[:, 2], "cut": lambda: SHARP}.get(self.shape, lambda: 0.05)()
+        return 1 - loss * ndtr((u - phi[:, 1]) / width)
 
 
 @dataclass(frozen=True)
