@@ -27,12 +27,14 @@ class EdgeAcceptance(Acceptance):
         return LOSS
 
     def variants(self):
-        power = Parameter("power", 1, 30, None, "1")
+        # Flatter, or beginning further in, it would be a background, or a forward-backward acceptance, in disguise.
+        power = Parameter("power", 2, 30, None, "1")
+        steep = Parameter("power", 3, 30, None, "1")
         edge = Parameter("edge", 0.2, 1, None, "of half the range")
         width = Parameter("width", 0.01, 0.5, None, "of half the range")
         shapes = {"power": (power,), "turn_on": (edge,), "cut": (edge,), "soft_turn_on": (edge, width)}
         for side in ("low", "high"):
-            shapes |= {f"power_{side}": (power,), f"turn_on_{side}": (Parameter("edge", -1, 1, None, edge.unit),)}
+            shapes |= {f"power_{side}": (steep,), f"turn_on_{side}": (edge,)}
         if self.bounded:
             shapes["angle"] = (Parameter("angle", 0.05, 1.2, None, "rad"),)
         return shapes
