@@ -378,7 +378,7 @@ def _pair(
     The steps up to the first of them, with the ranks that the second leads, and the model with the first alone.
     """
     whole = excess(null.fit)
-    firsts = [entry for entry in null.ranks if whole - excess(entry.fit) > PAIR_ALONE * whole][:PARTNERS]
+    firsts = [entry for entry in null.ranks if 0 < excess(entry.fit) < (1 - PAIR_ALONE) * whole][:PARTNERS]
     found = [(one, *search(one.fit, PAIR_CLEAR * whole / excess(one.fit), one.others)) for one in firsts]
     found = [(first, ranks, known) for first, ranks, known in found if ranks]
     if not found:

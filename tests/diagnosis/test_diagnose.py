@@ -195,3 +195,5 @@ def test_a_pair_is_accepted_only_if_it_leaves_next_to_nothing():
     beside |= {name: leaving(gap, name, "quantisation") for name, gap in (("dead_time", 42.0), ("pile_up", 40.0))}
     steps, _ = _pair(null, search, lambda new, old: False)
     assert [tie.effect.name for tie in steps[0].ties] == ["dead_time"]
+    closed = Step(leaving(1010.0), None, {}, [ranked(leaving(8.0, "dead_time"))])  # beside it nothing is left to close
+    assert _pair(closed, search, lambda new, old: False) is None
