@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,19 +20,22 @@ if TYPE_CHECKING:
 TREES, LEAVES = 60, 12
 CHECK_EVENTS = 4
 """Simulated events a measured one, from which the classifier's expectation is taken."""
-
-
+GRAIN = 1e-6
+"""Of a feature's spread: values closer than that are one."""
 Features = Callable[[NDArray], NDArray]
 
 
 def features_of(target: Target) -> Features:
     """What a classifier sees of events: their features, of images the parts of their summary."""
-    return target.summary.vectors if isinstance(target.summary, Pixels) else rounded
+    if isinstance(target.summary, Pixels):
+        return target.summary.vectors
+    spread = [np.ptp(edges) if len(edges) > 1 else 1.0 for edges in target.summary.edges]
+    return partial(rounded, grain=GRAIN * np.array(spread))
 
 
-def rounded(x: NDArray) -> NDArray:
-    """Events (n, d) to six decimals: equal values must not differ by how a computer arrives at them."""
-    return x if np.issubdtype(x.dtype, np.integer) else x.round(6)
+def rounded(x: NDArray, grain: NDArray[np.float64]) -> NDArray:
+    """Events (n, d) to multiples of `grain` (d,): equal values must not differ by how a computer arrives at them."""
+    return x if np.issubdtype(x.dtype, np.integer) else np.rint(x / grain) * grain
 
 
 def trained(x: NDArray, simulated: NDArray, seed: int) -> "HistGradientBoostingClassifier":

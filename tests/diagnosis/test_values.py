@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avobench.diagnosis.classifier import rounded
+from avobench.diagnosis.classifier import features_of
 from avobench.diagnosis.detect import target_of
 from avobench.diagnosis.effects.base import Family
 from avobench.diagnosis.effects.counts.recording import DeadTime
@@ -93,8 +93,12 @@ def test_the_feature_that_disagrees_most_is_looked_at_first():
     assert worst_feature(SimpleNamespace(predicted=target.summary.mean(simulated)[0]), target) == 3
 
 
-def test_a_classifier_does_not_see_how_a_computer_rounds():
-    x = np.random.default_rng(0).integers(0, 9, (100, 2)) * 0.708
-    np.testing.assert_array_equal(rounded(x), rounded(x * (1 + 1e-9)))
-    counts = np.arange(5)[:, None]
-    assert rounded(counts).dtype == counts.dtype
+@pytest.mark.parametrize("unit", [1e-9, 1.0, 1e9])
+def test_a_classifier_does_not_see_how_a_computer_rounds_whatever_the_unit(unit):
+    rng = np.random.default_rng(0)
+    x = np.column_stack([rng.integers(0, 9, 2000) * 0.708, rng.standard_normal(2000)]) * unit
+    seen = features_of(target_of(x, bins_of(x, x), x))
+    np.testing.assert_array_equal(seen(x)[:, 0], seen(x * (1 + 1e-9))[:, 0])
+    np.testing.assert_allclose(seen(x), x, atol=1e-5 * unit)
+    counts = rng.poisson(4, (2000, 1))
+    assert features_of(target_of(counts, bins_of(counts, counts), counts))(counts) is counts

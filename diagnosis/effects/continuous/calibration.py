@@ -136,7 +136,7 @@ class Quantisation(Change):
 
     def guess(self, x):
         """Nothing where no values repeat."""
-        shown = self.adapted(x).steps[self.shape == "angle"]
+        shown = (self.steps or self.adapted(x).steps)[self.shape == "angle"]
         return None if shown > 0 else np.empty((0, 2))
 
     def changed(self, x, span, phi, rng):
