@@ -235,9 +235,9 @@ class Fit:
         reach, _ = np.linalg.qr(self.jacobian @ vectors[:, self.model.dim - self.num_identified :])
         return np.eye(len(self.residual)) - reach @ reach.T
 
-    def next_design(self, least: float = 0.0, ratio: float = 1.0) -> Design:
+    def next_design(self, least: float = 0.0, ratio: float = 1.0, slope_noise: float = SLOPE_NOISE) -> Design:
         """A design around the fit for `ratio` times its events, with `least` as in `around`."""
-        return self.around(max(MIN_SIGMAS, self.slope_error / np.sqrt(ratio) / SLOPE_NOISE), least)
+        return self.around(max(MIN_SIGMAS, self.slope_error / np.sqrt(ratio) / slope_noise), least)
 
     def around(self, sigmas: float, least: float = 0.0) -> Design:
         """A design along the directions of the Fisher information, so many standard errors wide to either side.
@@ -487,14 +487,18 @@ def descend(
     num_events: int,
     max_rounds: int,
     base: Base | None = None,
+    exact: bool = False,
 ) -> Fit:
     """Go from design to design, each around the minimum of the last one's surrogate, until it stands still.
 
     What a surrogate promises is not believed: with many coefficients it follows the data by chance. Where simulation
     at the end of a step is clearly worse than at its start, the step is taken back and tried in a narrower design. The
     start is then simulated anew: a value that was low by chance would keep every step away.
+
+    Where a fit that stands still leaves more than noise, an `exact` one goes on in narrower designs: over a wide one an
+    effect with hard edges is no polynomial.
     """
-    best, lowest, gap, error = None, None, np.inf, 0.0
+    best, lowest, gap, error, slope_noise = None, None, np.inf, 0.0, SLOPE_NOISE
     scale = float(np.abs(design.axes / model.reach(design.centre)[:, None]).max())
     for _ in range(max_rounds):
         inside = None if base is None else base.within(design)
@@ -513,12 +517,16 @@ def descend(
         lowest = best if lowest is None else min(lowest, best, key=lambda fit: fit.gap + fit.gap_error)
         step = minimise(model, s, target)
         moved = np.abs(design.to_t(step.unit)).max()
-        narrowest = step.next_design()
-        design = step.next_design(scale if moved > 0.9 else scale / SHRINK)
+        narrowest = step.next_design(slope_noise=slope_noise)
+        design = step.next_design(scale if moved > 0.9 else scale / SHRINK, slope_noise=slope_noise)
         promises_much = step.gap < here - WORSE * its_error
         if moved < 0.3 and not promises_much and np.allclose(design.axes, narrowest.axes):
             best = step
-            break
+            leaves_much = step.gap - WORSE * step.gap_error > step.dof + WORSE * np.sqrt(2 * step.dof)
+            if not exact or slope_noise > SLOPE_NOISE or not leaves_much:
+                break
+            slope_noise *= SHRINK
+            design = step.next_design(slope_noise=slope_noise)
         # A curved model is not known to be as sharp as its slope at a distance says.
         scale = scale if moved > 0.9 else scale / SHRINK
     # The lowest of many values is low by chance; only a clear difference counts.
@@ -532,10 +540,11 @@ def polish(
     num_events: int,
     rounds: int = POLISHES,
     base: Base | None = None,
+    exact: bool = False,
 ) -> Fit:
-    """The same fit with many events in small designs around it."""
+    """The same fit with many events in small designs around it; `exact` as in `descend`."""
     design = fit.next_design(ratio=max(num_events / fit.num_events, 1))
-    return descend(fit.model, target, design, rng, num_events, rounds, base)
+    return descend(fit.model, target, design, rng, num_events, rounds, base, exact)
 
 
 def scan(

@@ -22,7 +22,7 @@ from avobench.diagnosis.fit import Base, Fit, Target, polish, refine, scan, sett
 from avobench.diagnosis.identifiability import card
 from avobench.diagnosis.localise import intervals, significant
 from avobench.diagnosis.model import Model
-from avobench.diagnosis.name import candidates, reshaped
+from avobench.diagnosis.name import CLOSES, candidates, clears_feature, reshaped
 from avobench.diagnosis.pictures import pictures
 from avobench.diagnosis.pixels import Pixels, pixels_of
 from avobench.diagnosis.pool import Pool, TwoStage
@@ -50,8 +50,6 @@ IMAGE_SHARES = {"summary": 0.6, "cells": 0.2, "classifier": 0.2}
 FEW_EVENTS = 1000
 METHOD_EVENTS = 160_000
 """The budget of a registered method that looks for theta, as in the benchmark."""
-CLOSES = 0.5
-"""Share of the gap that an effect must close to be named."""
 VETO = 2.5
 """Of the scatter of the events kept aside, in standard errors: a gap that grows on them by more vetoes an effect."""
 STILL = 0.2
@@ -222,7 +220,11 @@ def diagnose(
             used, without = {e.key for e in fit.model.effects}, steps[0].fit.gap
             free = [e for e in effects if e.key not in used]
             own = effort if not used else replace(effort, families=effort.families // 2)
-            options = {"leaves": leaves, "gap_without": without, "jobs": jobs}
+
+            def hopeful(one: Fit) -> bool:
+                return excess(one) - 2 * one.gap_error < leaves * excess(fit) or clears_feature(one, fit, target)
+
+            options = {"hopeful": hopeful, "gap_without": without, "jobs": jobs}
             fits, known = candidates(fit, target, free, seen, rng, own, **options)
             ranks = ranking(fits, without)
             if ranks and others and excess(ranks[0].fit) > noise(ranks[0].fit):
@@ -240,7 +242,7 @@ def diagnose(
                 ranks, known = search(steps[-1].fit, PAIR_LEAVES, steps[-2].ranks[0].others)
             steps[-1] = replace(steps[-1], ranks=ranks)
             worse = partial(grew, target=target, mean=aside_mean, num_events=len(aside))
-            chosen = _accepted(steps, worse)
+            chosen = _accepted(steps, worse, partial(clears_feature, target=target))
             if chosen is None and len(steps) == 1 and max_effects > 1:
                 steps, known = _pair(steps[0], search, worse) or (steps, known)
                 chosen = steps[-1].ranks[0].fit if len(steps) > 1 else None
@@ -248,7 +250,7 @@ def diagnose(
                 break
             chosen, widened_note = widened(chosen, target, rng, effort)
             notes += widened_note
-            refined = polish(chosen, target, rng, int(effort.again[-1] * len(seen)), rounds=8, base=known)
+            refined = polish(chosen, target, rng, int(effort.again[-1] * len(seen)), rounds=8, base=known, exact=True)
             step = _tested(min(refined, chosen, key=lambda f: f.gap), target, seen, rng, effort, known)
             steps.append(step)
 
@@ -349,7 +351,7 @@ def _tested(
     return Step(fit, own, gates)
 
 
-def _accepted(steps: list[Step], grew: Callable[[Fit, Fit], bool]) -> Fit | None:
+def _accepted(steps: list[Step], grew: Callable[[Fit, Fit], bool], clears: Callable[[Fit, Fit], bool]) -> Fit | None:
     """The first of the last step's ranks, if it may be added to the model."""
     last = steps[-1]
     if not last.ranks:
@@ -357,6 +359,8 @@ def _accepted(steps: list[Step], grew: Callable[[Fit, Fit], bool]) -> Fit | None
     best = last.ranks[0]
     if grew(best.fit, last.fit):
         return None
+    if clears(best.fit, last.fit):
+        return best.fit
 
     whole = excess(steps[0].fit)
     if len(steps) == 1:

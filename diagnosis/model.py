@@ -66,12 +66,19 @@ class Model:
 
         A tenth of the range, and of a strength no more than there is of it.
         """
-        reach, at = np.full(self.dim, WIDEST), self.num_theta
+        reach = np.full(self.dim, WIDEST)
+        for at, strength in self.strengths(unit).items():
+            reach[at] = np.clip(strength, LEAST_STRENGTH, WIDEST)
+        return reach
+
+    def strengths(self, unit: NDArray[np.float64]) -> dict[int, float]:
+        """How far a point (P,) of the unit cube is from each effect's null value, by the column of its strength."""
+        found, at = {}, self.num_theta
         for effect in self.effects:
             null = (effect.parameters[0].null - self.low[at]) / (self.high[at] - self.low[at])
-            reach[at] = np.clip(abs(unit[at] - null), LEAST_STRENGTH, WIDEST)
+            found[at] = float(abs(unit[at] - null))
             at += len(effect.parameters)
-        return reach
+        return found
 
     def from_unit(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
         """Parameters from the unit cube, logarithmic where that is their scale: (n, P) -> (n, P)."""

@@ -1,5 +1,6 @@
 """Which effect is missing? Every shape of every candidate is screened, and the promising ones fitted with theta."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import joblib
@@ -10,7 +11,7 @@ from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit import Base, Fit, Target, descend, polish, refine, scan, settled
 from avobench.diagnosis.rank import cost, likely, ranking, tied
-from avobench.diagnosis.screen import Sample, Start, hidden, screen, searched
+from avobench.diagnosis.screen import ROUGH, Sample, Start, hidden, screen, searched
 from avobench.diagnosis.summary import Bins, whitening
 
 AT_EDGE = 0.48
@@ -26,34 +27,55 @@ SHAPES_AGAIN, MOST_AGAIN, MOST_FINAL, RESHAPED = 2, 8, 4, 3
 shapes of an effect to try beside a second one."""
 WEAK, MOST_EVENTS = 10.0, 4
 """Noise of chi-squared is kept to a fifth of the excess, with at most so many events a measured one."""
+CLOSES, CLEARLY = 0.5, 4.0
+"""Share of the gap that an effect must close to be named, and standard deviations by which one feature's own gap must
+stand out to count."""
 STRONG = 10.0
 """Chi-squared per degree of freedom above which theta may be too far off for an effect to be seen from there."""
 FURTHEST = 0.2
 """How far, in unit coordinates, theta follows an effect's strength within a first design."""
 
 
-def worst_feature(base: Fit, target: Target) -> int | None:
-    """The feature whose own bins disagree most with a fit; None where the summary does not tell features apart."""
-    if not isinstance(target.summary, Bins):
-        return None
-    off, start, gaps = target.mean - base.predicted, 0, {}
+def excess_by_feature(fit: Fit, target: Target) -> dict[int, float]:
+    """By how much chi-squared of each feature's own bins exceeds their number.
+
+    Nothing where there is one feature, or where the summary does not tell them apart.
+    """
+    if not isinstance(target.summary, Bins) or len(target.summary.edges) == 1:
+        return {}
+    residual, start, found = target.mean - fit.predicted, 0, {}
     for features, size in target.summary.blocks:
         if len(features) == 1:
             own = slice(start, start + size)
             w = whitening(target.cov[own, own])
-            gaps[features[0]] = target.num_events * float(((off[own] @ w) ** 2).sum()) - w.shape[1]
+            q = target.num_events * float(((residual[own] @ w) ** 2).sum())
+            found[features[0]] = q - (1 + fit.noise) * w.shape[1]
         start += size
-    return max(gaps, key=gaps.get)
+    return found
+
+
+def clears_feature(fit: Fit, before: Fit, target: Target) -> bool:
+    """Whether the last effect closes most of what its feature shows, on which no effect before it acts.
+
+    What is left in a feature that no effect acts on is not left by a wrong shape.
+    """
+    *others, last = fit.model.effects
+    if any(effect.feature in (last.feature, "all") for effect in others):
+        return False
+    old, new = (excess_by_feature(one, target) for one in (before, fit))
+    if last.feature not in old:
+        return False
+    noise = np.sqrt(2 * len(target.summary.edges[last.feature]))
+    return old[last.feature] > CLEARLY * noise and new[last.feature] < (1 - CLOSES) * old[last.feature]
 
 
 def joint(start: Start, base: Base, target: Target, rng: np.random.Generator, num_events: int) -> Fit:
     """The first steps of a fit of theta and the effects' parameters together."""
     model = start.model
     last = model.dim - len(model.effects[-1].parameters)
-    null = (model.effects[-1].parameters[0].null - model.low[last]) / (model.high[last] - model.low[last])
     half = np.full(model.dim, 0.08)
     half[:last] = 0.02
-    half[last] = max((0.5 if start.loose else 0.003) * abs(start.unit[last] - null), 1e-4)
+    half[last] = max(start.near, 1e-4)
     design = base.design(start.unit, half)
     shear = np.zeros_like(design.axes)
     shear[:last, last] = np.clip(start.along * half[last], -FURTHEST, FURTHEST)
@@ -85,15 +107,14 @@ def candidates(
     rng: np.random.Generator,
     effort: Effort,
     *,
-    leaves: float,
+    hopeful: Callable[[Fit], bool],
     gap_without: float,
     jobs: int = 1,
 ) -> tuple[list[Fit], Base]:
     """Fits to events x (N, d) of `base` with one more effect: the best starts of the most promising families.
 
-    Fits that may still be the best are repeated with more events, all from the same seed, if one of them may leave less
-    than the share `leaves` of the excess over chi-squared; else none will do. `gap_without` is the gap without any
-    effect. Also `base`, made known for that.
+    Fits that may still be the best are repeated with more events, all from the same seed, if one of them is `hopeful`;
+    else none will do. `gap_without` is the gap without any effect. Also `base`, made known for that.
     """
     sample = Sample(base, target, effort.pool, rng)
     effects = [effect.adapted(x) for effect in effects]
@@ -101,9 +122,10 @@ def candidates(
     # Every shape of an effect that looks promising in its plainest is looked at, and of all effects if they are few.
     best_first = sorted(effects, key=lambda e: min((s.expected for s in plain[e.key]), default=np.inf))
     if len(effects) > MOST_SCREENED:
-        worst = worst_feature(base, target)
+        own = excess_by_feature(base, target)
+        worst = max(own, key=own.get, default=None)
         best_first = sorted(best_first, key=lambda e: e.feature != worst)[:MOST_SCREENED]
-    families = []
+    families, spare = [], {}
     for effect in best_first:
         starts, far = [], []
         for k, shape in enumerate(effect.shapes()):
@@ -116,15 +138,25 @@ def candidates(
         # The plainest shape always has its fit: screening is too rough to prefer another to it.
         first, rest = starts[:1], sorted(starts[1:], key=lambda start: start.expected)
         families.append([*first, *rest[: effort.starts - 1], *far])
+        fitted = {start.model.effects[-1].shape for start in families[-1]}
+        shapes = {start.model.effects[-1].shape: start for start in reversed(rest)}
+        spare[effect.key] = [start for shape, start in shapes.items() if shape not in fitted]
     families = sorted(filter(None, families), key=lambda starts: min(start.expected for start in starts))
     starts = [start for starts in families[: effort.families] for start in starts]
     work = joblib.Parallel(n_jobs=jobs)
     known = Base.around(base, target, int(effort.base * target.num_events), rng)
-    streams = rng.spawn(len(starts))  # so that any number of workers gives the same fits
-    fits = work(
-        joblib.delayed(joint)(s, known, target, stream, effort.fit // 2)
-        for s, stream in zip(starts, streams, strict=True)
-    )
+
+    def begun(starts: list[Start]) -> list[Fit]:
+        streams = rng.spawn(len(starts))  # so that any number of workers gives the same fits
+        return work(
+            joblib.delayed(joint)(start, known, target, stream, effort.fit // 2)
+            for start, stream in zip(starts, streams, strict=True)
+        )
+
+    fits = begun(starts)
+    if fits:  # the family that seems best is free to take any of its shapes
+        more = spare[min(fits, key=lambda fit: fit.gap).model.effects[-1].key]
+        starts, fits = starts + more, fits + begun(more)
     # A weak effect is not seen in fits whose noise is as large as what it leaves.
     needed = WEAK * target.num_events * np.sqrt(2 * target.rank) / max(base.gap - base.dof, 1.0)
     enough = int(np.clip(needed, effort.fit, max(effort.fit, MOST_EVENTS * target.num_events)))
@@ -137,26 +169,27 @@ def candidates(
     seed = int(rng.integers(2**63))
     for ratio in effort.again:
         fits = _distinct(fits)
-        best = min(fits, key=lambda fit: fit.gap + fit.gap_error, default=None)
-        if best is None or best.gap - best.dof - 2 * best.gap_error > leaves * (base.gap - base.dof):
+        if not any(hopeful(fit) for fit in fits):
             break
+        best = min(fits, key=lambda fit: fit.gap + fit.gap_error)
         foremost = _distinct(fits, SHAPES_AGAIN)[:MOST_AGAIN]
         promising = [any(fit is one for one in foremost) and likely(fit, best, gap_without) for fit in fits]
         events = max(int(ratio * target.num_events), enough)
         again = work(
-            joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events, AGAIN, known)
+            joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events, AGAIN, known, exact=True)
             for fit, worth in zip(fits, promising, strict=True)
             if worth
         )
         fits = [*again, *(fit for fit, worth in zip(fits, promising, strict=True) if not worth)]
-    foremost = [entry.fit for entry in ranking(fits, gap_without)]
-    foremost = foremost[: 1 + len(tied(ranking(fits, gap_without)))][:MOST_FINAL]
-    if len(foremost) > 1:
-        final = work(
-            joblib.delayed(settled)(fit, target, np.random.default_rng(seed), target.num_events, effort.final)
-            for fit in foremost
-        )
-        fits = [*final, *(fit for fit in fits if all(fit is not one for one in foremost))]
+    else:
+        ranks = ranking(fits, gap_without)
+        foremost = [entry.fit for entry in ranks[:1] + tied(ranks)][:MOST_FINAL]
+        if len(foremost) > 1:
+            final = work(
+                joblib.delayed(settled)(fit, target, np.random.default_rng(seed), target.num_events, effort.final)
+                for fit in foremost
+            )
+            fits = [*final, *(fit for fit in fits if all(fit is not one for one in foremost))]
     return fits, known
 
 
@@ -175,7 +208,8 @@ def reshaped(
             second = pair.model.effects[-1]
             model = replace(alone.model, effects=(*alone.model.effects, second), stretch=pair.model.stretch)
             unit = np.concatenate([alone.unit, pair.unit[-len(second.parameters) :]])
-            fit = joint(Start(model, unit, np.nan, True), base, target, rng, effort.fit)
+            start = Start(model, unit, np.nan, ROUGH * model.strengths(unit)[alone.model.dim])
+            fit = joint(start, base, target, rng, effort.fit)
             fit = continued(fit, base, target, rng, pair.num_events, effort)
             best[k] = min(best[k], (fit, base), key=lambda each: cost(each[0]))
     return best

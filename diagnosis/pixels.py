@@ -46,7 +46,8 @@ class Pixels(Summary):
         along = (image[:, 1:] * image[:, :-1]).sum(axis=(1, 2), dtype=np.float32)
         around = (image * np.roll(image, 1, axis=2)).sum(axis=(1, 2), dtype=np.float32)
         hits = np.eye(len(self.fullness) + 1, dtype=np.float32)[full]
-        all_parts = np.hstack([rows, columns, hits, coarse.reshape(n, -1), along[:, None], around[:, None]])
+        blocks = coarse.reshape(n, len(edges[0]) * len(edges[1]))
+        all_parts = np.hstack([rows, columns, hits, blocks, along[:, None], around[:, None]])
         return all_parts if self.filled is None else all_parts * self.filled
 
     def mean(self, x: NDArray, pieces: int = 1) -> NDArray[np.float64]:

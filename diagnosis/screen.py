@@ -19,9 +19,11 @@ LOCATIONS, SHAPES, WIDTHS = 12, 5, 3
 """Grid points of a location, of a single shape parameter, of a width beside a location."""
 FINALISTS, FINAL_EVENTS = 8, 8
 """Points of the grid that are looked at again, and with how many times the events."""
-ABSORBED, FAR = 0.3, (0.4, 0.9)
+ABSORBED, FAR, MODES = 0.3, np.linspace(0.1, 1, 10), 2
 """Share of an effect's signal below which theta hides it, so that it is also looked for where it is strong; how strong,
-as a share of its range."""
+as shares of its range; and in how many places, at most."""
+ROUGH, GUESSED = 0.5, 0.003
+"""How far a strength from a grid, or one that is read off the data, may be off, as a share of it."""
 GAIN = 3.0
 """How far a strength may be moved from its grid point by that linearity."""
 
@@ -33,8 +35,8 @@ class Start:
     model: Model
     unit: NDArray[np.float64]
     expected: float
-    loose: bool
-    """Whether the strength is only roughly right."""
+    near: float
+    """How far the strength may be off, in unit coordinates."""
     along: NDArray[np.float64] | float = 0.0
     """How the base's parameters move, in unit coordinates (P,), with that of the strength."""
 
@@ -138,7 +140,8 @@ def screen(sample: Sample, effect: Effect, x: NDArray, rng: np.random.Generator,
         unit = np.concatenate([theta, model.to_unit(np.concatenate([base.params, phi]))[base.model.dim :]])
         step = (points[i, 0] - strength.null) / (strength.high - strength.low)
         along = -base.follow(change[i]) / step
-        starts.append(Start(model, unit, float(expected[i]), guesses is None, along))
+        off = ROUGH if guesses is None else GUESSED
+        starts.append(Start(model, unit, float(expected[i]), off * model.strengths(unit)[base.model.dim], along))
     return starts
 
 
@@ -149,30 +152,38 @@ def searched(base: Fit, target: Target, effect: Effect, rng: np.random.Generator
     x = model.simulate(np.tile(model.from_unit(unit), (effort.fit // 5, 1)), rng)
     left = target.whiten(target.mean - target.summary.mean(x)[0])
     scatter = target.num_events / len(x) * target.rank
-    return Start(model, unit, float(left @ left) - scatter, True)
+    return Start(model, unit, float(left @ left) - scatter, ROUGH * model.strengths(unit)[base.model.dim])
 
 
 def hidden(sample: Sample, start: Start, rng: np.random.Generator, effort: Effort) -> list[Start]:
     """Starts at large strengths, to either side, of an effect whose small strength theta hides; else none.
 
-    Theta is searched for at each, and then follows linearly.
+    Theta is searched for at each of a row of strengths; where it then fits better than beside it, a fit may begin.
     """
     base, target, effect = sample.base, sample.target, start.model.effects[-1]
     strength, p = effect.parameters[0], base.model.dim
-    sides = [side for side in (strength.high, strength.low) if side != strength.null]
-    phi = start.model.from_unit(start.unit)[p:]
-    points = np.array([[strength.null + far * (side - strength.null), *phi[1:]] for side in sides for far in FAR])
-    change, scatter = sample.changes(effect, points, effort.screen // 2, rng)
-    free = base.projector()
-    kept, whole = ((moves**2).sum(axis=1) - scatter for moves in (change @ free, change))
-    seen = kept > 3 * scatter * np.sqrt(2 / target.rank)
+    free, shape = base.projector(), start.model.from_unit(start.unit)[p + 1 :]
     starts = []
-    for point in points[seen & (kept < ABSORBED * whole)]:
-        unit = start.model.to_unit(np.concatenate([base.params, point]))
-        unit, _ = scan(start.model, target, rng, fixed=unit[p:], size=(effort.scan[0] // 2, effort.scan[1]))
-        x = start.model.simulate(np.tile(start.model.from_unit(unit), (effort.fit, 1)), rng)
-        left = target.whiten(target.mean - target.summary.mean(x)[0])
-        unit[:p] = np.clip(unit[:p] + np.clip(base.follow(left), -0.1, 0.1), 0, 1)
-        noise = target.num_events / len(x) * target.rank
-        starts.append(Start(start.model, unit, float(((left @ free) ** 2).sum()) - noise, True))
+    for side in [side for side in (strength.high, strength.low) if side != strength.null]:
+        points = np.array([[strength.null + far * (side - strength.null), *shape] for far in FAR])
+        change, scatter = sample.changes(effect, points, effort.screen // 4, rng)
+        kept, whole = ((moves**2).sum(axis=1) - scatter for moves in (change @ free, change))
+        seen = kept > 3 * scatter * np.sqrt(2 / target.rank)
+        if not (seen & (kept < ABSORBED * whole)).any():
+            continue
+        row = []
+        for point in points:
+            unit = start.model.to_unit(np.concatenate([base.params, point]))
+            unit, _ = scan(start.model, target, rng, fixed=unit[p:], size=(effort.scan[0] // 2, effort.scan[1]))
+            x = start.model.simulate(np.tile(start.model.from_unit(unit), (effort.fit, 1)), rng)
+            left = target.whiten(target.mean - target.summary.mean(x)[0])
+            unit[:p] = np.clip(unit[:p] + np.clip(base.follow(left), -0.1, 0.1), 0, 1)
+            noise = target.num_events / len(x) * target.rank
+            row.append((unit, float(((left @ free) ** 2).sum()) - noise))
+        units, expected = np.array([unit for unit, _ in row]), np.array([value for _, value in row])
+        along = np.gradient(units[:, :p], units[:, p], axis=0)
+        between = np.abs(np.diff(units[:, p])).mean()
+        beside = np.minimum(np.r_[np.inf, expected[:-1]], np.r_[expected[1:], np.inf])
+        lowest = [i for i in np.argsort(expected) if expected[i] < beside[i]]
+        starts += [Start(start.model, units[i], expected[i], between, along[i]) for i in lowest[:MODES]]
     return starts

@@ -67,7 +67,7 @@ class ThresholdLoss(Family):
 
     shape: str = "step"
     highest: float = 100.0
-    """Of the threshold; beyond most of the counts it would be a limit from above."""
+    """Of the threshold; beyond nearly all counts it would lose events whatever they hold."""
 
     name = "threshold_loss"
     STRENGTH = Parameter("lost", 0, 0.98, 0, "1")
@@ -82,7 +82,7 @@ class ThresholdLoss(Family):
         return (self.STRENGTH, threshold, *((width,) if self.shape == "free_turn_on" else ()))
 
     def adapted(self, x):
-        return replace(self, highest=max(1.0, float(np.quantile(x, 0.8))))
+        return replace(self, highest=max(1.0, float(np.quantile(x, 0.99))))
 
     def lost(self, x, phi):
         """The chance that counts x (n,) are lost: phi (n, q) -> (n,)."""
