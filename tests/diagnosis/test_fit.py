@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -6,9 +8,10 @@ from hypothesis import strategies as st
 from avobench.diagnosis.detect import summary_gate, target_of
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effort import Effort, effort_for
-from avobench.diagnosis.fit import Base, Design, fit_at, minimise, refine, settled, surrogate
+from avobench.diagnosis.fit import Base, Design, fit_at, minimise, polish, refine, settled, surrogate
 from avobench.diagnosis.loop import Step, best_without, fit_null
 from avobench.diagnosis.model import Model
+from avobench.diagnosis.pixels import pixels_of
 from avobench.diagnosis.summary import bins_of, closed, whitening
 from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
@@ -42,6 +45,15 @@ def test_edges_grow_also_where_only_simulated_events_lie(values, inner):
     assert edges[0] <= min(values)
     assert edges[-1] >= max(values)
     np.testing.assert_array_equal(edges[1:-1], inner)
+
+
+@given(st.integers(0, 30))
+def test_the_moments_of_images_add_up_also_where_there_are_none(cut):
+    rng = np.random.default_rng(0)
+    images, weights = rng.integers(0, 2, (30, 4 * 10)), rng.standard_normal((30, 3))
+    summary = pixels_of(images, images, (4, 10))
+    first, rest = summary.moments(images[:cut], weights[:cut]), summary.moments(images[cut:], weights[cut:])
+    np.testing.assert_allclose(first + rest, summary.moments(images, weights), rtol=1e-5, atol=1e-5)
 
 
 def test_covariance_is_that_of_the_vectors_and_whitens():
@@ -173,6 +185,23 @@ def test_a_fit_that_leaves_much_is_the_same_whatever_the_seed():
         gate, own, _ = summary_gate(fit, target, rng, LIGHT)
         found.append(best_without(Step(fit, own, {"summary": gate}), target, rng, LIGHT).params[0])
     assert np.ptp(found) < 0.1
+
+
+def test_an_exact_fit_of_hard_edges_goes_on_in_narrower_designs():
+    """A scale moves the ends of the range: over a wide design the bins there are no polynomial of it."""
+    task, truth, start = Weinberg(), [45.0, 1.2, 0.08], [45.0, 1.2, 0.074]
+    scale = next(effect for effect in catalogue(task) if effect.name == "scale")
+    model = Model(task, (replace(scale, shape="linear"),))
+    gaps = {False: [], True: []}
+    for seed in range(4):
+        x, rng = measured(model, truth, 60_000, seed)
+        target = target_of(x, bins_of(x, model.simulate(np.tile(truth, (len(x), 1)), rng)), x)
+        first = refine(model, target, model.to_unit(np.array(start)), 0.02, rng, num_events=30_000, max_rounds=1)
+        for exact, found in gaps.items():
+            fit = polish(first, target, np.random.default_rng(2), 150_000, rounds=10, exact=exact)
+            found.append(fit.gap - fit.dof)
+    assert max(gaps[True]) < max(gaps[False]) - 100  # one of the plain ones is stuck
+    assert all(exact <= plain for exact, plain in zip(gaps[True], gaps[False], strict=True))
 
 
 def test_what_the_data_identify_is_settled_with_more_events():
