@@ -19,6 +19,8 @@ class Effort:
     """Of the repeated fits of candidates that may be the best, a measured one."""
     final: tuple[float, ...] = (36,)
     """Of candidates that are tied, a measured one."""
+    few: int = 10_000
+    """What fewer measured events count as in the last two: where simulation is cheap, its noise need not blur ties."""
     settle: tuple[float, ...] = (3, 9)
     """Times a polish, for the last step of a fit, and to tell what the data say nothing about."""
     least: int = 30_000
@@ -49,6 +51,7 @@ class Effort:
             base=max(self.base * share, 1),
             again=tuple(max(n * share, 0.5) for n in self.again),
             final=tuple(max(n * share, 1) for n in self.final),
+            few=max(int(self.few * share), 1000),
             least=max(int(self.least * share), 3000),
             fit=max(int(self.fit * share), 3000),
             pool=max(int(self.pool * share), 5000),

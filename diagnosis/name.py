@@ -166,7 +166,7 @@ def candidates(
         joblib.delayed(continued)(fit, known, target, stream, enough, effort)
         for fit, stream in zip(fits, streams, strict=True)
     )
-    seed = int(rng.integers(2**63))
+    seed, many = int(rng.integers(2**63)), max(target.num_events, effort.few)
     for ratio in effort.again:
         fits = _distinct(fits)
         if not any(hopeful(fit) for fit in fits):
@@ -174,7 +174,7 @@ def candidates(
         best = min(fits, key=lambda fit: fit.gap + fit.gap_error)
         foremost = _distinct(fits, SHAPES_AGAIN)[:MOST_AGAIN]
         promising = [any(fit is one for one in foremost) and likely(fit, best, gap_without) for fit in fits]
-        events = max(int(ratio * target.num_events), enough)
+        events = max(int(ratio * many), enough)
         again = work(
             joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events, AGAIN, known, exact=True)
             for fit, worth in zip(fits, promising, strict=True)
@@ -186,7 +186,7 @@ def candidates(
         foremost = [entry.fit for entry in ranks[:1] + tied(ranks)][:MOST_FINAL]
         if len(foremost) > 1:
             final = work(
-                joblib.delayed(settled)(fit, target, np.random.default_rng(seed), target.num_events, effort.final)
+                joblib.delayed(settled)(fit, target, np.random.default_rng(seed), many, effort.final)
                 for fit in foremost
             )
             fits = [*final, *(fit for fit in fits if all(fit is not one for one in foremost))]

@@ -32,6 +32,16 @@ def shape_parameters(effect: Effect) -> int:
     return len(effect.parameters) - 1 + effect.choices
 
 
+def prices(fit: Fit) -> list[float]:
+    """What each effect of a fit costs, in chi-squared: its shape parameters, and a strength that is unusual."""
+    found = []
+    for effect, at in zip(fit.model.effects, fit.model.strengths(fit.unit), strict=True):
+        strength = effect.parameters[0]
+        unusual = float((fit.params[at] - strength.null) / strength.usual) ** 2
+        found.append(SHAPE_PRICE * shape_parameters(effect) + unusual)
+    return found
+
+
 def unit_of(left: float, gap_without: float) -> float:
     """What differences of chi-squared count in, where the best fit leaves so much beyond noise."""
     return 1 + max(left, MODEL_ERROR**2 * gap_without, 0) / INDEPENDENT
@@ -44,8 +54,8 @@ def likely(fit: Fit, best: Fit, gap_without: float) -> bool:
 
 
 def cost(fit: Fit) -> float:
-    """What a fit leaves, at most, and the price of the shape parameters of all its effects."""
-    return fit.gap + fit.gap_error + SHAPE_PRICE * sum(shape_parameters(effect) for effect in fit.model.effects)
+    """What a fit leaves, at most, and the prices of all its effects."""
+    return fit.gap + fit.gap_error + sum(prices(fit))
 
 
 def ranking(fits: list[Fit], gap_without: float) -> list[Ranked]:
@@ -65,15 +75,14 @@ def ranking(fits: list[Fit], gap_without: float) -> list[Ranked]:
 
     unit = 1.0
     for _ in range(len(fits)):  # the best depends on the unit, and the unit on the best
-        best = min(fits, key=lambda fit: left(fit) + unit * SHAPE_PRICE * shape_parameters(fit.model.effects[-1]))
+        best = min(fits, key=lambda fit: left(fit) + unit * prices(fit)[-1])
         last, unit = unit, unit_of(left(best) - best.dof, gap_without)
         if unit == last:
             break
     families: dict[tuple, Ranked] = {}
     for fit in fits:
         effect = fit.model.effects[-1]
-        price = SHAPE_PRICE * (shape_parameters(effect) - shape_parameters(best.model.effects[-1]))
-        entry = Ranked(effect, fit, (left(fit) - left(best)) / unit + price)
+        entry = Ranked(effect, fit, (left(fit) - left(best)) / unit + prices(fit)[-1] - prices(best)[-1])
         if effect.key not in families or entry.score < families[effect.key].score:
             families[effect.key] = entry
     ranks = sorted(families.values(), key=lambda entry: entry.score)

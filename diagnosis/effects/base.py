@@ -32,6 +32,8 @@ class Parameter:
     unit: str
     soft: bool = False
     """Whether `high` is a guess, which a fit that ends there may double, and not a limit."""
+    usual: float = np.inf
+    """How far from its null value a strength is as a rule: one k times as far costs an effect k^2 in chi-squared."""
 
     def __post_init__(self) -> None:
         if not (np.isfinite([self.low, self.high]).all() and self.low < self.high):

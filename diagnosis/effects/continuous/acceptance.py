@@ -9,7 +9,7 @@ from avobench.diagnosis.effects.base import Parameter
 from avobench.diagnosis.effects.continuous.base import Acceptance
 
 LEP = "ALEPH, DELPHI, L3, OPAL, SLD, Phys. Rep. 427 (2006) 257, "
-LOSS = Parameter("lost", 0, 0.98, 0, "1")
+LOSS = Parameter("lost", 0, 1, 0, "1")
 SHARP = 0.01
 """Width of a cut, of half the range: narrower than what events resolve, and smooth in where it is."""
 

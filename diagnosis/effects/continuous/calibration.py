@@ -16,6 +16,10 @@ ENDS = {"above": (False, True), "both": (True, True), "below": (True, False)}
 """Whether values are cut at the lower and at the upper end."""
 
 
+CALIBRATED = 0.03
+"""A scale is known to some per cent as a rule; where the far ends of a range seem squeezed by more, they may be cut."""
+
+
 @dataclass(frozen=True)
 class Offset(Change):
     """Every value is shifted."""
@@ -48,7 +52,7 @@ class Scale(Change):
     source = LEO + "Chapter 5"
 
     def strength(self) -> Parameter:
-        return Parameter("stretch", -0.5, 0.5, 0, "1")
+        return Parameter("stretch", -0.5, 0.5, 0, "1", usual=CALIBRATED)
 
     def variants(self):
         return {"linear": (), "cubic": ()} | ({"angle": ()} if self.bounded else {})
