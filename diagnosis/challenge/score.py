@@ -25,6 +25,8 @@ KEPT += ("theta_after", "identified_before", "identified_after", "effects", "num
 NOTHING, NAMED = "no significant disagreement", "missing effect named"
 POWERS = (0.2, 0.5, 0.9, 0.99)
 """Borders of classes of visibility: the power of the best test of binned events, see `visibility`."""
+GAPS = (1.5, 3.0, 10.0)
+"""Borders of classes of what a user sees: chi2/ndf of held-out events before an effect is added."""
 INVISIBLE = 0.2
 """A hidden effect of lower power that is not detected counts as undetectable: theta absorbs it, or it is too weak."""
 VISIBLE = 0.9
@@ -202,7 +204,7 @@ def _one(cases: list[Case]) -> dict[str, Any]:
     found = [case for case in cases if case.detected]
     visible = [case for case in cases if case.power >= VISIBLE]
     explained = [case for case in found if case.diagnosis["verdict"] == NAMED]
-    borders = (0, *POWERS, np.inf)
+    borders, gaps = (0, *POWERS, np.inf), (0, *GAPS, np.inf)
     return {
         "cases": len(cases),
         "undetectable": sum(case.undetectable for case in cases),
@@ -211,6 +213,14 @@ def _one(cases: list[Case]) -> dict[str, Any]:
             for low, high in pairwise(borders)
         ],
         "right_first": rate(_first(case) for case in found),
+        "right_first_by_gap": [
+            {
+                "from": low,
+                "to": high if high < np.inf else None,
+                **rate(_first(case) for case in found if low <= case.diagnosis["gap_before"]["value"] < high),
+            }
+            for low, high in pairwise(gaps)
+        ],
         "right_first_whatever_feature": rate(_first(case, feature=False) for case in found),
         "in_tie_set": rate(_in_first_tie(case) for case in found),
         "tie_size": float(np.mean([len(case.ties[0]) for case in found if case.ties])) if explained else None,

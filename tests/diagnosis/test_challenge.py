@@ -263,6 +263,7 @@ def test_the_score_counts_what_it_says():
     assert (own["cases"], own["undetectable"]) == (5, 1)
     assert [counts(part) for part in own["power"]] == [(0, 1), (0, 0), (0, 0), (0, 1), (3, 3)]
     assert counts(own["right_first"]) == (1, 3)
+    assert [counts(part) for part in own["right_first_by_gap"]] == [(0, 0), (1, 3), (0, 0), (0, 0)]
     assert counts(own["in_tie_set"]) == (2, 3)
     assert counts(own["visible_right_first"]) == (1, 4)
     assert own["tie_size"] == pytest.approx(5 / 3)
@@ -288,6 +289,7 @@ def test_the_score_counts_what_it_says():
     assert "false alarms 1/2 = 50 %" in text
     assert "of a processor median 1.5" in text
     assert "0006: dead_time taken for inefficiency" in text
+    assert "by chi2/ndf before: 0/0 to 1.5, 1/3 to 3, 0/0 to 10, 0/0 above 10" in text
     head_line, *rows = targets([head, *lines], [{**head, "seed": 1}, row(0, "none")]).splitlines()
     assert head_line.split() == ["quantity", "poisson", "all", "wanted", "verdict"]
     (alarms,) = (line for line in rows if "false alarms" in line)

@@ -29,6 +29,9 @@ RUTHERFORD_GEIGER = (57, 203, 383, 525, 532, 408, 273, 139, 45, 27, 10, 4, 0, 1,
 HORSE_KICKS = (109, 65, 22, 3, 1)
 """Corps-years with 0, 1, ... deaths: L. von Bortkiewicz, Das Gesetz der kleinen Zahlen (1898)."""
 
+CLAIMS = (103704, 14075, 1766, 255, 45, 6, 2)
+"""Drivers with 0, 1, ... accidents in a year: H. Buehlmann, Mathematical Methods in Risk Theory (1970)."""
+
 
 def counts(table):
     return np.repeat(np.arange(len(table)), table)[:, None]
@@ -49,6 +52,26 @@ def test_nothing_is_missing_in_counts_that_are_poisson(table):
     rate = diagnosis.theta_before["log_rate"]
     assert rate.value == pytest.approx(np.log(x.mean()), abs=4 * rate.std)  # fitted without a quarter of the events
     assert {row.name for row in diagnosis.identifiability} == {e.name for e in catalogue(Poisson())}
+
+
+def test_drivers_differ_in_how_careful_they_are():
+    diagnosis = diagnose(Poisson(), counts(CLAIMS))
+    assert diagnosis.verdict == Verdict.NAMED
+    (found,) = diagnosis.effects
+    assert found.name == "overdispersion"
+    assert found.parameters["variance"].value == pytest.approx(1.0, abs=0.3)  # 1.00 by the method of moments
+
+
+def test_500_angles_behind_an_acceptance():
+    """Not in a shape of the catalogue: a logistic loss beyond |cos| = 0.85."""
+    task, rng = Weinberg(), np.random.default_rng(0)
+    x = task.simulate(np.tile([45.0, 1.0], (2000, 1)), rng)
+    seen = x[rng.random(len(x)) < 1 / (1 + np.exp((np.abs(x[:, 0]) - 0.85) / 0.03))][:500]
+    diagnosis = diagnose(task, seen)
+    first, *others = diagnosis.effects
+    assert "edge_acceptance" in {first.name, *(rival.name for rival in first.tied_with)}
+    assert not others
+    assert diagnosis.verdict == Verdict.NAMED
 
 
 @pytest.fixture(scope="module")

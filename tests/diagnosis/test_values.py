@@ -8,17 +8,19 @@ from hypothesis import strategies as st
 from avobench.diagnosis.classifier import features_of
 from avobench.diagnosis.detect import target_of
 from avobench.diagnosis.effects.base import Family
+from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effects.counts.recording import DeadTime
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit import Design, Fit, Target, fit_at, refine, surrogate
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.name import clears_feature, excess_by_feature
-from avobench.diagnosis.rank import Ranked
+from avobench.diagnosis.rank import Ranked, ranking
 from avobench.diagnosis.screen import Sample, hidden, screen
 from avobench.diagnosis.summary import bins_of
 from avobench.diagnosis.values import Move, ambiguity, covering, identified, theta_values
 from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
+from avobench.tasks.weinberg import Weinberg
 
 DEAD: Family = DeadTime(shape="non_paralysable")
 WEAK, STRONG = [0.39, 0.062], [2.38, 0.675]
@@ -108,6 +110,19 @@ def test_an_effect_on_one_feature_clears_that_feature_whatever_is_wrong_with_ano
     assert not clears_feature(fit(mended, "all"), before, target)
     assert not clears_feature(fit(mended, "all", 3), before, target)  # may be left by the effect on all
     assert clears_feature(fit(mended, 0, 3), before, target)
+
+
+@pytest.mark.parametrize(("stretch", "first"), [(-0.01, "scale"), (-0.15, "edge_acceptance")])
+def test_of_two_effects_that_fit_alike_an_unusual_strength_is_the_less_likely(stretch, first):
+    effects = {effect.name: effect for effect in catalogue(Weinberg())}
+    fits = []
+    for name, phi in (("scale", [stretch]), ("edge_acceptance", [0.5, 4.0])):
+        model = Model(Weinberg(), (effects[name],))
+        params = np.array([45.0, 1.0, *phi])
+        fits.append(
+            SimpleNamespace(model=model, params=params, unit=model.to_unit(params), gap=40.0, gap_error=1.0, dof=40)
+        )
+    assert ranking(fits, 1000.0)[0].effect.name == first
 
 
 @pytest.mark.parametrize("unit", [1e-9, 1.0, 1e9])
