@@ -54,6 +54,9 @@ VETO = 2.5
 """Of the scatter of the events kept aside, in standard errors: a gap that grows on them by more vetoes an effect."""
 STILL = 0.2
 """Of alpha: the level at which a model with an effect is still rejected: no shape of the catalogue is exactly right."""
+FAINT = 10.0
+"""Chi-squared per degree of freedom below which, in the challenge, effects that were taken out of the catalogue were
+explained by others more often than not, and above which they never were (docs/challenge.md)."""
 PAIR_LEAVES, PAIR_CLEAR, PAIR_ALONE, CHANCE = 0.3, 0.1, 0.2, 1.65
 """A second effect must leave less than the first share of what the first effect left; unless it leaves less than the
 second, it must close more than the third of the whole gap by itself, or have no rival, or leave no more than chance: so
@@ -269,6 +272,11 @@ def diagnose(
     last = first if not named_any else final.own
     if verdict == Verdict.REDUCED:
         last = settled(final.fit, target, rng, int(effort.polish * len(seen)), effort.settle)
+    if verdict == Verdict.NAMED and gap(first).value < FAINT:
+        notes.append(
+            f"a gap of {gap(first).value:.2g} seldom excludes that an effect outside the catalogue did this: compare "
+            "docs/challenge.md"
+        )
     if estimate is not None:
         notes.append(_method_note(fit, task, estimate, first))
     if len(x) < FEW_EVENTS:

@@ -1,7 +1,7 @@
 """How good the diagnoses of a challenge are: the answers are opened here, and only here."""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -203,8 +203,8 @@ def _one(cases: list[Case]) -> dict[str, Any]:
     """One hidden effect, which the catalogue has. Names are judged where something was detected."""
     found = [case for case in cases if case.detected]
     visible = [case for case in cases if case.power >= VISIBLE]
-    explained = [case for case in found if case.diagnosis["verdict"] == NAMED]
-    borders, gaps = (0, *POWERS, np.inf), (0, *GAPS, np.inf)
+    explained = [case for case in found if _explained(case)]
+    borders = (0, *POWERS, np.inf)
     return {
         "cases": len(cases),
         "undetectable": sum(case.undetectable for case in cases),
@@ -213,20 +213,13 @@ def _one(cases: list[Case]) -> dict[str, Any]:
             for low, high in pairwise(borders)
         ],
         "right_first": rate(_first(case) for case in found),
-        "right_first_by_gap": [
-            {
-                "from": low,
-                "to": high if high < np.inf else None,
-                **rate(_first(case) for case in found if low <= case.diagnosis["gap_before"]["value"] < high),
-            }
-            for low, high in pairwise(gaps)
-        ],
+        "right_first_by_gap": _by_gap(found, _first),
         "right_first_whatever_feature": rate(_first(case, feature=False) for case in found),
         "in_tie_set": rate(_in_first_tie(case) for case in found),
         "tie_size": float(np.mean([len(case.ties[0]) for case in found if case.ties])) if explained else None,
         "more_named": rate(len(case.named) > 1 for case in found),
         "visible_right_first": rate(_first(case) for case in visible),
-        "explained": rate(case.diagnosis["verdict"] == NAMED for case in found),
+        "explained": rate(map(_explained, found)),
         **_before_and_after(found),
         "theta_within_2": rate(_near(explained, "after")),
         "mistaken": _mistaken(found),
@@ -239,8 +232,9 @@ def _withheld(cases: list[Case]) -> dict[str, Any]:
         "cases": len(cases),
         "undetectable": sum(case.undetectable for case in cases),
         "detected": rate(case.detected for case in cases),
-        "falsely_explained": rate(case.diagnosis["verdict"] == NAMED for case in found),
-        "mistaken": _mistaken([case for case in found if case.diagnosis["verdict"] == NAMED]),
+        "falsely_explained": rate(map(_explained, found)),
+        "falsely_explained_by_gap": _by_gap(found, _explained),
+        "mistaken": _mistaken([case for case in found if _explained(case)]),
     }
 
 
@@ -262,6 +256,22 @@ def _two(cases: list[Case]) -> dict[str, Any]:
 
 def _spread(values: list[float]) -> dict[str, float] | None:
     return {"median": median(values), "max": max(values)} if values else None
+
+
+def _by_gap(cases: list[Case], hit: Callable[[Case], bool]) -> list[dict[str, Any]]:
+    """How often, by classes of chi2/ndf before; the last has no upper border."""
+    return [
+        {
+            "from": low,
+            "to": high if high < np.inf else None,
+            **rate(hit(case) for case in cases if low <= case.diagnosis["gap_before"]["value"] < high),
+        }
+        for low, high in pairwise((0, *GAPS, np.inf))
+    ]
+
+
+def _explained(case: Case) -> bool:
+    return case.diagnosis["verdict"] == NAMED
 
 
 def _first(case: Case, *, feature: bool = True) -> bool:

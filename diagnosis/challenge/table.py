@@ -49,18 +49,17 @@ def targets(*challenges: list[dict[str, Any]]) -> str:
             else f"{how} {bound:g}"
         )
         rows.append({"quantity": name, **cells, "wanted": wanted, "verdict": _verdict(got["all"], how, bound)})
-    by_gap = [
-        f"{each} shapes, right name first by chi2/ndf before: {_by_gap(one)}"
-        for each, one in scores["all"]["one"].items()
-        if one["cases"]
-    ]
-    return "\n".join([pd.DataFrame(rows).to_string(index=False), *by_gap])
+    one, withheld = scores["all"]["one"], scores["all"]["withheld"][ALL]
+    by_gap = {f"{each} shapes, right name first": one[each]["right_first_by_gap"] for each in one}
+    by_gap["withheld, falsely explained"] = withheld["falsely_explained_by_gap"]
+    lines = [f"{name}, by chi2/ndf before: {_classes(classes)}" for name, classes in by_gap.items()]
+    return "\n".join([pd.DataFrame(rows).to_string(index=False), *lines])
 
 
-def _by_gap(one: dict[str, Any]) -> str:
+def _classes(parts: list[dict[str, Any]]) -> str:
     return ", ".join(
         f"{part['count']}/{part['of']} {'above' if part['to'] is None else 'to'} {part['to'] or part['from']:g}"
-        for part in one["right_first_by_gap"]
+        for part in parts
     )
 
 
@@ -103,7 +102,7 @@ def as_text(result: dict[str, Any]) -> str:
             *(f"  {100 * p['from']:3.0f} to {100 * p['to']:3.0f} %: {_percent(p)}" for p in one["power"] if p["of"]),
             f"  of those detected: right name first {_percent(one['right_first'])} "
             f"(whatever the feature {_percent(one['right_first_whatever_feature'])})",
-            f"  by chi2/ndf before: {_by_gap(one)}",
+            f"  by chi2/ndf before: {_classes(one['right_first_by_gap'])}",
             f"  truth in the tie set {_percent(one['in_tie_set'])}, mean size {_number(one['tie_size'])}",
             f"  of all with a power of {100 * VISIBLE:.0f} % or more: right name first "
             f"{_percent(one['visible_right_first'])}",
@@ -117,6 +116,7 @@ def as_text(result: dict[str, Any]) -> str:
             lines += [
                 f"withheld effect, {each} shapes: detected {_percent(withheld['detected'])}, of these falsely "
                 f"explained {_percent(withheld['falsely_explained'])}",
+                f"  by chi2/ndf before: {_classes(withheld['falsely_explained_by_gap'])}",
                 *(f"    {line}" for line in withheld["mistaken"] if each != ALL),
             ]
     for each, two in _sets(result["two"]):

@@ -276,7 +276,9 @@ def test_the_score_counts_what_it_says():
     assert counts(foreign["right_first"]) == (0, 1)
     assert foreign["tie_size"] is None
     assert "taken for nothing" in foreign["mistaken"][0]
-    assert counts(result["withheld"]["own"]["falsely_explained"]) == (1, 2)
+    withheld = result["withheld"]["own"]
+    assert counts(withheld["falsely_explained"]) == (1, 2)
+    assert [counts(part) for part in withheld["falsely_explained_by_gap"]] == [(0, 0), (1, 2), (0, 0), (0, 0)]
     two = result["two"]["own"]
     assert [counts(two[name]) for name in ("both", "at_least_one", "both_with_ties")] == [(1, 3), (2, 3), (2, 3)]
     assert counts(own["more_named"]) == (0, 3)
@@ -296,7 +298,7 @@ def test_the_score_counts_what_it_says():
     assert "1/3 = 33%" in alarms
     assert alarms.endswith(" met")
     assert "not met" not in alarms  # of three data sets, one may be by chance
-    (explained,) = (line for line in rows if "falsely explained" in line)
+    (explained,) = (line for line in rows if "withheld: falsely explained" in line)
     assert explained.endswith("not met")
 
 
