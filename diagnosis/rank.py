@@ -37,8 +37,8 @@ def prices(fit: Fit) -> list[float]:
     found = []
     for effect, at in zip(fit.model.effects, fit.model.strengths(fit.unit), strict=True):
         strength = effect.parameters[0]
-        unusual = float((fit.params[at] - strength.null) / strength.usual) ** 2
-        found.append(SHAPE_PRICE * shape_parameters(effect) + unusual)
+        unusual = float((fit.params[at] - strength.null) / strength.usual)
+        found.append(SHAPE_PRICE * shape_parameters(effect) + 2 * np.log1p(unusual**2))  # as of a Cauchy distribution
     return found
 
 

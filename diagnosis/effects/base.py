@@ -33,7 +33,7 @@ class Parameter:
     soft: bool = False
     """Whether `high` is a guess, which a fit that ends there may double, and not a limit."""
     usual: float = np.inf
-    """How far from its null value a strength is as a rule: one k times as far costs an effect k^2 in chi-squared."""
+    """How far from its null value a strength is as a rule: one k times as far costs an effect 2 ln(1 + k^2)."""
 
     def __post_init__(self) -> None:
         if not (np.isfinite([self.low, self.high]).all() and self.low < self.high):
