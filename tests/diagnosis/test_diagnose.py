@@ -197,7 +197,8 @@ def test_a_pair_is_accepted_only_if_it_leaves_next_to_nothing():
 
     def leaving(gap, *names):
         model = Model(Poisson(), tuple(effects[name] for name in names))
-        return SimpleNamespace(model=model, gap=gap, gap_error=0.0, dof=10, unit=None)
+        unit = np.full(model.dim, 0.5)
+        return SimpleNamespace(model=model, gap=gap, gap_error=0.0, dof=10, unit=unit, params=model.from_unit(unit))
 
     def ranked(fit):
         return Ranked(fit.model.effects[-1], fit, 0.0)
