@@ -22,7 +22,7 @@ class Simulate(Protocol):
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of an effect, `low <= null <= high`. Raises ValueError otherwise."""
+    """A parameter of an effect, `low <= null <= high` and `usual > 0`. Raises ValueError otherwise."""
 
     name: str
     low: float
@@ -38,6 +38,8 @@ class Parameter:
     def __post_init__(self) -> None:
         if not (np.isfinite([self.low, self.high]).all() and self.low < self.high):
             raise ValueError(f"parameter {self.name} needs finite low < high, got {self.low} and {self.high}")
+        if not self.usual > 0:
+            raise ValueError(f"what is usual of parameter {self.name} must be positive, got {self.usual}")
         if self.null is not None and not self.low <= self.null <= self.high:
             raise ValueError(f"the null value {self.null} of parameter {self.name} lies outside its bounds")
 
