@@ -14,7 +14,7 @@ from avobench.bench.budget import MeteredSimulator
 from avobench.bench.errors import UsageError
 from avobench.bench.problem import Problem
 from avobench.diagnosis.classifier import classifier_gate, correction
-from avobench.diagnosis.detect import cell_gate, summary_gate, target_of
+from avobench.diagnosis.detect import HOPELESS, cell_gate, summary_gate, target_of
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effects.catalogue import catalogue, domain
 from avobench.diagnosis.effort import Effort, effort_for
@@ -212,9 +212,10 @@ def diagnose(
     def gap(of: Fit) -> Gap:
         return held_out_gap(of, target, aside_mean, len(aside))
 
-    before = _tested(null, target, seen, rng, effort)
-    if before.p_value < alpha:  # a fit that went astray looks like a missing effect
-        before = _tested(best_without(before, target, rng, effort), target, seen, rng, effort)
+    before = None if null.p_value < HOPELESS else _tested(null, target, seen, rng, effort)
+    if before is None or before.p_value < alpha:  # a fit that went astray looks like a missing effect
+        tried = [null] if before is None else [null, before.own]
+        before = _tested(best_without(tried, target, rng, effort), target, seen, rng, effort)
     steps, disagree = [before], before.p_value < alpha
     if disagree:
 
@@ -332,19 +333,21 @@ def diagnose(
     return diagnosis
 
 
-def best_without(step: Step, target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
+def best_without(tried: list[Fit], target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
     """The task's own best fit where it does not describe the events, hence where the way to it may have been long.
 
-    From where both fits of the step ended, and from scans of the whole range.
+    From where the fits that were tried ended, of which the first is in the target's metric, and from scans of the whole
+    range.
     """
-    model, per_round = step.fit.model, max(effort.least, int(effort.rounds * target.num_events))
-    starts = [(step.own.unit, 0.005), *(scan(model, target, rng, size=effort.scan) for _ in range(SCANS))]
-    fits = [step.fit] + [
+    first, *others = tried
+    model, per_round = first.model, max(effort.least, int(effort.rounds * target.num_events))
+    starts = [(fit.unit, 0.005) for fit in others] + [scan(model, target, rng, size=effort.scan) for _ in range(SCANS)]
+    fits = [first] + [
         refine(model, target, start, max(near, 0.005), rng, num_events=per_round) for start, near in starts
     ]
+    # The lowest of a few values is low by chance: it is simulated anew, and that counts.
     best = min(fits, key=lambda fit: fit.gap)
-    refined = polish(best, target, rng, int(effort.polish * target.num_events))
-    return min(best, refined, key=lambda fit: fit.gap + fit.gap_error)
+    return polish(best, target, rng, int(effort.polish * target.num_events))
 
 
 def _tested(

@@ -22,6 +22,8 @@ FINALISTS, FINAL_EVENTS = 8, 8
 ABSORBED, FAR, MODES = 0.3, np.linspace(0.1, 1, 10), 2
 """Share of an effect's signal below which theta hides it, so that it is also looked for where it is strong; how strong,
 as shares of its range; and in how many places, at most."""
+COARSE = 10
+"""Points of theta a parameter, in each search for it beside a strength."""
 ROUGH, GUESSED = 0.5, 0.003
 """How far a strength from a grid, or one that is read off the data, may be off, as a share of it."""
 GAIN = 3.0
@@ -171,10 +173,10 @@ def hidden(sample: Sample, start: Start, rng: np.random.Generator, effort: Effor
         seen = kept > 3 * scatter * np.sqrt(2 / target.rank)
         if not (seen & (kept < ABSORBED * whole)).any():
             continue
-        row = []
+        row, size = [], (min(COARSE**p, effort.scan[0] // 2), effort.scan[1])
         for point in points:
             unit = start.model.to_unit(np.concatenate([base.params, point]))
-            unit, _ = scan(start.model, target, rng, fixed=unit[p:], size=(effort.scan[0] // 2, effort.scan[1]))
+            unit, _ = scan(start.model, target, rng, fixed=unit[p:], size=size)
             x = start.model.simulate(np.tile(start.model.from_unit(unit), (effort.fit, 1)), rng)
             left = target.whiten(target.mean - target.summary.mean(x)[0])
             unit[:p] = np.clip(unit[:p] + np.clip(base.follow(left), -0.1, 0.1), 0, 1)

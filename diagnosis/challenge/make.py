@@ -3,7 +3,8 @@
 import io
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -83,6 +84,9 @@ class Hidden:
     feature: str | None
     stage: int
     visibility: Visibility
+    """Alone."""
+    beside: float | None = None
+    """The power with which it is seen beside the other hidden effect, if that one were known; None if it is alone."""
 
     @property
     def answer(self) -> dict[str, Any]:
@@ -95,6 +99,7 @@ class Hidden:
             "settings": self.injection.settings,
             "distance": self.visibility.distance,
             "power": self.visibility.power,
+            "beside": self.beside,
         }
 
 
@@ -156,9 +161,13 @@ def hide(task: Task, kind: str, num_events: int, rng: np.random.Generator) -> tu
     for _ in range(2 if kind == "two" else 1):
         hidden.append(_draw(task, source, theta, num_events, reference, [each.injection.name for each in hidden], rng))
     hidden.sort(key=lambda each: each.stage)
-    simulate = task.simulate
-    for each in hidden:
-        simulate = _after(simulate, each.injection)
+    simulate = _chain(task, hidden)
+    if kind == "two":
+        streams = rng.spawn(2)
+        hidden = [
+            replace(one, beside=_beside(task, hidden, other, theta, num_events, stream))
+            for one, other, stream in zip(hidden, hidden[::-1], streams, strict=True)
+        ]
     answer |= {"set": source, "effects": [each.answer for each in hidden]}
     if kind == "withheld":
         names = dict.fromkeys(effect.name for effect in catalogue(task))
@@ -195,8 +204,7 @@ def _draw(
     keys = [key for key in (own if source == "own" else foreign) if key in own and key[0] not in without]
     if not keys:
         raise UsageError(f"there is no effect of {source} shape to hide in events of {task.name}")
-    size = num_events if task.event_shape or task.num_features > 1 else 2 * num_events
-    at = np.tile(theta, (size, 1))
+    at = np.tile(theta, (_tried(task, num_events), 1))
     family = str(rng.choice(list(dict.fromkeys(name for name, _ in keys))))
     features = [feature for name, feature in keys if name == family]
     feature = features[rng.integers(len(features))]
@@ -212,9 +220,30 @@ def _draw(
     return Hidden(injection, feature_label(task, feature), stages.get(family, 1), seen)
 
 
-def _after(simulate: Simulate, injection: Injection | OwnShape) -> Simulate:
-    """The simulator with one more injection, which acts on what it makes."""
-    return lambda theta, rng: injection.measure(simulate, theta, rng)
+def _tried(task: Task, num_events: int) -> int:
+    """From how many events the visibility of an effect in `num_events` of them is computed."""
+    return num_events if task.event_shape or task.num_features > 1 else 2 * num_events
+
+
+def _beside(
+    task: Task,
+    hidden: list[Hidden],
+    other: Hidden,
+    theta: NDArray[np.float64],
+    num_events: int,
+    rng: np.random.Generator,
+) -> float:
+    """With which power events with both hidden effects tell that there is more than `other`, of known strength."""
+    x = _chain(task, hidden)(np.tile(theta, (_tried(task, num_events), 1)), rng)
+    return visibility(task, x, theta, num_events, rng, _chain(task, [other])).power
+
+
+def _chain(task: Task, hidden: list[Hidden]) -> Simulate:
+    """The task's simulator with hidden effects, one after the other."""
+    simulate: Simulate = task.simulate
+    for each in hidden:
+        simulate = partial(each.injection.measure, simulate)
+    return simulate
 
 
 def _json(content: dict[str, Any]) -> bytes:

@@ -57,6 +57,11 @@ class Case:
         return min(effect["power"] for effect in self.answer["effects"])
 
     @property
+    def both_visible(self) -> bool:
+        """Whether the best test sees each of two hidden effects beside the other."""
+        return all(effect["beside"] >= VISIBLE for effect in self.answer["effects"])
+
+    @property
     def hidden(self) -> list[tuple[str, str | None]]:
         return [self._key(effect) for effect in self.answer["effects"]]
 
@@ -240,7 +245,7 @@ def _withheld(cases: list[Case]) -> dict[str, Any]:
 
 def _two(cases: list[Case]) -> dict[str, Any]:
     found = [case for case in cases if case.detected]
-    visible = [case for case in found if case.power >= VISIBLE]
+    visible = [case for case in found if case.both_visible]
     return {
         "cases": len(cases),
         "detected": rate(case.detected for case in cases),

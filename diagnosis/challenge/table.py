@@ -26,8 +26,8 @@ WANTED: tuple[tuple[str, tuple[str, ...], str, float], ...] = (
     ("withheld: falsely explained", ("withheld", ALL, "falsely_explained"), "at most", 0.1),
     ("two effects: both named", ("two", ALL, "both"), "at least", 0.7),
     ("two effects: at least one named", ("two", ALL, "at_least_one"), "at least", 0.95),
-    ("two effects, each visible alone: both named", ("two", ALL, "visible_both"), "at least", 0.7),
-    ("two effects, each visible alone: at least one", ("two", ALL, "visible_at_least_one"), "at least", 0.95),
+    ("two effects, both visible: both named", ("two", ALL, "visible_both"), "at least", 0.7),
+    ("two effects, both visible: at least one named", ("two", ALL, "visible_at_least_one"), "at least", 0.95),
 )
 """What is wanted: a quantity, where it stands in a score, and its bound."""
 
@@ -125,7 +125,7 @@ def as_text(result: dict[str, Any]) -> str:
                 f"two effects, {each} shapes: detected {_percent(two['detected'])}, of these both named "
                 f"{_percent(two['both'])}, with ties {_percent(two['both_with_ties'])}, at least one "
                 f"{_percent(two['at_least_one'])}",
-                f"  where the best test would see each alone with a power of {100 * VISIBLE:.0f} % or more: both named "
+                f"  where the best test sees each beside the other with {100 * VISIBLE:.0f} % power or more: both named "
                 f"{_percent(two['visible_both'])}, at least one {_percent(two['visible_at_least_one'])}",
                 _medians(two),
                 *(f"    {line}" for line in two["mistaken"] if each != ALL),

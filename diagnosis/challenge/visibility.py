@@ -9,6 +9,8 @@ from scipy.stats import chi2, ncx2
 
 from avobench.tasks import Task
 
+from .injections import Simulate
+
 ALPHA = 0.05
 STEP = 0.02
 """Of numerical derivatives, in widths of the prior."""
@@ -85,27 +87,35 @@ class Bins:
 
 
 def visibility(
-    task: Task, x: NDArray, theta: NDArray[np.float64], num_events: int, rng: np.random.Generator
+    task: Task,
+    x: NDArray,
+    theta: NDArray[np.float64],
+    num_events: int,
+    rng: np.random.Generator,
+    simulate: Simulate | None = None,
 ) -> Visibility:
     """Of the effect in events x (n, d), measured at theta (p,), if there were `num_events` of them.
+
+    `simulate` makes events without it; that of the task, if it is the only one.
 
     Theta is fitted to the binned events by Gauss-Newton steps, from its true value and from where the means agree, in
     case it has far to go; the better fit counts. The fluctuations of x and of the simulation are subtracted on average.
     With as many events in x as `num_events` the distance is uncertain by about 1.5 sqrt(2 / ndf).
     """
-    starts = [theta] if task.event_shape else [theta, _where_means_agree(task, x, theta, rng)]
-    return min((_from(task, x, start, num_events, rng) for start in starts), key=lambda seen: seen.distance)
+    simulate = simulate or task.simulate
+    starts = [theta] if task.event_shape else [theta, _where_means_agree(task, simulate, x, theta, rng)]
+    return min((_from(task, simulate, x, start, num_events, rng) for start in starts), key=lambda seen: seen.distance)
 
 
 def _where_means_agree(
-    task: Task, x: NDArray, theta: NDArray[np.float64], rng: np.random.Generator
+    task: Task, simulate: Simulate, x: NDArray, theta: NDArray[np.float64], rng: np.random.Generator
 ) -> NDArray[np.float64]:
     """The theta (p,) at which the mean of each feature is that of x, as far as there is one."""
     low, high, step = np.array(task.support.low), np.array(task.support.high), STEP * task.prior.width
     scale = x.std(axis=0)
 
     def mean(at: NDArray[np.float64], seed: int) -> NDArray[np.float64]:
-        events = task.simulate(np.tile(np.clip(at, low, high), (len(x), 1)), np.random.default_rng(seed))
+        events = simulate(np.tile(np.clip(at, low, high), (len(x), 1)), np.random.default_rng(seed))
         return events.mean(axis=0) / scale
 
     for seed in rng.integers(2**63, size=NUM_ROUNDS):
@@ -115,9 +125,16 @@ def _where_means_agree(
     return theta
 
 
-def _from(task: Task, x: NDArray, theta: NDArray[np.float64], num_events: int, rng: np.random.Generator) -> Visibility:
+def _from(
+    task: Task,
+    simulate: Simulate,
+    x: NDArray,
+    theta: NDArray[np.float64],
+    num_events: int,
+    rng: np.random.Generator,
+) -> Visibility:
     n, m = len(x), len(x) if task.event_shape else 2 * len(x)
-    simulated = task.simulate(np.tile(theta, (m, 1)), rng)
+    simulated = simulate(np.tile(theta, (m, 1)), rng)
     bins, half = Bins(task, x), NUM_COVARIANCE // 2
     # Of both together: where one of them has next to no event, its own covariance says nothing.
     value, vector = np.linalg.eigh(bins.covariance(np.concatenate([x[:half], simulated[:half]])))
@@ -126,7 +143,7 @@ def _from(task: Task, x: NDArray, theta: NDArray[np.float64], num_events: int, r
     low, high, step = np.array(task.support.low), np.array(task.support.high), STEP * task.prior.width
 
     def mean(at: NDArray[np.float64], seed: int) -> NDArray[np.float64]:
-        events = task.simulate(np.tile(at, (n // 4, 1)), np.random.default_rng(seed))
+        events = simulate(np.tile(at, (n // 4, 1)), np.random.default_rng(seed))
         return bins.mean(events) @ whiten
 
     for round in range(num_rounds := 1 if task.event_shape else NUM_ROUNDS):
@@ -140,7 +157,7 @@ def _from(task: Task, x: NDArray, theta: NDArray[np.float64], num_events: int, r
         left = residual - jacobian @ move
         if round + 1 < num_rounds:
             theta = np.clip(theta + move * step, low, high)
-            simulated = task.simulate(np.tile(theta, (m, 1)), rng)
+            simulated = simulate(np.tile(theta, (m, 1)), rng)
     ndf = int(kept.sum() - rank)
     noncentrality = max(0.0, float(left @ left) - ndf * (1 / n + 1 / m)) * num_events
     return Visibility(noncentrality / ndf, float(ncx2.sf(chi2.isf(ALPHA, ndf), ndf, noncentrality)))

@@ -198,11 +198,10 @@ NAMED, REDUCED = "missing effect named", "disagreement reduced, still significan
 UNEXPLAINED = "disagreement not explained by the catalogue"
 
 
-def row(case, kind, hidden=(), diagnosis=None, power=1.0, theta=1.0, source="own"):
+def row(case, kind, hidden=(), diagnosis=None, power=1.0, theta=1.0, source="own", beside=1.0):
     """A line of records."""
-    effects = [
-        {"name": name, "feature": None, "shape": "", "settings": {}, "distance": 1.0, "power": power} for name in hidden
-    ]
+    seen = {"distance": 1.0, "power": power, "beside": beside}
+    effects = [{"name": name, "feature": None, "shape": "", "settings": {}, **seen} for name in hidden]
     answer = {"case": f"{case:04d}", "kind": kind, "set": source, "theta": [theta], "effects": effects}
     return {
         **answer,
@@ -250,7 +249,7 @@ def test_the_score_counts_what_it_says():
         row(9, "withheld", ["dead_time"], said(UNEXPLAINED)),
         row(10, "withheld", ["pile_up"], power=0.1),
         row(11, "two", ["dead_time", "pile_up"], said(NAMED, [("pile_up", []), ("dead_time", [])])),
-        row(12, "two", ["dead_time", "pile_up"], said(NAMED, [("pile_up", ["inefficiency"])])),
+        row(12, "two", ["dead_time", "pile_up"], said(NAMED, [("pile_up", ["inefficiency"])]), beside=0.5),
         row(13, "two", ["dead_time", "pile_up"], said(NAMED, [("inefficiency", ["dead_time", "pile_up"])])),
     ]
     result = score([head, *lines])
@@ -281,6 +280,7 @@ def test_the_score_counts_what_it_says():
     assert [counts(part) for part in withheld["falsely_explained_by_gap"]] == [(0, 0), (1, 2), (0, 0), (0, 0)]
     two = result["two"]["own"]
     assert [counts(two[name]) for name in ("both", "at_least_one", "both_with_ties")] == [(1, 3), (2, 3), (2, 3)]
+    assert [counts(two[name]) for name in ("visible_both", "visible_at_least_one")] == [(1, 2), (1, 2)]
     assert counts(own["more_named"]) == (0, 3)
     both = score([head, *lines], [{**head, "seed": 1}, row(3, "own", ["dead_time"], power=0.95), row(0, "none")])
     assert counts(both["none"]["false_alarms"]) == (1, 3)
@@ -351,6 +351,16 @@ def test_what_theta_absorbs_is_invisible():
     x = task.simulate(np.tile(theta, (100_000, 1)), rng)
     for events in (x, x + rng.poisson(0.1, x.shape), x + rng.poisson(4, x.shape), rng.binomial(x, 0.9)):
         assert visibility(task, events, theta, 10_000, rng).power < 0.2
+    blind = rng.binomial(task.simulate(np.tile(theta, (100_000, 1)), rng), 0.9)
+    blind[rng.random(len(blind)) < 0.05] = 0
+
+    def zeros(theta, rng):
+        x = task.simulate(theta, rng)
+        x[rng.random(len(x)) < 0.05] = 0
+        return x
+
+    assert visibility(task, blind, theta, 10_000, rng).power > 0.99
+    assert visibility(task, blind, theta, 10_000, rng, zeros).power < 0.2  # beside the zeros a loss is absorbed as well
     turned = -Weinberg().simulate(np.full((100_000, 2), [44.0, 1.0]), rng)  # charge taken wrongly: another c
     assert visibility(Weinberg(), turned, np.array([44.0, 1.0]), 10_000, rng).power < 0.2
 
