@@ -17,8 +17,8 @@ class Effort:
     """Of the model that candidates are added to, a measured one."""
     again: tuple[float, ...] = (3, 6)
     """Of the repeated fits of candidates that may be the best, a measured one."""
-    final: tuple[float, ...] = (36,)
-    """Of candidates that are tied, a measured one."""
+    final: tuple[float, ...] = (36, 36)
+    """Of candidates that are tied, a measured one: again where the first did not settle."""
     few: int = 10_000
     """What fewer measured events count as in the last two: where simulation is cheap, its noise need not blur ties."""
     settle: tuple[float, ...] = (3, 9)
@@ -66,7 +66,7 @@ IMAGES = Effort(
     polish=8,
     base=12,
     again=(4,),
-    final=(8,),
+    final=(8, 8),
     settle=(2,),
     least=8000,
     fit=8000,
@@ -78,7 +78,7 @@ IMAGES = Effort(
     families=8,
     starts=2,
 )
-MANY = Effort(base=12, final=(12,), screen=14_000, families=8, starts=3)
+MANY = Effort(base=12, final=(12, 12), screen=14_000, families=8, starts=3)
 """For several features, each of which has its own entries in the catalogue."""
 USUAL = {"counts": 4_000_000, "continuous": 12_000_000, "images": 1_500_000}
 """Simulated events that a diagnosis usually takes, by domain; a little more or less with what it finds."""

@@ -379,15 +379,22 @@ class Base:
 def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int, ratios: tuple[float, ...]) -> Fit:
     """The same fit with one more step from many events, and more until it is plain which directions the data identify.
 
-    The degrees of freedom that a fit takes up, and the errors that are quoted, hang on that. No `Base`: a polynomial
-    over so wide a design is not exact enough where the data say nearly nothing.
+    The degrees of freedom that a fit takes up, and the errors that are quoted, hang on that. A step to the edge of its
+    design only says where to look next: slopes there are hardly known. No `Base`: a polynomial over so wide a design is
+    not exact enough where the data say nearly nothing.
     """
+    corner = None
     for ratio in ratios:
         more = int(ratio * num_events)
         design = fit.next_design(ratio=more / fit.num_events)
-        fit = minimise(fit.model, surrogate(fit.model, target.summary, design, more, rng), target)
-        if not fit.undecided and np.abs(design.to_t(fit.unit)).max() < INSIDE:
-            break
+        if corner is not None:
+            design = Design(corner, design.axes)
+        step = minimise(fit.model, surrogate(fit.model, target.summary, design, more, rng), target)
+        corner = step.unit if np.abs(design.to_t(step.unit)).max() > INSIDE else None
+        if corner is None:
+            fit = step
+            if not fit.undecided:
+                break
     return fit
 
 

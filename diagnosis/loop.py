@@ -247,9 +247,10 @@ def diagnose(
             steps[-1] = replace(steps[-1], ranks=ranks)
             worse = partial(grew, target=target, mean=aside_mean, num_events=len(aside))
             chosen = _accepted(steps, worse, partial(clears_feature, target=target))
-            if chosen is None and len(steps) == 1 and max_effects > 1:
-                steps, known = _pair(steps[0], search, worse) or (steps, known)
-                chosen = steps[-1].ranks[0].fit if len(steps) > 1 else None
+            if chosen is None and len(steps) <= 2 <= max_effects:
+                pair = _pair(steps, search, worse)
+                steps, known = pair or (steps, known)
+                chosen = steps[-1].ranks[0].fit if pair else None
             if chosen is None:
                 break
             chosen, widened_note = widened(chosen, target, rng, effort)
@@ -386,22 +387,27 @@ def _accepted(steps: list[Step], grew: Callable[[Fit, Fit], bool], clears: Calla
 
 
 def _pair(
-    null: Step, search: Callable[..., tuple[list[Ranked], Base]], grew: Callable[[Fit, Fit], bool]
+    steps: list[Step], search: Callable[..., tuple[list[Ranked], Base]], grew: Callable[[Fit, Fit], bool]
 ) -> tuple[list[Step], Base] | None:
     """Two effects that together leave next to nothing, where none alone closes half of the gap.
 
-    The steps up to the first of them, with the ranks that the second leads, and the model with the first alone.
+    Or where one does, but nothing can be added to it: the first is then another that it was tied with. The steps up to
+    the first of them, with the ranks that the second leads, and the model with the first alone.
     """
-    whole = excess(null.fit)
-    firsts = [entry for entry in null.ranks if 0 < excess(entry.fit) < (1 - PAIR_ALONE) * whole][:PARTNERS]
-    found = [(one, *search(one.fit, PAIR_CLEAR * whole / excess(one.fit), one.others)) for one in firsts]
+    null, whole = steps[0], excess(steps[0].fit)
+    enough = PAIR_CLEAR * whole
+    firsts = [entry for entry in null.ranks if 0 < excess(entry.fit) < (1 - PAIR_ALONE) * whole]
+    if len(steps) > 1:
+        enough = min(enough, PAIR_LEAVES * excess(steps[1].fit))
+        firsts = [entry for entry in firsts if any(entry is tie for tie in null.ties)]
+    found = [(one, *search(one.fit, enough / excess(one.fit), one.others)) for one in firsts[:PARTNERS]]
     found = [(first, ranks, known) for first, ranks, known in found if ranks]
     if not found:
         return None
     found.sort(key=lambda each: cost(each[1][0].fit))
     first, ranks, known = found[0]
     best = ranks[0]
-    if excess(best.fit) > PAIR_CLEAR * whole or grew(best.fit, null.fit):
+    if excess(best.fit) > enough or grew(best.fit, null.fit):
         return None
     rivals = [
         one

@@ -125,7 +125,7 @@ def as_text(result: dict[str, Any]) -> str:
                 f"two effects, {each} shapes: detected {_percent(two['detected'])}, of these both named "
                 f"{_percent(two['both'])}, with ties {_percent(two['both_with_ties'])}, at least one "
                 f"{_percent(two['at_least_one'])}",
-                f"  where the best test sees each beside the other with {100 * VISIBLE:.0f} % power or more: both named "
+                f"  where the best test sees each beside the other at {100 * VISIBLE:.0f} % power or more: both named "
                 f"{_percent(two['visible_both'])}, at least one {_percent(two['visible_at_least_one'])}",
                 _medians(two),
                 *(f"    {line}" for line in two["mistaken"] if each != ALL),
