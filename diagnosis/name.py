@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit import Base, Fit, Target, descend, polish, refine, scan, settled
-from avobench.diagnosis.rank import cost, likely, ranking, tied
+from avobench.diagnosis.rank import cost, likely, ranking
 from avobench.diagnosis.screen import ROUGH, Sample, Start, hidden, screen, searched
 from avobench.diagnosis.summary import Bins, whitening
 
@@ -183,7 +183,7 @@ def candidates(
         fits = [*again, *(fit for fit, worth in zip(fits, promising, strict=True) if not worth)]
     else:
         ranks = ranking(fits, gap_without)
-        foremost = [entry.fit for entry in ranks[:1] + tied(ranks)][:MOST_FINAL]
+        foremost = [entry.fit for entry in ranks if likely(entry.fit, ranks[0].fit, gap_without)][:MOST_FINAL]
         if len(foremost) > 1:
             final = work(
                 joblib.delayed(settled)(fit, target, np.random.default_rng(seed), many, effort.final)
