@@ -60,7 +60,7 @@ often explained by others, and above which none of a few was (docs/challenge.md)
 PAIR_LEAVES, PAIR_CLEAR, PAIR_ALONE, CHANCE = 0.3, 0.1, 0.2, 1.65
 """A second effect must leave less than the first share of what the first effect left; unless it leaves less than the
 second, it must close more than the third of the whole gap by itself, or have no rival, or leave no more than chance: so
-many standard deviations of chi-squared. A third must have no rival."""
+many standard deviations of chi-squared. A third must have no rival, nor a second where the first may be all."""
 PARTNERS = 3
 """Effects to which a second one is added at once, where none alone closes enough."""
 RIVALS = 3
@@ -239,15 +239,16 @@ def diagnose(
                 known = next((base for fit, base in better if fit is ranks[0].fit), known)
             return ranks, known
 
-        while len(steps) <= max_effects and (len(steps) == 1 or steps[-1].p_value < STILL * alpha):
+        while len(steps) <= max_effects and steps[-1].p_value < alpha:
+            rejected = len(steps) == 1 or steps[-1].p_value < STILL * alpha
             if len(steps) == 1:
                 ranks, known = search(steps[0].fit, 1 - CLOSES)
             else:
                 ranks, known = search(steps[-1].fit, PAIR_LEAVES, steps[-2].ranks[0].others)
             steps[-1] = replace(steps[-1], ranks=ranks)
             worse = partial(grew, target=target, mean=aside_mean, num_events=len(aside))
-            chosen = _accepted(steps, worse, partial(clears_feature, target=target))
-            if chosen is None and len(steps) <= 2 <= max_effects:
+            chosen = _accepted(steps, worse, partial(clears_feature, target=target), rejected)
+            if chosen is None and rejected and len(steps) <= 2 <= max_effects:
                 pair = _pair(steps, search, worse)
                 steps, known = pair or (steps, known)
                 chosen = steps[-1].ranks[0].fit if pair else None
@@ -363,8 +364,13 @@ def _tested(
     return Step(fit, own, gates)
 
 
-def _accepted(steps: list[Step], grew: Callable[[Fit, Fit], bool], clears: Callable[[Fit, Fit], bool]) -> Fit | None:
-    """The first of the last step's ranks, if it may be added to the model."""
+def _accepted(
+    steps: list[Step], grew: Callable[[Fit, Fit], bool], clears: Callable[[Fit, Fit], bool], rejected: bool
+) -> Fit | None:
+    """The first of the last step's ranks, if it may be added to the model.
+
+    `rejected`: whether the model without it must be wrong, not only may be.
+    """
     last = steps[-1]
     if not last.ranks:
         return None
@@ -381,7 +387,7 @@ def _accepted(steps: list[Step], grew: Callable[[Fit, Fit], bool], clears: Calla
     single = {entry.effect.key: entry.fit for entry in steps[0].ranks}.get(best.effect.key)
     alone = single is not None and whole - excess(single) > PAIR_ALONE * whole
     no_rival, no_more = not tied(last.ranks), excess(best.fit) < CHANCE * noise(best.fit)
-    if len(steps) > 2 and not no_rival:
+    if (len(steps) > 2 or not rejected) and not no_rival:
         return None
     return best.fit if left < PAIR_CLEAR or (left < PAIR_LEAVES and (alone or no_rival or no_more)) else None
 

@@ -158,7 +158,9 @@ def candidates(
         more = spare[min(fits, key=lambda fit: fit.gap).model.effects[-1].key]
         starts, fits = starts + more, fits + begun(more)
     # A weak effect is not seen in fits whose noise is as large as what it leaves.
-    needed = WEAK * target.num_events * np.sqrt(2 * target.rank) / max(base.gap - base.dof, 1.0)
+    beyond = max(base.gap - base.dof, 1.0)
+    noise = beyond**2 / (WEAK * np.sqrt(2 * target.rank) * beyond + WEAK**2 * base.gap)
+    needed = target.num_events / noise
     enough = int(np.clip(needed, effort.fit, max(effort.fit, MOST_EVENTS * target.num_events)))
     fits = _going_on(fits, [start.expected for start in starts])
     streams = rng.spawn(len(fits))
