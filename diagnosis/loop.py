@@ -248,10 +248,12 @@ def diagnose(
             steps[-1] = replace(steps[-1], ranks=ranks)
             worse = partial(grew, target=target, mean=aside_mean, num_events=len(aside))
             chosen = _accepted(steps, worse, partial(clears_feature, target=target), rejected)
-            if chosen is None and rejected and len(steps) <= 2 <= max_effects:
+            enough = chosen is not None and (len(steps) != 2 or excess(chosen) < CHANCE * noise(chosen))
+            if not enough and rejected and len(steps) <= 2 <= max_effects:
                 pair = _pair(steps, search, worse)
-                steps, known = pair or (steps, known)
-                chosen = steps[-1].ranks[0].fit if pair else None
+                best = pair[0][-1].ranks[0].fit if pair else None
+                if pair and (chosen is None or cost(best) < cost(chosen)):
+                    (steps, known), chosen = pair, best
             if chosen is None:
                 break
             chosen, widened_note = widened(chosen, target, rng, effort)
@@ -397,8 +399,8 @@ def _pair(
 ) -> tuple[list[Step], Base] | None:
     """Two effects that together leave next to nothing, where none alone closes half of the gap.
 
-    Or where one does, but nothing can be added to it: the first is then another that it was tied with. The steps up to
-    the first of them, with the ranks that the second leads, and the model with the first alone.
+    Or where one does, but a second beside it is not enough: the first is then another that it was tied with. The steps
+    up to the first of them, with the ranks that the second leads, and the model with the first alone.
     """
     null, whole = steps[0], excess(steps[0].fit)
     enough = PAIR_CLEAR * whole
