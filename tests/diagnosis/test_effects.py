@@ -6,7 +6,7 @@ from scipy.special import ndtr
 
 from avobench.bench import check
 from avobench.bench.errors import UsageError
-from avobench.diagnosis.effects.base import LEAST_KEPT, Parameter, accepted
+from avobench.diagnosis.effects.base import LEAST_KEPT, Parameter, accepted, skewed_noise
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effects.continuous.base import Range, ranges
 from avobench.diagnosis.effects.counts.exposure import exposed
@@ -97,6 +97,17 @@ def test_overdispersion_adds_the_stated_variance(shape):
     x = events(Poisson(), effect, np.log(20.0), phi)[:, 0]
     assert x.mean() == pytest.approx(20, rel=0.01)
     assert x.var() == pytest.approx(20 + 0.04 * 400, rel=0.06)
+
+
+@pytest.mark.parametrize("skewness", [-2.0, -0.3, 0.0, 1.2])
+def test_skewed_noise_has_the_stated_moments(skewness):
+    """A share s of a centred exponential beside a Gaussian: excess kurtosis 6 s^4."""
+    n = 400_000
+    noise = skewed_noise(np.full(n, skewness), np.random.default_rng(0))
+    assert noise.mean() == pytest.approx(0, abs=5 / np.sqrt(n))
+    assert noise.std() == pytest.approx(1, abs=0.02)
+    assert (noise**3).mean() == pytest.approx(skewness, abs=0.12)
+    assert (noise**4).mean() - 3 == pytest.approx(6 * abs(skewness / 2) ** (4 / 3), abs=0.6)
 
 
 def test_accepted_events_follow_the_acceptance():

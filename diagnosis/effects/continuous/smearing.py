@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from avobench.diagnosis.effects.base import Parameter
+from avobench.diagnosis.effects.base import Parameter, skewed_noise
 from avobench.diagnosis.effects.continuous.base import Change
 
 PDG = "Particle Data Group, Review of Particle Physics (2022), "
@@ -27,7 +27,7 @@ class Resolution(Change):
     def variants(self):
         shapes = {
             "gaussian": (),
-            "skewed": (Parameter("skew", -1, 1, None, "1"),),
+            "skewed": (Parameter("skewness", -2, 2, None, "1"),),
             "tails": (Parameter("tail", 0.02, 0.5, None, "1"),),
             "proportional": (),
         }
@@ -35,10 +35,7 @@ class Resolution(Change):
 
     def changed(self, x, span, phi, rng):
         n, sigma = len(x), phi[:, 0]
-        noise = rng.standard_normal(n)
-        if self.shape == "skewed":  # from a Gaussian to an exponential, both of standard deviation 1
-            skew = phi[:, 1]
-            noise = np.sqrt(1 - skew**2) * noise + skew * (rng.standard_exponential(n) - 1)
+        noise = skewed_noise(phi[:, 1], rng) if self.shape == "skewed" else rng.standard_normal(n)
         if self.shape == "tails":  # a share `tail` has three times the width of the core
             wide = rng.random(n) < phi[:, 1]
             noise = noise * np.where(wide, 3, 1) / np.sqrt(1 + 8 * phi[:, 1])

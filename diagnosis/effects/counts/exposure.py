@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.diagnosis.effects.base import Effect, Family, Parameter, Simulate
+from avobench.diagnosis.effects.base import Effect, Family, Parameter, Simulate, skewed_noise
 
 LONGEST = 30.0
 """Times the simulator's own exposure; the tails of a distribution of rates are cut there."""
@@ -44,7 +44,7 @@ class Overdispersion(Family):
     SHAPES: ClassVar = {
         "gamma": (),
         "lognormal": (),
-        "skewed": (Parameter("skew", -1, 1, None, "1"),),
+        "skewed": (Parameter("skewness", -2, 2, None, "1"),),
         "drift": (),
         "uniform": (),
         "two_rates": (Parameter("share", 0.1, 0.9, None, "1"),),
@@ -64,10 +64,8 @@ class Overdispersion(Family):
         elif self.shape == "lognormal":
             s = np.sqrt(np.log1p(variance))
             g = np.exp(s * rng.standard_normal(len(theta)) - s**2 / 2)
-        elif self.shape == "skewed":  # from a mirrored exponential over a Gaussian to an exponential
-            n, skew = len(theta), phi[:, 1]
-            noise = np.sqrt(1 - skew**2) * rng.standard_normal(n) + skew * (rng.standard_exponential(n) - 1)
-            g = np.maximum(1 + np.sqrt(variance) * noise, 0)
+        elif self.shape == "skewed":
+            g = np.maximum(1 + np.sqrt(variance) * skewed_noise(phi[:, 1], rng), 0)
         elif self.shape == "drift":  # one period of a sine
             g = 1 + np.sqrt(2 * variance) * np.sin(2 * np.pi * rng.random(len(theta)))
         elif self.shape == "uniform":
