@@ -92,13 +92,20 @@ class Step:
     """In its own metric, with more events: what is reported."""
     gates: dict[str, Gate]
     ranks: list[Ranked] = field(default_factory=list)
-    rivals: list[Ranked] | None = None
-    """Of the effect that was chosen, where that is not the first of the ranks."""
+    chosen: Ranked | None = None
+    """The effect that comes after it, where that is not the first of the ranks."""
+    rivals: tuple[Ranked, ...] = ()
+    """Of that effect."""
+
+    @property
+    def added(self) -> Ranked:
+        """The effect that comes after it."""
+        return self.chosen or self.ranks[0]
 
     @property
     def ties(self) -> list[Ranked]:
-        """Those that the effect which was chosen cannot be told from."""
-        return tied(self.ranks) if self.rivals is None else self.rivals
+        """Those that the effect which comes after it cannot be told from."""
+        return list(self.rivals) if self.chosen else tied(self.ranks)
 
     @property
     def p_value(self) -> float:
@@ -244,23 +251,24 @@ def diagnose(
             if len(steps) == 1:
                 ranks, known = search(steps[0].fit, 1 - CLOSES)
             else:
-                ranks, known = search(steps[-1].fit, PAIR_LEAVES, steps[-2].ranks[0].others)
+                ranks, known = search(steps[-1].fit, PAIR_LEAVES, steps[-2].added.others)
             steps[-1] = replace(steps[-1], ranks=ranks)
             worse = partial(grew, target=target, mean=aside_mean, num_events=len(aside))
-            chosen = _accepted(steps, worse, partial(clears_feature, target=target), rejected)
-            enough = chosen is not None and (len(steps) != 2 or excess(chosen) < CHANCE * noise(chosen))
-            if not enough and rejected and len(steps) <= 2 <= max_effects:
+            clears = partial(clears_feature, target=target)
+            step = _accepted(steps, worse, clears, rejected)
+            if rejected and len(steps) <= 2 <= max_effects and not _enough(steps, step, clears):
                 pair = _pair(steps, search, worse)
-                best = pair[0][-1].ranks[0].fit if pair else None
-                if pair and (chosen is None or cost(best) < cost(chosen)):
-                    (steps, known), chosen = pair, best
-            if chosen is None:
+                if pair and (step is None or cost(pair[0][-1].added.fit) < cost(step.added.fit)):
+                    steps, known = pair
+                    step = steps[-1]
+            if step is None:
                 break
+            steps[-1], chosen = step, step.added.fit
+            base = known if known.model.effects == chosen.model.effects[:-1] else None
             chosen, widened_note = widened(chosen, target, rng, effort)
             notes += widened_note
-            refined = polish(chosen, target, rng, int(effort.again[-1] * len(seen)), rounds=8, base=known, exact=True)
-            step = _tested(min(refined, chosen, key=lambda f: f.gap), target, seen, rng, effort, known)
-            steps.append(step)
+            refined = polish(chosen, target, rng, int(effort.again[-1] * len(seen)), rounds=8, base=base, exact=True)
+            steps.append(_tested(min(refined, chosen, key=lambda f: f.gap), target, seen, rng, effort, base))
 
     final = steps[-1]
     named_any = len(steps) > 1
@@ -289,7 +297,7 @@ def diagnose(
     notes += _bound_notes(last)
     names = feature_names(task)
     many = int(effort.polish * len(seen))
-    moves = [move for step in steps[:-1] for move in ambiguity(last, step.ranks[0], step.ties, target, rng, many)]
+    moves = [move for step in steps[:-1] for move in ambiguity(last, step.added, step.ties, target, rng, many)]
     diagnosis = Diagnosis(
         verdict=verdict,
         alpha=alpha,
@@ -368,30 +376,44 @@ def _tested(
 
 def _accepted(
     steps: list[Step], grew: Callable[[Fit, Fit], bool], clears: Callable[[Fit, Fit], bool], rejected: bool
-) -> Fit | None:
-    """The first of the last step's ranks, if it may be added to the model.
+) -> Step | None:
+    """The last step with the effect that may be added to its model, the first of its ranks as a rule; None for none.
 
-    `rejected`: whether the model without it must be wrong, not only may be.
+    Else the first that clears a feature which no effect acts on yet. `rejected`: whether the model without it must be
+    wrong, not only may be.
     """
     last = steps[-1]
-    if not last.ranks:
-        return None
-    best = last.ranks[0]
-    if grew(best.fit, last.fit):
-        return None
-    if clears(best.fit, last.fit):
-        return best.fit
+    if last.ranks and not grew(last.ranks[0].fit, last.fit) and _closes(steps, rejected):
+        return last
+    for entry in last.ranks:
+        if clears(entry.fit, last.fit) and not grew(entry.fit, last.fit):
+            feature, within = entry.effect.feature, entry.score + TIE
+            rivals = [one for one in last.ranks if one is not entry and one.effect.feature == feature]
+            return replace(last, chosen=entry, rivals=tuple(one for one in rivals if one.score < within))
+    return None
 
-    whole = excess(steps[0].fit)
+
+def _closes(steps: list[Step], rejected: bool) -> bool:
+    """Whether the first of the last step's ranks closes enough of the whole gap to be added; `rejected` as above."""
+    last, whole = steps[-1], excess(steps[0].fit)
+    best = last.ranks[0]
     if len(steps) == 1:
-        return best.fit if excess(best.fit) < (1 - CLOSES) * whole else None
+        return excess(best.fit) < (1 - CLOSES) * whole
     left = excess(best.fit) / max(excess(last.fit), 1e-9)
     single = {entry.effect.key: entry.fit for entry in steps[0].ranks}.get(best.effect.key)
     alone = single is not None and whole - excess(single) > PAIR_ALONE * whole
     no_rival, no_more = not tied(last.ranks), excess(best.fit) < CHANCE * noise(best.fit)
     if (len(steps) > 2 or not rejected) and not no_rival:
-        return None
-    return best.fit if left < PAIR_CLEAR or (left < PAIR_LEAVES and (alone or no_rival or no_more)) else None
+        return False
+    return left < PAIR_CLEAR or (left < PAIR_LEAVES and (alone or no_rival or no_more))
+
+
+def _enough(steps: list[Step], step: Step | None, clears: Callable[[Fit, Fit], bool]) -> bool:
+    """Whether no other pair need be looked for: there is an effect to add, and a second leaves no more than chance."""
+    if step is None or len(steps) == 1:
+        return step is not None
+    fit = step.added.fit
+    return clears(fit, step.fit) or excess(fit) < CHANCE * noise(fit)
 
 
 def _pair(
@@ -417,12 +439,12 @@ def _pair(
     best = ranks[0]
     if excess(best.fit) > enough or grew(best.fit, null.fit):
         return None
-    rivals = [
+    rivals = tuple(
         one
         for one, (second, *_), _ in found[1:]
         if second.effect.key == best.effect.key and cost(second.fit) < cost(best.fit) + TIE
-    ]
-    return [replace(null, rivals=rivals), Step(first.fit, first.fit, {}, ranks)], known
+    )
+    return [replace(null, chosen=first, rivals=rivals), Step(first.fit, first.fit, {}, ranks)], known
 
 
 def excess(fit: Fit) -> float:

@@ -16,8 +16,8 @@ from avobench.diagnosis.summary import Bins, whitening
 
 AT_EDGE = 0.48
 """Distance from the middle of the range, of which the edge is at 0.5."""
-MOST_SCREENED = 24
-"""Effects of which all shapes are screened."""
+MOST_SCREENED, OF_FEATURE = 24, 2
+"""Effects of which all shapes are screened; families of each feature that are fitted for what it shows by itself."""
 FIRST_ROUNDS, LAST_ROUNDS, CONTINUED, AGAIN = 3, 7, 10, 4
 """Rounds of all fits, of those that go on, how many of these beside the best of each family; rounds of a repetition."""
 NEARBY = 0.05
@@ -54,19 +54,24 @@ def excess_by_feature(fit: Fit, target: Target) -> dict[int, float]:
     return found
 
 
-def clears_feature(fit: Fit, before: Fit, target: Target) -> bool:
-    """Whether the last effect closes most of what its feature shows, on which no effect before it acts.
+def open_features(fit: Fit, target: Target) -> dict[int, float]:
+    """By how much chi-squared of a feature's own bins is too large, where that is plain and no effect acts on it yet.
 
-    What is left in a feature that no effect acts on is not left by a wrong shape.
+    What is left in a feature that no effect acts on is not left by a wrong shape. Largest first.
     """
-    *others, last = fit.model.effects
-    if any(effect.feature in (last.feature, "all") for effect in others):
-        return False
-    old, new = (excess_by_feature(one, target) for one in (before, fit))
-    if last.feature not in old:
-        return False
-    noise = np.sqrt(2 * len(target.summary.edges[last.feature]))
-    return old[last.feature] > CLEARLY * noise and new[last.feature] < (1 - CLOSES) * old[last.feature]
+    acted = {effect.feature for effect in fit.model.effects}
+    found = sorted(excess_by_feature(fit, target).items(), key=lambda item: -item[1])
+    return {
+        feature: value
+        for feature, value in found
+        if acted.isdisjoint({feature, "all"}) and value > CLEARLY * np.sqrt(2 * len(target.summary.edges[feature]))
+    }
+
+
+def clears_feature(fit: Fit, before: Fit, target: Target) -> bool:
+    """Whether the last effect closes most of what its feature shows, on which no effect before it acts."""
+    feature, shown = fit.model.effects[-1].feature, open_features(before, target)
+    return feature in shown and excess_by_feature(fit, target)[feature] < (1 - CLOSES) * shown[feature]
 
 
 def joint(start: Start, base: Base, target: Target, rng: np.random.Generator, num_events: int) -> Fit:
@@ -142,7 +147,14 @@ def candidates(
         shapes = {start.model.effects[-1].shape: start for start in reversed(rest)}
         spare[effect.key] = [start for shape, start in shapes.items() if shape not in fitted]
     families = sorted(filter(None, families), key=lambda starts: min(start.expected for start in starts))
-    starts = [start for starts in families[: effort.families] for start in starts]
+    # Each feature that shows something of its own has its best families, whatever another one shows.
+    own = [
+        starts
+        for feature in open_features(base, target)
+        for starts in [starts for starts in families if starts[0].model.effects[-1].feature == feature][:OF_FEATURE]
+    ][: effort.families // 2]
+    others = [starts for starts in families if all(starts is not one for one in own)]
+    starts = [start for starts in [*own, *others][: effort.families] for start in starts]
     work = joblib.Parallel(n_jobs=jobs)
     known = Base.around(base, target, int(effort.base * target.num_events), rng)
 

@@ -14,13 +14,14 @@ from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effort import effort_for
 from avobench.diagnosis.fit import Base, refine
-from avobench.diagnosis.loop import Step, _pair
+from avobench.diagnosis.loop import Step, _accepted, _pair
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.name import reshaped
 from avobench.diagnosis.rank import Ranked
 from avobench.diagnosis.schema import Verdict
 from avobench.diagnosis.summary import bins_of
 from avobench.diagnosis.values import scaled_std
+from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
 
@@ -209,15 +210,49 @@ def test_a_pair_is_accepted_only_if_it_leaves_next_to_nothing():
     def search(fit, leaves, others):
         return [ranked(beside[fit.model.effects[-1].name])], fit
 
-    steps, known = _pair(null, search, lambda new, old: False)
+    steps, known = _pair([null], search, lambda new, old: False)
     assert steps[-1].ranks[0].fit is beside["pile_up"]
     assert known.model.effects == (effects["pile_up"],)
     assert steps[0].ties == []
-    assert _pair(null, search, lambda new, old: True) is None  # it grew on the events kept aside
+    assert _pair([null], search, lambda new, old: True) is None  # it grew on the events kept aside
     beside["pile_up"] = leaving(150.0, "pile_up", "quantisation")
-    assert _pair(null, search, lambda new, old: False) is None
+    assert _pair([null], search, lambda new, old: False) is None
     beside |= {name: leaving(gap, name, "quantisation") for name, gap in (("dead_time", 42.0), ("pile_up", 40.0))}
-    steps, _ = _pair(null, search, lambda new, old: False)
+    steps, _ = _pair([null], search, lambda new, old: False)
     assert [tie.effect.name for tie in steps[0].ties] == ["dead_time"]
     closed = Step(leaving(1010.0), None, {}, [ranked(leaving(8.0, "dead_time"))])  # beside it nothing is left to close
-    assert _pair(closed, search, lambda new, old: False) is None
+    assert _pair([closed], search, lambda new, old: False) is None
+    # What the first was tied with may be a better first, if with it much less is left than the first left.
+    first = Step(leaving(610.0, "dead_time"), None, {}, [])
+    steps, _ = _pair([null, first], search, lambda new, old: False)
+    assert [effect.name for effect in steps[-1].added.fit.model.effects] == ["pile_up", "quantisation"]
+    assert steps[0].added.effect.name == "pile_up"
+    first = Step(leaving(100.0, "dead_time"), None, {}, [])
+    assert _pair([null, first], search, lambda new, old: False) is None
+
+
+def test_a_feature_that_is_cleared_counts_where_nothing_closes_the_whole_gap():
+    effects = {e.key: e for e in catalogue(Carl())}
+
+    def fit(gap, *keys):
+        model = Model(Carl(), tuple(effects[key] for key in keys))
+        return SimpleNamespace(model=model, gap=gap, gap_error=0.0, dof=100)
+
+    keys = [("saturation", 4), ("resolution", 0), ("offset", 0), ("scale", 1)]
+    ranks = [
+        Ranked(effects[key], fit(700.0, key), score) for key, score in zip(keys, (0.0, 5.0, 9.0, 9.0), strict=True)
+    ]
+    null = Step(fit(1000.0), None, {}, ranks)
+
+    def accepted(cleared, grew=()):
+        step = _accepted(
+            [null],
+            lambda new, old: new.model.effects[-1].key in grew,
+            lambda new, old: new.model.effects[-1].key in cleared,
+            True,
+        )
+        return step and (step.added.effect.key, [tie.effect.key for tie in step.ties])
+
+    assert accepted([]) is None
+    assert accepted(keys[1:]) == (keys[1], [keys[2]])  # a tie of another feature is none
+    assert accepted(keys[1:], grew=[keys[1]]) == (keys[2], [keys[1]])

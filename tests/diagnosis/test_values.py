@@ -13,7 +13,7 @@ from avobench.diagnosis.effects.counts.recording import DeadTime
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit import Design, Fit, Target, fit_at, refine, surrogate
 from avobench.diagnosis.model import Model
-from avobench.diagnosis.name import clears_feature, excess_by_feature
+from avobench.diagnosis.name import clears_feature, excess_by_feature, open_features
 from avobench.diagnosis.rank import Ranked, ranking
 from avobench.diagnosis.screen import Sample, hidden, screen
 from avobench.diagnosis.summary import bins_of
@@ -108,8 +108,10 @@ def test_an_effect_on_one_feature_clears_that_feature_whatever_is_wrong_with_ano
     assert not clears_feature(fit(mended, 0), before, target)
     assert not clears_feature(fit(mended, 1), before, target)  # shows nothing that could be cleared
     assert not clears_feature(fit(mended, "all"), before, target)
-    assert not clears_feature(fit(mended, "all", 3), before, target)  # may be left by the effect on all
-    assert clears_feature(fit(mended, 0, 3), before, target)
+    assert not clears_feature(fit(mended, "all", 3), fit(simulated, "all"), target)  # may be left by the effect on all
+    assert clears_feature(fit(mended, 0, 3), fit(simulated, 0), target)
+    assert list(open_features(before, target)) == [0, 3]
+    assert list(open_features(fit(simulated, 0), target)) == [3]
 
 
 @pytest.mark.parametrize(("stretch", "first"), [(-0.01, "scale"), (-0.15, "edge_acceptance")])
