@@ -248,6 +248,8 @@ def diagnose(
 
         while len(steps) <= max_effects and steps[-1].p_value < alpha:
             rejected = len(steps) == 1 or steps[-1].p_value < STILL * alpha
+            if not rejected and steps[-1].gates["summary"].p_value > alpha:
+                break  # what only the classifier may see has no name
             if len(steps) == 1:
                 ranks, known = search(steps[0].fit, 1 - CLOSES)
             else:
