@@ -56,7 +56,7 @@ STILL = 0.2
 """Of alpha: the level at which a model with an effect is still rejected: no shape of the catalogue is exactly right."""
 FAINT = 10.0
 """Chi-squared per degree of freedom below which, in the challenge, effects that were taken out of the catalogue were
-often explained by others, and above which none of a few was (docs/challenge.md)."""
+often explained by others, and above which they seldom were (docs/challenge.md)."""
 PAIR_LEAVES, PAIR_CLEAR, PAIR_ALONE, CHANCE = 0.3, 0.1, 0.2, 1.65
 """A second effect must leave less than the first share of what the first effect left; unless it leaves less than the
 second, it must close more than the third of the whole gap by itself, or have no rival, or leave no more than chance: so
