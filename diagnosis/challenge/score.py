@@ -58,8 +58,9 @@ class Case:
 
     @property
     def both_visible(self) -> bool:
-        """Whether the best test sees each of two hidden effects beside the other."""
-        return all(effect["beside"] >= VISIBLE for effect in self.answer["effects"])
+        """Whether the best test sees each of two hidden effects beside the other; no where older records do not say."""
+        beside = [effect.get("beside") for effect in self.answer["effects"]]
+        return None not in beside and min(beside) >= VISIBLE
 
     @property
     def hidden(self) -> list[tuple[str, str | None]]:
