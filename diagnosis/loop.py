@@ -423,15 +423,17 @@ def _pair(
 ) -> tuple[list[Step], Base] | None:
     """Two effects that together leave next to nothing, where none alone closes half of the gap.
 
-    Or where one does, but a second beside it is not enough: the first is then another that it was tied with. The steps
-    up to the first of them, with the ranks that the second leads, and the model with the first alone.
+    Or where one does, but a second beside it is not enough: the pair then begins with that second, or with another that
+    the first was tied with. The steps up to the first of them, with the ranks that the second leads, and the model with
+    the first alone.
     """
     null, whole = steps[0], excess(steps[0].fit)
     enough = PAIR_CLEAR * whole
     firsts = [entry for entry in null.ranks if 0 < excess(entry.fit) < (1 - PAIR_ALONE) * whole]
     if len(steps) > 1:
         enough = min(enough, PAIR_LEAVES * excess(steps[1].fit))
-        firsts = [entry for entry in firsts if any(entry is tie for tie in null.ties)]
+        second = [entry.effect.key for entry in steps[1].ranks[:1]]
+        firsts = [e for e in firsts if e.effect.key in second or any(e is tie for tie in null.ties)]
     found = [(one, *search(one.fit, enough / excess(one.fit), one.others)) for one in firsts[:PARTNERS]]
     found = [(first, ranks, known) for first, ranks, known in found if ranks]
     if not found:

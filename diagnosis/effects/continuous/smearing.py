@@ -48,7 +48,7 @@ class Resolution(Change):
 
 @dataclass(frozen=True)
 class Outliers(Change):
-    """A share of the values has a large error, `width` times half the range."""
+    """A share of the values has a large error: `width` times half the range, or as an angle."""
 
     shape: str = "gaussian"
     name = "outliers"
@@ -60,13 +60,16 @@ class Outliers(Change):
 
     def variants(self):
         width = Parameter("width", 0.5, 20, None, "of half the range")
-        return {"gaussian": (width,), "cauchy": (width,)}
+        angle = Parameter("width", 0.3, 3, None, "rad")
+        return {"gaussian": (width,), "cauchy": (width,)} | ({"angle": (angle,)} if self.bounded else {})
 
     def changed(self, x, span, phi, rng):
         rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
         n, width = len(rows), phi[rows, 1] * span.half
         x = x.copy()
-        if self.shape == "cauchy":
+        if self.shape == "angle":
+            x[rows] = span.cosine(span.angle(x[rows]) + phi[rows, 1] * rng.standard_normal(n))
+        elif self.shape == "cauchy":
             x[rows] += 0.3 * width * rng.standard_cauchy(n)
         else:
             x[rows] += width * rng.standard_normal(n)
