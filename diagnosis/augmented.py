@@ -1,13 +1,13 @@
 """The new model: a task with effects added, kept as `model.json`, and accepted wherever a task is."""
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
 from avobench.bench import registry
 from avobench.bench.errors import UsageError
@@ -33,6 +33,8 @@ class AddedEffect(Strict):
     shape: str
     source: str | None
     """module:Class of an effect of the user's own."""
+    settings: dict[str, Any] = {}
+    """What the data decided of it, such as which cells are dead."""
 
 
 class Parameter(Strict):
@@ -76,10 +78,8 @@ def describe(fit: Fit, std: NDArray[np.float64], task_spec: str, own_effects: di
     low = np.maximum(model.low, fit.params - margin)
     high = np.minimum(model.high, fit.params + margin)
     low[:theta], high[:theta] = base.prior.low, base.prior.high
-    added = [
-        AddedEffect(name=e.name, feature=e.feature, shape=e.shape, source=own_effects.get(e.name))
-        for e in model.effects
-    ]
+    innermost = base.model.task if inner else base
+    added = [_added(effect, innermost, own_effects.get(effect.name)) for effect in model.effects]
     return ModelFile(
         name="-".join([base.name, *(e.name.replace("_", "-") for e in model.effects)]),
         task=inner.task if inner else task_spec,
@@ -125,8 +125,7 @@ class AugmentedTask(Task):
         except ValidationError as error:
             raise UsageError(f"{path} is not a model: {error.errors()[0]['msg']}") from error
         base = registry.build("task", content.task, content.task_settings)
-        known = {(e.name, e.feature, s.shape): s for e in catalogue(base) for s in e.shapes()}
-        effects = tuple(_effect(added, base, known, path) for added in content.effects)
+        effects = tuple(_effect(added, base, path) for added in content.effects)
         task = cls(hashlib.sha256(text).hexdigest())
         own = {
             "content": content,
@@ -157,9 +156,34 @@ class AugmentedTask(Task):
         return np.nan
 
 
-def _effect(added: AddedEffect, base: Task, known: dict[tuple, Effect], path: Path) -> Effect:
-    if added.source is not None:
-        return registry.effect(added.source)
-    if (added.name, added.feature, added.shape) not in known:
-        raise UsageError(f"{path} asks for {added.name} ({added.shape}), which does not apply to {base.name}")
-    return known[added.name, added.feature, added.shape]
+def _plain(base: Task, name: str, feature: int | str | None, source: str | None) -> Effect | None:
+    """An effect as it is before it sees data; None if it does not apply to the task."""
+    if source is not None:
+        return registry.effect(source)
+    return next((effect for effect in catalogue(base) if effect.key == (name, feature)), None)
+
+
+def _added(effect: Effect, base: Task, source: str | None) -> AddedEffect:
+    plain, settings = _plain(base, effect.name, effect.feature, source), {}
+    if is_dataclass(effect):
+        changed = {name for name, value in _fields(effect).items() if value != getattr(plain, name)} - {"shape"}
+        settings = TypeAdapter(type(effect)).dump_python(effect, mode="json", include=changed) if changed else {}
+    return AddedEffect(name=effect.name, feature=effect.feature, shape=effect.shape, source=source, settings=settings)
+
+
+def _effect(added: AddedEffect, base: Task, path: Path) -> Effect:
+    """The inverse of `_added`. Raises UsageError if there is no such effect."""
+    plain = _plain(base, added.name, added.feature, added.source)
+    try:
+        if added.settings:
+            loose = replace(plain, **added.settings)  # of lists and dicts; refuses what is no setting
+            plain = TypeAdapter(type(loose)).validate_python(_fields(loose))
+        return next(shape for shape in plain.shapes() if shape.shape == added.shape)
+    except (AttributeError, TypeError, ValidationError, StopIteration) as error:
+        raise UsageError(
+            f"{path} asks for {added.name} ({added.shape}), which does not apply to {base.name}"
+        ) from error
+
+
+def _fields(effect: Effect) -> dict[str, Any]:
+    return {field.name: getattr(effect, field.name) for field in fields(effect) if field.init}

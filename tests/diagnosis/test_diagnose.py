@@ -21,6 +21,7 @@ from avobench.diagnosis.rank import Ranked
 from avobench.diagnosis.schema import Verdict
 from avobench.diagnosis.summary import bins_of
 from avobench.diagnosis.values import scaled_std
+from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
@@ -117,6 +118,35 @@ def test_the_new_model_is_a_task_that_finds_nothing_missing(named, tmp_path):
     with pytest.raises(ValueError, match="outside the support"):
         task.simulate(np.array([[2.5, -1.0]]), np.random.default_rng(1))
     assert diagnose(task, x, effects=[]).verdict == Verdict.NOTHING
+
+
+@pytest.mark.parametrize("task", [Poisson(), Weinberg(), Carl(), Alignment()], ids=lambda task: task.name)
+def test_a_model_file_keeps_what_the_data_decided_of_an_effect(task, tmp_path):
+    if task.event_shape:
+        x = np.zeros((400, 32 * 32), bool)
+        x[:, :40] = x[:, 64:94] = True  # rows, some cells of which are dead, or alone alive
+    else:
+        x = task.simulate(np.tile(np.mean([task.prior.low, task.prior.high], axis=0), (2000, 1)), np.random.default_rng(0))
+        x[:1200] = np.round(x[:1200], 1)  # of which some effects read steps and limits
+    for effect in catalogue(task):
+        if effect.feature not in (None, 0, "all"):
+            continue
+        for shape in effect.adapted(x).shapes():
+            model = Model(task, (shape,))
+            fit = SimpleNamespace(model=model, params=model.from_unit(np.full(model.dim, 0.5)))
+            path = tmp_path / "model.json"
+            path.write_text(describe(fit, np.full(model.dim, 0.1), task.name, {}).model_dump_json())
+            assert AugmentedTask.read(path).model.effects == (shape,)
+
+
+def test_a_model_file_of_an_effect_that_does_not_exist_is_refused(tmp_path):
+    path, model = tmp_path / "model.json", Model(Poisson(), (catalogue(Poisson())[0],))
+    content = describe(SimpleNamespace(model=model, params=model.low), model.high, "poisson", {})
+    for change in ({"shape": "round"}, {"name": "gremlins"}, {"settings": {"colour": "red"}}):
+        effects = [content.effects[0].model_copy(update=change)]
+        path.write_text(content.model_copy(update={"effects": effects}).model_dump_json())
+        with pytest.raises(UsageError, match="does not apply to poisson"):
+            registry.build("task", str(path), {})
 
 
 def test_a_dead_region_is_found_where_it_is():

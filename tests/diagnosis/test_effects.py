@@ -167,3 +167,43 @@ def test_saturation_reads_its_limit_off_the_data():
         assert limit.low < 0.6 < limit.high < 1.00001 * limit.low
     plain = effect.adapted(task.simulate(np.tile([46.0, 1.0], (3000, 1)), np.random.default_rng(0)))
     assert plain.parameters[1].high == 1
+
+
+def test_values_are_the_middles_of_their_bins_however_uneven():
+    task = Weinberg()
+    borders = np.array([0, 0.2, 0.5, 0.7, 1.3, 1.6, 1.8, 2.4, 2.6, 3.0, np.pi])
+    angle = np.arccos(task.simulate(np.tile([46.0, 1.0], (4000, 1)), np.random.default_rng(0))[:, 0])
+    into = np.searchsorted(borders, angle) - 1
+    binned = np.cos((borders[:-1] + borders[1:])[into] / 2)
+    adapted = effect_of(task, "quantisation").adapted(binned[:, None])
+    shape = next(s for s in adapted.shapes() if s.shape == "bins_in_angle")
+    levels = np.sort(np.arccos(adapted.levels))
+    k = (len(levels) - 1) // 2
+    share = (borders[k + 1] - levels[k]) / (levels[k + 1] - levels[k])
+    x = np.cos(angle)[:, None]
+    phi = np.tile([1.0, share], (len(x), 1))
+    found = shape.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(0))[:, 0]
+    assert found == pytest.approx(binned, abs=1e-9)
+    assert "bins" not in {s.shape for s in effect_of(task, "quantisation").adapted(x).shapes()}
+
+
+@pytest.mark.parametrize(("compression", "knee"), [(0.0, 0.3), (4.0, 0.3), (50.0, 0.9)])
+def test_beyond_a_knee_the_response_bends_and_below_it_nothing_changes(compression, knee):
+    effect = effect_of(Weinberg(), "saturation", "knee")
+    x = np.linspace(-1, 1, 400)[:, None]
+    phi = np.tile([compression, knee], (400, 1))
+    y = effect.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(0))
+    below = x <= knee
+    assert (y[below] == x[below]).all()
+    assert (np.diff(y[:, 0]) > 0).all()
+    assert y[-1, 0] == pytest.approx(knee + (1 - knee) / (1 + compression * (1 - knee)))
+
+
+def test_outliers_in_the_angle_stay_within_the_range():
+    effect = effect_of(Weinberg(), "outliers", "angle")
+    x = np.full((20_000, 1), np.cos(1.0))
+    phi = np.tile([0.3, 0.4], (len(x), 1))
+    y = effect.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(0))[:, 0]
+    moved = np.arccos(y[y != x[:, 0]])
+    assert len(moved) / len(x) == pytest.approx(0.3, abs=0.02)
+    assert (moved.mean(), moved.std()) == pytest.approx((1.0, 0.4), abs=0.03)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from avobench.diagnosis.effects.base import Parameter
 from avobench.diagnosis.effects.continuous.base import Change
@@ -10,6 +11,8 @@ from avobench.diagnosis.effects.continuous.base import Change
 LEO = "W. R. Leo, Techniques for Nuclear and Particle Physics Experiments, 2nd ed. (1994), "
 REPEATED = 5
 """So many equal values of a continuous feature are no chance."""
+LEAST_LEVELS, MOST_LEVELS = 4, 1000
+"""Fewer repeated values are no bins, more are a fine rounding."""
 KNOWN = 1e-9
 """Relative error of a step that is read off the data."""
 ENDS = {"above": (False, True), "both": (True, True), "below": (True, False)}
@@ -99,11 +102,13 @@ class Crosstalk(Change):
 
 @dataclass(frozen=True)
 class Quantisation(Change):
-    """A share of the values is known only in steps."""
+    """A share of the values is known only in steps, or by the bin that it falls in."""
 
     shape: str = "nearest"
     steps: tuple[float, float] | None = None
     """Those that the data show, in the feature and in the angle; 0 for none."""
+    levels: tuple[float, ...] = ()
+    """Values of one feature that repeat in the data: they may be the middles of bins, even or not."""
     name = "quantisation"
     sentence = "Values are recorded in coarse steps, as by a converter of few bits."
     source = LEO + "Section 14.9"
@@ -114,7 +119,12 @@ class Quantisation(Change):
     def variants(self):
         plain, angle = (self._step(in_angle) for in_angle in (False, True))
         shapes = {"nearest": (plain,), "down": (plain,), "middle": (plain,)}
-        return shapes | ({"angle": (angle,)} if self.bounded else {})
+        if self.bounded:
+            shapes["angle"] = (angle,)
+        if len(self.levels) >= LEAST_LEVELS:
+            border = Parameter("border", 0, 1, None, "of the middle step")
+            shapes |= {"bins": (border,)} | ({"bins_in_angle": (border,)} if self.bounded else {})
+        return shapes
 
     def _step(self, in_angle: bool) -> Parameter:
         unit = "rad" if in_angle else "of the feature"
@@ -125,7 +135,12 @@ class Quantisation(Change):
         return Parameter("step", 0.005 * high, high, None, unit)
 
     def adapted(self, x):
-        return replace(self, steps=(self._shown(x, False), self._shown(x, True) if self.bounded else 0.0))
+        steps = (self._shown(x, False), self._shown(x, True) if self.bounded else 0.0)
+        levels: NDArray[np.float64] = np.empty(0)
+        if len(self.columns) == 1:
+            values, counts = np.unique(x[:, self.columns[0]], return_counts=True)
+            levels = values[counts >= REPEATED]
+        return replace(self, steps=steps, levels=tuple(levels.tolist()) if len(levels) <= MOST_LEVELS else ())
 
     def _shown(self, x, in_angle: bool) -> float:
         """The typical distance of neighbouring values that repeat; 0 where none do."""
@@ -140,12 +155,16 @@ class Quantisation(Change):
 
     def guess(self, x):
         """Nothing where no values repeat."""
+        if self.shape.startswith("bins"):
+            return None
         shown = (self.steps or self.adapted(x).steps)[self.shape == "angle"]
         return None if shown > 0 else np.empty((0, 2))
 
     def changed(self, x, span, phi, rng):
         step = phi[:, 1]
-        if self.shape == "angle":
+        if self.shape.startswith("bins"):
+            y = self._middle(x, span, phi[:, 1])
+        elif self.shape == "angle":
             y = span.cosine(np.rint(span.angle(x) / step) * step)
         else:
             y = step * {"nearest": np.rint, "down": np.floor, "middle": lambda v: np.floor(v) + 0.5}[self.shape](
@@ -153,10 +172,36 @@ class Quantisation(Change):
             )
         return np.where(rng.random(len(x)) < phi[:, 0], y, x)
 
+    def _middle(self, x, span, share):
+        """The middle of the bin of each value (n,), the border at the middle being a `share` (n,) of the step on."""
+        levels, y = np.array(self.levels), x
+        if self.shape == "bins_in_angle":
+            levels, y = np.sort(span.angle(levels)), span.angle(x)
+        at_0, per_share = _chain(levels)
+        below = np.clip(np.searchsorted(levels, y), 1, len(levels) - 1) - 1
+        border = np.clip(at_0[below] + per_share[below] * share, levels[below], levels[below + 1])
+        middle = levels[below + (y > border)]
+        return span.cosine(middle) if self.shape == "bins_in_angle" else middle
+
+
+def _chain(levels: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Borders (m - 1,) between bins whose middles are `levels` (m,): each follows from its neighbour, hence from one.
+
+    Where they are if the one at the middle is at the level below it, and how they move with it, its step being a unit.
+    From the middle, since bins at the ends of a range may be cut off.
+    """
+    at_0, middle = levels[:-1].copy(), (len(levels) - 1) // 2
+    for k in range(middle + 1, len(at_0)):
+        at_0[k] = 2 * levels[k] - at_0[k - 1]
+    for k in range(middle - 1, -1, -1):
+        at_0[k] = 2 * levels[k + 1] - at_0[k + 1]
+    sign = np.where((np.arange(len(at_0)) - middle) % 2, -1, 1)
+    return at_0, sign * (levels[middle + 1] - levels[middle])
+
 
 @dataclass(frozen=True)
 class Saturation(Change):
-    """A share of the values ends at a limit: sharply above, below, on both sides; or all bend towards one."""
+    """A share of the values ends at a limit: sharply above, below, on both sides; or all bend, or those above a knee."""
 
     shape: str = "above"
     limits: tuple[float, float] | None = None
@@ -168,10 +213,13 @@ class Saturation(Change):
     def strength(self) -> Parameter:
         if self.shape == "soft":
             return Parameter("compression", 0, 8, 0, "half ranges a limit")
+        if self.shape == "knee":
+            return Parameter("compression", 0, 50, 0, "half ranges a limit")
         return Parameter("fraction", 0, 1, 0, "1")
 
     def variants(self):
-        return {shape: (self._limit(shape),) for shape in ENDS} | {"soft": ()}
+        knee = Parameter("knee", 0, 1, None, "of half the range")
+        return {shape: (self._limit(shape),) for shape in ENDS} | {"soft": (), "knee": (knee,)}
 
     def _limit(self, shape: str) -> Parameter:
         shown = [limit for limit, cut in zip(self.limits or (0, 0), ENDS[shape], strict=True) if cut and limit > 0]
@@ -191,6 +239,9 @@ class Saturation(Change):
         u = span.unit(x)
         if self.shape == "soft":
             return span.centre + span.half * u / np.sqrt(1 + (phi[:, 0] * u) ** 2)
+        if self.shape == "knee":
+            beyond = np.maximum(u - phi[:, 1], 0)
+            return span.centre + span.half * (u - beyond + beyond / (1 + phi[:, 0] * beyond))
         below, above = ENDS[self.shape]
         low = -phi[:, 1] if below else -np.inf
         high = phi[:, 1] if above else np.inf
