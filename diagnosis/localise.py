@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.fit import Fit, Target
+from avobench.diagnosis.summary import Bins, closed
 
 DRAWS = 2000
 MOST = 6
@@ -36,6 +37,31 @@ def intervals(fit: Fit, target: Target, blocks: list[tuple[int, int]]) -> Scan:
     length = np.linalg.norm(reading, axis=1)
     seen = length > 1e-6 * length.max()
     return Scan([r for r, s in zip(regions, seen, strict=True) if s], reading[seen] / length[seen, None])
+
+
+def blocks_of(summary: Bins) -> list[tuple[int, int]]:
+    """Start and number of the bins of each feature."""
+    lengths = [len(edges) + 1 for edges in summary.edges]
+    return [(int(start), n) for start, n in zip(np.cumsum([0, *lengths[:-1]]), lengths, strict=True)]
+
+
+def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> list[tuple[float, float]]:
+    """Where a feature of simulated events x (n, d), or any if it is "all", disagrees most with measured ones.
+
+    The ends of the interval of the largest excess, and of the largest deficit; nothing for images.
+    """
+    if not isinstance(target.summary, Bins):
+        return []
+    blocks = blocks_of(target.summary)
+    scan = intervals(fit, target, blocks if feature == "all" else blocks[feature or 0 :][:1])
+    z = scan.reading @ fit.residual
+    found = []
+    for i in (z.argmax(), z.argmin()):
+        block, first, last = scan.regions[i]
+        column = block if feature == "all" else feature or 0
+        ends = closed(target.summary.edges[column], x[:, column])
+        found.append((float(ends[first]), float(ends[last + 1])))
+    return found
 
 
 def significant(

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit import Fit, Target, scan
+from avobench.diagnosis.localise import spots
 from avobench.diagnosis.model import Model
 
 STRENGTHS = (0.001, 0.005, 0.02, 0.08, 0.25, 0.7)
@@ -99,6 +100,16 @@ class Sample:
         return change, target.num_events / events * target.rank * moved
 
 
+    def places(self, effect: Effect) -> NDArray[np.float64]:
+        """Points (m, q) at which an effect acts where measured events and these disagree most; none if it has no place."""
+        strength, *shape = effect.parameters
+        strong = strength.null + STRENGTHS[-1] * (strength.high - strength.null)
+        low, high = [p.low for p in shape], [p.high for p in shape]
+        inside = [effect.within(*ends) for ends in spots(self.base, self.target, self.x, effect.feature)]
+        rows = [np.r_[strong, np.clip(values, low, high)] for values in inside if values is not None]
+        return np.array(rows).reshape(-1, 1 + len(shape))
+
+
 def screen(sample: Sample, effect: Effect, x: NDArray, rng: np.random.Generator, effort: Effort) -> list[Start]:
     """The best one or two grid points of one shape of an effect added to a fitted model.
 
@@ -126,8 +137,8 @@ def screen(sample: Sample, effect: Effect, x: NDArray, rng: np.random.Generator,
         if guesses is not None:
             gain = np.ones_like(gain)
         expected = left @ left - 2 * gain * along + gain**2 * size
-        if number == events:  # what looks best from few events is looked at with more
-            points = points[np.argsort(expected)[:FINALISTS]]
+        if number == events:  # what looks best from few events is looked at with more, and where the events disagree
+            points = np.concatenate([points[np.argsort(expected)[:FINALISTS]], sample.places(effect)])
     order = np.argsort(expected)
     chosen = [order[0]]
     if q > 1:

@@ -90,6 +90,13 @@ class Effect(ABC):
         """
         return None
 
+    def within(self, low: float, high: float) -> NDArray[np.float64] | None:
+        """Parameters beside the strength (q - 1,) for an effect between two values of its feature, if it has a place.
+
+        A fit then also begins where measured and simulated events disagree most: a grid is too coarse for narrow ones.
+        """
+        return None
+
     def adapted(self, x: NDArray) -> "Effect":
         """The same effect with bounds within which it keeps its meaning for measured events x (N, d)."""
         return self

@@ -98,6 +98,9 @@ class DeadRegion(Acceptance):
         width = Parameter("width", 0.02 * self.half, 0.8 * self.half, None, "of the feature")
         return {"box": (where, width), "dip": (where, width)}
 
+    def within(self, low, high):
+        return np.array([(low + high) / 2, high - low])
+
     def kept(self, x, span, phi):
         distance = np.abs(x - phi[:, 1]) / phi[:, 2]
         return 1 - phi[:, 0] * (distance < 0.5 if self.shape == "box" else np.exp(-6 * distance**2))

@@ -58,6 +58,9 @@ class PeakBackground(Change):
         width = Parameter("width", 0.01 * self.half, 0.35 * self.half, None, "of the feature")
         return {"gaussian": (where, width), "lorentzian": (where, width), "box": (where, width)}
 
+    def within(self, low, high):
+        return np.array([(low + high) / 2, (high - low) / np.sqrt(12)])
+
     def changed(self, x, span, phi, rng):
         rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
         n = len(rows)
