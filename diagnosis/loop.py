@@ -228,7 +228,7 @@ def diagnose(
 
         def search(fit: Fit, leaves: float, others: tuple[Fit, ...] = ()) -> tuple[list[Ranked], Base]:
             """Effects to add to a fit, best first; `others` are fits of its last effect in other shapes."""
-            used, without = {e.key for e in fit.model.effects}, steps[0].fit.gap
+            used, without = {e.key for e in fit.model.effects}, fit.gap
             free = [e for e in effects if e.key not in used]
             own = effort if not used else replace(effort, families=effort.families // 2)
 
@@ -401,6 +401,8 @@ def _closes(steps: list[Step], rejected: bool) -> bool:
     best = last.ranks[0]
     if len(steps) == 1:
         return excess(best.fit) < (1 - CLOSES) * whole
+    if last.fit.gap - best.fit.gap < TIE + best.fit.gap_error:
+        return False
     left = excess(best.fit) / max(excess(last.fit), 1e-9)
     single = {entry.effect.key: entry.fit for entry in steps[0].ranks}.get(best.effect.key)
     alone = single is not None and whole - excess(single) > PAIR_ALONE * whole

@@ -135,7 +135,7 @@ def candidates(
         starts, far = [], []
         for k, shape in enumerate(effect.shapes()):
             own = plain[effect.key] if k == 0 else screen(sample, shape, x, rng, effort)
-            if own and base.gap > STRONG * base.dof and len(effects) <= MOST_SCREENED:
+            if own and base.gap > STRONG * base.dof and (k == 0 or len(effects) <= MOST_SCREENED):
                 own = [*own, searched(base, target, shape, rng, effort)]
             if own and len(effects) <= MOST_SCREENED and shape.guess(x) is None:
                 far += hidden(sample, own[0], rng, effort)
