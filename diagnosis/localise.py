@@ -45,10 +45,10 @@ def blocks_of(summary: Bins) -> list[tuple[int, int]]:
     return [(int(start), n) for start, n in zip(np.cumsum([0, *lengths[:-1]]), lengths, strict=True)]
 
 
-def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> list[tuple[float, float]]:
+def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> list[tuple[float, float, int]]:
     """Where a feature of simulated events x (n, d), or any if it is "all", disagrees most with measured ones.
 
-    The ends of the interval of the largest excess, and of the largest deficit; nothing for images.
+    The ends and the feature of the interval of the largest excess, and of the largest deficit; nothing for images.
     """
     if not isinstance(target.summary, Bins):
         return []
@@ -60,7 +60,7 @@ def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> li
         block, first, last = scan.regions[i]
         column = block if feature == "all" else feature or 0
         ends = closed(target.summary.edges[column], x[:, column])
-        found.append((float(ends[first]), float(ends[last + 1])))
+        found.append((float(ends[first]), float(ends[last + 1]), column))
     return found
 
 

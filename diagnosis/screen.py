@@ -99,13 +99,12 @@ class Sample:
         moved = target.summary.moved(untouched[some], changed[some]).reshape(m, -1).mean(axis=1)
         return change, target.num_events / events * target.rank * moved
 
-
     def places(self, effect: Effect) -> NDArray[np.float64]:
-        """Points (m, q) at which an effect acts where measured events and these disagree most; none if it has no place."""
+        """Points (m, q) at which an effect acts where measured events and these disagree most; none without a place."""
         strength, *shape = effect.parameters
         strong = strength.null + STRENGTHS[-1] * (strength.high - strength.null)
         low, high = [p.low for p in shape], [p.high for p in shape]
-        inside = [effect.within(*ends) for ends in spots(self.base, self.target, self.x, effect.feature)]
+        inside = [effect.within(*spot) for spot in spots(self.base, self.target, self.x, effect.feature)]
         rows = [np.r_[strong, np.clip(values, low, high)] for values in inside if values is not None]
         return np.array(rows).reshape(-1, 1 + len(shape))
 

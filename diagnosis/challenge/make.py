@@ -195,7 +195,7 @@ def _draw(
 
     A family is drawn first, then its feature, then its shape, so that none is favoured for having many of them.
     """
-    own = {(effect.name, effect.feature): effect for effect in catalogue(task)}
+    own = {(effect.name, effect.feature): effect for effect in catalogue(task, reference)}
     foreign: dict[tuple[str, Any], list[type[Injection]]] = {}
     for feature in dict.fromkeys(feature for _, feature in own):
         for shape in shapes(Place(task, feature, reference)):

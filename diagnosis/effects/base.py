@@ -90,8 +90,8 @@ class Effect(ABC):
         """
         return None
 
-    def within(self, low: float, high: float) -> NDArray[np.float64] | None:
-        """Parameters beside the strength (q - 1,) for an effect between two values of its feature, if it has a place.
+    def within(self, low: float, high: float, column: int) -> NDArray[np.float64] | None:
+        """Parameters beside the strength (q - 1,) for an effect between two values of a feature, if it has a place.
 
         A fit then also begins where measured and simulated events disagree most: a grid is too coarse for narrow ones.
         """

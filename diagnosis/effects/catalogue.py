@@ -3,6 +3,7 @@
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from avobench.diagnosis.effects.base import Effect
 from avobench.diagnosis.effects.continuous.acceptance import DeadRegion, EdgeAcceptance, ForwardBackwardAcceptance
@@ -63,8 +64,11 @@ def domain(task: Task) -> Domain:
     return "counts" if np.dtype(task.dtype).kind in "iu" and task.num_features == 1 else "continuous"
 
 
-def catalogue(task: Task) -> list[Effect]:
-    """Every effect that applies to `task`: one entry a name and feature, each in its plainest shape."""
+def catalogue(task: Task, x: NDArray | None = None) -> list[Effect]:
+    """Every effect that applies to `task`: one entry a name and feature, each in its plainest shape.
+
+    Ranges of features are those that events x (N, d) show, or those over the prior.
+    """
     kind = domain(task)
     if kind == "counts":
         return [effect() for effect in COUNTS]
@@ -72,6 +76,8 @@ def catalogue(task: Task) -> list[Effect]:
         tracker = isinstance(task, Alignment)
         return [effect(grid=task.event_shape) for effect in IMAGES + (GEOMETRY if tracker else ())]
     spans = ranges(task)
+    if x is not None:
+        spans = tuple(span.shown(x[:, j]) for j, span in enumerate(spans))
     features = [0] if len(spans) == 1 else [*range(len(spans)), "all"]
     effects = [effect(feature, spans) for effect in CONTINUOUS for feature in features]
     return [e for e in effects if len(spans) > 1 or e.name != "crosstalk"]

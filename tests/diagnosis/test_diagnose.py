@@ -126,7 +126,9 @@ def test_a_model_file_keeps_what_the_data_decided_of_an_effect(task, tmp_path):
         x = np.zeros((400, 32 * 32), bool)
         x[:, :40] = x[:, 64:94] = True  # rows, some cells of which are dead, or alone alive
     else:
-        x = task.simulate(np.tile(np.mean([task.prior.low, task.prior.high], axis=0), (2000, 1)), np.random.default_rng(0))
+        x = task.simulate(
+            np.tile(np.mean([task.prior.low, task.prior.high], axis=0), (2000, 1)), np.random.default_rng(0)
+        )
         x[:1200] = np.round(x[:1200], 1)  # of which some effects read steps and limits
     for effect in catalogue(task):
         if effect.feature not in (None, 0, "all"):

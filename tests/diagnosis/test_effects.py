@@ -2,6 +2,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.special import ndtr
 
 from avobench.bench import check
@@ -207,3 +209,36 @@ def test_outliers_in_the_angle_stay_within_the_range():
     moved = np.arccos(y[y != x[:, 0]])
     assert len(moved) / len(x) == pytest.approx(0.3, abs=0.02)
     assert (moved.mean(), moved.std()) == pytest.approx((1.0, 0.4), abs=0.03)
+
+
+def test_a_background_event_is_one_in_all_features_and_as_wide_as_what_was_measured():
+    task = Carl()
+    x = task.simulate(np.tile([0.1, -0.5], (20_000, 1)), np.random.default_rng(0))
+    flat = next(e for e in catalogue(task) if e.key == ("flat_background", "all")).adapted(x)
+    phi = np.tile([0.2], (len(x), 1))
+    y = flat.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(1))
+    replaced = y != x
+    assert (replaced.all(axis=1) | ~replaced.any(axis=1)).all()
+    rows = replaced[:, 0]
+    assert rows.mean() == pytest.approx(0.2, abs=0.01)
+    low, high = np.quantile(x, [0.005, 0.995], axis=0)
+    assert y[rows].min(axis=0) == pytest.approx(low, abs=0.02)
+    assert y[rows].max(axis=0) == pytest.approx(high, abs=0.02)
+    assert np.corrcoef(y[rows].T) == pytest.approx(np.eye(5), abs=0.06)
+
+
+@given(place=st.floats(-0.8, 0.8), width=st.floats(0.02, 0.3))
+def test_a_place_is_read_in_the_units_of_its_feature(place, width):
+    task = Carl()
+    for effect in catalogue(task):
+        if effect.name != "dead_region" or effect.feature not in (1, "all"):
+            continue
+        span = effect.ranges[1]
+        low, high = (span.centre + span.half * (place + side * width / 2) for side in (-1, 1))
+        phi = np.r_[1.0, effect.within(low, high, 1)]
+        x = span.centre + span.half * np.linspace(-1, 1, 201)
+        kept = effect.kept(x, span, np.tile(phi, (len(x), 1)))
+        inside = (x > low + 1e-9) & (x < high - 1e-9)
+        outside = (x < low - 1e-9) | (x > high + 1e-9)
+        assert (kept[inside] == 0).all()
+        assert (kept[outside] == 1).all()

@@ -94,13 +94,13 @@ class DeadRegion(Acceptance):
         return LOSS
 
     def variants(self):
-        where = Parameter("centre", self.low, self.high, None, "of the feature")
-        width = Parameter("width", 0.02 * self.half, 0.8 * self.half, None, "of the feature")
-        return {"box": (where, width), "dip": (where, width)}
+        place = self.place(0.02, 0.8)
+        return {"box": place, "dip": place}
 
-    def within(self, low, high):
+    def within(self, low, high, column):
+        low, high = self.placed(np.array([low, high]), self.ranges[column])
         return np.array([(low + high) / 2, high - low])
 
     def kept(self, x, span, phi):
-        distance = np.abs(x - phi[:, 1]) / phi[:, 2]
+        distance = np.abs(self.placed(x, span) - phi[:, 1]) / phi[:, 2]
         return 1 - phi[:, 0] * (distance < 0.5 if self.shape == "box" else np.exp(-6 * distance**2))

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from avobench.diagnosis.effects.base import Parameter
-from avobench.diagnosis.effects.continuous.base import Change
+from avobench.diagnosis.effects.continuous.base import Background
 
 COWAN = "G. Cowan, Statistical Data Analysis (1998), Section 6.9"
 
 
 @dataclass(frozen=True)
-class FlatBackground(Change):
+class FlatBackground(Background):
     """A share of the events is uniform over the range, or over the angle, or falls along it."""
 
     shape: str = "uniform"
@@ -26,23 +26,18 @@ class FlatBackground(Change):
         shapes = {"uniform": (), "sloped": (Parameter("slope", -1, 1, None, "1"),)}
         return shapes | ({"angle": ()} if self.bounded else {"wider": (Parameter("width", 0.5, 4, None, "1"),)})
 
-    def changed(self, x, span, phi, rng):
-        rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
-        u = rng.random(len(rows))
+    def drawn(self, span, phi, rng):
+        u = rng.random(len(phi))
         if self.shape == "angle":
-            value = span.cosine(np.pi * u)
-        else:
-            v = 2 * u - 1
-            if self.shape == "sloped":  # density (1 + slope v) / 2, by reflection
-                v = np.where(rng.random(len(rows)) < (1 + phi[rows, 1] * v) / 2, v, -v)
-            value = span.centre + span.half * v * (phi[rows, 1] if self.shape == "wider" else 1)
-        x = x.copy()
-        x[rows] = value
-        return x
+            return span.cosine(np.pi * u)
+        v = 2 * u - 1
+        if self.shape == "sloped":  # density (1 + slope v) / 2, by reflection
+            v = np.where(rng.random(len(phi)) < (1 + phi[:, 1] * v) / 2, v, -v)
+        return span.centre + span.half * v * (phi[:, 1] if self.shape == "wider" else 1)
 
 
 @dataclass(frozen=True)
-class PeakBackground(Change):
+class PeakBackground(Background):
     """A share of the events forms a peak: Gaussian, Lorentzian or a box of the same standard deviation."""
 
     shape: str = "gaussian"
@@ -54,22 +49,21 @@ class PeakBackground(Change):
         return Parameter("fraction", 0, 0.9, 0, "1")
 
     def variants(self):
-        where = Parameter("centre", self.low, self.high, None, "of the feature")
-        width = Parameter("width", 0.01 * self.half, 0.35 * self.half, None, "of the feature")
-        return {"gaussian": (where, width), "lorentzian": (where, width), "box": (where, width)}
+        place = self.place(0.01, 0.35)
+        return {"gaussian": place, "lorentzian": place, "box": place}
 
-    def within(self, low, high):
+    def within(self, low, high, column):
+        low, high = self.placed(np.array([low, high]), self.ranges[column])
         return np.array([(low + high) / 2, (high - low) / np.sqrt(12)])
 
-    def changed(self, x, span, phi, rng):
-        rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
-        n = len(rows)
+    def drawn(self, span, phi, rng):
+        n = len(phi)
         noise = {
             "gaussian": lambda: rng.standard_normal(n),
             "lorentzian": lambda: np.tan(np.pi * 0.45 * rng.uniform(-1, 1, n)) / 1.2,
             "box": lambda: np.sqrt(3) * rng.uniform(-1, 1, n),
         }[self.shape]()
-        value = phi[rows, 1] + phi[rows, 2] * noise
-        x = x.copy()
-        x[rows] = span.reflect(value) if span.bounded else value
-        return x
+        value = phi[:, 1] + phi[:, 2] * noise
+        if self.feature == "all":
+            value = span.centre + span.half * value
+        return span.reflect(value) if span.bounded else value

@@ -14,7 +14,7 @@ REFERENCE_EVENTS = 20_000
 
 @dataclass(frozen=True)
 class Range:
-    """Where a feature of a simulator lies, over the whole prior."""
+    """Where a feature lies: over the whole prior of a simulator, or as events show it."""
 
     low: float
     high: float
@@ -40,6 +40,11 @@ class Range:
     def cosine(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
         """The feature at an angle."""
         return self.centre + self.half * np.cos(angle)
+
+    def shown(self, column: NDArray[np.float64]) -> "Range":
+        """The range that values (n,) show: its own where it ends sharply, else that of all but one in a hundred."""
+        low, high = np.quantile(column, [0.005, 0.995]).tolist()
+        return self if self.bounded or low == high else Range(low, high, False)
 
     def reflect(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """x folded back into the range."""
@@ -102,8 +107,25 @@ class FeatureEffect(Effect):
     def high(self) -> float:
         return max(self.ranges[j].high for j in self.columns)
 
+    def adapted(self, x):
+        return replace(self, ranges=tuple(span.shown(x[:, j]) for j, span in enumerate(self.ranges)))
+
     def strength(self) -> Parameter:
         raise NotImplementedError
+
+    def place(self, narrow: float, wide: float) -> tuple[Parameter, Parameter]:
+        """A centre and a width, the bounds of which are given in half ranges: of the feature; of each where all."""
+        scale, low, high, unit = self.half, self.low, self.high, "of the feature"
+        if self.feature == "all":
+            scale, low, high, unit = 1.0, -1.0, 1.0, "of half the range"
+        return (
+            Parameter("centre", low, high, None, unit),
+            Parameter("width", narrow * scale, wide * scale, None, unit),
+        )
+
+    def placed(self, x: NDArray[np.float64], span: Range) -> NDArray[np.float64]:
+        """Values of a feature in the units of `place`."""
+        return span.unit(x) if self.feature == "all" else x
 
     def variants(self) -> dict[str, tuple[Parameter, ...]]:
         """The shapes: name -> parameters beside the strength."""
@@ -129,6 +151,22 @@ class Change(FeatureEffect):
         x = simulate(theta, rng)
         for j in self.columns:
             x[:, j] = self.changed(x[:, j], self.ranges[j], phi, rng)
+        return x
+
+
+@dataclass(frozen=True)
+class Background(FeatureEffect):
+    """An effect by which a share of the events, its strength, comes from elsewhere: in all the features it acts on."""
+
+    def drawn(self, span, phi, rng):
+        """Values of one feature: its Range, phi (n, q) -> (n,)."""
+        raise NotImplementedError
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
+        for j in self.columns:
+            x[rows, j] = self.drawn(self.ranges[j], phi[rows], rng)
         return x
 
 

@@ -135,12 +135,13 @@ class Quantisation(Change):
         return Parameter("step", 0.005 * high, high, None, unit)
 
     def adapted(self, x):
-        steps = (self._shown(x, False), self._shown(x, True) if self.bounded else 0.0)
+        adapted = super().adapted(x)
+        steps = (adapted._shown(x, False), adapted._shown(x, True) if adapted.bounded else 0.0)
         levels: NDArray[np.float64] = np.empty(0)
         if len(self.columns) == 1:
             values, counts = np.unique(x[:, self.columns[0]], return_counts=True)
             levels = values[counts >= REPEATED]
-        return replace(self, steps=steps, levels=tuple(levels.tolist()) if len(levels) <= MOST_LEVELS else ())
+        return replace(adapted, steps=steps, levels=tuple(levels.tolist()) if len(levels) <= MOST_LEVELS else ())
 
     def _shown(self, x, in_angle: bool) -> float:
         """The typical distance of neighbouring values that repeat; 0 where none do."""
@@ -201,7 +202,7 @@ def _chain(levels: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np
 
 @dataclass(frozen=True)
 class Saturation(Change):
-    """A share of the values ends at a limit: sharply above, below, on both sides; or all bend, or those above a knee."""
+    """A share of the values ends at a limit, above, below, or on both sides; or all bend, or those beyond a knee."""
 
     shape: str = "above"
     limits: tuple[float, float] | None = None
@@ -228,12 +229,12 @@ class Saturation(Change):
         return Parameter("limit", *((low, high) if at else (0.1, 1)), None, "of half the range")
 
     def adapted(self, x):
-        found: tuple[list[float], list[float]] = ([], [])
+        adapted, found = super().adapted(x), ([], [])
         for j in self.columns:
-            values, counts = np.unique(self.ranges[j].unit(x[:, j]), return_counts=True)
+            values, counts = np.unique(adapted.ranges[j].unit(x[:, j]), return_counts=True)
             for ends, side in zip(found, (-1, 1), strict=True):
                 ends += [(side * values[counts >= REPEATED]).max(initial=0)]
-        return replace(self, limits=tuple(float(np.max(ends)) for ends in found))
+        return replace(adapted, limits=tuple(float(np.max(ends)) for ends in found))
 
     def changed(self, x, span, phi, rng):
         u = span.unit(x)
