@@ -27,6 +27,8 @@ SHRINK = 3.0
 """How much narrower a design may be than the one before."""
 WORSE = 2.0
 """Standard errors by which the end of a step must be worse than its start, to be given up."""
+MORE_ROUNDS = 2
+"""Of a descent that would end at a promise."""
 ANCHOR = 0.1
 """What moving to the edge of the design costs in Q: it keeps parameters still that the data say nothing about."""
 POLISHES = 4
@@ -498,16 +500,19 @@ def descend(
 ) -> Fit:
     """Go from design to design, each around the minimum of the last one's surrogate, until it stands still.
 
-    What a surrogate promises is not believed: with many coefficients it follows the data by chance. Where simulation
-    at the end of a step is clearly worse than at its start, the step is taken back and tried in a narrower design. The
-    start is then simulated anew: a value that was low by chance would keep every step away.
+    What a surrogate promises is not believed: with many coefficients it follows the data by chance. But where the last
+    of `max_rounds` promises much, MORE_ROUNDS at most see whether it is true. Where simulation at the end of a step is
+    clearly worse than at its start, the step is taken back and tried in a narrower design. The start is then simulated
+    anew: a value that was low by chance would keep every step away.
 
     Where a fit that stands still leaves more than noise, an `exact` one goes on in narrower designs: over a wide one an
     effect with hard edges is no polynomial.
     """
     best, lowest, gap, error, slope_noise = None, None, np.inf, 0.0, SLOPE_NOISE
     scale = float(np.abs(design.axes / model.reach(design.centre)[:, None]).max())
-    for _ in range(max_rounds):
+    rounds, promises_much = 0, False
+    while rounds < max_rounds + (MORE_ROUNDS if promises_much else 0):
+        rounds += 1
         inside = None if base is None else base.within(design)
         if inside is None:
             s = surrogate(model, target.summary, design, num_events, rng)

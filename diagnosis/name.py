@@ -230,12 +230,15 @@ def reshaped(
 
 
 def _going_on(fits: list[Fit], expected: list[float]) -> list[Fit]:
-    """The best fit of each family, and others by what they left or screening expected: a few rounds are rough, too."""
+    """Of each family the fit that left least and the one of most hope, by what screening expected too; and others."""
     hope = {id(fit): min(fit.gap, value) for fit, value in zip(fits, expected, strict=True)}
-    fits = sorted(fits, key=lambda fit: fit.gap)
-    firsts = list({fit.model.effects[-1].key: fit for fit in reversed(fits)}.values())
+    hopeful = sorted(fits, key=lambda fit: hope[id(fit)])
+    firsts = list({fit.model.effects[-1].key: fit for fit in sorted(fits, key=lambda fit: -fit.gap)}.values())
+    for fit in {fit.model.effects[-1].key: fit for fit in reversed(hopeful)}.values():
+        if not any(_same(fit, one) for one in firsts):
+            firsts.append(fit)
     others: list[Fit] = []
-    for fit in sorted(fits, key=lambda fit: hope[id(fit)]):
+    for fit in hopeful:
         if len(others) < CONTINUED and not any(_same(fit, one) for one in (*firsts, *others)):
             others.append(fit)
     return [*firsts, *others]

@@ -20,9 +20,9 @@ LOCATIONS, SHAPES, WIDTHS = 12, 5, 3
 """Grid points of a location, of a single shape parameter, of a width beside a location."""
 FINALISTS, FINAL_EVENTS = 8, 8
 """Points of the grid that are looked at again, and with how many times the events."""
-ABSORBED, FAR, MODES = 0.3, np.linspace(0.1, 1, 10), 2
-"""Share of an effect's signal below which theta hides it, so that it is also looked for where it is strong; how strong,
-as shares of its range; and in how many places, at most."""
+ABSORBED, NEAR, FAR, MODES = 0.3, np.array([0.05, 0.1]), np.linspace(0.1, 1, 10), 2
+"""Share of an effect's signal below which theta hides it, so that it is also looked for where it is strong; where that
+is found out, and how strong, as shares of its range; and in how many places, at most."""
 COARSE = 10
 """Points of theta a parameter, in each search for it beside a strength."""
 ROUGH, GUESSED = 0.5, 0.003
@@ -177,8 +177,11 @@ def hidden(sample: Sample, start: Start, rng: np.random.Generator, effort: Effor
     free, shape = base.projector(), start.model.from_unit(start.unit)[p + 1 :]
     starts = []
     for side in [side for side in (strength.high, strength.low) if side != strength.null]:
-        points = np.array([[strength.null + far * (side - strength.null), *shape] for far in FAR])
-        change, scatter = sample.changes(effect, points, effort.screen // 4, rng)
+        near, points = (
+            np.array([[strength.null + share * (side - strength.null), *shape] for share in shares])
+            for shares in (NEAR, FAR)
+        )
+        change, scatter = sample.changes(effect, near, effort.screen // 4, rng)
         kept, whole = ((moves**2).sum(axis=1) - scatter for moves in (change @ free, change))
         seen = kept > 3 * scatter * np.sqrt(2 / target.rank)
         if not (seen & (kept < ABSORBED * whole)).any():

@@ -14,11 +14,12 @@ from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effort import effort_for
 from avobench.diagnosis.fit import Base, refine
-from avobench.diagnosis.loop import Step, _accepted, _pair
+from avobench.diagnosis.loop import Step, _accepted, _pair, fit_null
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.name import reshaped
 from avobench.diagnosis.rank import Ranked
 from avobench.diagnosis.schema import Verdict
+from avobench.diagnosis.screen import Sample, screen
 from avobench.diagnosis.summary import bins_of
 from avobench.diagnosis.values import scaled_std
 from avobench.tasks.alignment import Alignment
@@ -158,6 +159,29 @@ def test_a_dead_region_is_found_where_it_is():
     deficit = next(region for region in diagnosis.regions if region.kind == "deficit")
     assert deficit.low < 0.3 < deficit.high
     assert diagnosis.effects[0].feature == "cos_angle"
+
+
+def test_a_fit_begins_where_a_gap_is_that_is_narrower_than_any_grid():
+    task, at = Weinberg(), 0.795
+    x = hidden(task, "dead_region", [45.5, 1.0], [0.8, at, 0.025], 20_000)
+    rng, effort = np.random.default_rng(1), effort_for(task, "continuous", None)
+    base, target = fit_null(Model(task), x, rng, effort, None)
+    effect = next(e for e in catalogue(task) if e.name == "dead_region")
+    (best, *_) = screen(Sample(base, target, effort.pool, rng), effect, x, rng, effort)
+    _, centre, width = best.model.from_unit(best.unit)[-3:]
+    assert centre == pytest.approx(at, abs=0.03)
+    assert width < 0.1
+    assert best.expected < 0.8 * base.gap
+
+
+def test_pairs_of_counts_that_theta_nearly_makes_up_for_are_found():
+    rng = np.random.default_rng(1)
+    x = rng.poisson(np.exp(3.84), (10_000, 1))
+    x += rng.binomial(x, 0.23)
+    diagnosis = diagnose(Poisson(), x)
+    (found,) = diagnosis.effects
+    assert "double_counting" in {found.name, *(rival.name for rival in found.tied_with)}
+    assert diagnosis.verdict == Verdict.NAMED
 
 
 def test_an_effect_that_is_not_in_the_catalogue_is_not_made_up():
