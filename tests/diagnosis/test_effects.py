@@ -167,6 +167,11 @@ def test_saturation_reads_its_limit_off_the_data():
         x = events(task, effect, [46.0, 1.0], [0.5, 0.6], n=3000)
         limit = next(s for s in effect.adapted(x).shapes() if s.shape == shape).parameters[1]
         assert limit.low < 0.6 < limit.high < 1.00001 * limit.low
+    above = effect_of(task, "saturation", "above")
+    stepped = np.round(task.simulate(np.tile([46.0, 1.0], (9000, 1)), np.random.default_rng(0)), 1)
+    stepped[stepped > 0.75] = 0.75
+    limit = above.adapted(stepped).parameters[1]
+    assert limit.low < 0.75 < limit.high < 1.00001 * limit.low
     plain = effect.adapted(task.simulate(np.tile([46.0, 1.0], (3000, 1)), np.random.default_rng(0)))
     assert plain.parameters[1].high == 1
 

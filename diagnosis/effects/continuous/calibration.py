@@ -233,7 +233,8 @@ class Saturation(Change):
         for j in self.columns:
             values, counts = np.unique(adapted.ranges[j].unit(x[:, j]), return_counts=True)
             for ends, side in zip(found, (-1, 1), strict=True):
-                ends += [(side * values[counts >= REPEATED]).max(initial=0)]
+                own = (counts >= REPEATED) & (side * values > 0)  # of several, such as steps, the one at which most are
+                ends += [side * values[own][counts[own].argmax()] if own.any() else 0]
         return replace(adapted, limits=tuple(float(np.max(ends)) for ends in found))
 
     def changed(self, x, span, phi, rng):
