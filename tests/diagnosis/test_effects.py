@@ -176,6 +176,20 @@ def test_saturation_reads_its_limit_off_the_data():
     assert plain.parameters[1].high == 1
 
 
+def test_saturation_of_all_features_reads_the_limits_of_each_off_the_data():
+    task = Carl()
+    x = task.simulate(np.tile([0.1, -0.5], (5000, 1)), np.random.default_rng(0))
+    all_alike = next(e for e in catalogue(task, x) if e.key == ("saturation", "all"))
+    both = next(s for s in all_alike.shapes() if s.shape == "both")
+    phi = np.tile([1.0, 0.6], (len(x), 1))
+    y = both.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(0))
+    again = both.adapted(y)
+    phi[:, 1] = np.mean([again.parameters[1].low, again.parameters[1].high])
+    found = again.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(0))
+    assert found == pytest.approx(y)
+    assert (x != y).any(axis=0).all()
+
+
 def test_values_are_the_middles_of_their_bins_however_uneven():
     task = Weinberg()
     borders = np.array([0, 0.2, 0.5, 0.7, 1.3, 1.6, 1.8, 2.4, 2.6, 3.0, np.pi])

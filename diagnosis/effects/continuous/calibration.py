@@ -229,13 +229,26 @@ class Saturation(Change):
         return Parameter("limit", *((low, high) if at else (0.1, 1)), None, "of half the range")
 
     def adapted(self, x):
-        adapted, found = super().adapted(x), ([], [])
-        for j in self.columns:
-            values, counts = np.unique(adapted.ranges[j].unit(x[:, j]), return_counts=True)
-            for ends, side in zip(found, (-1, 1), strict=True):
-                own = (counts >= REPEATED) & (side * values > 0)  # of several, such as steps, the one at which most are
-                ends += [side * values[own][counts[own].argmax()] if own.any() else 0]
-        return replace(adapted, limits=tuple(float(np.max(ends)) for ends in found))
+        adapted = super().adapted(x)
+        shown = [self._shown(x[:, j], adapted.ranges[j]) for j in self.columns]
+        if self.feature == "all":  # each has its own limits: where they are shown, they end its range
+            spans = [
+                replace(span, low=low if np.isfinite(low) else span.low, high=high if np.isfinite(high) else span.high)
+                for span, (low, high) in zip(adapted.ranges, shown, strict=True)
+            ]
+            adapted = replace(adapted, ranges=tuple(spans))
+        units = np.abs([adapted.ranges[j].unit(np.array(ends)) for j, ends in zip(self.columns, shown, strict=True)])
+        return replace(adapted, limits=tuple(np.where(np.isfinite(units), units, 0).max(axis=0).tolist()))
+
+    def _shown(self, column, span) -> tuple[float, float]:
+        """The value below the middle of the range, and the one above, at which most events are; NaN if none repeat."""
+        values, counts = np.unique(column, return_counts=True)
+        repeated = counts >= REPEATED
+        found = [float("nan")] * 2
+        for side, own in enumerate((repeated & (values < span.centre), repeated & (values > span.centre))):
+            if own.any():
+                found[side] = float(values[own][counts[own].argmax()])
+        return found[0], found[1]
 
     def changed(self, x, span, phi, rng):
         u = span.unit(x)
