@@ -79,7 +79,7 @@ def describe(fit: Fit, std: NDArray[np.float64], task_spec: str, own_effects: di
     high = np.minimum(model.high, fit.params + margin)
     low[:theta], high[:theta] = base.prior.low, base.prior.high
     innermost = base.model.task if inner else base
-    added = [_added(effect, innermost, own_effects.get(effect.name)) for effect in model.effects]
+    added = [kept(effect, innermost, own_effects.get(effect.name)) for effect in model.effects]
     return ModelFile(
         name="-".join([base.name, *(e.name.replace("_", "-") for e in model.effects)]),
         task=inner.task if inner else task_spec,
@@ -163,16 +163,17 @@ def _plain(base: Task, name: str, feature: int | str | None, source: str | None)
     return next((effect for effect in catalogue(base) if effect.key == (name, feature)), None)
 
 
-def _added(effect: Effect, base: Task, source: str | None) -> AddedEffect:
+def kept(effect: Effect, base: Task, source: str | None) -> AddedEffect:
+    """What a file keeps of an effect on a task; `source` is module:Class of one of the user's own."""
     plain, settings = _plain(base, effect.name, effect.feature, source), {}
     if is_dataclass(effect):
-        changed = {name for name, value in _fields(effect).items() if value != getattr(plain, name)} - {"shape"}
+        changed = {n for n, value in _fields(effect).items() if n != "shape" and not np.all(value == getattr(plain, n))}
         settings = TypeAdapter(type(effect)).dump_python(effect, mode="json", include=changed) if changed else {}
     return AddedEffect(name=effect.name, feature=effect.feature, shape=effect.shape, source=source, settings=settings)
 
 
 def _effect(added: AddedEffect, base: Task, path: Path) -> Effect:
-    """The inverse of `_added`. Raises UsageError if there is no such effect."""
+    """The inverse of `kept`. Raises UsageError if there is no such effect."""
     plain = _plain(base, added.name, added.feature, added.source)
     try:
         if added.settings:

@@ -58,7 +58,7 @@ def diagnose(
     simulated events, where the catalogue does not explain all.
     """
     from avobench.diagnosis import loop, report, values
-    from avobench.diagnosis.augmented import describe
+    from avobench.diagnosis.augmented import describe, kept
     from avobench.diagnosis.effects.catalogue import catalogue
     from avobench.diagnosis.events import check_events, read_events
 
@@ -75,6 +75,8 @@ def diagnose(
     )
     for warning in warnings:
         click.echo(f"warning: {warning}", err=True)
+    for name, effect in theirs.values():  # what no file can keep would else show when all is done
+        registry.blamed(lambda effect=effect, name=name: kept(effect.adapted(x), task, name), f"effect '{name}'")
     writable(out)
     result = loop.diagnose(
         task,
