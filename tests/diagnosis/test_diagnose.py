@@ -1,13 +1,15 @@
 import json
+from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from pydantic.errors import PydanticSchemaGenerationError
 
 from avobench.bench import registry
 from avobench.bench.errors import UsageError
 from avobench.diagnosis import Diagnosis, diagnose
-from avobench.diagnosis.augmented import AugmentedTask, describe
+from avobench.diagnosis.augmented import AugmentedTask, describe, kept
 from avobench.diagnosis.cli import tried
 from avobench.diagnosis.detect import target_of
 from avobench.diagnosis.effects import Effect, Parameter
@@ -224,6 +226,20 @@ def test_an_effect_of_the_users_is_tried_before_anything_is_fitted():
         tried("mod:Own", Own(lambda x: 1 / 0), Weinberg())
     with pytest.raises(UsageError, match=r"'mod:Own' makes events of shape \(50,\), not \(50, 1\)"):
         tried("mod:Own", Own(lambda x: x[:, 0]), Weinberg())
+
+
+@dataclass(frozen=True)
+class Table(Own):
+    """Of an unusual type, as a user's field may be."""
+
+    table: np.ndarray = field(default_factory=lambda: np.zeros(3))
+
+
+def test_a_file_keeps_what_follows_the_data_or_says_that_it_cannot(monkeypatch):
+    monkeypatch.setattr(registry, "effect", lambda source: Table())
+    assert kept(Table(), Poisson(), "mod:Table").settings == {}
+    with pytest.raises(PydanticSchemaGenerationError, match="ndarray"):
+        kept(Table(np.ones(3)), Poisson(), "mod:Table")
 
 
 def test_beside_a_second_effect_the_first_is_tried_in_its_other_shapes():
