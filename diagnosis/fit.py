@@ -347,8 +347,11 @@ class Base:
     ) -> Surrogate:
         """The surrogate of `model`, which is this one with one more effect; half of the events at the centre.
 
-        An effect that changes most events is better seen without this one, from twins of one seed.
+        An effect that changes most events is better seen without this one, from twins of one seed, and one that acts
+        before others can only be seen so.
         """
+        if not model.newest_acts_last:
+            return surrogate(model, summary, design, num_events, rng)
         p, k = self.model.dim, (model.dim + 1) * (model.dim + 2) // 2
         normal, change, unlike = np.zeros((k, k)), 0.0, 0.0
         left = num_events

@@ -2,23 +2,28 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.effects import Effect
+from avobench.diagnosis.pool import Alter
 from avobench.tasks import Task
 
 WIDEST = 0.1
 LEAST_STRENGTH = 0.003
 """Both of a parameter's range, for `Model.reach`."""
-Events = Callable[[NDArray[np.float64], np.random.Generator], NDArray]
+Events = Callable[..., NDArray]
+"""theta (n, p), rng and, of a two-stage task, what alters generated events -> (n, d)"""
 
 
 @dataclass(frozen=True)
 class Model:
-    """A task and the effects that act on its events, one after the other; parameters are theta and then their phi.
+    """A task and effects in the order in which they were added; parameters are theta and then their phi.
+
+    They act on events one after the other, those of an earlier stage first.
 
     `events` is what stands for the simulator: that of the task, or a cheaper source of the same events.
     """
@@ -30,7 +35,7 @@ class Model:
     """By how much the upper bound of each effect's strength is raised; 1 where it is not."""
 
     def plus(self, effect: Effect) -> "Model":
-        """This model with one more effect, which acts last."""
+        """This model with one more effect."""
         stretch = (*self.stretch, 1.0) if self.stretch else ()
         return replace(self, effects=(*self.effects, effect), stretch=stretch)
 
@@ -103,12 +108,37 @@ class Model:
         """One event per row: (n, P) -> (n, d)."""
         return self._with_effects(len(self.effects), params, rng)
 
-    def _with_effects(self, k: int, params: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        """Events with the first k effects. An effect sees those before it as the simulator, and their parameters as
-        further columns of theta, so that it may ask for any rows again."""
+    @cached_property
+    def _chain(self) -> list[tuple[Effect, slice]]:
+        """The effects in the order in which they act, by their stages, with the columns of their parameters."""
+        ends = np.cumsum([self.num_theta, *(len(effect.parameters) for effect in self.effects)])
+        columns = [slice(start, stop) for start, stop in pairwise(ends.tolist())]
+        return sorted(zip(self.effects, columns, strict=True), key=lambda each: each[0].stage)
+
+    @property
+    def newest_acts_last(self) -> bool:
+        """Whether the effect that was added last changes the finished events of the model without it."""
+        newest = self.effects[-1]
+        return newest.stage > 0 and self._chain[-1][0] is newest
+
+    def _with_effects(
+        self, k: int, params: NDArray[np.float64], rng: np.random.Generator, alter: Alter | None = None
+    ) -> NDArray:
+        """Events with the first k effects that act. An effect sees those before it as the simulator, and all parameters
+        as theta, so that it may ask for any rows again."""
         if k == 0:
-            return (self.events or self.task.simulate)(params[:, : self.num_theta], rng)
-        stop = self.num_theta + sum(len(effect.parameters) for effect in self.effects[:k])
-        start = stop - len(self.effects[k - 1].parameters)
-        before = partial(self._with_effects, k - 1)
-        return self.effects[k - 1].apply(before, params[:, :start], params[:, start:stop], rng)
+            events, theta = self.events or self.task.simulate, params[:, : self.num_theta]
+            return events(theta, rng) if alter is None else events(theta, rng, alter)
+
+        def before(params: NDArray, rng: np.random.Generator, earlier: Alter | None = None) -> NDArray:
+            return self._with_effects(k - 1, params, rng, _both(earlier, alter))
+
+        effect, columns = self._chain[k - 1]
+        return effect.apply(before, params, params[:, columns], rng)
+
+
+def _both(first: Alter | None, then: Alter | None) -> Alter | None:
+    """One after the other."""
+    if first is None or then is None:
+        return first or then
+    return lambda generated, rows: then(first(generated, rows), rows)

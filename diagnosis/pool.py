@@ -1,10 +1,13 @@
 """Events of a slow generator, made once and used for every theta: what differs between thetas acts after it."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
+
+Alter = Callable[[Any, slice], Any]
+"""What happens to generated events before they are detected, and in which rows of theta they are."""
 
 
 @runtime_checkable
@@ -14,6 +17,8 @@ class TwoStage(Protocol):
     def generate(self, num_events: int, rng: np.random.Generator) -> Iterator[Any]: ...
 
     def detect(self, generated: Any, theta: NDArray[np.float64]) -> NDArray: ...
+
+    def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator, alter: Alter | None = None) -> NDArray: ...
 
 
 class Pool:
@@ -27,20 +32,21 @@ class Pool:
         self._pieces = list(task.generate(num_events, rng))
         self._starts = np.cumsum([0, *(len(piece) for piece in self._pieces)])
 
-    def fresh(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+    def fresh(self, theta: NDArray[np.float64], rng: np.random.Generator, alter: Alter | None = None) -> NDArray:
         """Events that are not in the pool: theta (n, p) -> (n, d)."""
         self.used += len(theta)
-        return self.task.simulate(theta, rng)
+        return self.task.simulate(theta, rng, alter)
 
-    def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        """One event per row: theta (n, p) -> (n, d)."""
+    def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator, alter: Alter | None = None) -> NDArray:
+        """One event per row, altered before it is detected: theta (n, p) -> (n, d)."""
         at = int(rng.integers(self._starts[-1]))
         images, done = [], 0
         while done < len(theta):
             k = int(np.searchsorted(self._starts, at, side="right")) - 1
             start = at - self._starts[k]
             stop = min(start + len(theta) - done, len(self._pieces[k]))
-            images.append(self.task.detect(self._pieces[k].events(start, stop), theta[done : done + stop - start]))
-            done += stop - start
+            generated, rows = self._pieces[k].events(start, stop), slice(done, done + stop - start)
+            images.append(self.task.detect(alter(generated, rows) if alter else generated, theta[rows]))
+            done = rows.stop
             at = (at + stop - start) % self._starts[-1]
         return np.concatenate(images)

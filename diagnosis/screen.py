@@ -79,6 +79,13 @@ class Sample:
         """
         m = len(points)
         params = np.tile(self.base.params, (m * events, 1))
+        phi = np.repeat(points, events, axis=0)
+        model = self.base.model.plus(effect)
+        if not model.newest_acts_last:  # events from one seed are the next best
+            seed = rng.integers(2**63)
+            untouched = self.base.model.simulate(params, np.random.default_rng(seed))
+            changed = model.simulate(np.hstack([params, phi]), np.random.default_rng(seed))
+            return self._change(untouched, changed, m, self.target.summary.mean(untouched, m))
         first = True
 
         def simulate(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
@@ -89,15 +96,21 @@ class Sample:
             first = False
             return self.x[rows]
 
-        changed = effect.apply(simulate, params, np.repeat(points, events, axis=0), rng)
-        target, key = self.target, (m, events)
+        changed = effect.apply(simulate, params, phi, rng)
         untouched = self.x[np.arange(m * events) % len(self.x)]
-        if key not in self._means:
-            self._means[key] = target.summary.mean(untouched, m)
-        change = target.whiten(target.summary.mean(changed, m) - self._means[key])
-        some = np.linspace(0, m * events, m * MOVED_EVENTS, endpoint=False, dtype=int)
+        if (m, events) not in self._means:
+            self._means[m, events] = self.target.summary.mean(untouched, m)
+        return self._change(untouched, changed, m, self._means[m, events])
+
+    def _change(
+        self, untouched: NDArray, changed: NDArray, m: int, means: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """What `changes` gives, from events at m points without and with an effect; the former have `means` (m, K)."""
+        target, n = self.target, len(changed)
+        change = target.whiten(target.summary.mean(changed, m) - means)
+        some = np.linspace(0, n, m * MOVED_EVENTS, endpoint=False, dtype=int)
         moved = target.summary.moved(untouched[some], changed[some]).reshape(m, -1).mean(axis=1)
-        return change, target.num_events / events * target.rank * moved
+        return change, target.num_events * m / n * target.rank * moved
 
     def places(self, effect: Effect) -> NDArray[np.float64]:
         """Points (m, q) at which an effect acts where measured events and these disagree most; none without a place."""

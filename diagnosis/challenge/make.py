@@ -69,6 +69,10 @@ class OwnShape:
         return self.effect.name
 
     @property
+    def stage(self) -> int:
+        return self.effect.stage
+
+    @property
     def settings(self) -> dict[str, float]:
         return {parameter.name: float(v) for parameter, v in zip(self.effect.parameters, self.phi, strict=True)}
 
@@ -82,7 +86,6 @@ class Hidden:
 
     injection: Injection | OwnShape
     feature: str | None
-    stage: int
     visibility: Visibility
     """Alone."""
     beside: float | None = None
@@ -158,9 +161,12 @@ def hide(task: Task, kind: str, num_events: int, rng: np.random.Generator) -> tu
     source = kind if kind in SETS else str(rng.choice(SETS))
     reference = task.simulate(at[:NUM_REFERENCE], rng)
     hidden: list[Hidden] = []
-    for _ in range(2 if kind == "two" else 1):
-        hidden.append(_draw(task, source, theta, num_events, reference, [each.injection.name for each in hidden], rng))
-    hidden.sort(key=lambda each: each.stage)
+    while len(hidden) < (2 if kind == "two" else 1):
+        new = _draw(task, source, theta, num_events, reference, [each.injection.name for each in hidden], rng)
+        if any(each.injection.stage == new.injection.stage == 0 for each in hidden):
+            continue  # each makes events of its own from what is generated, without the other
+        hidden.append(new)
+    hidden.sort(key=lambda each: each.injection.stage)
     simulate = _chain(task, hidden)
     if kind == "two":
         streams = rng.spawn(2)
@@ -200,7 +206,6 @@ def _draw(
     for feature in dict.fromkeys(feature for _, feature in own):
         for shape in shapes(Place(task, feature, reference)):
             foreign.setdefault((shape.name, feature), []).append(shape)
-    stages = {name: choices[0].stage for (name, _), choices in foreign.items()}  # which the catalogue does not say
     keys = [key for key in (own if source == "own" else foreign) if key in own and key[0] not in without]
     if not keys:
         raise UsageError(f"there is no effect of {source} shape to hide in events of {task.name}")
@@ -217,7 +222,7 @@ def _draw(
         seen = visibility(task, injection.measure(task.simulate, at, rng), theta, num_events, rng)
         if seen.power >= LEAST_POWER and seen.distance <= MOST_DISTANCE:
             break
-    return Hidden(injection, feature_label(task, feature), stages.get(family, 1), seen)
+    return Hidden(injection, feature_label(task, feature), seen)
 
 
 def _tried(task: Task, num_events: int) -> int:

@@ -19,7 +19,7 @@ from avobench.diagnosis.effects.continuous.calibration import (
 )
 from avobench.diagnosis.effects.continuous.smearing import Outliers, Resolution
 from avobench.diagnosis.effects.counts import exposure, recording
-from avobench.diagnosis.effects.images import cells, geometry
+from avobench.diagnosis.effects.images import cells, tracker
 from avobench.tasks import Task
 from avobench.tasks.alignment import Alignment
 
@@ -53,8 +53,6 @@ COUNTS = (
     exposure.Inefficiency,
 )
 IMAGES = (cells.DeadCells, cells.NoisyCells, cells.Inefficiency, cells.RandomNoise, cells.PileUp, cells.Threshold)
-GEOMETRY = (geometry.TransverseOffset, geometry.AxialTilt)
-"""Of a tracker in pseudorapidity and azimuth."""
 
 
 def domain(task: Task) -> Domain:
@@ -73,8 +71,11 @@ def catalogue(task: Task, x: NDArray | None = None) -> list[Effect]:
     if kind == "counts":
         return [effect() for effect in COUNTS]
     if kind == "images":
-        tracker = isinstance(task, Alignment)
-        return [effect(grid=task.event_shape) for effect in IMAGES + (GEOMETRY if tracker else ())]
+        found = [effect(task.event_shape) for effect in IMAGES]
+        if not isinstance(task, Alignment):
+            return found
+        found[IMAGES.index(cells.Inefficiency)] = tracker.TrackInefficiency(task.event_shape)
+        return [*found, tracker.TransverseOffset(task.event_shape, task.radius), tracker.AxialTilt(task.event_shape)]
     spans = ranges(task)
     if x is not None:
         spans = tuple(span.shown(x[:, j]) for j, span in enumerate(spans))

@@ -158,6 +158,8 @@ class Change(FeatureEffect):
 class Background(FeatureEffect):
     """An effect by which a share of the events, its strength, comes from elsewhere: in all the features it acts on."""
 
+    stage = 4
+
     def drawn(self, span, phi, rng):
         """Values of one feature: its Range, phi (n, q) -> (n,)."""
         raise NotImplementedError
@@ -173,6 +175,8 @@ class Background(FeatureEffect):
 @dataclass(frozen=True)
 class Acceptance(FeatureEffect):
     """An effect that loses events, with a probability that depends on a feature."""
+
+    stage = 3
 
     def kept(self, x, span, phi):
         """The chance to be recorded: x (n,), its Range, phi (n, q) -> (n,)."""

@@ -109,6 +109,7 @@ class Quantisation(Change):
     """Those that the data show, in the feature and in the angle; 0 for none."""
     levels: tuple[float, ...] = ()
     """Values of one feature that repeat in the data: they may be the middles of bins, even or not."""
+    stage = 4
     name = "quantisation"
     sentence = "Values are recorded in coarse steps, as by a converter of few bits."
     source = LEO + "Section 14.9"
@@ -207,6 +208,7 @@ class Saturation(Change):
     shape: str = "above"
     limits: tuple[float, float] | None = None
     """Those that the data show below and above, in half ranges from the centre; 0 for none."""
+    stage = 4
     name = "saturation"
     sentence = "Large values are cut at the end of the scale."
     source = LEO + "Section 14.1"

@@ -38,6 +38,7 @@ class Overdispersion(Family):
 
     shape: str = "gamma"
 
+    stage = 1
     name = "overdispersion"
     sentence: ClassVar = "The rate is not the same in every event, so the counts scatter more than they should."
     source: ClassVar = "M. Greenwood, G. U. Yule, J. R. Stat. Soc. 83 (1920) 255"
@@ -81,6 +82,7 @@ class Overdispersion(Family):
 class PileUp(Effect):
     """A part of another event's counts falls into the window of each event."""
 
+    stage = 1
     name = "pile_up"
     parameters = (Parameter("overlap", 0, 1, 0, "1"),)
     sentence: ClassVar = "Counts that belong to neighbouring events fall into every event."

@@ -69,6 +69,7 @@ class ThresholdLoss(Family):
     highest: float = 100.0
     """Of the threshold; beyond nearly all counts it would lose events whatever they hold."""
 
+    stage = 3
     name = "threshold_loss"
     STRENGTH = Parameter("lost", 0, 0.98, 0, "1")
     SHAPES: ClassVar = {"step": (), "exponential": (), "turn_on": (), "free_turn_on": ()}
@@ -132,6 +133,7 @@ class FlatBackground(Family):
 
     shape: str = "uniform"
 
+    stage = 4
     name = "flat_background"
     STRENGTH = Parameter("fraction", 0, 1, 0, "1")
     SHAPES: ClassVar = {
@@ -155,6 +157,7 @@ class ReadoutNoise(Family):
 
     shape: str = "gaussian"
 
+    stage = 4
     name = "readout_noise"
     STRENGTH = Parameter("sigma", 0, 30, 0, "counts", soft=True)
     SHAPES: ClassVar = {"gaussian": (), "laplace": (), "folded": ()}
@@ -176,6 +179,7 @@ class Quantisation(Family):
 
     shape: str = "2 down"
 
+    stage = 4
     name = "quantisation"
     choices = 1
     STRENGTH = Parameter("fraction", 0, 1, 0, "1")

@@ -15,6 +15,7 @@ class DeadCells(ImageEffect):
     """Some cells lose what they should record: those that the data point to, or, without data, a fixed scatter."""
 
     cells: tuple[int, ...] | None = None
+    stage = 4
     name = "dead_cells"
     sentence = "Some cells of the detector do not record."
     source = LEO + "Section 5.6"
@@ -48,6 +49,7 @@ class NoisyCells(ImageEffect):
     """Some cells fire by themselves: those that the data point to, or, without data, eight of them."""
 
     cells: tuple[int, ...] | None = None
+    stage = 4
     name = "noisy_cells"
     sentence = "Some cells of the detector fire without a particle."
     source = LEO + "Section 14.4"
@@ -71,6 +73,7 @@ class NoisyCells(ImageEffect):
 class Inefficiency(ImageEffect):
     """Each hit is lost with a fixed probability."""
 
+    stage = 4
     name = "inefficiency"
     sentence = "Every cell misses a share of its hits."
     source = LEO + "Section 5.6"
@@ -88,6 +91,7 @@ class Inefficiency(ImageEffect):
 class RandomNoise(ImageEffect):
     """Cells fire at random, `rate` of them in each event."""
 
+    stage = 4
     name = "random_noise"
     sentence = "Cells fire at random, as from thermal noise."
     source = LEO + "Section 14.4"
@@ -108,6 +112,7 @@ class RandomNoise(ImageEffect):
 class PileUp(ImageEffect):
     """To a share of the events another one is added."""
 
+    stage = 1
     name = "pile_up"
     sentence = "Some images show two events at once."
     source = "R. L. Workman et al. (Particle Data Group), Prog. Theor. Exp. Phys. 2022, 083C01, Section 34"
@@ -126,6 +131,7 @@ class PileUp(ImageEffect):
 class Threshold(ImageEffect):
     """Events of few hits are not recorded: n of them with probability 1 - exp(-(n / threshold)^4)."""
 
+    stage = 3
     name = "threshold"
     sentence = "Events with few hits do not start the readout."
     source = LEO + "Section 17.1"
