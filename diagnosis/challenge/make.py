@@ -64,6 +64,12 @@ class OwnShape:
                 phi.append(rng.uniform(low, high))
         return cls(chosen, np.array(phi))
 
+    def stronger(self, factor: float) -> "OwnShape":
+        """The same with the strength, as far as the bounds let it, multiplied by a factor."""
+        p = self.effect.parameters[0]
+        strength = np.clip(p.null + factor * (self.phi[0] - p.null), p.low, p.high)
+        return replace(self, phi=np.r_[strength, self.phi[1:]])
+
     @property
     def name(self) -> str:
         return self.effect.name
@@ -89,7 +95,8 @@ class Hidden:
     visibility: Visibility
     """Alone."""
     beside: float | None = None
-    """The power with which it is seen beside the other hidden effect, if that one were known; None if it is alone."""
+    """The power with which it is seen beside the other hidden effect, of which all but the strength were known; None if
+    it is alone."""
 
     @property
     def answer(self) -> dict[str, Any]:
@@ -238,9 +245,13 @@ def _beside(
     num_events: int,
     rng: np.random.Generator,
 ) -> float:
-    """With which power events with both hidden effects tell that there is more than `other`, of known strength."""
+    """With which power events with both hidden effects tell that there is more than `other`, whatever its strength."""
     x = _chain(task, hidden)(np.tile(theta, (_tried(task, num_events), 1)), rng)
-    return visibility(task, x, theta, num_events, rng, _chain(task, [other])).power
+
+    def alone(factor: float) -> Simulate:
+        return partial(other.injection.stronger(factor).measure, task.simulate)
+
+    return visibility(task, x, theta, num_events, rng, alone).power
 
 
 def _chain(task: Task, hidden: list[Hidden]) -> Simulate:

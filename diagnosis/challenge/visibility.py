@@ -1,5 +1,6 @@
 """How visible an injection is at best, by a measure of its own that no diagnosis uses."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -16,8 +17,8 @@ STEP = 0.02
 """Of numerical derivatives, in widths of the prior."""
 NUM_ROUNDS = 3
 """Of fitting theta again, so that an effect that a change of theta can imitate counts as invisible."""
-
-
+FACTOR = 2.0
+"""By which the strength of another effect is fitted, up and down."""
 NUM_COVARIANCE = 20_000
 """Events from which the covariance is taken."""
 
@@ -92,30 +93,56 @@ def visibility(
     theta: NDArray[np.float64],
     num_events: int,
     rng: np.random.Generator,
-    simulate: Simulate | None = None,
+    other: Callable[[float], Simulate] | None = None,
 ) -> Visibility:
     """Of the effect in events x (n, d), measured at theta (p,), if there were `num_events` of them.
 
-    `simulate` makes events without it; that of the task, if it is the only one.
+    `other` gives the simulator with another effect, which is known but for a factor of its strength; the task's own if
+    there is none. The factor is fitted like theta: where it can imitate the effect, nobody could tell it.
 
     Theta is fitted to the binned events by Gauss-Newton steps, from its true value and from where the means agree, in
     case it has far to go; the better fit counts. The fluctuations of x and of the simulation are subtracted on average.
     With as many events in x as `num_events` the distance is uncertain by about 1.5 sqrt(2 / ndf).
     """
-    simulate = simulate or task.simulate
-    starts = [theta] if task.event_shape else [theta, _where_means_agree(task, simulate, x, theta, rng)]
-    return min((_from(task, simulate, x, start, num_events, rng) for start in starts), key=lambda seen: seen.distance)
+    fitted = Fitted.of(task, other)
+    start = np.append(theta, 0.0) if other else theta
+    starts = [start] if task.event_shape else [start, _where_means_agree(fitted, x, start, rng)]
+    return min((_from(task, fitted, x, start, num_events, rng) for start in starts), key=lambda seen: seen.distance)
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """What the test fits: theta, and the logarithm of a factor of another effect's strength where there is one."""
+
+    simulate: Simulate
+    low: NDArray[np.float64]
+    """(p,)"""
+    high: NDArray[np.float64]
+    step: NDArray[np.float64]
+    """Of a numerical derivative."""
+
+    @classmethod
+    def of(cls, task: Task, other: Callable[[float], Simulate] | None) -> "Fitted":
+        low, high, step = np.array(task.support.low), np.array(task.support.high), STEP * task.prior.width
+        if other is None:
+            return cls(task.simulate, low, high, step)
+
+        def simulate(at: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+            return other(float(np.exp(at[0, -1])))(at[:, :-1], rng)
+
+        most = np.log(FACTOR)
+        return cls(simulate, np.append(low, -most), np.append(high, most), np.append(step, 0.1 * most))
 
 
 def _where_means_agree(
-    task: Task, simulate: Simulate, x: NDArray, theta: NDArray[np.float64], rng: np.random.Generator
+    fitted: Fitted, x: NDArray, theta: NDArray[np.float64], rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """The theta (p,) at which the mean of each feature is that of x, as far as there is one."""
-    low, high, step = np.array(task.support.low), np.array(task.support.high), STEP * task.prior.width
+    """The point (p,) nearest to theta at which the mean of each feature is that of x, as far as there is one."""
+    low, high, step = fitted.low, fitted.high, fitted.step
     scale = x.std(axis=0)
 
     def mean(at: NDArray[np.float64], seed: int) -> NDArray[np.float64]:
-        events = simulate(np.tile(np.clip(at, low, high), (len(x), 1)), np.random.default_rng(seed))
+        events = fitted.simulate(np.tile(np.clip(at, low, high), (len(x), 1)), np.random.default_rng(seed))
         return events.mean(axis=0) / scale
 
     for seed in rng.integers(2**63, size=NUM_ROUNDS):
@@ -127,12 +154,13 @@ def _where_means_agree(
 
 def _from(
     task: Task,
-    simulate: Simulate,
+    fitted: Fitted,
     x: NDArray,
     theta: NDArray[np.float64],
     num_events: int,
     rng: np.random.Generator,
 ) -> Visibility:
+    simulate, low, high, step = fitted.simulate, fitted.low, fitted.high, fitted.step
     n, m = len(x), len(x) if task.event_shape else 2 * len(x)
     simulated = simulate(np.tile(theta, (m, 1)), rng)
     bins, half = Bins(task, x), NUM_COVARIANCE // 2
@@ -140,7 +168,6 @@ def _from(
     value, vector = np.linalg.eigh(bins.covariance(np.concatenate([x[:half], simulated[:half]])))
     kept = value > 1e-6 * value[-1]
     whiten = vector[:, kept] / np.sqrt(value[kept])
-    low, high, step = np.array(task.support.low), np.array(task.support.high), STEP * task.prior.width
 
     def mean(at: NDArray[np.float64], seed: int) -> NDArray[np.float64]:
         events = simulate(np.tile(at, (n // 4, 1)), np.random.default_rng(seed))

@@ -354,13 +354,18 @@ def test_what_theta_absorbs_is_invisible():
     blind = rng.binomial(task.simulate(np.tile(theta, (100_000, 1)), rng), 0.9)
     blind[rng.random(len(blind)) < 0.05] = 0
 
-    def zeros(theta, rng):
-        x = task.simulate(theta, rng)
-        x[rng.random(len(x)) < 0.05] = 0
-        return x
+    def zeros(factor):
+        def simulate(theta, rng):
+            x = task.simulate(theta, rng)
+            x[rng.random(len(x)) < factor * 0.05] = 0
+            return x
+
+        return simulate
 
     assert visibility(task, blind, theta, 10_000, rng).power > 0.99
     assert visibility(task, blind, theta, 10_000, rng, zeros).power < 0.2  # beside the zeros a loss is absorbed as well
+    blind[rng.random(len(blind)) < 0.02] = 0
+    assert visibility(task, blind, theta, 10_000, rng, zeros).power < 0.2  # and more zeros by a larger share of them
     turned = -Weinberg().simulate(np.full((100_000, 2), [44.0, 1.0]), rng)  # charge taken wrongly: another c
     assert visibility(Weinberg(), turned, np.array([44.0, 1.0]), 10_000, rng).power < 0.2
 

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, ClassVar, Literal, Self
 
@@ -106,6 +106,11 @@ class Injection(ABC):
                 )
                 values[each.name] = float(value * (rng.choice([-1, 1]) if each.metadata["sign"] else 1))
         return cls(place, **values)
+
+    def stronger(self, factor: float) -> Self:
+        """The same with its strength multiplied by a factor, but not beyond the range from which it is drawn."""
+        high = next(each.metadata["high"] for each in fields(self) if each.name == "strength")
+        return replace(self, strength=float(np.clip(factor * self.strength, -high, high)))
 
     @property
     def settings(self) -> dict[str, float]:
