@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import ndtr
+from scipy.stats import poisson
 
 from avobench.bench import check
 from avobench.bench.errors import UsageError
@@ -90,6 +91,22 @@ def test_exposure_scales_a_poisson_rate_exactly(g):
     x = exposed(Poisson().simulate, theta, np.full(n, g), np.random.default_rng(0))[:, 0]
     assert x.mean() == pytest.approx(4 * g, abs=5 * np.sqrt(4 * g / n))
     assert x.var() == pytest.approx(4 * g, rel=0.04)
+
+
+@pytest.mark.parametrize(("rate", "tau"), [(5.0, 0.05), (30.0, 0.02), (2.0, 0.3)])
+def test_dead_time_is_that_of_a_poisson_process(rate, tau):
+    """P(k counts or more) = P(k pulses or more in what k - 1 dead times leave of the window); if lost pulses prolong
+    it, the mean is that of pulses with no other in the dead time before them, which the first need not have."""
+    task, n = Poisson(), 40_000
+    never, always = (events(task, effect_of(task, "dead_time", "hybrid"), np.log(rate), [tau, p], n) for p in (0, 1))
+    k = np.arange(1, 80)
+    expected = poisson.sf(k - 1, rate * np.maximum(1 - (k - 1) * tau, 0))
+    np.testing.assert_allclose((never >= k).mean(axis=0), expected, atol=5 * 0.5 / np.sqrt(n))
+    mean = rate * (1 - tau) * np.exp(-rate * tau) - np.expm1(-rate * tau)
+    assert always.mean() == pytest.approx(mean, abs=5 * always.std() / np.sqrt(n))
+    for shape, same in (("non_paralysable", never), ("paralysable", always)):
+        x = events(task, effect_of(task, "dead_time", shape), np.log(rate), [tau], n, seed=1)
+        assert abs((x >= k).mean(axis=0) - (same >= k).mean(axis=0)).max() < 5 * 0.5 * np.sqrt(2 / n)
 
 
 @pytest.mark.parametrize("shape", ["gamma", "lognormal", "skewed", "drift", "uniform"])

@@ -69,7 +69,10 @@ class Scale(Change):
 
 @dataclass(frozen=True)
 class Crosstalk(Change):
-    """A part of another feature is added: of the next one, of a given one, or of the mean of all others."""
+    """A part of another feature is added: of the next one, of a given one, or of the mean of all others.
+
+    Or of what a given one exceeds a level by.
+    """
 
     shape: str = "mean"
     name = "crosstalk"
@@ -82,7 +85,12 @@ class Crosstalk(Change):
     def variants(self):
         if self.feature == "all":
             return {"mean": (), "next": (), "neighbours": ()}
-        return {"mean": ()} | {f"x{j + 1}": () for j in range(len(self.ranges)) if j != self.feature}
+        others = [j for j in range(len(self.ranges)) if j != self.feature]
+        above = {f"x{j + 1} above": (self._level(j),) for j in others}
+        return {"mean": ()} | {f"x{j + 1}": () for j in others} | above
+
+    def _level(self, j: int) -> Parameter:
+        return Parameter("level", self.ranges[j].low, self.ranges[j].high, None, f"of x{j + 1}")
 
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
@@ -94,7 +102,9 @@ class Crosstalk(Change):
         elif self.shape == "neighbours":
             other = np.roll(x, -1, axis=1) + np.roll(x, 1, axis=1)
         else:
-            other = np.repeat(x[:, [int(self.shape[1:]) - 1]], d, axis=1)
+            other = np.repeat(x[:, [int(self.shape.split()[0][1:]) - 1]], d, axis=1)
+            if self.shape.endswith("above"):
+                other = np.maximum(other - phi[:, [1]], 0)
         columns = list(self.columns)
         x[:, columns] += phi[:, [0]] * other[:, columns]
         return x

@@ -61,7 +61,8 @@ class Outliers(Change):
     def variants(self):
         width = Parameter("width", 0.5, 20, None, "of half the range")
         angle = Parameter("width", 0.3, 3, None, "rad")
-        return {"gaussian": (width,), "cauchy": (width,)} | ({"angle": (angle,)} if self.bounded else {})
+        shapes = {"gaussian": (width,), "cauchy": (width,)}
+        return shapes | ({"angle": (angle,)} if self.bounded else {"above": (width,), "below": (width,)})
 
     def changed(self, x, span, phi, rng):
         rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
@@ -71,6 +72,8 @@ class Outliers(Change):
             x[rows] = span.cosine(span.angle(x[rows]) + phi[rows, 1] * rng.standard_normal(n))
         elif self.shape == "cauchy":
             x[rows] += 0.3 * width * rng.standard_cauchy(n)
+        elif self.shape in ("above", "below"):  # to one side only, as a loss of energy is
+            x[rows] += (1 if self.shape == "above" else -1) * width * rng.standard_exponential(n)
         else:
             x[rows] += width * rng.standard_normal(n)
         return x

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from avobench.diagnosis.effects.base import Family, Parameter, accepted
 
@@ -31,34 +32,64 @@ class ZeroInflation(Family):
 
 @dataclass(frozen=True)
 class DeadTime(Family):
-    """Each of n counts survives with probability 1 / (1 + tau n), or exp(-tau n) where lost counts prolong it.
+    """Pulses arrive at random times of the window; after each that is counted the counter is blind for `tau`.
 
-    The latter only down to 1 / e: beyond, more counts would leave fewer, and a counter is not run there.
+    A pulse that it does not see prolongs this always (`paralysable`), never, or with some probability (`hybrid`).
     """
 
     shape: str = "non_paralysable"
 
     highest: float = 1.0
-    """Of tau; a counter never records more than 1 / tau counts on average."""
+    """Of tau; a counter hardly records more than 1 / tau counts."""
 
     name = "dead_time"
-    SHAPES: ClassVar = {"non_paralysable": (), "paralysable": ()}
+    SHAPES: ClassVar = {
+        "non_paralysable": (),
+        "paralysable": (),
+        "hybrid": (Parameter("prolonging", 0, 1, None, "1"),),
+    }
+    sentence: ClassVar = "After each count the counter is blind for a while, so high counts are reduced most."
+    source: ClassVar = KNOLL + "Section 4.VII; G. E. Albert, L. Nelson, Ann. Math. Stat. 24 (1953) 9"
 
     @property
     def parameters(self):
-        return (Parameter("tau", 0, self.highest, 0, "of the window, a count"),)
+        return (Parameter("tau", 0, self.highest, 0, "of the window"), *self.SHAPES[self.shape])
 
     def adapted(self, x):
         return replace(self, highest=1 / max(float(np.median(x)), 1.0))
 
-    sentence: ClassVar = "After each count the counter is blind for a while, so high counts are reduced most."
-    source: ClassVar = KNOLL + "Section 4.VII"
-
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
-        busy = phi[:, 0] * x[:, 0]
-        x[:, 0] = rng.binomial(x[:, 0], np.exp(-np.minimum(busy, 1)) if self.shape == "paralysable" else 1 / (1 + busy))
+        prolonging = phi[:, 1] if self.shape == "hybrid" else np.full(len(x), float(self.shape == "paralysable"))
+        x[:, 0] = counted(x[:, 0].astype(int), phi[:, 0], prolonging, rng)
         return x
+
+
+def counted(
+    n: NDArray[np.intp], tau: NDArray[np.float64], prolonging: NDArray[np.float64], rng: np.random.Generator
+) -> NDArray[np.intp]:
+    """How many of n pulses at random times in [0, 1] a counter sees that is blind for `tau` after each that it saw.
+
+    One that it did not see makes it blind for as long again with the probability `prolonging`. All are of shape (N,).
+    """
+    order = np.argsort(-n)  # events with many pulses come first, so that those that still have one are the first
+    n, tau, prolonging = n[order], tau[order], prolonging[order]
+    active = np.searchsorted(-n, -np.arange(n.max(initial=0)), side="left")  # how many have more than k pulses
+    parts = [rng.standard_exponential(m) for m in active]  # times between pulses, in units that differ between events
+    whole = rng.standard_exponential(len(n))
+    for m, part in zip(active, parts, strict=True):
+        whole[:m] += part
+    tau = tau * whole
+    seen, time, blind_until = np.zeros_like(n), np.zeros(len(n)), np.zeros(len(n))
+    for m, part in zip(active, parts, strict=True):
+        time[:m] += part
+        found = time[:m] >= blind_until[:m]
+        seen[:m] += found
+        blind = found | (rng.random(m) < prolonging[:m])
+        np.copyto(blind_until[:m], time[:m] + tau[:m], where=blind)
+    back = np.empty_like(seen)
+    back[order] = seen
+    return back
 
 
 @dataclass(frozen=True)
