@@ -106,6 +106,7 @@ class Hidden:
             "name": self.injection.name,
             "feature": self.feature,
             "shape": self.injection.effect.shape if own else type(self.injection).__name__,
+            "series": None if own else self.injection.series,
             "settings": self.injection.settings,
             "distance": self.visibility.distance,
             "power": self.visibility.power,

@@ -17,6 +17,7 @@ from avobench.diagnosis.challenge.injections import (
     distortion,
     images,
     intervals,
+    second,
     shapes,
     smearing,
     tracker,
@@ -58,8 +59,9 @@ WHERE = {
 EVERY = [(name, shape) for name, (where, _) in WHERE.items() for shape in shapes(where)]
 
 
-def test_every_family_of_the_catalogue_has_a_foreign_shape():
-    names = {kind: {shape.name for shape in family} for kind, family in FAMILIES.items()}
+@pytest.mark.parametrize("series", [1, 2])
+def test_every_family_of_the_catalogue_has_a_foreign_shape(series):
+    names = {kind: {shape.name for shape in family if shape.series == series} for kind, family in FAMILIES.items()}
     assert names == {"counts": COUNTS, "continuous": CONTINUOUS, "images": IMAGES}
 
 
@@ -87,7 +89,16 @@ def moments(x):
     return x.mean(), x.var(), 5 * x.std() / np.sqrt(len(x))
 
 
-@pytest.mark.parametrize("shape", [intervals.TwoIntensities, intervals.LognormalRate, intervals.Oscillation])
+def test_the_answers_know_shapes_by_their_names_alone():
+    names = [shape.__name__ for family in FAMILIES.values() for shape in family]
+    assert len(set(names)) == len(names)
+
+
+VARYING = [intervals.TwoIntensities, intervals.LognormalRate, intervals.Oscillation]
+VARYING += [second.counts.Flares, second.counts.DecayingSource]
+
+
+@pytest.mark.parametrize("shape", VARYING)
 def test_a_varying_rate_keeps_the_mean_and_adds_its_variance(shape):
     where, at = WHERE["poisson"]
     mean, variance, error = moments(measured(drawn(shape, where, strength=0.3), at))
@@ -181,7 +192,9 @@ def test_offset_and_scale_on_a_line():
 
 def test_acceptances_lose_what_they_should():
     where, at = WHERE["weinberg"]
-    for shape in (acceptance.ErfTurnOn, acceptance.BeamPipe, acceptance.TwoHalves, acceptance.FadingSide):
+    selections = [acceptance.ErfTurnOn, acceptance.BeamPipe, acceptance.TwoHalves, acceptance.FadingSide]
+    selections += [second.continuous.LayersMissed, second.continuous.AttenuatedLight, second.continuous.TaperedGap]
+    for shape in selections:
         injection = drawn(shape, where, 2, strength=0.4)
         efficiency = injection.efficiency(where.reference)
         assert ((efficiency >= 0) & (efficiency <= 1)).all()
@@ -234,6 +247,119 @@ def test_distortions_do_what_they_say():
     assert np.corrcoef(leaked, other)[0, 1] > 0.9
     x = measured(drawn(distortion.Segments, WHERE["weinberg"][0], strength=0.2), WHERE["weinberg"][1])
     assert len(np.unique(x)) < 20
+
+
+L = LAMBDA
+MOMENTS = [
+    (second.counts.LeakyShutter, {"strength": 0.2, "dark": 0.5}, 0.8 * L + 0.1, 0.8 * L + 0.1 + 0.16 * (L - 0.5) ** 2),
+    (second.counts.Ringing, {"strength": 0.2, "evenness": 3.0}, 1.2 * L, 1.6 * L + 0.04 * L**2),
+    (second.counts.MainsHum, {"strength": 0.5, "hum": 1.0}, L, 1.25 * L + 1 / 12),
+    (second.counts.PrescaledScaler, {"strength": 1.0, "step": 4.5}, L, L + 2.5),
+    (second.counts.PulsedBeam, {"strength": 0.3, "duty": 0.6}, 1.3 * L, 1.3 * L + (0.3 * L) ** 2 * (1 / 0.6 - 1)),
+    (second.counts.ChannelsOff, {"strength": 0.3, "channels": 20.0}, 0.7 * L, 0.7 * L + 0.21 * L**2 / 20),
+]
+
+
+@pytest.mark.parametrize(("shape", "fixed", "mean", "variance"), MOMENTS, ids=[each[0].__name__ for each in MOMENTS])
+def test_counts_of_the_second_series_have_their_moments(shape, fixed, mean, variance):
+    where, at = WHERE["poisson"]
+    x = measured(drawn(shape, where, **fixed), at)
+    assert x.min() >= 0
+    assert x.mean() == pytest.approx(mean, abs=5 * x.std() / np.sqrt(N) + 0.02)  # the reference's mean errs too
+    assert x.var() == pytest.approx(variance, rel=0.05)
+
+
+@pytest.mark.parametrize(("slots", "lost"), [(1.0, 0.8 / 1.8), (2.0, 0.32 / 2.12)])
+@pytest.mark.parametrize("spread", [0.3, 1.0])
+def test_a_buffer_loses_what_erlang_says_however_the_times_in_it_spread(slots, lost, spread):
+    where, at = place(Poisson(), [np.log(40)], n=5000)
+    buffer = drawn(second.counts.ReadoutBuffer, where, strength=0.02, slots=slots, spread=spread)
+    share = measured(buffer, at).mean() / 40
+    assert share == pytest.approx(1 - lost, abs=0.03)  # the buffer is empty when an interval begins
+
+
+def test_a_prescaled_trigger_and_a_swept_pulser():
+    where, _ = WHERE["poisson"]
+    trigger = drawn(second.counts.PrescaledTrigger, where, strength=0.4, below=0.5)
+    efficiency = trigger.efficiency(np.arange(30)[:, None])
+    assert efficiency[0] == pytest.approx(0.6)
+    assert efficiency[-1] == pytest.approx(1, abs=1e-6)
+    assert (np.diff(efficiency) >= 0).all()
+    sweep = drawn(second.counts.SweptPulser, where, end=1.0).foreign(N, np.random.default_rng(0))
+    highest = np.quantile(where.reference, 0.999)
+    assert sweep.mean() == pytest.approx(highest / 2, rel=0.02)
+    assert sweep.var() == pytest.approx(highest / 2 + highest**2 / 12, rel=0.03)
+
+
+def test_angles_of_the_second_series():
+    where, at = WHERE["weinberg"]
+    plain = where.task.simulate(at, np.random.default_rng(0))
+    slope = lambda x: x / np.sqrt(1 - x**2)  # noqa: E731
+    moved = measured(drawn(second.continuous.DisplacedVertex, where, strength=0.1, bunch=0.0), at)
+    np.testing.assert_allclose(slope(moved), slope(plain) + 0.1, rtol=1e-6)
+    longer = measured(drawn(second.continuous.StretchedBarrel, where, strength=0.1, sides=0.0), at)
+    np.testing.assert_allclose(slope(longer), 1.1 * slope(plain), rtol=1e-6)
+    towers = np.arctanh(measured(drawn(second.continuous.EtaTowers, where, strength=0.4), at))
+    assert np.abs(towers - np.arctanh(plain)).max() <= 0.2 + 1e-6
+    apart = np.diff(np.unique(towers.round(6))) / 0.4
+    np.testing.assert_allclose(apart, np.rint(apart), atol=1e-4)
+    error = 5 * np.sqrt(2 / N)
+    scattered = measured(drawn(second.continuous.NuclearScattering, where, strength=0.3, mean=1.0), at)
+    assert scattered.mean() == pytest.approx((0.7 + 0.3 / 2) * plain.mean(), abs=error)
+    blurred = measured(drawn(second.continuous.SlantedMaterial, where, strength=0.3, power=1.0), at)
+    damped = np.exp(-(0.3**2) / 2 / np.maximum(1 - plain**2, 0.05**2))
+    assert blurred.mean() == pytest.approx((damped * plain).mean(), abs=error)
+
+
+def test_values_of_the_second_series_on_a_line():
+    where, at = WHERE["carl"]
+    every = where.task.simulate(at, np.random.default_rng(0))
+    plain, std = every[:, 1], where.std[0]
+    of = lambda shape, **fixed: measured(drawn(shape, where, **fixed), at)[:, 1]  # noqa: E731
+    blur = (of(second.continuous.StochasticTerm, strength=0.5, growth=1.0) - plain) / std
+    assert blur.mean() == pytest.approx(0, abs=5 * blur.std() / np.sqrt(N))
+    assert blur.var() == pytest.approx(0.25 * (1 + np.abs(plain / std).mean()), rel=0.05)
+    jump = of(second.continuous.PedestalStep, strength=-0.3, after=0.6) - plain
+    assert (jump != 0).mean() == pytest.approx(0.6, abs=0.02)
+    np.testing.assert_allclose(jump[jump != 0], -0.3 * std)
+    gain = of(second.continuous.LogarithmicGain, strength=0.2, slope=0.3) / plain
+    np.testing.assert_allclose(gain, 1.2 + 0.06 * np.log(np.clip(np.abs(plain) / std, 0.1, 10)))
+    flipped = of(second.continuous.BitFlips, strength=0.1, lowest=1.0) - plain
+    assert (flipped != 0).mean() == pytest.approx(0.1, abs=0.01)
+    assert set(np.abs(flipped[flipped != 0] / std).round(6)) == {1, 2, 4}
+    cut = of(second.continuous.LogarithmicConverter, strength=0.2, linear=0.5)
+    assert len(np.unique(cut)) < 60
+    assert (np.abs(cut - plain) <= 0.12 * np.hypot(plain, 0.5 * std) + 1e-9).all()
+    clipped = of(second.continuous.UnsteadyRail, strength=0.2)
+    assert (clipped <= plain).all()
+    assert 0.1 < (clipped < plain).mean() < 0.4
+    signs = of(second.continuous.LopsidedFlips, strength=0.1, preference=0.5)
+    assert set(np.unique(signs / plain)) == {-1, 1}
+    assert (signs != plain)[plain > 0].mean() == pytest.approx(0.15, abs=0.015)
+    assert (signs != plain)[plain < 0].mean() == pytest.approx(0.05, abs=0.015)
+    leak = of(second.continuous.TwoNeighbours, strength=0.2, other_side=0.5) - plain
+    scaled = every / where.reference.std(axis=0)
+    np.testing.assert_allclose(leak, 0.2 * std * (scaled[:, 0] + 0.5 * scaled[:, 2]))
+
+
+def test_losses_and_backgrounds_of_the_second_series_lie_where_they_should():
+    where, _ = WHERE["weinberg"]
+    grid = np.linspace(-1, 1, 201)[:, None]
+    steps = drawn(second.continuous.LayersMissed, where, strength=0.6, begin=0.7, layers=3.5).efficiency(grid)
+    np.testing.assert_allclose(np.unique(steps.round(9)), [0.4, 0.6, 0.8, 1])
+    assert (steps[np.abs(grid[:, 0]) < 0.7] == 1).all()
+    fading = drawn(second.continuous.AttenuatedLight, where, strength=0.6, length=0.5).efficiency(grid)
+    np.testing.assert_allclose(1 - fading, 0.6 * np.exp((grid[:, 0] - 1) / 0.5))
+    gap = drawn(second.continuous.TaperedGap, where, strength=0.2, location=0.3, depth=0.8).efficiency(grid)
+    assert gap.mean() == pytest.approx(1 - 0.8 * 0.2 / 2, abs=1e-3)
+    assert (gap < 1).mean() == pytest.approx(0.2, abs=0.01)
+    rng = np.random.default_rng(0)
+    peak = drawn(second.continuous.JacobianPeak, where, edge=0.3, tail=0.2).foreign(N, rng)
+    assert (peak.min(), peak.max()) == (pytest.approx(0.1, abs=0.01), pytest.approx(0.3))
+    assert peak.mean() == pytest.approx(0.1 + 0.2 * np.pi / 4, abs=0.002)
+    flat = drawn(second.continuous.UnevenNoise, where, channels=8.0, spread=0.0).foreign(N, rng)
+    assert (flat.mean(), flat.var()) == (pytest.approx(0, abs=0.02), pytest.approx(1 / 3, abs=0.01))
+    assert np.abs(flat).max() <= 1
 
 
 @pytest.fixture(scope="module")
@@ -291,16 +417,66 @@ def test_cells_fail_and_fire_at_the_rates_asked_for(collisions):
         assert set(np.unique(x)) <= {0, 1}
 
 
-def test_a_trigger_on_the_number_of_hits_loses_events_with_few(collisions):
+def test_links_chips_timing_and_noise_of_the_second_series(collisions):
     where, _, _ = collisions
-    trigger = drawn(images.MultiplicityTrigger, where, strength=0.3, width=0.1)
-    hits = where.reference.sum(axis=1)
+    rng, images_of = np.random.default_rng(0), np.tile(where.reference, (4, 1))
+    silent = drawn(second.images.SilentLink, where, strength=0.5, columns=2.5).change(images_of.copy(), rng)
+    assert (silent <= images_of).all()
+    changed = np.flatnonzero((silent != images_of).reshape(-1, 32, 32).any(axis=(0, 1)))
+    assert len(changed) == 2
+    left = silent.reshape(-1, 32, 32)[..., changed].sum() / images_of.reshape(-1, 32, 32)[..., changed].sum()
+    assert left == pytest.approx(0.5, abs=0.06)
+    noisy = drawn(second.images.NoisyChip, where, strength=0.2, cells=5.5, together=0.9).change(images_of.copy(), rng)
+    more = (noisy > images_of)[:, (noisy != images_of).any(axis=0)]
+    assert more.shape[1] == 5
+    assert more.any(axis=1).mean() == pytest.approx(0.2, abs=0.04)
+    late = drawn(second.images.BadTiming, where, strength=0.2, evenness=2.0).change(images_of.copy(), rng)
+    share = 1 - late.sum(axis=1) / np.maximum(images_of.sum(axis=1), 1)
+    assert share.mean() == pytest.approx(0.2, abs=0.03)
+    assert share.var() > 0.2 * 0.8 / 3  # the beta distribution's, to which that of the hits adds
+    graded = drawn(second.images.GradedNoise, where, strength=3.0, gradient=0.7).change(images_of.copy(), rng)
+    rows = (graded > images_of).reshape(-1, 32, 32).sum(axis=(0, 2))
+    assert rows.sum() / len(images_of) == pytest.approx(3, abs=0.25)
+    assert rows[16:].sum() > 1.4 * rows[:16].sum()
+    for x in (silent, noisy, late, graded):
+        assert x.dtype == np.uint8
+        assert set(np.unique(x)) <= {0, 1}
+
+
+def test_beams_that_wander_or_tilt_turn_nothing_but_the_collision(collisions):
+    where, particles, theta = collisions
+    rng = np.random.default_rng(0)
+    for shape in (second.images.WanderingBeam, second.images.TiltedBeams):
+        still = drawn(shape, where, strength=0.0)
+        np.testing.assert_array_equal(still.detect(where.task, particles, theta, rng), where.reference)
+    moved = drawn(second.images.WanderingBeam, where, strength=1.0, azimuth=0.0)
+    columns = moved.detect(where.task, particles, theta, rng).reshape(-1, 32, 32).sum(axis=(0, 1))
+    assert columns[[*range(4), *range(28, 32)]].sum() > 1.2 * columns[12:20].sum()
+    # half a turn mirrors the collision, but leaves it where it was: as a collision at -theta, mirrored as a whole
+    half = drawn(second.images.TiltedBeams, where, strength=np.pi, azimuth=0.0, divergence=0.0)
+    image = half.detect(where.task, particles, theta, rng).reshape(-1, 32, 32)
+    other = where.task.detect(particles, -theta).reshape(-1, 32, 32)
+    assert (image == other[:, ::-1, ::-1]).mean() > 0.9999
+
+
+@pytest.mark.parametrize(
+    ("trigger", "fixed", "rows"),
+    [
+        (images.MultiplicityTrigger, {"width": 0.1}, slice(None)),
+        (second.images.CentralTrigger, {"width": 0.05, "middle": 0.5}, slice(8, 24)),
+    ],
+)
+def test_a_trigger_on_the_number_of_hits_loses_events_with_few(collisions, trigger, fixed, rows):
+    where, _, _ = collisions
+    trigger = drawn(trigger, where, strength=0.3, **fixed)
+    hits = where.reference.reshape(-1, 32, 32)[:, rows].sum(axis=(1, 2))
     efficiency = trigger.efficiency(where.reference)
     assert (np.diff(efficiency[np.argsort(hits)]) >= 0).all()
     assert efficiency.mean() == pytest.approx((hits >= np.quantile(hits, 0.3)).mean(), abs=0.03)
 
 
-def test_pile_up_adds_collisions(collisions):
+@pytest.mark.parametrize(("shape", "seen"), [(images.SpreadPileUp, 1), (second.images.OutOfTime, 0.5)])
+def test_pile_up_adds_collisions(collisions, shape, seen):
     where, _, theta = collisions
     simulate = lambda at, rng: np.ones((len(at), 1024), np.uint8)  # noqa: E731
     calls = []
@@ -309,9 +485,12 @@ def test_pile_up_adds_collisions(collisions):
         calls.append(len(at))
         return np.zeros((len(at), 1024), np.uint8) if len(calls) == 1 else simulate(at, rng)
 
-    x = drawn(images.SpreadPileUp, where, strength=0.3).measure(counted, theta, np.random.default_rng(0))
+    fixed = {"in_time": seen} if seen < 1 else {}
+    x = drawn(shape, where, strength=0.3, **fixed).measure(counted, theta, np.random.default_rng(0))
     assert calls[1] / 500 == pytest.approx(0.3, abs=0.1)
     assert x.any(axis=1).mean() == pytest.approx(1 - np.exp(-0.3), abs=0.08)
+    assert x.sum() / 1024 <= calls[1] * seen * 1.05
+    assert x.dtype == where.task.dtype
 
 
 def test_registered_tasks_have_injections_for_their_events():

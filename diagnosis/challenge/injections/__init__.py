@@ -4,7 +4,7 @@ import numpy as np
 
 from avobench.tasks import Task
 
-from . import acceptance, backgrounds, converter, counting, distortion, images, intervals, smearing, tracker
+from . import acceptance, backgrounds, converter, counting, distortion, images, intervals, second, smearing, tracker
 from .base import Injection, Place, Simulate
 
 __all__ = ["FAMILIES", "Injection", "Place", "Simulate", "kind_of_events", "shapes"]
@@ -27,6 +27,17 @@ FAMILIES: dict[str, tuple[type[Injection], ...]] = {
         converter.LaplaceNoise,
         converter.StuckBit,
         converter.CoarseRange,
+        second.counts.LeakyShutter,
+        second.counts.Flares,
+        second.counts.DecayingSource,
+        second.counts.ReadoutBuffer,
+        second.counts.PrescaledTrigger,
+        second.counts.SweptPulser,
+        second.counts.Ringing,
+        second.counts.MainsHum,
+        second.counts.PrescaledScaler,
+        second.counts.PulsedBeam,
+        second.counts.ChannelsOff,
     ),
     "continuous": (
         smearing.AngularSmearing,
@@ -54,6 +65,24 @@ FAMILIES: dict[str, tuple[type[Injection], ...]] = {
         distortion.TruncatingReadout,
         distortion.Segments,
         distortion.SoftSaturation,
+        second.continuous.SlantedMaterial,
+        second.continuous.StochasticTerm,
+        second.continuous.DisplacedVertex,
+        second.continuous.PedestalStep,
+        second.continuous.StretchedBarrel,
+        second.continuous.LogarithmicGain,
+        second.continuous.LayersMissed,
+        second.continuous.AttenuatedLight,
+        second.continuous.UnevenNoise,
+        second.continuous.JacobianPeak,
+        second.continuous.TaperedGap,
+        second.continuous.LopsidedFlips,
+        second.continuous.NuclearScattering,
+        second.continuous.BitFlips,
+        second.continuous.TwoNeighbours,
+        second.continuous.EtaTowers,
+        second.continuous.LogarithmicConverter,
+        second.continuous.UnsteadyRail,
     ),
     "images": (
         images.DeadPatch,
@@ -65,6 +94,14 @@ FAMILIES: dict[str, tuple[type[Injection], ...]] = {
         tracker.MovedBeam,
         tracker.TiltedDetector,
         tracker.SoftParticles,
+        second.images.SilentLink,
+        second.images.NoisyChip,
+        second.images.BadTiming,
+        second.images.GradedNoise,
+        second.images.OutOfTime,
+        second.images.WanderingBeam,
+        second.images.TiltedBeams,
+        second.images.CentralTrigger,
     ),
 }
 """All shapes, by the kind of events."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from .base import Place, Replacement, drawn, strength
 
 
-def _onto(place: Place, u: NDArray[np.float64]) -> NDArray[np.float64]:
+def onto(place: Place, u: NDArray[np.float64]) -> NDArray[np.float64]:
     """From the scale where the range is [-1, 1] to the feature's own."""
     return place.centre + u * place.half_range
 
@@ -29,7 +29,7 @@ class NearlyFlat(Replacement):
         return place.cosine
 
     def foreign(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
-        return _onto(self.place, self._unit(n, rng))
+        return onto(self.place, self._unit(n, rng))
 
     def _unit(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
         """Density 1 + slope u + curvature (3 u^2 - 1) / 2 on [-1, 1], by rejection: (n, k)."""
@@ -54,7 +54,7 @@ class SoftEnded(NearlyFlat):
 
     def foreign(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
         u = self._unit(n, rng)
-        return _onto(self.place, u + self.softness * rng.standard_normal(u.shape))
+        return onto(self.place, u + self.softness * rng.standard_normal(u.shape))
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class BreitWigner(Replacement):
     def foreign(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
         low, high = (np.arctan((end - self.location) / self.half_width) for end in (-1, 1))
         u = self.location + self.half_width * np.tan(rng.uniform(low, high, (n, len(self.place.columns))))
-        return _onto(self.place, u)
+        return onto(self.place, u)
 
 
 @dataclass(frozen=True)
@@ -88,4 +88,4 @@ class RadiativePeak(Replacement):
         size = n, len(self.place.columns)
         core = self.location + self.width * rng.standard_normal(size)
         u = core + self.tail * rng.standard_exponential(size)
-        return _onto(self.place, np.where(np.abs(u) < 1, u, core))
+        return onto(self.place, np.where(np.abs(u) < 1, u, core))

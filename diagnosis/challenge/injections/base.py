@@ -52,6 +52,11 @@ class Place:
             return np.array([[-1.0], [1.0]])
         return np.quantile(self.reference[:, self.columns], [0.005, 0.995], axis=0)
 
+    @cached_property
+    def binary(self) -> bool:
+        """Whether the events are images of hits that have no size."""
+        return bool(np.isin(self.reference, (0, 1)).all())
+
     @property
     def cosine(self) -> bool:
         """Whether the feature is the cosine of an angle; its name then begins with `cos`."""
@@ -88,6 +93,12 @@ class Injection(ABC):
     source: ClassVar[str]
     stage: ClassVar[int] = 1
     """In the chain: 0 before the detector, 1 measurement, 2 selection, 3 what is added or read out after it."""
+    series: ClassVar[int] = 1
+    """2 in the package `second`: shapes of the second were written when those of the first had been developed on."""
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        cls.series = 2 if "second" in cls.__module__.split(".") else 1
 
     @classmethod
     def suits(cls, place: Place) -> bool:

@@ -9,6 +9,13 @@ from numpy.typing import NDArray
 from .base import Change, Injection, Simulate, drawn, strength
 
 
+def arrivals(x: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+    """When the first pulse of every interval arrives, the second and so on; 2 where there is none: (n, 1) -> (k, n)."""
+    n = x[:, 0].astype(int)
+    most = n.max(initial=0)
+    return np.sort(np.where(np.arange(most) < n[:, None], rng.random((len(n), most)), 2), 1).T
+
+
 @dataclass(frozen=True)
 class HybridDeadTime(Change):
     """After a pulse the counter is blind for a while, and a pulse that it did not see may prolong this.
@@ -22,13 +29,12 @@ class HybridDeadTime(Change):
     paralysis: float = drawn(0, 1)
 
     def change(self, x: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
-        n = x[:, 0].astype(int)
-        time = np.sort(np.where(np.arange(n.max(initial=0)) < n[:, None], rng.random((len(n), n.max(initial=0))), 2), 1)
-        seen, blind_until = np.zeros(len(n)), np.full(len(n), -1.0)
-        for arrival in time.T:  # the k-th pulse of every interval
+        n = len(x)
+        seen, blind_until = np.zeros(n), np.full(n, -1.0)
+        for arrival in arrivals(x, rng):
             here = arrival < 1
             found = here & (arrival >= blind_until)
-            prolongs = found | (here & (rng.random(len(n)) < self.paralysis))
+            prolongs = found | (here & (rng.random(n) < self.paralysis))
             blind_until = np.where(prolongs, np.maximum(blind_until, arrival + self.strength), blind_until)
             seen += found
         return seen[:, None]

@@ -68,19 +68,24 @@ class HardScattering(AngleChange):
         return np.where(hit, angle + rng.laplace(0, self.width, angle.shape), angle)
 
 
-@dataclass(frozen=True)
-class RectifiedCrosstalk(Injection):
-    """A large signal in another channel leaks into this one; a small one, below a knee, does not."""
+class Crosstalk(Injection):
+    """An injection by which signals of other channels leak into one."""
 
-    name: ClassVar = "crosstalk"
-    source: ClassVar = "capacitive coupling between channels, behind a discriminating input stage"
-    strength: float = strength(0.01, 0.4, "own per other standard deviations", sign=True)
-    neighbour: float = drawn(0, 1, "which of the other features")
-    knee: float = drawn(-1.5, 0, "standard deviations")
+    name = "crosstalk"
 
     @classmethod
     def suits(cls, place: Place) -> bool:
         return isinstance(place.feature, int) and place.task.num_features > 1
+
+
+@dataclass(frozen=True)
+class RectifiedCrosstalk(Crosstalk):
+    """A large signal in another channel leaks into this one; a small one, below a knee, does not."""
+
+    source: ClassVar = "capacitive coupling between channels, behind a discriminating input stage"
+    strength: float = strength(0.01, 0.4, "own per other standard deviations", sign=True)
+    neighbour: float = drawn(0, 1, "which of the other features")
+    knee: float = drawn(-1.5, 0, "standard deviations")
 
     def measure(self, simulate: Simulate, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         x = simulate(theta, rng).copy()

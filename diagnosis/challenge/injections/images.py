@@ -25,11 +25,15 @@ class ImageInjection(Injection):
 
 def overlay(place: Place, x: NDArray, more: NDArray) -> NDArray:
     """Two images in one: hits stay hits, energies add up. (n, d), (n, d) -> (n, d) of x's type."""
-    return np.maximum(x, more) if is_binary(place) else (x + more).astype(x.dtype)
+    return np.maximum(x, more) if place.binary else (x + more).astype(x.dtype)
 
 
-def is_binary(place: Place) -> bool:
-    return bool(np.isin(place.reference, (0, 1)).all())
+def lose(x: NDArray, probability: NDArray[np.float64] | float, rng: np.random.Generator) -> NDArray:
+    """Lose hits, in place, each with its probability: (n, d), what broadcasts to (n, d) -> (n, d)."""
+    event, cell = np.nonzero(x)
+    lost = rng.random(len(cell)) < np.broadcast_to(probability, x.shape)[event, cell]
+    x[event[lost], cell[lost]] = 0
+    return x
 
 
 def walk(place: Place, cells: int, seed: int) -> NDArray[np.int64]:
@@ -96,10 +100,7 @@ class UnevenEfficiency(ImageInjection):
             *(np.linspace(0, 2 * np.pi, n, endpoint=False) for n in self.place.task.event_shape), indexing="ij"
         )
         wave = np.cos(sum(axes) + self.phase).ravel()
-        event, cell = np.nonzero(x)
-        lost = rng.random(len(cell)) < self.strength * (1 + self.unevenness * wave[cell])
-        x[event[lost], cell[lost]] = 0
-        return x
+        return lose(x, self.strength * (1 + self.unevenness * wave), rng)
 
 
 @dataclass(frozen=True)
@@ -123,26 +124,39 @@ class NoiseClusters(ImageInjection):
         return overlay(self.place, x, noise)
 
 
-@dataclass(frozen=True)
-class SpreadPileUp(Injection):
-    """Other collisions, spread along the beam, leave their tracks in the same image."""
+class PileUp(Injection):
+    """An injection by which other collisions, `strength` of them an event on average, are seen in the same image."""
 
-    name: ClassVar = "pile_up"
-    source: ClassVar = "pile-up at colliders, with a luminous region of finite length"
-    stage: ClassVar = 1
-    strength: float = strength(0.003, 0.3, "collisions an event")
-    spread: float = drawn(0, 0.2, "of the support's width")
+    name = "pile_up"
+    stage = 1
+    strength: float
+
+    def others(self, simulate: Simulate, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        """Images of other collisions in events at theta: (m, p) -> (m, d)."""
+        raise NotImplementedError
 
     def measure(self, simulate: Simulate, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        x, support = simulate(theta, rng), self.place.task.support
+        x = simulate(theta, rng)
         event = np.repeat(np.arange(len(x)), rng.poisson(self.strength, len(x)))
         if not len(event):
             return x
-        elsewhere = theta[event] + self.spread * support.width * rng.uniform(-1, 1, (len(event), theta.shape[1]))
-        more = simulate(np.clip(elsewhere, support.low, support.high), rng)
-        for one, image in zip(event, more, strict=True):
+        for one, image in zip(event, self.others(simulate, theta[event], rng), strict=True):
             x[one] = overlay(self.place, x[one], image)
         return x
+
+
+@dataclass(frozen=True)
+class SpreadPileUp(PileUp):
+    """Other collisions, spread along the beam, leave their tracks in the same image."""
+
+    source: ClassVar = "pile-up at colliders, with a luminous region of finite length"
+    strength: float = strength(0.003, 0.3, "collisions an event")
+    spread: float = drawn(0, 0.2, "of the support's width")
+
+    def others(self, simulate: Simulate, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        support = self.place.task.support
+        elsewhere = theta + self.spread * support.width * rng.uniform(-1, 1, theta.shape)
+        return simulate(np.clip(elsewhere, support.low, support.high), rng)
 
 
 @dataclass(frozen=True)
@@ -162,4 +176,4 @@ class MultiplicityTrigger(Selection):
 
 def hit_size(place: Place) -> float:
     """What a false hit leaves: 1, or the median of what a true one leaves where hits have sizes."""
-    return 1 if is_binary(place) else float(np.median(place.reference[place.reference > 0]))
+    return 1 if place.binary else float(np.median(place.reference[place.reference > 0]))
