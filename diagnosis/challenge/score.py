@@ -209,6 +209,7 @@ def _one(cases: list[Case]) -> dict[str, Any]:
     """One hidden effect, which the catalogue has. Names are judged where something was detected."""
     found = [case for case in cases if case.detected]
     visible = [case for case in cases if case.power >= VISIBLE]
+    second = [case for case in found if case.answer["effects"][0].get("series") == 2]
     explained = [case for case in found if _explained(case)]
     borders = (0, *POWERS, np.inf)
     return {
@@ -225,6 +226,10 @@ def _one(cases: list[Case]) -> dict[str, Any]:
         "tie_size": float(np.mean([len(case.ties[0]) for case in found if case.ties])) if explained else None,
         "more_named": rate(len(case.named) > 1 for case in found),
         "visible_right_first": rate(_first(case) for case in visible),
+        "second_series": {
+            "right_first": rate(_first(case) for case in second),
+            "in_tie_set": rate(_in_first_tie(case) for case in second),
+        },
         "explained": rate(map(_explained, found)),
         **_before_and_after(found),
         "theta_within_2": rate(_near(explained, "after")),

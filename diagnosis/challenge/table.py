@@ -23,6 +23,8 @@ WANTED: tuple[tuple[str, tuple[str, ...], str, float], ...] = (
             (f"{each} shapes: theta within 2 errors", ("one", each, "theta_within_2"), "at least", 0.9),
         )
     ),
+    ("second series: right name first", ("one", "foreign", "second_series", "right_first"), "at least", 0.85),
+    ("second series: truth in the tie set", ("one", "foreign", "second_series", "in_tie_set"), "at least", 0.95),
     ("withheld: falsely explained", ("withheld", ALL, "falsely_explained"), "at most", 0.1),
     ("two effects: both named", ("two", ALL, "both"), "at least", 0.7),
     ("two effects: at least one named", ("two", ALL, "at_least_one"), "at least", 0.95),
@@ -106,6 +108,12 @@ def as_text(result: dict[str, Any]) -> str:
             f"  truth in the tie set {_percent(one['in_tie_set'])}, mean size {_number(one['tie_size'])}",
             f"  of all with a power of {100 * VISIBLE:.0f} % or more: right name first "
             f"{_percent(one['visible_right_first'])}",
+            *(
+                f"  of the second series: right name first {_percent(second['right_first'])}, "
+                f"truth in the tie set {_percent(second['in_tie_set'])}"
+                for second in [one["second_series"]]
+                if second["right_first"]["of"]
+            ),
             f"  a further effect named, though none was hidden {_percent(one['more_named'])}",
             f'  "{NAMED}" {_percent(one["explained"])}; then theta within 2 errors {_percent(one["theta_within_2"])}',
             _medians(one),

@@ -201,6 +201,7 @@ UNEXPLAINED = "disagreement not explained by the catalogue"
 def row(case, kind, hidden=(), diagnosis=None, power=1.0, theta=1.0, source="own", beside=1.0):
     """A line of records."""
     seen = {"distance": 1.0, "power": power, "beside": beside}
+    seen["series"] = 2 if source == "foreign" else None
     effects = [{"name": name, "feature": None, "shape": "", "settings": {}, **seen} for name in hidden]
     answer = {"case": f"{case:04d}", "kind": kind, "set": source, "theta": [theta], "effects": effects}
     return {
@@ -273,6 +274,8 @@ def test_the_score_counts_what_it_says():
     assert len(own["mistaken"]) == 2
     foreign = result["one"]["foreign"]
     assert counts(foreign["right_first"]) == (0, 1)
+    assert [counts(foreign["second_series"][name]) for name in ("right_first", "in_tie_set")] == [(0, 1), (0, 1)]
+    assert counts(own["second_series"]["right_first"]) == (0, 0)
     assert foreign["tie_size"] is None
     assert "taken for nothing" in foreign["mistaken"][0]
     withheld = result["withheld"]["own"]

@@ -506,5 +506,5 @@ def test_the_page_on_the_challenge_lists_every_shape_with_its_strengths():
         (drawn,) = (each.metadata for each in fields(shape) if each.name == "strength")
         sign, unit = "± " * drawn["sign"], "" if drawn["unit"] == "1" else f" {drawn['unit']}"
         sentence = " ".join(shape.__doc__.split("\n\n")[0].split())
-        row = f"| {shape.name} | {shape.__name__} | {sign}{drawn['low']:g} to {drawn['high']:g}{unit} | {sentence} |"
-        assert row in page
+        strength = f"{sign}{drawn['low']:g} to {drawn['high']:g}{unit}"
+        assert f"| {shape.name} | {shape.__name__} | {shape.series} | {strength} | {sentence} |" in page
