@@ -16,12 +16,14 @@ from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effort import effort_for
 from avobench.diagnosis.fit import Base, refine
-from avobench.diagnosis.loop import Step, _accepted, _pair, fit_null
+from avobench.diagnosis.loop import fit_null
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.name import reshaped
 from avobench.diagnosis.rank import Ranked
 from avobench.diagnosis.schema import Verdict
 from avobench.diagnosis.screen import Sample, screen
+from avobench.diagnosis.search import _accepted, _pair
+from avobench.diagnosis.step import Step
 from avobench.diagnosis.summary import bins_of
 from avobench.diagnosis.values import scaled_std
 from avobench.tasks.alignment import Alignment

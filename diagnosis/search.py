@@ -1,0 +1,219 @@
+"""Which effects to add to a model that the events reject: one after the other, or two at once."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.diagnosis.effects import Effect
+from avobench.diagnosis.effort import Effort
+from avobench.diagnosis.fit import Base, Fit, Target, polish, refine
+from avobench.diagnosis.name import CLOSES, candidates, clears_feature, reshaped
+from avobench.diagnosis.rank import TIE, Ranked, cost, ranking, tied
+from avobench.diagnosis.step import Step
+
+VETO = 2.5
+"""Of the scatter of the events kept aside, in standard errors: a gap that grows on them by more vetoes an effect."""
+STILL = 0.2
+"""Of alpha: the level at which a model with an effect is still rejected: no shape of the catalogue is exactly right."""
+PAIR_LEAVES, PAIR_CLEAR, PAIR_ALONE, CHANCE = 0.3, 0.1, 0.2, 1.65
+"""A second effect must leave less than the first share of what the first effect left; unless it leaves less than the
+second, it must close more than the third of the whole gap by itself, or have no rival, or leave no more than chance: so
+many standard deviations of chi-squared. A third must have no rival, nor a second where the first may be all."""
+PARTNERS = 3
+"""Effects to which a second one is added at once, where none alone closes enough."""
+RIVALS = 3
+"""Of the effects that may be the second, for which the first is tried in other shapes."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """What a search for effects needs beside the model that it begins with."""
+
+    target: Target
+    x: NDArray
+    """The measured events that are fitted (N, d)."""
+    aside: NDArray[np.float64]
+    """The mean summary of those kept aside (K,)."""
+    num_aside: int
+    effects: list[Effect]
+    alpha: float
+    max_effects: int
+    rng: np.random.Generator
+    effort: Effort
+    jobs: int
+
+    def steps_from(self, before: Step) -> tuple[list[Step], list[str]]:
+        """The steps from a rejected model on, an effect more in each, until one is not rejected; and notes."""
+        steps, notes = [before], []
+        while len(steps) <= self.max_effects and steps[-1].p_value < self.alpha:
+            rejected = len(steps) == 1 or steps[-1].p_value < STILL * self.alpha
+            if not rejected and steps[-1].gates["summary"].p_value > self.alpha:
+                break  # what only the classifier may see has no name
+            if len(steps) == 1:
+                ranks, known = self.ranked(steps[0].fit, 1 - CLOSES)
+            else:
+                ranks, known = self.ranked(steps[-1].fit, PAIR_LEAVES, steps[-2].added.others)
+            steps[-1] = replace(steps[-1], ranks=ranks)
+            worse = partial(grew, target=self.target, mean=self.aside, num_events=self.num_aside)
+            clears = partial(clears_feature, target=self.target)
+            step = _accepted(steps, worse, clears, rejected)
+            if rejected and len(steps) <= 2 <= self.max_effects and not _enough(steps, step, clears):
+                pair = _pair(steps, self.ranked, worse)
+                if pair and (step is None or cost(pair[0][-1].added.fit) < cost(step.added.fit)):
+                    steps, known = pair
+                    step = steps[-1]
+            if step is None:
+                break
+            steps[-1] = step
+            fit, base, more = self._refined(step.added.fit, known)
+            notes += more
+            steps.append(Step.of(fit, self.target, self.x, self.rng, self.effort, base))
+        return steps, notes
+
+    def ranked(self, fit: Fit, leaves: float, others: tuple[Fit, ...] = ()) -> tuple[list[Ranked], Base]:
+        """Effects to add to a fit, best first, fitted closely if one may leave less than a share `leaves` of its gap.
+
+        Also the fit's model, made known. `others` are fits of its last effect in other shapes.
+        """
+        used, without = {e.key for e in fit.model.effects}, fit.gap
+        free = [e for e in self.effects if e.key not in used]
+        effort = self.effort if not used else replace(self.effort, families=self.effort.families // 2)
+
+        def hopeful(one: Fit) -> bool:
+            return excess(one) - 2 * one.gap_error < leaves * excess(fit) or clears_feature(one, fit, self.target)
+
+        options = {"hopeful": hopeful, "gap_without": without, "jobs": self.jobs}
+        fits, known = candidates(fit, self.target, free, self.x, self.rng, effort, **options)
+        ranks = ranking(fits, without)
+        if ranks and others and excess(ranks[0].fit) > noise(ranks[0].fit):
+            foremost = ranks[:1] + tied(ranks)[: RIVALS - 1]
+            pairs = [entry.fit for entry in foremost]
+            better = reshaped(pairs, known, others, self.target, self.rng, self.effort)
+            kept = [entry.fit for entry in ranks if all(entry is not one for one in foremost)]
+            ranks = ranking([fit for fit, _ in better] + kept, without)
+            known = next((base for fit, base in better if fit is ranks[0].fit), known)
+        return ranks, known
+
+    def _refined(self, fit: Fit, known: Base) -> tuple[Fit, Base | None, list[str]]:
+        """The fit of an added effect with more events, the model without it if that is `known`, and notes."""
+        base = known if known.model.effects == fit.model.effects[:-1] else None
+        fit, notes = widened(fit, self.target, self.rng, self.effort)
+        many = int(self.effort.again[-1] * len(self.x))
+        again = polish(fit, self.target, self.rng, many, rounds=8, base=base, exact=True)
+        return min(again, fit, key=lambda fit: fit.gap), base, notes
+
+
+def grew(new: Fit, old: Fit, target: Target, mean: NDArray[np.float64], num_events: int) -> bool:
+    """Whether the gap to the mean summary (K,) of events kept aside grows from one fit to another beyond their scatter.
+
+    If the new one is right, what it leaves of them is noise, also along the difference d of the two: normal, of
+    variance 1 from these events, and their share of those that were fitted from the fit. The gap grows where it is
+    below -|d| / 2, which chance alone brings about for a weak effect.
+    """
+    left, before = (np.sqrt(num_events) * ((mean - fit.predicted) @ target.whitening) for fit in (new, old))
+    d = before - left
+    error = np.sqrt(1 + (1 + new.noise + old.noise) * num_events / target.num_events)
+    z = float(left @ d) / max(float(np.linalg.norm(d)) * error, 1e-12)
+    return float(left @ left) > float(before @ before) and z < -VETO
+
+
+def _accepted(
+    steps: list[Step], grew: Callable[[Fit, Fit], bool], clears: Callable[[Fit, Fit], bool], rejected: bool
+) -> Step | None:
+    """The last step with the effect that may be added to its model, the first of its ranks as a rule; None for none.
+
+    Else the first that clears a feature which no effect acts on yet. `rejected`: whether the model without it must be
+    wrong, not only may be.
+    """
+    last = steps[-1]
+    if last.ranks and not grew(last.ranks[0].fit, last.fit) and _closes(steps, rejected):
+        return last
+    for entry in last.ranks:
+        if clears(entry.fit, last.fit) and not grew(entry.fit, last.fit):
+            feature, within = entry.effect.feature, entry.score + TIE
+            rivals = [one for one in last.ranks if one is not entry and one.effect.feature == feature]
+            return replace(last, chosen=entry, rivals=tuple(one for one in rivals if one.score < within))
+    return None
+
+
+def _closes(steps: list[Step], rejected: bool) -> bool:
+    """Whether the first of the last step's ranks closes enough of the whole gap to be added; `rejected` as above."""
+    last, whole = steps[-1], excess(steps[0].fit)
+    best = last.ranks[0]
+    if len(steps) == 1:
+        return excess(best.fit) < (1 - CLOSES) * whole
+    if last.fit.gap - best.fit.gap < TIE + best.fit.gap_error:
+        return False
+    left = excess(best.fit) / max(excess(last.fit), 1e-9)
+    single = {entry.effect.key: entry.fit for entry in steps[0].ranks}.get(best.effect.key)
+    alone = single is not None and whole - excess(single) > PAIR_ALONE * whole
+    no_rival, no_more = not tied(last.ranks), excess(best.fit) < CHANCE * noise(best.fit)
+    if (len(steps) > 2 or not rejected) and not no_rival:
+        return False
+    return left < PAIR_CLEAR or (left < PAIR_LEAVES and (alone or no_rival or no_more))
+
+
+def _enough(steps: list[Step], step: Step | None, clears: Callable[[Fit, Fit], bool]) -> bool:
+    """Whether no other pair need be looked for: there is an effect to add, and a second leaves no more than chance."""
+    if step is None or len(steps) == 1:
+        return step is not None
+    fit = step.added.fit
+    return clears(fit, step.fit) or excess(fit) < CHANCE * noise(fit)
+
+
+def _pair(
+    steps: list[Step], search: Callable[..., tuple[list[Ranked], Base]], grew: Callable[[Fit, Fit], bool]
+) -> tuple[list[Step], Base] | None:
+    """Two effects that together leave next to nothing, where none alone closes half of the gap.
+
+    Or where one does, but a second beside it is not enough: the pair then begins with that second, or with another that
+    the first was tied with. The steps up to the first of them, with the ranks that the second leads, and the model with
+    the first alone.
+    """
+    null, whole = steps[0], excess(steps[0].fit)
+    enough = PAIR_CLEAR * whole
+    firsts = [entry for entry in null.ranks if 0 < excess(entry.fit) < (1 - PAIR_ALONE) * whole]
+    if len(steps) > 1:
+        enough = min(enough, PAIR_LEAVES * excess(steps[1].fit))
+        second = [entry.effect.key for entry in steps[1].ranks[:1]]
+        firsts = [e for e in firsts if e.effect.key in second or any(e is tie for tie in null.ties)]
+    found = [(one, *search(one.fit, enough / excess(one.fit), one.others)) for one in firsts[:PARTNERS]]
+    found = [(first, ranks, known) for first, ranks, known in found if ranks]
+    if not found:
+        return None
+    found.sort(key=lambda each: cost(each[1][0].fit))
+    first, ranks, known = found[0]
+    best = ranks[0]
+    if excess(best.fit) > enough or grew(best.fit, null.fit):
+        return None
+    rivals = tuple(
+        one
+        for one, (second, *_), _ in found[1:]
+        if second.effect.key == best.effect.key and cost(second.fit) < cost(best.fit) + TIE
+    )
+    return [replace(null, chosen=first, rivals=rivals), Step(first.fit, first.fit, {}, ranks)], known
+
+
+def excess(fit: Fit) -> float:
+    """By how much chi-squared exceeds its degrees of freedom."""
+    return max(fit.gap - fit.dof, 0.0)
+
+
+def noise(fit: Fit) -> float:
+    """Standard deviation of chi-squared."""
+    return float(np.sqrt(2 * fit.dof))
+
+
+def widened(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) -> tuple[Fit, list[str]]:
+    """The fit with the bound of its last effect's strength doubled, if it ended there and the bound is a guess."""
+    effect = fit.model.effects[-1]
+    at = fit.model.dim - len(effect.parameters)
+    if not (effect.parameters[0].soft and fit.at_bound[at]):
+        return fit, []
+    stretch = (*(fit.model.stretch or (1.0,) * len(fit.model.effects))[:-1], 2.0)
+    model = replace(fit.model, stretch=stretch)
+    again = refine(model, target, model.to_unit(fit.params), 0.1, rng, num_events=effort.least)
+    return again, [f"the bound of {effect.name}: {effect.parameters[0].name} was doubled, since the fit ended there"]
