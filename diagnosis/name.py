@@ -137,7 +137,7 @@ def candidates(
             own = plain[effect.key] if k == 0 else screen(sample, shape, x, rng, effort)
             if own and base.gap > STRONG * base.dof and (k == 0 or len(effects) <= MOST_SCREENED):
                 own = [*own, searched(base, target, shape, rng, effort)]
-            if own and len(effects) <= MOST_SCREENED and shape.guess(x) is None and (k == 0 or not base.model.effects):
+            if own and not base.model.effects and len(effects) <= MOST_SCREENED and shape.guess(x) is None:
                 far += hidden(sample, own[0], rng, effort)
             starts += sorted(own, key=lambda start: start.expected)
         # The plainest shape always has its fit: screening is too rough to prefer another to it.

@@ -73,20 +73,22 @@ def counted(
     One that it did not see makes it blind for as long again with the probability `prolonging`. All are of shape (N,).
     """
     order = np.argsort(-n)  # events with many pulses come first, so that those that still have one are the first
-    n, tau, prolonging = n[order], tau[order], prolonging[order]
+    n, tau, prolonging = n[order], tau[order].astype(np.float32), prolonging[order]
     active = np.searchsorted(-n, -np.arange(n.max(initial=0)), side="left")  # how many have more than k pulses
-    parts = [rng.standard_exponential(m) for m in active]  # times between pulses, in units that differ between events
-    whole = rng.standard_exponential(len(n))
+    # Times between pulses, in units that differ between events.
+    parts = [rng.standard_exponential(m, np.float32) for m in active]
+    whole = rng.standard_exponential(len(n), np.float32)
     for m, part in zip(active, parts, strict=True):
         whole[:m] += part
     tau = tau * whole
-    seen, time, blind_until = np.zeros_like(n), np.zeros(len(n)), np.zeros(len(n))
+    seen, time, blind_until = np.zeros_like(n), np.zeros(len(n), np.float32), np.zeros(len(n), np.float32)
     for m, part in zip(active, parts, strict=True):
-        time[:m] += part
-        found = time[:m] >= blind_until[:m]
-        seen[:m] += found
-        blind = found | (rng.random(m) < prolonging[:m])
-        np.copyto(blind_until[:m], time[:m] + tau[:m], where=blind)
+        now = time[:m]
+        now += part
+        blind = now >= blind_until[:m]
+        seen[:m] += blind
+        blind |= rng.random(m, np.float32) < prolonging[:m]
+        np.maximum(blind_until[:m], (now + tau[:m]) * blind, out=blind_until[:m])
     back = np.empty_like(seen)
     back[order] = seen
     return back
