@@ -186,5 +186,7 @@ def _from(
             theta = np.clip(theta + move * step, low, high)
             simulated = simulate(np.tile(theta, (m, 1)), rng)
     ndf = int(kept.sum() - rank)
+    if ndf < 1:  # as many numbers are fitted as there are bins
+        return Visibility(0.0, ALPHA)
     noncentrality = max(0.0, float(left @ left) - ndf * (1 / n + 1 / m)) * num_events
     return Visibility(noncentrality / ndf, float(ncx2.sf(chi2.isf(ALPHA, ndf), ndf, noncentrality)))
