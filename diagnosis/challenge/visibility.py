@@ -139,7 +139,8 @@ def _where_means_agree(
 ) -> NDArray[np.float64]:
     """The point (p,) nearest to theta at which the mean of each feature is that of x, as far as there is one."""
     low, high, step = fitted.low, fitted.high, fitted.step
-    scale = x.std(axis=0)
+    spread = x.std(axis=0)
+    scale = np.where(spread > 0, spread, 1)
 
     def mean(at: NDArray[np.float64], seed: int) -> NDArray[np.float64]:
         events = fitted.simulate(np.tile(np.clip(at, low, high), (len(x), 1)), np.random.default_rng(seed))

@@ -367,8 +367,11 @@ def test_what_theta_absorbs_is_invisible():
 
     assert visibility(task, blind, theta, 10_000, rng).power > 0.99
     assert visibility(task, blind, theta, 10_000, rng, zeros).power < 0.2  # beside the zeros a loss is absorbed as well
-    few = task.simulate(np.full((100_000, 1), -4.0), rng)  # zeros and ones
-    assert visibility(task, few, np.array([-4.0]), 10_000, rng, zeros).power == 0.05  # nothing is left to be tested
+    rare = np.array([-3.0])
+    few = task.simulate(np.tile(rare, (100_000, 1)), rng)  # zeros, ones and next to no more tell no more than theta
+    assert visibility(task, few, rare, 10_000, rng, zeros).power == pytest.approx(0.05)
+    constant = np.ones_like(x)
+    assert visibility(task, constant, np.array([1.0]), 10_000, rng).power > 0.99
     blind[rng.random(len(blind)) < 0.02] = 0
     assert visibility(task, blind, theta, 10_000, rng, zeros).power < 0.2  # and more zeros by a larger share of them
     turned = -Weinberg().simulate(np.full((100_000, 2), [44.0, 1.0]), rng)  # charge taken wrongly: another c
