@@ -23,7 +23,8 @@ TASKS = {"counts": "poisson", "continuous": "carl", "images": "alignment"}
 def subjects(name: str) -> list[tuple[Task, Effect]]:
     """The effect `name` on each task of ours to which it applies, its first entry in each catalogue; or module:Class.
 
-    A user's effect is tried on all tasks on which it runs. Raises UsageError if there is no such effect.
+    A user's effect is tried on all tasks on which it runs, without those whose events it makes into others if there are
+    more. Raises UsageError if there is no such effect.
     """
     from avobench.diagnosis.effects.catalogue import catalogue
 
@@ -32,10 +33,12 @@ def subjects(name: str) -> list[tuple[Task, Effect]]:
         task = registry.build("task", spec, {})
         if ":" in name:
             effect = registry.effect(name)
-            if _runs(task, effect):
-                found.append((task, effect))
+            found.append((task, effect, _made(task, effect)))
         else:
-            found += [(task, effect) for effect in catalogue(task) if effect.name == name][:1]
+            found += [(task, effect, np.dtype(task.dtype)) for effect in catalogue(task) if effect.name == name][:1]
+    found = [(task, effect) for task, effect, made in found if made == np.dtype(task.dtype)] or [
+        (task, effect) for task, effect, made in found if made is not None
+    ]
     if not found:
         raise UsageError(
             f"there is no effect '{name}'" if ":" not in name else f"effect '{name}' runs on no task of ours"
@@ -43,13 +46,13 @@ def subjects(name: str) -> list[tuple[Task, Effect]]:
     return found
 
 
-def _runs(task: Task, effect: Effect) -> bool:
-    """Whether a user's effect is for events like those of the task: whether it can make a few at its null value."""
+def _made(task: Task, effect: Effect) -> np.dtype | None:
+    """The type of the events that a user's effect makes of those of the task at its null value; None for no events."""
     try:
         x = effect.apply(task.simulate, _thetas(task, 10), _phi(effect, 10, null=True), np.random.default_rng(0))
     except Exception:  # whatever it raises says that it is for other events
-        return False
-    return isinstance(x, np.ndarray) and x.shape == (10, task.num_features)
+        return None
+    return x.dtype if isinstance(x, np.ndarray) and x.shape == (10, task.num_features) else None
 
 
 def stages(name: str, pairs: list[tuple[Task, Effect]]) -> Iterator[Stage]:
@@ -68,6 +71,7 @@ def _described(effect: Effect) -> None:
     for attribute in ("name", "sentence", "source"):
         expect(is_text(getattr(effect, attribute)), f"{attribute} must be text, got {getattr(effect, attribute)!r}")
     for shape in effect.shapes():
+        expect(shape.stage in range(5), f"the stage must be a whole number from 0 to 4, got {shape.stage!r}")
         expect(shape.key == effect.key, f"the shape {shape.shape} has another name or feature: {shape.key}")
         p = shape.parameters
         expect(isinstance(p, tuple) and len(p) > 0 and all(isinstance(q, Parameter) for q in p), "parameters: no tuple")
@@ -83,7 +87,7 @@ def _phi(effect: Effect, n: int, *, null: bool = False) -> NDArray[np.float64]:
     low, high = np.array([[p.low, p.high] for p in effect.parameters]).T
     phi = np.random.default_rng(1).uniform(low, high, (n, len(low)))
     phi[0], phi[1 % n] = low, high
-    if null:
+    if null and effect.parameters[0].null is not None:  # a strength without one is blamed for that
         phi[:, 0] = effect.parameters[0].null
     return phi
 
@@ -131,11 +135,12 @@ def _rows(task: Task, effect: Effect) -> None:
     """Rows at the null value must not feel that other rows are not."""
     n = NUM_EVENTS // 4 if task.event_shape else NUM_EVENTS
     theta, phi = _thetas(task, n), _phi(effect, n)
-    quiet = np.arange(n) % 2 == 0
-    phi[quiet, 0] = effect.parameters[0].null
-    x = _events(task, effect, theta, phi, 2)
-    p = _same(x[quiet], task.simulate(theta[quiet], np.random.default_rng(3)))
-    expect(p > ALPHA, f"rows at the null value change when others are not (p = {p:.1g})")
+    for first in (0, 1):
+        quiet, own = np.arange(n) % 2 == first, phi.copy()
+        own[quiet, 0] = effect.parameters[0].null
+        x = _events(task, effect, theta, own, 2)
+        p = _same(x[quiet], task.simulate(theta[quiet], np.random.default_rng(3)))
+        expect(p > ALPHA, f"rows at the null value change when others are not (p = {p:.1g})")
 
 
 def _seeds(task: Task, effect: Effect) -> None:

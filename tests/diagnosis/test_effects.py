@@ -62,6 +62,32 @@ def test_the_example_of_the_page_is_an_effect_and_the_page_quotes_it(monkeypatch
         assert line in source
 
 
+@pytest.mark.parametrize(
+    ("name", "what", "why"),
+    [
+        ("Silent", "says what it is", "sentence must be text"),
+        ("NoStage", "says what it is", "the stage must be a whole number from 0 to 4, got 7"),
+        ("NoNull", "says what it is", "the strength rate has no null value"),
+        ("OtherType", "makes events within its bounds", "returned float32 where int64 was due"),
+        ("NeverAbsent", "changes nothing at its null value", "differ from the simulator's"),
+        ("OfTheSecondRow", "gives each row its own parameters", "change when others are not"),
+        ("OwnGenerator", "draws from its generator only", "does not repeat its events"),
+        ("Unsendable", "can be sent to a worker process", "pickle"),
+    ],
+)
+def test_a_faulty_effect_fails_on_what_it_breaks(monkeypatch, name, what, why):
+    monkeypatch.syspath_prepend(str(Path(__file__).parent))
+    faults = {r.what: r.why for r in check.run("effect", f"faulty_effects:{name}") if not r.passed}
+    assert why in faults[f"{what} (poisson)"]
+
+
+def test_a_users_effect_on_counts_keeps_the_contract_whatever_other_events_are(monkeypatch):
+    monkeypatch.syspath_prepend(str(Path(__file__).parent))
+    results = list(check.run("effect", "faulty_effects:Sound"))
+    assert [f"{r.what}: {r.why}" for r in results if not r.passed] == []
+    assert not any("alignment" in result.what for result in results)  # of its hits it makes other numbers
+
+
 def test_check_refuses_an_unknown_effect():
     with pytest.raises(UsageError, match="no effect 'gremlins'"):
         list(check.run("effect", "gremlins"))
