@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.fit import Fit, Target
-from avobench.diagnosis.summary import Bins, closed
+from avobench.diagnosis.pixels import Pixels
+from avobench.diagnosis.schema import Region
+from avobench.diagnosis.summary import Bins, Summary, closed
 
 DRAWS = 2000
 MOST = 6
@@ -17,19 +19,46 @@ class Scan:
     """All regions of a summary, and how each reads off a whitened residual."""
 
     regions: list[tuple[int, int, int]]
-    """(block of the summary, first bin, last bin)."""
+    """(which span, first bin, last bin)."""
     reading: NDArray[np.float64]
     """(number of regions, r): rows of length 1 in what is left after the fit."""
 
 
-def intervals(fit: Fit, target: Target, blocks: list[tuple[int, int]]) -> Scan:
-    """Contiguous runs of bins in each block, given as (start, number of bins) within the summary."""
+@dataclass(frozen=True)
+class Span:
+    """Bins of a summary that lie side by side."""
+
+    feature: int | str
+    """The column that they are of; of images rows, columns or hits."""
+    start: int
+    """Of the first, in the summary."""
+    ends: NDArray[np.float64]
+    """Of the bins, one more than there are."""
+
+
+def spans_of(summary: Summary, x: NDArray) -> list[Span]:
+    """The features of events x (n, d), which say where the outermost bins end; of images rows, columns and hits.
+
+    Rows and columns are counted from 0.
+    """
+    if isinstance(summary, Pixels):
+        ends = [(name, np.arange(length + 1) - 0.5) for name, length in summary.blocks[:2]]
+        ends.append(("hits", closed(summary.fullness, (x > 0).sum(axis=1))))
+    else:
+        ends = [(j, closed(inner, x[:, j])) for j, inner in enumerate(summary.edges)]
+    starts = np.cumsum([0, *(len(each) - 1 for _, each in ends)]).tolist()
+    return [Span(feature, start, each) for (feature, each), start in zip(ends, starts, strict=False)]
+
+
+def intervals(fit: Fit, target: Target, spans: list[Span]) -> Scan:
+    """Contiguous runs of bins in each span."""
     regions, masks = [], []
-    for k, (start, bins) in enumerate(blocks):
+    for k, span in enumerate(spans):
+        bins = len(span.ends) - 1
         for first in range(bins):
             for last in range(first, min(bins, first + max(bins // 2, 1))):
                 mask = np.zeros(target.summary.size)
-                mask[start + first : start + last + 1] = 1
+                mask[span.start + first : span.start + last + 1] = 1
                 regions.append((k, first, last))
                 masks.append(mask)
     # A mean of whitened residual r is the mean C W r of the summary, so a sum of bins reads r through W^T C.
@@ -39,12 +68,6 @@ def intervals(fit: Fit, target: Target, blocks: list[tuple[int, int]]) -> Scan:
     return Scan([r for r, s in zip(regions, seen, strict=True) if s], reading[seen] / length[seen, None])
 
 
-def blocks_of(summary: Bins) -> list[tuple[int, int]]:
-    """Start and number of the bins of each feature."""
-    lengths = [len(edges) + 1 for edges in summary.edges]
-    return [(int(start), n) for start, n in zip(np.cumsum([0, *lengths[:-1]]), lengths, strict=True)]
-
-
 def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> list[tuple[float, float, int]]:
     """Where a feature of simulated events x (n, d), or any if it is "all", disagrees most with measured ones.
 
@@ -52,15 +75,13 @@ def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> li
     """
     if not isinstance(target.summary, Bins):
         return []
-    blocks = blocks_of(target.summary)
-    scan = intervals(fit, target, blocks if feature == "all" else blocks[feature or 0 :][:1])
+    spans = [span for span in spans_of(target.summary, x) if feature in ("all", None, span.feature)]
+    scan = intervals(fit, target, spans)
     z = scan.reading @ fit.residual
     found = []
     for i in (z.argmax(), z.argmin()):
-        block, first, last = scan.regions[i]
-        column = block if feature == "all" else feature or 0
-        ends = closed(target.summary.edges[column], x[:, column])
-        found.append((float(ends[first]), float(ends[last + 1]), column))
+        k, first, last = scan.regions[i]
+        found.append((float(spans[k].ends[first]), float(spans[k].ends[last + 1]), spans[k].feature))
     return found
 
 
@@ -69,7 +90,7 @@ def significant(
 ) -> list[tuple[int, int, int, float, float]]:
     """Regions that stand out though all were looked at, strongest first, none overlapping another.
 
-    Each is (block, first bin, last bin, z, global p).
+    Each is (which span, first bin, last bin, z, global p).
     """
     z = scan.reading @ fit.residual / np.sqrt(1 + fit.noise)
     draws = rng.standard_normal((DRAWS, len(fit.residual))) @ fit.projector()
@@ -77,9 +98,34 @@ def significant(
     p = (1 + DRAWS - np.searchsorted(highest, np.abs(z))) / (1 + DRAWS)
     found: list[tuple[int, int, int, float, float]] = []
     for i in np.argsort(-np.abs(z)):
-        block, first, last = scan.regions[i]
+        k, first, last = scan.regions[i]
         if p[i] > alpha or len(found) == MOST:
             break
-        if all(block != b or last < start or first > stop for b, start, stop, _, _ in found):
-            found.append((block, first, last, float(z[i]), float(p[i])))
+        if all(k != other or last < start or first > stop for other, start, stop, _, _ in found):
+            found.append((k, first, last, float(z[i]), float(p[i])))
     return found
+
+
+def regions(
+    fit: Fit, target: Target, x: NDArray, rng: np.random.Generator, alpha: float, names: tuple[str, ...]
+) -> list[Region]:
+    """Intervals in which measured events x (N, d) and simulated ones disagree; `names` are those of the features."""
+    spans = spans_of(target.summary, x)
+    found = significant(intervals(fit, target, spans), fit, rng, alpha)
+
+    def named(feature: int | str) -> str | None:
+        if isinstance(feature, str):
+            return feature
+        return names[feature] if len(names) > 1 else None
+
+    return [
+        Region(
+            feature=named(spans[k].feature),
+            low=float(spans[k].ends[first]),
+            high=float(spans[k].ends[last + 1]),
+            kind="excess" if z > 0 else "deficit",
+            z=z,
+            p_global=p,
+        )
+        for k, first, last, z, p in found
+    ]

@@ -17,22 +17,21 @@ from avobench.diagnosis.effects.catalogue import catalogue, domain
 from avobench.diagnosis.effort import Effort, effort_for
 from avobench.diagnosis.fit import Fit, Target, polish, refine, scan, settled
 from avobench.diagnosis.identifiability import card
-from avobench.diagnosis.localise import intervals, significant
+from avobench.diagnosis.localise import regions
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.pictures import pictures
-from avobench.diagnosis.pixels import Pixels, pixels_of
+from avobench.diagnosis.pixels import pixels_of
 from avobench.diagnosis.pool import Pool, TwoStage
 from avobench.diagnosis.schema import (
     Candidate,
     Diagnosis,
     Gap,
     Identifiable,
-    Region,
     Verdict,
 )
 from avobench.diagnosis.search import STILL, Search
 from avobench.diagnosis.step import Step
-from avobench.diagnosis.summary import Bins, Summary, bins_of, closed
+from avobench.diagnosis.summary import Summary, bins_of
 from avobench.diagnosis.values import ambiguity, feature_names, found_effect, identified, named, theta_values
 from avobench.methods import Estimate
 from avobench.tasks import Task
@@ -266,35 +265,3 @@ def _method_note(name: str, task: Task, estimate: Estimate, fit: Fit) -> str:
 def _bound_notes(fit: Fit) -> list[str]:
     names = [*fit.model.task.parameter_names, *(f"{e.name}: {p.name}" for e in fit.model.effects for p in e.parameters)]
     return [f"the fit ended at the upper bound of {name}" for name, at in zip(names, fit.at_bound, strict=True) if at]
-
-
-def regions(
-    fit: Fit, target: Target, x: NDArray, rng: np.random.Generator, alpha: float, names: tuple[str, ...]
-) -> list[Region]:
-    """Intervals of the features in which measured and simulated events disagree.
-
-    Of images intervals of rows, columns and the number of hits; rows and columns are counted from 0, ends included.
-    """
-    summary = target.summary
-    spans: list[tuple[str | None, NDArray[np.float64]]] = []
-    if isinstance(summary, Pixels):
-        hits = (x > 0).sum(axis=1)
-        spans = [(name, np.arange(length + 1) - 0.5) for name, length in summary.blocks[:2]]
-        spans.append(("hits", closed(summary.fullness, hits)))
-    elif isinstance(summary, Bins):
-        for j, inner in enumerate(summary.edges):
-            spans.append((names[j] if len(summary.edges) > 1 else None, closed(inner, x[:, j])))
-    lengths = [len(ends) - 1 for _, ends in spans]
-    starts = np.cumsum([0, *lengths[:-1]])
-    scanned = intervals(fit, target, [(int(a), n) for a, n in zip(starts, lengths, strict=True)])
-    return [
-        Region(
-            feature=spans[block][0],
-            low=float(spans[block][1][first]),
-            high=float(spans[block][1][last + 1]),
-            kind="excess" if z > 0 else "deficit",
-            z=z,
-            p_global=p,
-        )
-        for block, first, last, z, p in significant(scanned, fit, rng, alpha)
-    ]
