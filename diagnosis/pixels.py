@@ -36,19 +36,29 @@ class Pixels(Summary):
         return sum(length for _, length in self.blocks)
 
     def vectors(self, x: NDArray) -> NDArray[np.float32]:
-        """(n, d) -> (n, K)."""
+        """(n, d) -> (n, K). By what is not zero, since hits are few."""
         n, (r, c) = len(x), self.grid
-        image = x.reshape(n, r, c)
-        rows, columns = image.sum(axis=2, dtype=np.float32), image.sum(axis=1, dtype=np.float32)
-        full = np.searchsorted(self.fullness, (x > 0).sum(axis=1), side="right")
-        edges = [np.linspace(0, length, min(BLOCKS, length) + 1).astype(int)[:-1] for length in self.grid]
-        coarse = np.add.reduceat(np.add.reduceat(image, edges[0], axis=1, dtype=np.float32), edges[1], axis=2)
-        along = (image[:, 1:] * image[:, :-1]).sum(axis=(1, 2), dtype=np.float32)
-        around = (image * np.roll(image, 1, axis=2)).sum(axis=(1, 2), dtype=np.float32)
-        hits = np.eye(len(self.fullness) + 1, dtype=np.float32)[full]
-        blocks = coarse.reshape(n, len(edges[0]) * len(edges[1]))
-        all_parts = np.hstack([rows, columns, hits, blocks, along[:, None], around[:, None]])
-        return all_parts if self.filled is None else all_parts * self.filled
+        where = np.flatnonzero(x != 0)
+        event, cell = np.divmod(where, r * c)
+        row, column = np.divmod(cell, c)
+        values = x.ravel()
+        size = values[where].astype(np.float32)
+
+        def sums(part: NDArray[np.intp], length: int, of: NDArray[np.float32] = size) -> NDArray[np.float32]:
+            return np.bincount(event * length + part, of, n * length).reshape(n, length).astype(np.float32)
+
+        coarse = [(part * min(BLOCKS, length)) // length for part, length in ((row, r), (column, c))]
+        full = np.searchsorted(self.fullness, sums(0, 1, size > 0)[:, 0], side="right")
+        inward, left = np.where(row > 0, where - c, where), where - column + (column - 1) % c
+        parts = [
+            sums(row, r),
+            sums(column, c),
+            np.eye(len(self.fullness) + 1, dtype=np.float32)[full],
+            sums(coarse[0] * min(BLOCKS, c) + coarse[1], min(BLOCKS, r) * min(BLOCKS, c)),
+            sums(0, 1, size * values[inward] * (row > 0)),
+            sums(0, 1, size * values[left]),
+        ]
+        return np.hstack(parts) if self.filled is None else np.hstack(parts) * self.filled
 
     def mean(self, x: NDArray, pieces: int = 1) -> NDArray[np.float64]:
         return self.vectors(x).reshape(pieces, -1, self.size).mean(axis=1, dtype=np.float64)
