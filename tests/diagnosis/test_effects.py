@@ -13,6 +13,7 @@ from avobench.diagnosis.effects.base import LEAST_KEPT, Parameter, accepted, ske
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effects.continuous.base import Range, ranges
 from avobench.diagnosis.effects.counts.exposure import exposed
+from avobench.diagnosis.effects.images.base import odd_cells
 from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
@@ -304,3 +305,16 @@ def test_a_place_is_read_in_the_units_of_its_feature(place, width):
         outside = (x < low - 1e-9) | (x > high + 1e-9)
         assert (kept[inside] == 0).all()
         assert (kept[outside] == 1).all()
+
+
+def test_odd_cells_are_those_that_stand_out_even_where_next_to_none_is_expected():
+    rng, grid, n = np.random.default_rng(0), (32, 32), 15_000
+    rate = np.full(grid, 1.5 / n)  # one or two hits a cell: the largest of a thousand such counts is no odd cell
+    rate[10:20] = 0.02
+    x = rng.random((n, 1024)) < rate.ravel()
+    assert len(odd_cells(x, grid, few=False)) == len(odd_cells(x, grid, few=True)) == 0
+    noisy, dead = [5, 700], [400, 401]
+    x[:, noisy] |= rng.random((n, 2)) < 0.02
+    x[:, dead] = False
+    assert odd_cells(x, grid, few=False).tolist() == noisy
+    assert odd_cells(x, grid, few=True).tolist() == dead

@@ -29,9 +29,10 @@ class ImageEffect(Effect):
 def odd_cells(x: NDArray, grid: tuple[int, int], *, few: bool) -> NDArray[np.intp]:
     """Cells that fire much less, or more, often than the median of their row, five standard errors at least.
 
-    Rows are along the first axis; the second is taken for an azimuth, along which nothing changes.
+    Rows are along the first axis; the second is taken for an azimuth, along which nothing changes. The root of a count
+    has the same standard error whatever is expected, down to one or two (F. J. Anscombe, Biometrika 35 (1948) 246).
     """
-    fires = (x > 0).mean(axis=0).reshape(grid)
+    fires = (x > 0).sum(axis=0).reshape(grid)
     usual = np.median(fires, axis=1, keepdims=True)
-    z = (fires - usual) / np.sqrt(np.maximum(usual, 1 / len(x)) / len(x))
+    z = 2 * (np.sqrt(fires + 3 / 8) - np.sqrt(usual + 3 / 8))
     return np.flatnonzero((z < -5) & (fires < 0.7 * usual) if few else (z > 5) & (fires > 1.4 * usual))
