@@ -7,9 +7,8 @@ from hypothesis import strategies as st
 
 from avobench.diagnosis.classifier import features_of
 from avobench.diagnosis.detect import target_of
-from avobench.diagnosis.effects.base import Family
+from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effects.catalogue import catalogue
-from avobench.diagnosis.effects.counts.recording import DeadTime
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit import Base, Design, Fit, Target, fit_at, refine, surrogate
 from avobench.diagnosis.model import Model
@@ -22,7 +21,21 @@ from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
 
-DEAD: Family = DeadTime(shape="non_paralysable")
+
+class Thinned(Effect):
+    """Each of n counts survives with probability 1 / (1 + tau n): a dead time in rough, with a second solution."""
+
+    name = "dead_time"
+    parameters = (Parameter("tau", 0, 1, 0, "of the window, a count"),)
+    sentence, source = "High counts are reduced most.", "test"
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        x[:, 0] = rng.binomial(x[:, 0], 1 / (1 + phi[:, 0] * x[:, 0]))
+        return x
+
+
+DEAD = Thinned()
 WEAK, STRONG = [0.39, 0.062], [2.38, 0.675]
 """Log rate and dead time, which give nearly the same counts: a counter near its highest rate."""
 
