@@ -35,7 +35,7 @@ class Pool:
     def fresh(self, theta: NDArray[np.float64], rng: np.random.Generator, alter: Alter | None = None) -> NDArray:
         """Events that are not in the pool: theta (n, p) -> (n, d)."""
         self.used += len(theta)
-        return self.task.simulate(theta, rng, alter)
+        return self.task.simulate(theta, rng) if alter is None else self.task.simulate(theta, rng, alter)
 
     def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator, alter: Alter | None = None) -> NDArray:
         """One event per row, altered before it is detected: theta (n, p) -> (n, d)."""

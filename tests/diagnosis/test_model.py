@@ -97,3 +97,18 @@ def test_what_acts_on_particles_composes_and_comes_first():
         for effect, phi in ((tilt, tilted), (offset, moved))
     ]
     assert all((x != one).any(axis=1).mean() > 0.9 for one in alone)
+
+
+class Plain:
+    """A two-stage task whose particles nothing can alter, as a user may write one."""
+
+    def __init__(self, task):
+        self.generate, self.detect = task.generate, task.detect
+        self.simulate = lambda theta, rng: task.simulate(theta, rng)
+
+
+def test_a_two_stage_task_need_not_let_its_particles_be_altered():
+    task, at = Alignment(), np.zeros((20, 1))
+    pool = Pool(Plain(task), 50, np.random.default_rng(0))
+    np.testing.assert_array_equal(pool.fresh(at, np.random.default_rng(1)), task.simulate(at, np.random.default_rng(1)))
+    assert pool(at, np.random.default_rng(1)).shape == (20, 1024)

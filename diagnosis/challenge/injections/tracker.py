@@ -1,7 +1,7 @@
 """The tracker around e+e- collisions: effects on Pythia's particles themselves, with exact geometry.
 
-The catalogue can only move hits from cell to cell of an image; here the particles start elsewhere, or the detector is
-turned, before they cross it.
+The particles start elsewhere, or the detector is turned, before they cross it. Written apart from the geometry of the
+catalogue, which the tests compare with it.
 """
 
 from dataclasses import dataclass, replace
