@@ -39,6 +39,8 @@ class Effort:
     """Points of each search for theta, and events at each."""
     families: int = 12
     """Effects that are fitted."""
+    seconds: int = 6
+    """The same beside another effect."""
     starts: int = 5
     """Shapes of an effect that are fitted."""
 
@@ -76,9 +78,10 @@ IMAGES = Effort(
     covariance=30_000,
     scan=(60, 150),
     families=8,
+    seconds=4,
     starts=2,
 )
-MANY = Effort(base=12, final=(12, 12), screen=14_000, families=8, starts=3)
+MANY = Effort(base=12, final=(12, 12), screen=14_000, families=8, seconds=8, starts=3)
 """For several features, each of which has its own entries in the catalogue."""
 USUAL = {"counts": 4_000_000, "continuous": 12_000_000, "images": 1_500_000}
 """Simulated events that a diagnosis usually takes, by domain; a little more or less with what it finds."""

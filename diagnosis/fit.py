@@ -39,6 +39,9 @@ IDENTIFIED = 5.0
 """A direction is identified if moving across its range changes the summary by so many standard errors."""
 INSIDE = 0.9
 """Of a design: a minimum further out may lie beyond it."""
+SEARCHED, LESS, FEWER = 0.2, 10, 3
+"""How far from where it may be, in unit coordinates, a point is looked for; first with so much fewer events at each,
+and then at so much fewer points."""
 CLEAR = 3.0
 """Standard errors by simulation from which a squared slope is one."""
 
@@ -568,21 +571,26 @@ def scan(
     rng: np.random.Generator,
     *,
     fixed: NDArray[np.float64] | None = None,
+    around: NDArray[np.float64] | None = None,
     size: tuple[int, int] = (200, 300),
 ) -> tuple[NDArray[np.float64], float]:
     """A point (P,) of the unit cube near the best, and how near, from three searches, each around the last best.
 
-    `fixed` are values of the last coordinates, which are then not searched; `size` is the number of points of a search
-    and of events at each.
+    `fixed` are values of the last coordinates, which are then not searched; the others within SEARCHED of `around`, if
+    that is given, and else everywhere. `size` is the number of points of a search and of events at each.
     """
     points, events = size
     fixed = np.empty(0) if fixed is None else fixed
     p = model.dim - len(fixed)
-    centre, half = np.full(p, 0.5), 0.5
+
+    def gaps(u: NDArray[np.float64], events: int) -> NDArray[np.float64]:
+        params = model.from_unit(np.hstack([u, np.tile(fixed, (len(u), 1))]))
+        means = target.summary.mean(model.simulate(np.repeat(params, events, axis=0), rng), len(u))
+        return (target.whiten(target.mean - means) ** 2).sum(axis=1)
+
+    centre, half = (np.full(p, 0.5), 0.5) if around is None else (around, SEARCHED)
     for _ in range(3):
         u = rng.uniform(np.maximum(centre - half, 0), np.minimum(centre + half, 1), (points, p))
-        full = np.hstack([u, np.tile(fixed, (points, 1))])
-        means = target.summary.mean(model.simulate(model.from_unit(np.repeat(full, events, axis=0)), rng), points)
-        gaps = (target.whiten(target.mean - means) ** 2).sum(axis=1)
-        centre, half = u[gaps.argmin()], half * 3 * points ** (-1 / p)
+        u = u[np.argsort(gaps(u, max(events // LESS, 1)))[: max(points // FEWER, 1)]]
+        centre, half = u[gaps(u, events).argmin()], half * 3 * points ** (-1 / p)
     return np.concatenate([centre, fixed]), half

@@ -16,15 +16,15 @@ from avobench.diagnosis.summary import Bins, whitening
 
 AT_EDGE = 0.48
 """Distance from the middle of the range, of which the edge is at 0.5."""
-MOST_SCREENED, OF_FEATURE = 24, 2
+MOST_SCREENED, OF_FEATURE = 32, 2
 """Effects of which all shapes are screened; families of each feature that are fitted for what it shows by itself."""
 FIRST_ROUNDS, LAST_ROUNDS, CONTINUED, AGAIN = 3, 7, 10, 4
 """Rounds of all fits, of those that go on, how many of these beside the best of each family; rounds of a repetition."""
 NEARBY = 0.05
 """In unit coordinates: fits of one shape that are closer than that are one."""
-SHAPES_AGAIN, MOST_AGAIN, MOST_FINAL, RESHAPED = 2, 8, 4, 3
+SHAPES_AGAIN, MOST_AGAIN, MOST_FINAL, RESHAPED, ON_ALL = 2, 8, 4, 3, 6
 """Shapes of a family that are fitted again, and fits in all; families that are told apart with yet more events; other
-shapes of an effect to try beside a second one."""
+shapes of an effect to try beside a second one; families of one feature that are tried on all."""
 WEAK, MOST_EVENTS = 10.0, 4
 """Noise of chi-squared is kept to a fifth of the excess, with at most so many events a measured one."""
 CLOSES, CLEARLY = 0.5, 4.0
@@ -129,7 +129,7 @@ def candidates(
     if len(effects) > MOST_SCREENED:
         own = excess_by_feature(base, target)
         worst = max(own, key=own.get, default=None)
-        best_first = sorted(best_first, key=lambda e: e.feature != worst)[:MOST_SCREENED]
+        best_first = sorted(best_first, key=lambda e: e.feature not in (worst, "all"))[:MOST_SCREENED]
     families, spare = [], {}
     for effect in best_first:
         starts, far = [], []
@@ -137,7 +137,7 @@ def candidates(
             own = plain[effect.key] if k == 0 else screen(sample, shape, x, rng, effort)
             if own and base.gap > STRONG * base.dof and (k == 0 or len(effects) <= MOST_SCREENED):
                 own = [*own, searched(base, target, shape, rng, effort)]
-            if own and not base.model.effects and len(effects) <= MOST_SCREENED and shape.guess(x) is None:
+            if own and len(effects) <= MOST_SCREENED and shape.guess(x) is None:
                 far += hidden(sample, own[0], rng, effort)
             starts += sorted(own, key=lambda start: start.expected)
         # The plainest shape always has its fit: screening is too rough to prefer another to it.
@@ -166,8 +166,9 @@ def candidates(
         )
 
     fits = begun(starts)
-    if fits:  # the family that seems best is free to take any of its shapes
-        more = spare[min(fits, key=lambda fit: fit.gap).model.effects[-1].key]
+    if fits:  # the family that seems best is free to take any of its shapes, and what acts on one feature to act on all
+        foremost = sorted(fits, key=lambda fit: fit.gap)
+        more = spare[foremost[0].model.effects[-1].key] + _on_all(_distinct(foremost, 1)[:ON_ALL], effects)
         starts, fits = starts + more, fits + begun(more)
     # A weak effect is not seen in fits whose noise is as large as what it leaves.
     beyond = max(base.gap - base.dof, 1.0)
@@ -227,6 +228,22 @@ def reshaped(
             fit = continued(fit, base, target, rng, pair.num_events, effort)
             best[k] = min(best[k], (fit, base), key=lambda each: cost(each[0]))
     return best
+
+
+def _on_all(fits: list[Fit], effects: list[Effect]) -> list[Start]:
+    """Starts of effects that act on all features alike, from fits in which they act on one."""
+    starts = []
+    for fit in fits:
+        model, effect = fit.model, fit.model.effects[-1]
+        units = [(p.name, p.unit) for p in effect.parameters]
+        for whole in [one for one in effects if one.key == (effect.name, "all") != effect.key]:
+            for shape in whole.shapes():
+                if shape.shape == effect.shape and [(p.name, p.unit) for p in shape.parameters] == units:
+                    larger = replace(model, effects=(*model.effects[:-1], shape))
+                    unit = larger.to_unit(np.clip(fit.params, larger.low, larger.high))
+                    near = ROUGH * larger.strengths(unit)[model.dim - len(units)]
+                    starts.append(Start(larger, unit, np.inf, near))
+    return starts
 
 
 def _going_on(fits: list[Fit], expected: list[float]) -> list[Fit]:

@@ -23,8 +23,8 @@ FINALISTS, FINAL_EVENTS = 8, 8
 ABSORBED, NEAR, FAR, MODES = 0.3, np.array([0.05, 0.1]), np.linspace(0.1, 1, 10), 2
 """Share of an effect's signal below which theta hides it, so that it is also looked for where it is strong; where that
 is found out, and how strong, as shares of its range; and in how many places, at most."""
-COARSE = 10
-"""Points of theta a parameter, in each search for it beside a strength."""
+COARSE, FOLLOWED = 10, 2
+"""Points of theta a parameter, in each search for it beside a strength, and steps that follow."""
 ROUGH, GUESSED = 0.5, 0.003
 """How far a strength from a grid, or one that is read off the data, may be off, as a share of it."""
 GAIN = 3.0
@@ -183,10 +183,12 @@ def searched(base: Fit, target: Target, effect: Effect, rng: np.random.Generator
 def hidden(sample: Sample, start: Start, rng: np.random.Generator, effort: Effort) -> list[Start]:
     """Starts at large strengths, to either side, of an effect whose small strength theta hides; else none.
 
-    Theta is searched for at each of a row of strengths; where it then fits better than beside it, a fit may begin.
+    Theta is searched for at each of a row of strengths, near where it was at the one before; where it then fits better
+    than beside it, a fit may begin.
     """
     base, target, effect = sample.base, sample.target, start.model.effects[-1]
     strength, p = effect.parameters[0], base.model.dim
+    of_theta, _ = np.linalg.qr(base.jacobian[:, : base.model.num_theta])
     free, shape = base.projector(), start.model.from_unit(start.unit)[p + 1 :]
     starts = []
     for side in [side for side in (strength.high, strength.low) if side != strength.null]:
@@ -195,17 +197,19 @@ def hidden(sample: Sample, start: Start, rng: np.random.Generator, effort: Effor
             for shares in (NEAR, FAR)
         )
         change, scatter = sample.changes(effect, near, effort.screen // 4, rng)
-        kept, whole = ((moves**2).sum(axis=1) - scatter for moves in (change @ free, change))
-        seen = kept > 3 * scatter * np.sqrt(2 / target.rank)
+        moves = (change - change @ of_theta @ of_theta.T, change)
+        kept, whole = ((each**2).sum(axis=1) - scatter for each in moves)
+        seen = whole > 3 * scatter * np.sqrt(2 / target.rank)
         if not (seen & (kept < ABSORBED * whole)).any():
             continue
-        row, size = [], (min(COARSE**p, effort.scan[0] // 2), effort.scan[1])
+        row, size, theta = [], (min(COARSE**p, effort.scan[0] // 4), effort.scan[1]), base.unit
         for point in points:
-            unit = start.model.to_unit(np.concatenate([base.params, point]))
-            unit, _ = scan(start.model, target, rng, fixed=unit[p:], size=size)
-            x = start.model.simulate(np.tile(start.model.from_unit(unit), (effort.fit, 1)), rng)
-            left = target.whiten(target.mean - target.summary.mean(x)[0])
-            unit[:p] = np.clip(unit[:p] + np.clip(base.follow(left), -0.1, 0.1), 0, 1)
+            phi = start.model.to_unit(np.concatenate([base.params, point]))[p:]
+            unit, _ = scan(start.model, target, rng, fixed=phi, around=theta, size=size)
+            for _ in range(FOLLOWED):
+                x = start.model.simulate(np.tile(start.model.from_unit(unit), (effort.fit // FOLLOWED, 1)), rng)
+                left = target.whiten(target.mean - target.summary.mean(x)[0])
+                theta = unit[:p] = np.clip(unit[:p] + np.clip(base.follow(left), -0.1, 0.1), 0, 1)
             noise = target.num_events / len(x) * target.rank
             row.append((unit, float(((left @ free) ** 2).sum()) - noise))
         units, expected = np.array([unit for unit, _ in row]), np.array([value for _, value in row])

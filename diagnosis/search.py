@@ -22,8 +22,11 @@ PAIR_LEAVES, PAIR_CLEAR, PAIR_ALONE, CHANCE = 0.3, 0.1, 0.2, 1.65
 """A second effect must leave less than the first share of what the first effect left; unless it leaves less than the
 second, it must close more than the third of the whole gap by itself, or have no rival, or leave no more than chance: so
 many standard deviations of chi-squared. A third must have no rival, nor a second where the first may be all."""
-PARTNERS = 3
-"""Effects to which a second one is added at once, where none alone closes enough."""
+PARTNERS, ANY_PARTNERS, LARGE = 3, 8, 0.05
+"""Effects to which a second one is added at once, where none alone closes enough; and where nothing that was found
+describes the events, or three effects do, if chance is no more than such a share of the whole gap."""
+Rank = Callable[..., tuple[list[Ranked], Base]]
+"""That of a Search, `ranked`."""
 RIVALS = 3
 """Of the effects that may be the second, for which the first is tried in other shapes."""
 
@@ -48,6 +51,8 @@ class Search:
     def steps_from(self, before: Step) -> tuple[list[Step], list[str]]:
         """The steps from a rejected model on, an effect more in each, until one is not rejected; and notes."""
         steps, notes = [before], []
+        worse = partial(grew, target=self.target, mean=self.aside, num_events=self.num_aside)
+        clears = partial(clears_feature, target=self.target)
         while len(steps) <= self.max_effects and steps[-1].p_value < self.alpha:
             rejected = len(steps) == 1 or steps[-1].p_value < STILL * self.alpha
             if not rejected and steps[-1].gates["summary"].p_value > self.alpha:
@@ -57,8 +62,6 @@ class Search:
             else:
                 ranks, known = self.ranked(steps[-1].fit, PAIR_LEAVES, steps[-2].added.others)
             steps[-1] = replace(steps[-1], ranks=ranks)
-            worse = partial(grew, target=self.target, mean=self.aside, num_events=self.num_aside)
-            clears = partial(clears_feature, target=self.target)
             step = _accepted(steps, worse, clears, rejected)
             if rejected and len(steps) <= 2 <= self.max_effects and not _enough(steps, step, clears):
                 pair = _pair(steps, self.ranked, worse)
@@ -67,11 +70,18 @@ class Search:
                     step = steps[-1]
             if step is None:
                 break
-            steps[-1] = step
-            fit, base, more = self._refined(step.added.fit, known)
+            steps, more = self._with(step, steps, known)
             notes += more
-            steps.append(Step.of(fit, self.target, self.x, self.rng, self.effort, base))
+        if self.max_effects > 1 and (len(steps) > 3 or steps[-1].p_value < STILL * self.alpha):
+            pair = _any_pair(steps, self.ranked, worse)
+            if pair and cost(pair[0][-1].added.fit) < cost(steps[-1].fit):
+                steps, notes = self._with(pair[0][-1], *pair)
         return steps, notes
+
+    def _with(self, step: Step, steps: list[Step], known: Base) -> tuple[list[Step], list[str]]:
+        """The steps, of which the last is to be `step`, and one with the effect that comes after it; and notes."""
+        fit, base, notes = self._refined(step.added.fit, known)
+        return [*steps[:-1], step, Step.of(fit, self.target, self.x, self.rng, self.effort, base)], notes
 
     def ranked(self, fit: Fit, leaves: float, others: tuple[Fit, ...] = ()) -> tuple[list[Ranked], Base]:
         """Effects to add to a fit, best first, fitted closely if one may leave less than a share `leaves` of its gap.
@@ -80,7 +90,7 @@ class Search:
         """
         used, without = {e.key for e in fit.model.effects}, fit.gap
         free = [e for e in self.effects if e.key not in used]
-        effort = self.effort if not used else replace(self.effort, families=self.effort.families // 2)
+        effort = self.effort if not used else replace(self.effort, families=self.effort.seconds)
 
         def hopeful(one: Fit) -> bool:
             return excess(one) - 2 * one.gap_error < leaves * excess(fit) or clears_feature(one, fit, self.target)
@@ -164,14 +174,11 @@ def _enough(steps: list[Step], step: Step | None, clears: Callable[[Fit, Fit], b
     return clears(fit, step.fit) or excess(fit) < CHANCE * noise(fit)
 
 
-def _pair(
-    steps: list[Step], search: Callable[..., tuple[list[Ranked], Base]], grew: Callable[[Fit, Fit], bool]
-) -> tuple[list[Step], Base] | None:
+def _pair(steps: list[Step], search: Rank, grew: Callable[[Fit, Fit], bool]) -> tuple[list[Step], Base] | None:
     """Two effects that together leave next to nothing, where none alone closes half of the gap.
 
     Or where one does, but a second beside it is not enough: the pair then begins with that second, or with another that
-    the first was tied with. The steps up to the first of them, with the ranks that the second leads, and the model with
-    the first alone.
+    the first was tied with.
     """
     null, whole = steps[0], excess(steps[0].fit)
     enough = PAIR_CLEAR * whole
@@ -180,7 +187,27 @@ def _pair(
         enough = min(enough, PAIR_LEAVES * excess(steps[1].fit))
         second = [entry.effect.key for entry in steps[1].ranks[:1]]
         firsts = [e for e in firsts if e.effect.key in second or any(e is tie for tie in null.ties)]
-    found = [(one, *search(one.fit, enough / excess(one.fit), one.others)) for one in firsts[:PARTNERS]]
+    return _beginning_with(firsts[:PARTNERS], enough, null, search, grew)
+
+
+def _any_pair(steps: list[Step], search: Rank, grew: Callable[[Fit, Fit], bool]) -> tuple[list[Step], Base] | None:
+    """Any two effects that together leave no more than chance, of a gap so large that this is no chance."""
+    null = steps[0]
+    enough = CHANCE * noise(null.fit)
+    if enough > LARGE * excess(null.fit):
+        return None
+    firsts = [e for e in null.ranks if enough < excess(e.fit) < excess(null.fit)]
+    return _beginning_with(firsts[:ANY_PARTNERS], enough, null, search, grew)
+
+
+def _beginning_with(
+    firsts: list[Ranked], enough: float, null: Step, search: Rank, grew: Callable[[Fit, Fit], bool]
+) -> tuple[list[Step], Base] | None:
+    """The best pair that begins with one of these effects and leaves no more than `enough`.
+
+    The steps up to the first of them, with the ranks that the second leads, and the model with the first alone.
+    """
+    found = [(one, *search(one.fit, max(enough / excess(one.fit), PAIR_CLEAR), one.others)) for one in firsts]
     found = [(first, ranks, known) for first, ranks, known in found if ranks]
     if not found:
         return None

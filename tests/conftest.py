@@ -1,10 +1,13 @@
 import os
+import signal
 import sys
 
 import pytest
 
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"  # as the command does, so that results are the same
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # what a script runs in its background ignores Ctrl-C
 
 from avobench.bench import cli  # noqa: E402
 from browser import browser  # noqa: E402

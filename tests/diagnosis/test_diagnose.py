@@ -18,11 +18,11 @@ from avobench.diagnosis.effort import effort_for
 from avobench.diagnosis.fit import Base, refine
 from avobench.diagnosis.loop import fit_null
 from avobench.diagnosis.model import Model
-from avobench.diagnosis.name import reshaped
+from avobench.diagnosis.name import _on_all, reshaped
 from avobench.diagnosis.rank import Ranked
 from avobench.diagnosis.schema import Verdict
 from avobench.diagnosis.screen import Sample, screen
-from avobench.diagnosis.search import _accepted, _pair
+from avobench.diagnosis.search import _accepted, _any_pair, _pair
 from avobench.diagnosis.step import Step
 from avobench.diagnosis.summary import bins_of
 from avobench.diagnosis.values import scaled_std
@@ -303,6 +303,32 @@ def test_a_pair_is_accepted_only_if_it_leaves_next_to_nothing():
     assert steps[0].added.effect.name == "pile_up"
     first = Step(leaving(100.0, "dead_time"), None, {}, [])
     assert _pair([null, first], search, lambda new, old: False) is None
+    # Where nothing else describes the events, any two effects may that leave no more than chance of a large gap.
+    beside["pile_up"] = leaving(16.0, "pile_up", "quantisation")
+    steps, _ = _any_pair([null, first], search, lambda new, old: False)
+    assert [effect.name for effect in steps[-1].added.fit.model.effects] == ["pile_up", "quantisation"]
+    beside["pile_up"] = leaving(22.0, "pile_up", "quantisation")
+    assert _any_pair([null, first], search, lambda new, old: False) is None
+    beside["pile_up"] = leaving(8.0, "pile_up", "quantisation")
+    small = Step(leaving(100.0), None, {}, [ranked(leaving(60.0, "dead_time")), ranked(leaving(70.0, "pile_up"))])
+    assert _any_pair([small, first], search, lambda new, old: False) is None
+
+
+def test_what_acts_on_one_feature_is_tried_on_all():
+    effects = {e.key: e for e in catalogue(Carl())}
+
+    def fit(name, feature, shape, phi):
+        chosen = next(e for e in effects[name, feature].shapes() if e.shape == shape)
+        return SimpleNamespace(model=Model(Carl(), (chosen,)), params=np.array([0.5, -1.0, *phi]))
+
+    def starts(*arguments):
+        return _on_all([fit(*arguments)], list(effects.values()))
+
+    (start,) = starts("saturation", 2, "below", (0.04, 0.25))
+    assert [(*effect.key, effect.shape) for effect in start.model.effects] == [("saturation", "all", "below")]
+    np.testing.assert_allclose(start.model.from_unit(start.unit), [0.5, -1.0, 0.04, 0.25])
+    assert starts("saturation", "all", "below", (0.04, 0.25)) == []
+    assert starts("dead_region", 2, "box", (0.5, 1.0, 0.5)) == []  # places are in units of each range where all
 
 
 def test_a_feature_that_is_cleared_counts_where_nothing_closes_the_whole_gap():

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from avobench.diagnosis.detect import summary_gate, target_of
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effort import Effort, effort_for
-from avobench.diagnosis.fit import Base, Design, fit_at, minimise, polish, refine, settled, surrogate
+from avobench.diagnosis.fit import SEARCHED, Base, Design, fit_at, minimise, polish, refine, scan, settled, surrogate
 from avobench.diagnosis.loop import best_without, fit_null
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.pixels import pixels_of
@@ -96,11 +96,23 @@ def test_poisson_fit_attains_the_fisher_information():
     assert np.sqrt(np.mean(np.square(pulls))) < 2
 
 
+@pytest.mark.parametrize("around", [None, 0.7, 0.3])
+def test_a_scan_comes_near_the_best_or_as_near_as_it_may(around):
+    task = Poisson()
+    x, rng = measured(task, [2.0], 20_000, 4)
+    model, target = Model(task), target_of(x, bins_of(x, x), x)
+    (u,), near = scan(model, target, rng, around=None if around is None else np.array([around]))
+    at = 0.6  # of log rates from -10 to 10
+    within = at if around is None else np.clip(at, around - SEARCHED, around + SEARCHED)
+    assert u == pytest.approx(within, abs=0.01)
+    assert near < 0.01
+
+
 def test_weinberg_identifies_one_direction():
     task = Weinberg()
     x, rng = measured(task, [46.3, 1.2], 8000, 3)
-    fit, target = fit_null(Model(task), x, rng, LIGHT, None)
-    _gate, own, _ = summary_gate(fit, target, rng, LIGHT)
+    fit, target = fit_null(Model(task), x, rng, Effort(), None)
+    _gate, own, _ = summary_gate(fit, target, rng, Effort())
     assert own.num_identified == 1
     c = task.asymmetry(own.params[None])[0]
     assert c == pytest.approx(task.asymmetry(np.array([[46.3, 1.2]]))[0], abs=5 * 2.2 / np.sqrt(8000))

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.effects.base import Family, Parameter, accepted
 
+ONE_VALUE = 0.95
+"""Share of the counts."""
 KNOLL = "G. F. Knoll, Radiation Detection and Measurement, 4th ed. (2010), "
 
 
@@ -76,19 +78,21 @@ def counted(
     n, tau, prolonging = n[order], tau[order].astype(np.float32), prolonging[order]
     active = np.searchsorted(-n, -np.arange(n.max(initial=0)), side="left")  # how many have more than k pulses
     # Times between pulses, in units that differ between events.
-    parts = [rng.standard_exponential(m, np.float32) for m in active]
+    times = rng.standard_exponential(active.sum(), np.float32)
+    parts = [times[end - m : end] for m, end in zip(active, np.cumsum(active), strict=True)]
     whole = rng.standard_exponential(len(n), np.float32)
-    for m, part in zip(active, parts, strict=True):
-        whole[:m] += part
-    tau = tau * whole
-    seen, time, blind_until = np.zeros_like(n), np.zeros(len(n), np.float32), np.zeros(len(n), np.float32)
+    for part in parts:
+        whole[: len(part)] += part
+    tau, prolongs = tau * whole, prolonging.any()
+    seen, time, blind_until = np.zeros(len(n), np.int32), np.zeros(len(n), np.float32), np.zeros(len(n), np.float32)
     for m, part in zip(active, parts, strict=True):
         now = time[:m]
         now += part
-        blind = now >= blind_until[:m]
-        seen[:m] += blind
-        blind |= rng.random(m, np.float32) < prolonging[:m]
-        np.maximum(blind_until[:m], (now + tau[:m]) * blind, out=blind_until[:m])
+        blinds = now >= blind_until[:m]
+        seen[:m] += blinds
+        if prolongs:
+            blinds |= rng.random(m, np.float32) < prolonging[:m]
+        np.maximum(blind_until[:m], (now + tau[:m]) * blinds, out=blind_until[:m])
     back = np.empty_like(seen)
     back[order] = seen
     return back
@@ -226,15 +230,18 @@ class Quantisation(Family):
     source: ClassVar = KNOLL + "Section 17.V"
 
     def guess(self, x):
-        """Nothing where the step is wider than the counts scatter: it would be a constant, not a rounding."""
-        wide = int(self.shape.split()[0]) > 4 * x.std() + 1
-        return np.empty((0, 1)) if wide else None
+        """Nothing where the step is so wide that nearly all counts become the same: that is no rounding."""
+        _, counts = np.unique(self._rounded(x[:, 0]), return_counts=True)
+        return np.empty((0, 1)) if counts.max() > ONE_VALUE * len(x) else None
 
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
+        rows = rng.random(len(x)) < phi[:, 0]
+        x[rows] = self._rounded(x[rows])
+        return x
+
+    def _rounded(self, x):
         step, to = self.shape.split()
         step = int(step)
-        rows = rng.random(len(x)) < phi[:, 0]
         before, after = {"down": (0, 0), "up": (step - 1, 0), "nearest": (step // 2, 0), "middle": (0, step // 2)}[to]
-        x[rows] = (x[rows] + before) // step * step + after
-        return x
+        return (x + before) // step * step + after
