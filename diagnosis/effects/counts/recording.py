@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from avobench.diagnosis.effects.base import Family, Parameter, accepted
 
 ONE_VALUE = 0.95
-"""Share of the counts."""
+"""Share of the counts that a rounding may make the same, at most."""
 KNOLL = "G. F. Knoll, Radiation Detection and Measurement, 4th ed. (2010), "
 
 
