@@ -39,11 +39,11 @@ IDENTIFIED = 5.0
 """A direction is identified if moving across its range changes the summary by so many standard errors."""
 INSIDE = 0.9
 """Of a design: a minimum further out may lie beyond it."""
-SEARCHED, LESS, FEWER = 0.2, 10, 3
-"""How far from where it may be, in unit coordinates, a point is looked for; first with so much fewer events at each,
-and then at so much fewer points."""
+SEARCHED, LESS = 0.2, 10
+"""How far from where it may be, in unit coordinates, a point is looked for; with how much fewer events it is seen where
+that is hopeless."""
 CLEAR = 3.0
-"""Standard errors by simulation from which a squared slope is one."""
+"""Standard errors by simulation from which a squared slope is one, and a point is worse than another."""
 
 
 @dataclass(frozen=True)
@@ -583,14 +583,16 @@ def scan(
     fixed = np.empty(0) if fixed is None else fixed
     p = model.dim - len(fixed)
 
-    def gaps(u: NDArray[np.float64], events: int) -> NDArray[np.float64]:
+    def gaps(u: NDArray[np.float64], events: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         params = model.from_unit(np.hstack([u, np.tile(fixed, (len(u), 1))]))
         means = target.summary.mean(model.simulate(np.repeat(params, events, axis=0), rng), len(u))
-        return (target.whiten(target.mean - means) ** 2).sum(axis=1)
+        q, noise = (target.whiten(target.mean - means) ** 2).sum(axis=1), target.num_events / events
+        return q, np.sqrt(2 * target.rank * noise**2 + 4 * q * noise)
 
     centre, half = (np.full(p, 0.5), 0.5) if around is None else (around, SEARCHED)
     for _ in range(3):
         u = rng.uniform(np.maximum(centre - half, 0), np.minimum(centre + half, 1), (points, p))
-        u = u[np.argsort(gaps(u, max(events // LESS, 1)))[: max(points // FEWER, 1)]]
-        centre, half = u[gaps(u, events).argmin()], half * 3 * points ** (-1 / p)
+        q, error = gaps(u, max(events // LESS, 1))
+        u = u[q - q.min() <= CLEAR * error]
+        centre, half = u[gaps(u, events)[0].argmin()], half * 3 * points ** (-1 / p)
     return np.concatenate([centre, fixed]), half
