@@ -191,12 +191,14 @@ def _pair(steps: list[Step], search: Rank, grew: Callable[[Fit, Fit], bool]) -> 
 
 
 def _any_pair(steps: list[Step], search: Rank, grew: Callable[[Fit, Fit], bool]) -> tuple[list[Step], Base] | None:
-    """Any two effects that together leave no more than chance, of a gap so large that this is no chance."""
-    null = steps[0]
-    enough = CHANCE * noise(null.fit)
-    if enough > LARGE * excess(null.fit):
+    """Any two effects that together leave no more than chance, of a gap so large that this is no chance.
+
+    None where one effect closes nearly all: what a wrong shape of it leaves, two others may describe as well.
+    """
+    null, whole, enough = steps[0], excess(steps[0].fit), CHANCE * noise(steps[0].fit)
+    if enough > LARGE * whole or any(excess(entry.fit) < PAIR_CLEAR * whole for entry in null.ranks):
         return None
-    firsts = [e for e in null.ranks if enough < excess(e.fit) < excess(null.fit)]
+    firsts = [entry for entry in null.ranks if excess(entry.fit) < whole]
     return _beginning_with(firsts[:ANY_PARTNERS], enough, null, search, grew)
 
 

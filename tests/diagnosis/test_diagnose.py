@@ -1,5 +1,5 @@
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -312,6 +312,8 @@ def test_a_pair_is_accepted_only_if_it_leaves_next_to_nothing():
     beside["pile_up"] = leaving(8.0, "pile_up", "quantisation")
     small = Step(leaving(100.0), None, {}, [ranked(leaving(60.0, "dead_time")), ranked(leaving(70.0, "pile_up"))])
     assert _any_pair([small, first], search, lambda new, old: False) is None
+    nearly = replace(null, ranks=[ranked(leaving(90.0, "dead_time")), *null.ranks])  # what is left is a wrong shape's
+    assert _any_pair([nearly, first], search, lambda new, old: False) is None
 
 
 def test_what_acts_on_one_feature_is_tried_on_all():
