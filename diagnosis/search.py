@@ -71,17 +71,35 @@ class Search:
             if step is None:
                 break
             steps, more = self._with(step, steps, known)
-            notes += more
+            steps, notes = self._without_second(steps), notes + more
         if self.max_effects > 1 and (len(steps) > 3 or steps[-1].p_value < STILL * self.alpha):
             pair = _any_pair(steps, self.ranked, worse)
             if pair and cost(pair[0][-1].added.fit) < cost(steps[-1].fit):
                 steps, notes = self._with(pair[0][-1], *pair)
         return steps, notes
 
-    def _with(self, step: Step, steps: list[Step], known: Base) -> tuple[list[Step], list[str]]:
+    def _with(self, step: Step, steps: list[Step], known: Base | None) -> tuple[list[Step], list[str]]:
         """The steps, of which the last is to be `step`, and one with the effect that comes after it; and notes."""
         fit, base, notes = self._refined(step.added.fit, known)
         return [*steps[:-1], step, Step.of(fit, self.target, self.x, self.rng, self.effort, base)], notes
+
+    def _without_second(self, steps: list[Step]) -> list[Step]:
+        """The steps without their second effect, if the first describes the events alone from where it is beside it.
+
+        The fit without the second had then gone astray.
+        """
+        if len(steps) != 3:
+            return steps
+        pair = steps[-1].fit.model
+        model = replace(pair, effects=pair.effects[:-1], stretch=pair.stretch[:-1])
+        per_round = max(self.effort.least, int(self.effort.rounds * len(self.x)))
+        fit = refine(model, self.target, steps[-1].fit.unit[: model.dim], 0.01, self.rng, num_events=per_round)
+        if excess(fit) - 2 * fit.gap_error > CHANCE * noise(fit):
+            return steps
+        first = Ranked(model.effects[0], fit, 0.0)
+        rivals = tuple(tie for tie in steps[0].ties if tie.effect.key != first.effect.key)
+        alone, _ = self._with(replace(steps[0], chosen=first, rivals=rivals), steps[:1], None)
+        return alone if alone[-1].p_value >= self.alpha else steps
 
     def ranked(self, fit: Fit, leaves: float, others: tuple[Fit, ...] = ()) -> tuple[list[Ranked], Base]:
         """Effects to add to a fit, best first, fitted closely if one may leave less than a share `leaves` of its gap.
@@ -107,9 +125,9 @@ class Search:
             known = next((base for fit, base in better if fit is ranks[0].fit), known)
         return ranks, known
 
-    def _refined(self, fit: Fit, known: Base) -> tuple[Fit, Base | None, list[str]]:
+    def _refined(self, fit: Fit, known: Base | None) -> tuple[Fit, Base | None, list[str]]:
         """The fit of an added effect with more events, the model without it if that is `known`, and notes."""
-        base = known if known.model.effects == fit.model.effects[:-1] else None
+        base = known if known and known.model.effects == fit.model.effects[:-1] else None
         fit, notes = widened(fit, self.target, self.rng, self.effort)
         many = int(self.effort.again[-1] * len(self.x))
         again = polish(fit, self.target, self.rng, many, rounds=8, base=base, exact=True)

@@ -22,7 +22,7 @@ from avobench.diagnosis.name import _on_all, reshaped
 from avobench.diagnosis.rank import Ranked
 from avobench.diagnosis.schema import Verdict
 from avobench.diagnosis.screen import Sample, screen
-from avobench.diagnosis.search import _accepted, _any_pair, _pair
+from avobench.diagnosis.search import Search, _accepted, _any_pair, _pair
 from avobench.diagnosis.step import Step
 from avobench.diagnosis.summary import bins_of
 from avobench.diagnosis.values import scaled_std
@@ -314,6 +314,24 @@ def test_a_pair_is_accepted_only_if_it_leaves_next_to_nothing():
     assert _any_pair([small, first], search, lambda new, old: False) is None
     nearly = replace(null, ranks=[ranked(leaving(90.0, "dead_time")), *null.ranks])  # what is left is a wrong shape's
     assert _any_pair([nearly, first], search, lambda new, old: False) is None
+
+
+@pytest.mark.parametrize("share", [0.0, 0.2])
+def test_a_second_effect_stays_only_where_the_first_alone_does_not_do(share):
+    effects, rng = {e.name: e for e in catalogue(Poisson())}, np.random.default_rng(1)
+    model, params = Model(Poisson(), (effects["zero_inflation"], effects["flat_background"])), [1.5, 0.1, share, 30.0]
+    x = model.simulate(np.tile(params, (10_000, 1)), rng)
+    target = target_of(x, bins_of(x, x), x)
+    fit = refine(model, target, model.to_unit(np.array(params)), 0.02, rng, num_events=30_000)
+    null = Step(fit, fit, {}, [Ranked(model.effects[0], fit, 0.0)])
+    effort = effort_for(Poisson(), "counts", None)
+    search = Search(target, x, target.mean, 1000, [], 0.05, 3, rng, effort, 1)
+    steps = search._without_second([null, null, Step(fit, fit, {}, [])])
+    kept = ["zero_inflation", "flat_background"] if share else ["zero_inflation"]
+    assert [effect.name for effect in steps[-1].fit.model.effects] == kept
+    if not share:
+        assert steps[-1].p_value > 0.05
+        assert [step.added.effect.name for step in steps[:-1]] == kept
 
 
 def test_what_acts_on_one_feature_is_tried_on_all():
