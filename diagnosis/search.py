@@ -73,7 +73,7 @@ class Search:
             steps, more = self._with(step, steps, known)
             steps, notes = self._without_second(steps), notes + more
         if self.max_effects > 1 and (len(steps) > 3 or steps[-1].p_value < STILL * self.alpha):
-            pair = _any_pair(steps, self.ranked, worse)
+            pair = _any_pair(steps[0], self.ranked, worse)
             if pair and cost(pair[0][-1].added.fit) < cost(steps[-1].fit):
                 steps, notes = self._with(pair[0][-1], *pair)
         return steps, notes
@@ -208,12 +208,12 @@ def _pair(steps: list[Step], search: Rank, grew: Callable[[Fit, Fit], bool]) -> 
     return _beginning_with(firsts[:PARTNERS], enough, null, search, grew)
 
 
-def _any_pair(steps: list[Step], search: Rank, grew: Callable[[Fit, Fit], bool]) -> tuple[list[Step], Base] | None:
+def _any_pair(null: Step, search: Rank, grew: Callable[[Fit, Fit], bool]) -> tuple[list[Step], Base] | None:
     """Any two effects that together leave no more than chance, of a gap so large that this is no chance.
 
     None where one effect closes nearly all: what a wrong shape of it leaves, two others may describe as well.
     """
-    null, whole, enough = steps[0], excess(steps[0].fit), CHANCE * noise(steps[0].fit)
+    whole, enough = excess(null.fit), CHANCE * noise(null.fit)
     if enough > LARGE * whole or any(excess(entry.fit) < PAIR_CLEAR * whole for entry in null.ranks):
         return None
     firsts = [entry for entry in null.ranks if excess(entry.fit) < whole]
