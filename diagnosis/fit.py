@@ -573,11 +573,13 @@ def scan(
     fixed: NDArray[np.float64] | None = None,
     around: NDArray[np.float64] | None = None,
     size: tuple[int, int] = (200, 300),
-) -> tuple[NDArray[np.float64], float]:
-    """A point (P,) of the unit cube near the best, and how near, from three searches, each around the last best.
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A point (P,) of the unit cube near the best, and how near in each coordinate that was searched, from three
+    searches, each around the last best.
 
     `fixed` are values of the last coordinates, which are then not searched; the others within SEARCHED of `around`, if
-    that is given, and else everywhere. `size` is the number of points of a search and of events at each.
+    that is given, and else everywhere. `size` is the number of points of a search and of events at each. As far as
+    points lie that are not clearly worse than the best, it may be off.
     """
     points, events = size
     fixed = np.empty(0) if fixed is None else fixed
@@ -589,10 +591,12 @@ def scan(
         q, noise = (target.whiten(target.mean - means) ** 2).sum(axis=1), target.num_events / events
         return q, np.sqrt(2 * target.rank * noise**2 + 4 * q * noise)
 
-    centre, half = (np.full(p, 0.5), 0.5) if around is None else (around, SEARCHED)
+    centre, half = (np.full(p, 0.5), np.full(p, 0.5)) if around is None else (around, np.full(p, SEARCHED))
     for _ in range(3):
         u = rng.uniform(np.maximum(centre - half, 0), np.minimum(centre + half, 1), (points, p))
         q, error = gaps(u, max(events // LESS, 1))
         u = u[q - q.min() <= CLEAR * error]
-        centre, half = u[gaps(u, events)[0].argmin()], half * 3 * points ** (-1 / p)
+        q, error = gaps(u, events)
+        centre, alike = u[q.argmin()], u[q - q.min() <= error]
+        half = np.maximum(half * 3 * points ** (-1 / p), np.abs(alike - centre).max(axis=0))
     return np.concatenate([centre, fixed]), half

@@ -79,7 +79,7 @@ def fit_null(
     if centre is None:
         centre, near = scan(model, target, rng, size=effort.scan)
     per_round = max(effort.least, int(effort.rounds * len(x)))
-    fit = refine(model, target, centre, max(near, 0.005), rng, num_events=per_round)
+    fit = refine(model, target, centre, np.maximum(near, 0.005), rng, num_events=per_round)
     simulated = model.simulate(np.tile(fit.params, (len(x), 1)), rng)
     target = target_of(x, summary_of(model.task, x, simulated), simulated)
     return refine(model, target, fit.unit, 0.005, rng, num_events=per_round), target
@@ -246,7 +246,7 @@ def best_without(tried: list[Fit], target: Target, rng: np.random.Generator, eff
     model, per_round = first.model, max(effort.least, int(effort.rounds * target.num_events))
     starts = [(fit.unit, 0.005) for fit in others] + [scan(model, target, rng, size=effort.scan) for _ in range(SCANS)]
     fits = [first] + [
-        refine(model, target, start, max(near, 0.005), rng, num_events=per_round) for start, near in starts
+        refine(model, target, start, np.maximum(near, 0.005), rng, num_events=per_round) for start, near in starts
     ]
     # The lowest of a few values is low by chance: it is simulated anew, and that counts.
     best = min(fits, key=lambda fit: fit.gap)

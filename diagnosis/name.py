@@ -99,7 +99,7 @@ def continued(fit: Fit, base: Base, target: Target, rng: np.random.Generator, nu
     if np.abs(fit.unit[:p] - 0.5).max() < AT_EDGE:
         return fit
     centre, near = scan(fit.model, target, rng, fixed=fit.unit[p:], size=effort.scan)
-    half = np.r_[np.full(p, max(near, 0.005)), 0.3 * fit.model.reach(centre)[p:]]
+    half = np.r_[np.maximum(near, 0.005), 0.3 * fit.model.reach(centre)[p:]]
     again = refine(fit.model, target, centre, half, rng, num_events=num_events, base=base)
     return min(fit, again, key=lambda f: f.gap)
 
