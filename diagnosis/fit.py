@@ -350,11 +350,8 @@ class Base:
     ) -> Surrogate:
         """The surrogate of `model`, which is this one with one more effect; half of the events at the centre.
 
-        An effect that changes most events is better seen without this one, from twins of one seed, and one that acts
-        before others can only be seen so.
+        An effect that changes most events is better seen without this one, from twins of one seed.
         """
-        if not model.newest_acts_last:
-            return surrogate(model, summary, design, num_events, rng)
         p, k = self.model.dim, (model.dim + 1) * (model.dim + 2) // 2
         normal, change, unlike = np.zeros((k, k)), 0.0, 0.0
         left = num_events
@@ -363,8 +360,7 @@ class Base:
             u = design.to_u(rng.uniform(-1, 1, (n, model.dim)))
             u[: n // 2] = design.centre
             b = basis(design.to_t(u))
-            params = model.from_unit(u)
-            x, y = with_and_without(self.model, model.effects[-1], params[:, :p], params[:, p:], rng)
+            x, y = with_and_without(self.model, model, model.from_unit(u), rng)
             some = slice(None, None, max(n // COMPARED, 1))
             moved = float(summary.moved(x[some], y[some]).mean())
             if left == num_events and moved > 1:
@@ -407,22 +403,29 @@ def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int,
 
 
 def with_and_without(
-    model: Model, effect: Effect, theta: NDArray[np.float64], phi: NDArray[np.float64], rng: np.random.Generator
+    before: Model, model: Model, params: NDArray[np.float64], rng: np.random.Generator
 ) -> tuple[NDArray, NDArray]:
-    """Events of a model, and the same after an effect: theta (n, P), phi (n, q) -> (n, d) twice.
+    """Events of a model `before`, and the same with one more effect: params (n, P) of the latter -> (n, d) twice.
 
-    The same as far as the effect asks the simulator for them first, at the parameters that it was given.
+    The same as far as the effect asks the simulator for them first, at the parameters that it was given, or, where
+    others act after it, as one seed makes them the same.
     """
+    p = before.dim
+    theta, phi = params[:, :p], params[:, p:]
+    if not model.newest_acts_last:
+        seed = int(rng.integers(2**63))
+        unchanged = before.simulate(theta, np.random.default_rng(seed))
+        return unchanged, model.simulate(params, np.random.default_rng(seed))
     first: list[NDArray] = []
 
     def simulate(params: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        x = model.simulate(params, rng)
+        x = before.simulate(params, rng)
         if not first and np.array_equal(params, theta):
             first.append(x.copy())
         return x
 
-    changed = effect.apply(simulate, theta, phi, rng)
-    return (first[0] if first else model.simulate(theta, rng)), changed
+    changed = model.effects[-1].apply(simulate, theta, phi, rng)
+    return (first[0] if first else before.simulate(theta, rng)), changed
 
 
 def minimise(model: Model, s: Surrogate, target: Target) -> Fit:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
+from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,24 +106,35 @@ class Model:
         return u
 
     def simulate(self, params: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        """One event per row: (n, P) -> (n, d)."""
-        return self._with_effects(len(self.effects), params, rng)
+        """One event per row: (n, P) -> (n, d).
+
+        Each effect has a stream of random numbers of its own, so that from one seed a model with one more effect makes
+        the same events but for what this changes.
+        """
+        seed = int(rng.spawn(1)[0].integers(2**63))
+        streams = [np.random.default_rng([seed, crc32(repr(effect.key).encode())]) for effect in self.effects]
+        return self._with_effects(len(self.effects), params, rng, streams)
 
     @cached_property
-    def _chain(self) -> list[tuple[Effect, slice]]:
+    def _chain(self) -> list[tuple[int, slice]]:
         """The effects in the order in which they act, by their stages, with the columns of their parameters."""
         ends = np.cumsum([self.num_theta, *(len(effect.parameters) for effect in self.effects)])
         columns = [slice(start, stop) for start, stop in pairwise(ends.tolist())]
-        return sorted(zip(self.effects, columns, strict=True), key=lambda each: each[0].stage)
+        return sorted(enumerate(columns), key=lambda each: self.effects[each[0]].stage)
 
     @property
     def newest_acts_last(self) -> bool:
         """Whether the effect that was added last changes the finished events of the model without it."""
-        newest = self.effects[-1]
-        return newest.stage > 0 and self._chain[-1][0] is newest
+        newest = len(self.effects) - 1
+        return self.effects[newest].stage > 0 and self._chain[-1][0] == newest
 
     def _with_effects(
-        self, k: int, params: NDArray[np.float64], rng: np.random.Generator, alter: Alter | None = None
+        self,
+        k: int,
+        params: NDArray[np.float64],
+        rng: np.random.Generator,
+        streams: list[np.random.Generator],
+        alter: Alter | None = None,
     ) -> NDArray:
         """Events with the first k effects that act. An effect sees those before it as the simulator, and all parameters
         as theta, so that it may ask for any rows again."""
@@ -130,11 +142,11 @@ class Model:
             events, theta = self.events or self.task.simulate, params[:, : self.num_theta]
             return events(theta, rng) if alter is None else events(theta, rng, alter)
 
-        def before(params: NDArray, rng: np.random.Generator, earlier: Alter | None = None) -> NDArray:
-            return self._with_effects(k - 1, params, rng, _both(earlier, alter))
+        def before(params: NDArray, _: np.random.Generator, earlier: Alter | None = None) -> NDArray:
+            return self._with_effects(k - 1, params, rng, streams, _both(earlier, alter))
 
-        effect, columns = self._chain[k - 1]
-        return effect.apply(before, params, params[:, columns], rng)
+        added, columns = self._chain[k - 1]
+        return self.effects[added].apply(before, params, params[:, columns], streams[added])
 
 
 def _both(first: Alter | None, then: Alter | None) -> Alter | None:

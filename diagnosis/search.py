@@ -96,9 +96,11 @@ class Search:
         fit = refine(model, self.target, steps[-1].fit.unit[: model.dim], 0.01, self.rng, num_events=per_round)
         if excess(fit) - 2 * fit.gap_error > CHANCE * noise(fit):
             return steps
-        first = Ranked(model.effects[0], fit, 0.0)
-        rivals = tuple(tie for tie in steps[0].ties if tie.effect.key != first.effect.key)
-        alone, _ = self._with(replace(steps[0], chosen=first, rivals=rivals), steps[:1], None)
+        key, found = model.effects[0].key, [entry.fit for entry in steps[0].ranks]
+        ranks = ranking([fit, *found], steps[0].fit.gap)
+        (first,) = (entry for entry in ranks if entry.effect.key == key)
+        rivals = tuple(entry for entry in ranks if entry is not first and entry.score < first.score + TIE)
+        alone, _ = self._with(replace(steps[0], ranks=ranks, chosen=first, rivals=rivals), steps[:1], None)
         return alone if alone[-1].p_value >= self.alpha else steps
 
     def ranked(self, fit: Fit, leaves: float, others: tuple[Fit, ...] = ()) -> tuple[list[Ranked], Base]:

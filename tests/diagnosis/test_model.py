@@ -38,6 +38,11 @@ def test_effects_act_in_the_order_of_their_stages_whichever_was_added_first(task
     np.testing.assert_array_equal(x, y)
     assert Model(task, (one, other)).newest_acts_last
     assert not Model(task, (other, one)).newest_acts_last
+    # From one seed, one that acts earlier changes nothing but what it acts on: nothing, where it is absent.
+    absent = [one.parameters[0].null, *phi[1:]]
+    z = Model(task, (other, one)).simulate(np.tile([*theta, *psi, *absent], (N, 1)), np.random.default_rng(0))
+    alone = Model(task, (other,)).simulate(np.tile([*theta, *psi], (N, 1)), np.random.default_rng(0))
+    np.testing.assert_array_equal(z, alone)
 
 
 def images(task, name, theta, phi, shape=None):
