@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.stats import chi2
 
-from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.summary import Summary, whitening
 

@@ -220,14 +220,22 @@ def reshaped(
     for alone in others[:RESHAPED]:
         base = Base.around(alone, target, int(effort.base * target.num_events), rng)
         for k, pair in enumerate(pairs):
-            second = pair.model.effects[-1]
-            model = replace(alone.model, effects=(*alone.model.effects, second), stretch=pair.model.stretch)
-            unit = np.concatenate([alone.unit, pair.unit[-len(second.parameters) :]])
-            start = Start(model, unit, np.nan, ROUGH * model.strengths(unit)[alone.model.dim])
-            fit = joint(start, base, target, rng, effort.fit)
-            fit = continued(fit, base, target, rng, pair.num_events, effort)
-            best[k] = min(best[k], (fit, base), key=lambda each: cost(each[0]))
+            again = beside(pair, base, alone, target, rng, effort)
+            best[k] = min(best[k], (again, base), key=lambda each: cost(each[0]))
     return best
+
+
+def beside(pair: Fit, base: Base, alone: Fit, target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
+    """The last effect of a pair added to another fit, whose model is `base`, from the values it has in the pair."""
+    second, before = pair.model.effects[-1], alone.model
+    model = before.plus(second)
+    if pair.model.stretch:
+        stretch = before.stretch or (1.0,) * len(before.effects)
+        model = replace(model, stretch=(*stretch, pair.model.stretch[-1]))
+    unit = np.concatenate([alone.unit, pair.unit[-len(second.parameters) :]])
+    start = Start(model, unit, np.nan, ROUGH * model.strengths(unit)[before.dim])
+    fit = joint(start, base, target, rng, effort.fit)
+    return continued(fit, base, target, rng, pair.num_events, effort)
 
 
 def _on_all(fits: list[Fit], effects: list[Effect]) -> list[Start]:

@@ -53,9 +53,14 @@ def likely(fit: Fit, best: Fit, gap_without: float) -> bool:
     return fit.gap - 2 * fit.gap_error < best.gap + 2 * best.gap_error + unit * (TIE + 2 * SHAPE_PRICE)
 
 
-def cost(fit: Fit) -> float:
-    """What a fit leaves, at most, and the prices of all its effects."""
-    return fit.gap + fit.gap_error + sum(prices(fit))
+def left(fit: Fit) -> float:
+    """What a fit leaves, at most: one that is known badly must not win by chance. Below noise nothing is better."""
+    return max(fit.gap + fit.gap_error, fit.dof - 2 * np.sqrt(2 * fit.dof))
+
+
+def cost(fit: Fit, unit: float = 1.0) -> float:
+    """What a fit leaves, in such units, and the prices of all its effects."""
+    return left(fit) / unit + sum(prices(fit))
 
 
 def ranking(fits: list[Fit], gap_without: float) -> list[Ranked]:
@@ -68,11 +73,6 @@ def ranking(fits: list[Fit], gap_without: float) -> list[Ranked]:
     """
     if not fits:
         return []
-
-    def left(fit: Fit) -> float:
-        """What a fit leaves, at most: one that is known badly must not win by chance. Below noise nothing is better."""
-        return max(fit.gap + fit.gap_error, fit.dof - 2 * np.sqrt(2 * fit.dof))
-
     unit = 1.0
     for _ in range(len(fits)):  # the best depends on the unit, and the unit on the best
         best = min(fits, key=lambda fit: left(fit) + unit * prices(fit)[-1])

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit import Base, Fit, Target, polish, refine
-from avobench.diagnosis.name import CLOSES, candidates, clears_feature, reshaped
-from avobench.diagnosis.rank import TIE, Ranked, cost, ranking, tied
+from avobench.diagnosis.name import CLOSES, beside, candidates, clears_feature, reshaped
+from avobench.diagnosis.rank import TIE, Ranked, cost, left, likely, ranking, tied, unit_of
 from avobench.diagnosis.step import Step
 
 VETO = 2.5
@@ -27,8 +27,8 @@ PARTNERS, ANY_PARTNERS, LARGE = 3, 8, 0.05
 describes the events, or three effects do, if chance is no more than such a share of the whole gap."""
 Rank = Callable[..., tuple[list[Ranked], Base]]
 """That of a Search, `ranked`."""
-RIVALS = 3
-"""Of the effects that may be the second, for which the first is tried in other shapes."""
+RIVALS, FIRSTS = 3, 5
+"""Of the effects that may be the second, for which the first is tried in other shapes; others that may be the first."""
 
 
 @dataclass(frozen=True)
@@ -71,11 +71,12 @@ class Search:
             if step is None:
                 break
             steps, more = self._with(step, steps, known)
-            steps, notes = self._without_second(steps), notes + more
+            steps, notes = self._first_again(self._without_second(steps)), notes + more
         if self.max_effects > 1 and (len(steps) > 3 or steps[-1].p_value < STILL * self.alpha):
             pair = _any_pair(steps[0], self.ranked, worse)
             if pair and cost(pair[0][-1].added.fit) < cost(steps[-1].fit):
                 steps, notes = self._with(pair[0][-1], *pair)
+                steps = self._first_again(steps)
         return steps, notes
 
     def _with(self, step: Step, steps: list[Step], known: Base | None) -> tuple[list[Step], list[str]]:
@@ -103,12 +104,43 @@ class Search:
         alone, _ = self._with(replace(steps[0], ranks=ranks, chosen=first, rivals=rivals), steps[:1], None)
         return alone if alone[-1].p_value >= self.alpha else steps
 
+    def _first_again(self, steps: list[Step]) -> list[Step]:
+        """The steps with the first of two effects chosen anew, beside the second, from those that it was tied with.
+
+        Without the second, each had the values that imitate that one best.
+        """
+        if len(steps) != 3:
+            return steps
+        null, one, pair = steps[0], steps[1], steps[2].fit
+        chosen, second = null.added, pair.model.effects[-1]
+        within = [entry for entry in null.ranks if entry.score < chosen.score + TIE]
+        rivals = [entry for entry in within if entry.effect.key not in _keys(pair)][:FIRSTS]
+        found = {chosen.effect.key: (pair, None)}
+        for rival in rivals:
+            base = Base.around(rival.fit, self.target, int(self.effort.base * len(self.x)), self.rng)
+            fit = beside(pair, base, rival.fit, self.target, self.rng, self.effort)
+            if likely(fit, pair, null.fit.gap):
+                fit, *_ = self._refined(fit, base)
+            found[rival.effect.key] = fit, base
+        best = min((fit for fit, _ in found.values()), key=cost)
+        unit = unit_of(left(best) - best.dof, null.fit.gap)
+        costs = {key: cost(fit, unit) for key, (fit, _) in found.items()}
+        first = min([chosen, *rivals], key=lambda entry: costs[entry.effect.key])
+        ties = [e for e in [chosen, *rivals] if e is not first and costs[e.effect.key] < costs[first.effect.key] + TIE]
+        untried = [entry for entry in null.ties if entry.effect.key not in {*costs, second.key}]
+        null = replace(null, chosen=first, rivals=(*ties, *untried))
+        if first is chosen:
+            return [null, *steps[1:]]
+        fit, base = found[first.effect.key]
+        one = Step(first.fit, first.fit, {}, chosen=Ranked(second, fit, 0.0), rivals=tuple(one.ties))
+        return self._with(one, [null, one], base)[0]
+
     def ranked(self, fit: Fit, leaves: float, others: tuple[Fit, ...] = ()) -> tuple[list[Ranked], Base]:
         """Effects to add to a fit, best first, fitted closely if one may leave less than a share `leaves` of its gap.
 
         Also the fit's model, made known. `others` are fits of its last effect in other shapes.
         """
-        used, without = {e.key for e in fit.model.effects}, fit.gap
+        used, without = _keys(fit), fit.gap
         free = [e for e in self.effects if e.key not in used]
         effort = self.effort if not used else replace(self.effort, families=self.effort.seconds)
 
@@ -134,6 +166,10 @@ class Search:
         many = int(self.effort.again[-1] * len(self.x))
         again = polish(fit, self.target, self.rng, many, rounds=8, base=base, exact=True)
         return min(again, fit, key=lambda fit: fit.gap), base, notes
+
+
+def _keys(fit: Fit) -> set[tuple]:
+    return {effect.key for effect in fit.model.effects}
 
 
 def grew(new: Fit, old: Fit, target: Target, mean: NDArray[np.float64], num_events: int) -> bool:
