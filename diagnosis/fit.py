@@ -1,7 +1,8 @@
 """Fits of a black-box simulator to a summary: a quadratic surrogate from events that each have their own parameters."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +42,8 @@ INSIDE = 0.9
 SEARCHED, LESS = 0.2, 10
 """How far from where it may be, in unit coordinates, a point is looked for; with how much fewer events it is seen where
 that is hopeless."""
+BENT, NARROWER = 0.1, 3
+"""Share of the gap that a surrogate may lack for being no better polynomial; how often its design is narrowed."""
 CLEAR = 3.0
 """Standard errors by simulation from which a squared slope is one, and a point is worse than another."""
 
@@ -102,12 +105,19 @@ class Surrogate:
     num_events: int
     inverse: NDArray[np.float64]
     """(b, b), of the normal equations: the covariance of the coefficients in units of that of one event."""
+    bend: NDArray[np.float64]
+    """(K,), at the centre, from events that are spread minus from those there: noise, unless E[s] is no quadratic."""
+    bend_variance: float
+    """In units of that of one event."""
 
     def gap_at_centre(self, target: Target) -> tuple[float, float]:
         """Q at the centre of the design, without what simulation adds on average, and its standard error."""
-        noise = target.num_events * float(self.inverse[0, 0])
-        q = float((target.whiten(target.mean - self.coefficients[0]) ** 2).sum())
-        return q - noise * target.rank, float(np.sqrt(2 * target.rank * noise**2 + 4 * q * noise))
+        return _without_noise(target, target.mean - self.coefficients[0], float(self.inverse[0, 0]))
+
+    def bends(self, target: Target) -> bool:
+        """Whether E[s] is plainly no quadratic over the design: by `bend`, the test of response surfaces."""
+        lack, error = _without_noise(target, self.bend, self.bend_variance)
+        return lack > max(CLEAR * error, BENT * self.gap_at_centre(target)[0])
 
     def at(self, u: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Mean summary at u (P,) and its derivative: (K,), (P, K)."""
@@ -119,6 +129,13 @@ class Surrogate:
         """Variance of `at` by simulation, in units of that of one event."""
         b = basis(self.design.to_t(u)[None])[0]
         return float(b @ self.inverse @ b)
+
+
+def _without_noise(target: Target, difference: NDArray[np.float64], variance: float) -> tuple[float, float]:
+    """Q of a difference (K,) of simulated means, without what their variance adds, and its standard error."""
+    noise = target.num_events * variance
+    q = float((target.whiten(difference) ** 2).sum())
+    return q - noise * target.rank, float(np.sqrt(2 * target.rank * noise**2 + 4 * q * noise))
 
 
 @dataclass(frozen=True)
@@ -239,9 +256,9 @@ class Fit:
         reach, _ = np.linalg.qr(self.jacobian @ vectors[:, self.model.dim - self.num_identified :])
         return np.eye(len(self.residual)) - reach @ reach.T
 
-    def next_design(self, least: float = 0.0, ratio: float = 1.0, slope_noise: float = SLOPE_NOISE) -> Design:
+    def next_design(self, least: float = 0.0, ratio: float = 1.0) -> Design:
         """A design around the fit for `ratio` times its events, with `least` as in `around`."""
-        return self.around(max(MIN_SIGMAS, self.slope_error / np.sqrt(ratio) / slope_noise), least)
+        return self.around(max(MIN_SIGMAS, self.slope_error / np.sqrt(ratio) / SLOPE_NOISE), least)
 
     def around(self, sigmas: float, least: float = 0.0) -> Design:
         """A design along the directions of the Fisher information, so many standard errors wide to either side.
@@ -297,17 +314,30 @@ def surrogate(model: Model, summary: Summary, design: Design, num_events: int, r
         spread = spread + summary.moments(x, b)
         unlike += n / pairs * float(summary.moved(twins[:COMPARED], x[:COMPARED]).mean())
         left -= n
+    alone = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
     if unlike < 1:
+        bend, bend_variance = alone[0] @ (spread - at_centre), unlike * alone[0, 0]
         inverse = np.zeros((k, k))
         inverse[0, 0] = 1 / pairs
         slopes = np.linalg.pinv(normal[1:, 1:], rcond=1e-12, hermitian=True)
         inverse[1:, 1:] = unlike * slopes
-        return Surrogate(
-            design, np.vstack([at_centre[0] / pairs, slopes @ (spread - at_centre)[1:]]), num_events, inverse
-        )
+        coefficients = np.vstack([at_centre[0] / pairs, slopes @ (spread - at_centre)[1:]])
+        return Surrogate(design, coefficients, num_events, inverse, bend, bend_variance)
     constant = np.eye(k)[0]  # the basis at the centre
     inverse = np.linalg.pinv(normal + pairs * np.outer(constant, constant), rcond=1e-12, hermitian=True)
-    return Surrogate(design, inverse @ (spread + np.outer(constant, at_centre[0])), num_events, inverse)
+    coefficients = inverse @ (spread + np.outer(constant, at_centre[0]))
+    bend, bend_variance = alone[0] @ spread - at_centre[0] / pairs, alone[0, 0] + 1 / pairs
+    return Surrogate(design, coefficients, num_events, inverse, bend, bend_variance)
+
+
+def quadratic(make: Callable[[Design], Surrogate], design: Design, target: Target) -> Surrogate:
+    """The surrogate over a design, or over a narrower one where that is plainly no quadratic."""
+    for _ in range(NARROWER):
+        s = make(design)
+        if not s.bends(target):
+            return s
+        design = Design(design.centre, design.axes / SHRINK)
+    return make(design)
 
 
 @dataclass(frozen=True)
@@ -323,7 +353,8 @@ class Base:
     @classmethod
     def around(cls, fit: Fit, target: Target, num_events: int, rng: np.random.Generator) -> "Base":
         """With so many events, over a wide design around the fit."""
-        return cls(fit.model, surrogate(fit.model, target.summary, fit.around(BASE_SIGMAS), num_events, rng))
+        make = partial(surrogate, fit.model, target.summary, num_events=num_events, rng=rng)
+        return cls(fit.model, quadratic(make, fit.around(BASE_SIGMAS), target))
 
     def design(self, start: NDArray[np.float64], half: NDArray[np.float64]) -> Design:
         """A design for the larger model from `start` (P,): a box of half-widths `half` (P,), or what of it is known."""
@@ -353,6 +384,7 @@ class Base:
         """
         p, k = self.model.dim, (model.dim + 1) * (model.dim + 2) // 2
         normal, change, unlike = np.zeros((k, k)), 0.0, 0.0
+        num_centre, change_there = 0, 0.0
         left = num_events
         while left > 0:
             n = min(left, CHUNK)
@@ -368,6 +400,10 @@ class Base:
             normal += b.T @ b
             hit = (x != y).any(axis=1)
             change = change + summary.moments(y[hit], b[hit]) - summary.moments(x[hit], b[hit])
+            there = hit[: n // 2].nonzero()[0]
+            one = np.ones((len(there), 1))
+            change_there = change_there + (summary.moments(y[there], one) - summary.moments(x[there], one))[0]
+            num_centre += n // 2
             left -= n
         inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
         # The known polynomial in the coordinates of this design, by its values at as many points as it has terms.
@@ -376,25 +412,29 @@ class Base:
         translate = np.linalg.lstsq(basis(t), there, rcond=None)[0]
         coefficients = inverse @ change + translate @ self.known.coefficients
         noise = unlike * inverse + translate @ self.known.inverse @ translate.T
-        return Surrogate(design, coefficients, num_events, noise)
+        constant = np.eye(k)[0]
+        alone = np.linalg.pinv(normal - num_centre * np.outer(constant, constant), rcond=1e-12, hermitian=True)
+        bend = alone[0] @ (change - np.outer(constant, change_there)) - change_there / num_centre
+        return Surrogate(design, coefficients, num_events, noise, bend, unlike * (alone[0, 0] + 1 / num_centre))
 
 
 def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int, ratios: tuple[float, ...]) -> Fit:
     """The same fit with one more step from many events, and more until it is plain which directions the data identify.
 
     The degrees of freedom that a fit takes up, and the errors that are quoted, hang on that. A step to the edge of its
-    design only says where to look next: slopes there are hardly known. No `Base`: a polynomial over so wide a design is
-    not exact enough where the data say nearly nothing.
+    design, or one that promises much, only says where to look next: slopes at an edge are hardly known, and a promise
+    may be none. No `Base`: a polynomial over so wide a design is not exact enough where the data say nearly nothing.
     """
-    corner = None
+    centre = fit.unit
     for ratio in ratios:
         more = int(ratio * num_events)
-        design = fit.next_design(ratio=more / fit.num_events)
-        if corner is not None:
-            design = Design(corner, design.axes)
-        step = minimise(fit.model, surrogate(fit.model, target.summary, design, more, rng), target)
-        corner = step.unit if np.abs(design.to_t(step.unit)).max() > INSIDE else None
-        if corner is None:
+        axes = fit.next_design(ratio=more / fit.num_events).axes
+        make = partial(surrogate, fit.model, target.summary, num_events=more, rng=rng)
+        s = quadratic(make, Design(centre, axes), target)
+        step, (here, error) = minimise(fit.model, s, target), s.gap_at_centre(target)
+        centre = step.unit
+        at_edge = np.abs(s.design.to_t(step.unit)).max() > INSIDE
+        if not at_edge and step.gap > here - max(CLEAR * error, BENT * here):
             fit = step
             if not fit.undecided:
                 break
@@ -504,7 +544,6 @@ def descend(
     num_events: int,
     max_rounds: int,
     base: Base | None = None,
-    exact: bool = False,
 ) -> Fit:
     """Go from design to design, each around the minimum of the last one's surrogate, until it stands still.
 
@@ -513,42 +552,36 @@ def descend(
     clearly worse than at its start, the step is taken back and tried in a narrower design. The start is then simulated
     anew: a value that was low by chance would keep every step away.
 
-    Where a fit that stands still leaves more than noise, an `exact` one goes on in narrower designs: over a wide one an
-    effect with hard edges is no polynomial.
+    Designs are as narrow as it takes for a quadratic to do. An effect with hard edges is none over a wide one.
     """
-    best, lowest, gap, error, slope_noise = None, None, np.inf, 0.0, SLOPE_NOISE
+    best, lowest, gap, error = None, None, np.inf, 0.0
     scale = float(np.abs(design.axes / model.reach(design.centre)[:, None]).max())
-    rounds, promises_much = 0, False
+    rounds, promises_much, narrow = 0, False, 1.0
     while rounds < max_rounds + (MORE_ROUNDS if promises_much else 0):
         rounds += 1
         inside = None if base is None else base.within(design)
-        if inside is None:
-            s = surrogate(model, target.summary, design, num_events, rng)
-        else:
-            design = inside
-            s = base.extended(model, target.summary, design, num_events, rng)
+        make = partial(surrogate if inside is None else base.extended, model, target.summary)
+        wanted = inside or design
+        s = quadratic(partial(make, num_events=num_events, rng=rng), wanted, target)
+        narrow *= np.linalg.norm(s.design.axes) / np.linalg.norm(wanted.axes)
         here, its_error = s.gap_at_centre(target)
         if here > gap + WORSE * np.hypot(error, its_error):
             scale /= SHRINK
-            design = Design(best.unit, best.next_design(scale).axes / SHRINK)
+            design = Design(best.unit, best.next_design(scale).axes * narrow / SHRINK)
             gap = np.inf
             continue
-        best, gap, error = fit_at(model, s, target, design.centre), here, its_error
+        best, gap, error = fit_at(model, s, target, s.design.centre), here, its_error
         lowest = best if lowest is None else min(lowest, best, key=lambda fit: fit.gap + fit.gap_error)
         step = minimise(model, s, target)
-        moved = np.abs(design.to_t(step.unit)).max()
-        narrowest = step.next_design(slope_noise=slope_noise)
-        design = step.next_design(scale if moved > 0.9 else scale / SHRINK, slope_noise=slope_noise)
+        moved = np.abs(s.design.to_t(step.unit)).max()
+        design = step.next_design(scale if moved > 0.9 else scale / SHRINK)
         promises_much = step.gap < here - WORSE * its_error
-        if moved < 0.3 and not promises_much and np.allclose(design.axes, narrowest.axes):
+        if moved < 0.3 and not promises_much and np.allclose(design.axes, step.next_design().axes):
             best = step
-            leaves_much = step.gap - WORSE * step.gap_error > step.dof + WORSE * np.sqrt(2 * step.dof)
-            if not exact or slope_noise > SLOPE_NOISE or not leaves_much:
-                break
-            slope_noise *= SHRINK
-            design = step.next_design(slope_noise=slope_noise)
+            break
         # A curved model is not known to be as sharp as its slope at a distance says.
-        scale = scale if moved > 0.9 else scale / SHRINK
+        scale, narrow = (scale, min(narrow * SHRINK, 1.0)) if moved > 0.9 else (scale / SHRINK, narrow)
+        design = Design(design.centre, design.axes * narrow)
     # The lowest of many values is low by chance; only a clear difference counts.
     return lowest if lowest.gap + lowest.gap_error < best.gap - best.gap_error else best
 
@@ -560,11 +593,10 @@ def polish(
     num_events: int,
     rounds: int = POLISHES,
     base: Base | None = None,
-    exact: bool = False,
 ) -> Fit:
-    """The same fit with many events in small designs around it; `exact` as in `descend`."""
+    """The same fit with many events in small designs around it."""
     design = fit.next_design(ratio=max(num_events / fit.num_events, 1))
-    return descend(fit.model, target, design, rng, num_events, rounds, base, exact)
+    return descend(fit.model, target, design, rng, num_events, rounds, base)
 
 
 def scan(

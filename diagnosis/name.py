@@ -191,7 +191,7 @@ def candidates(
         promising = [any(fit is one for one in foremost) and likely(fit, best, gap_without) for fit in fits]
         events = max(int(ratio * many), enough)
         again = work(
-            joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events, AGAIN, known, exact=True)
+            joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events, AGAIN, known)
             for fit, worth in zip(fits, promising, strict=True)
             if worth
         )

@@ -164,7 +164,7 @@ class Search:
         base = known if known and known.model.effects == fit.model.effects[:-1] else None
         fit, notes = widened(fit, self.target, self.rng, self.effort)
         many = int(self.effort.again[-1] * len(self.x))
-        again = polish(fit, self.target, self.rng, many, rounds=8, base=base, exact=True)
+        again = polish(fit, self.target, self.rng, many, rounds=8, base=base)
         return min(again, fit, key=lambda fit: fit.gap), base, notes
 
 
