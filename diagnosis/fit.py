@@ -425,20 +425,21 @@ def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int,
     design, or one that promises much, only says where to look next: slopes at an edge are hardly known, and a promise
     may be none. No `Base`: a polynomial over so wide a design is not exact enough where the data say nearly nothing.
     """
-    centre = fit.unit
+    centre, best = fit.unit, None
     for ratio in ratios:
         more = int(ratio * num_events)
         axes = fit.next_design(ratio=more / fit.num_events).axes
         make = partial(surrogate, fit.model, target.summary, num_events=more, rng=rng)
         s = quadratic(make, Design(centre, axes), target)
-        step, (here, error) = minimise(fit.model, s, target), s.gap_at_centre(target)
-        centre = step.unit
+        here, step = fit_at(fit.model, s, target, s.design.centre), minimise(fit.model, s, target)
         at_edge = np.abs(s.design.to_t(step.unit)).max() > INSIDE
-        if not at_edge and step.gap > here - max(CLEAR * error, BENT * here):
-            fit = step
-            if not fit.undecided:
-                break
-    return fit
+        believed = not at_edge and step.gap > here.gap - WORSE * here.gap_error
+        fit, centre = step if believed else here, step.unit
+        if best is None or fit.gap < best.gap + WORSE * np.hypot(fit.gap_error, best.gap_error):
+            best = fit
+        if believed and not best.undecided:
+            break
+    return best
 
 
 def with_and_without(
