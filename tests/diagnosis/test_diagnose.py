@@ -335,6 +335,39 @@ def test_a_second_effect_stays_only_where_the_first_alone_does_not_do(share):
         assert [step.added.effect.name for step in steps[:-1]] == kept
 
 
+def test_the_first_of_two_effects_is_chosen_anew_beside_the_second():
+    """Alone, zeros beside another effect may be described worse than by what imitates both."""
+    effects, rng = {e.name: e for e in catalogue(Poisson())}, np.random.default_rng(1)
+    zeros, wrong, spread = (effects[name] for name in ("zero_inflation", "dead_time", "overdispersion"))
+    truth = [1.5, 0.1, 0.2]
+    x = Model(Poisson(), (zeros, spread)).simulate(np.tile(truth, (10_000, 1)), rng)
+    target = target_of(x, bins_of(x, x), x)
+
+    def fitted(*chosen, start):
+        model = Model(Poisson(), chosen)
+        return refine(model, target, model.to_unit(np.array(start)), 0.02, rng, num_events=30_000)
+
+    null, alone, other = (
+        fitted(*chosen, start=start) for chosen, start in (((), [1.5]), ((wrong,), [1.5, 0.02]), ((zeros,), [1.5, 0.1]))
+    )
+    pair = fitted(wrong, spread, start=[1.5, 0.02, 0.2])
+    ranks = [Ranked(wrong, alone, 0.0), Ranked(zeros, other, TIE / 2)]
+    steps = [Step(null, null, {}, ranks), Step(alone, alone, {}, [Ranked(spread, pair, 0.0)]), Step(pair, pair, {})]
+    effort = effort_for(Poisson(), "counts", None)
+    search = Search(target, x, target.mean, 1000, [], 0.05, 3, rng, effort, 1)
+    first, second, last = search._first_again(steps)
+    assert [effect.name for effect in last.fit.model.effects] == ["zero_inflation", "overdispersion"]
+    assert [first.added.effect.name, second.added.effect.name] == ["zero_inflation", "overdispersion"]
+    assert first.ties == []
+    assert last.p_value > 0.05
+    np.testing.assert_allclose(last.fit.params[1:], truth[1:], atol=0.04)
+    # The right one stays, and what cannot take its place is no longer tied with it.
+    right = [replace(steps[0], ranks=[Ranked(zeros, other, 0.0), Ranked(wrong, alone, TIE / 2)]), second, last]
+    first, *_ = search._first_again(right)
+    assert first.added.effect.name == "zero_inflation"
+    assert first.ties == []
+
+
 def test_what_acts_on_one_feature_is_tried_on_all():
     effects = {e.key: e for e in catalogue(Carl())}
 
