@@ -9,14 +9,8 @@ from avobench.diagnosis.effects.base import Effect
 from avobench.diagnosis.effects.continuous.acceptance import DeadRegion, EdgeAcceptance, ForwardBackwardAcceptance
 from avobench.diagnosis.effects.continuous.background import FlatBackground, PeakBackground
 from avobench.diagnosis.effects.continuous.base import ranges
-from avobench.diagnosis.effects.continuous.calibration import (
-    ChargeMisid,
-    Crosstalk,
-    Offset,
-    Quantisation,
-    Saturation,
-    Scale,
-)
+from avobench.diagnosis.effects.continuous.calibration import ChargeMisid, Crosstalk, Offset, Scale
+from avobench.diagnosis.effects.continuous.readout import Quantisation, Saturation
 from avobench.diagnosis.effects.continuous.smearing import Outliers, Resolution
 from avobench.diagnosis.effects.counts import exposure, recording
 from avobench.diagnosis.effects.images import cells, tracker

@@ -12,6 +12,7 @@ from avobench.bench.errors import UsageError
 from avobench.diagnosis.effects.base import LEAST_KEPT, Parameter, accepted, skewed_noise
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effects.continuous.base import Range, ranges
+from avobench.diagnosis.effects.continuous.readout import Comb
 from avobench.diagnosis.effects.counts.exposure import exposed
 from avobench.diagnosis.effects.images.base import odd_cells
 from avobench.tasks.carl import Carl
@@ -250,6 +251,49 @@ def test_values_are_the_middles_of_their_bins_however_uneven():
     found = shape.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(0))[:, 0]
     assert found == pytest.approx(binned, abs=1e-9)
     assert "bins" not in {s.shape for s in effect_of(task, "quantisation").adapted(x).shapes()}
+
+
+@given(
+    step=st.floats(0.02, 1.0),
+    origin=st.floats(-0.5, 0.5),
+    noise=st.floats(0.01, 0.15),
+    share=st.floats(0.6, 1),
+    seed=st.integers(0, 2**32 - 1),
+)
+def test_blurred_steps_are_read_off_their_spectrum(step, origin, noise, share, seed):
+    rng = np.random.default_rng(seed)
+    x = rng.standard_normal(20_000)
+    read = step * (np.rint(x / step - origin) + origin + noise * rng.standard_normal(len(x)))
+    comb = Comb.shown(np.where(rng.random(len(x)) < share, read, x))
+    assert comb is not None
+    assert comb.step == pytest.approx(step, rel=5 * comb.error)
+    off = (comb.origin - step * origin) / step
+    assert off - np.rint(off) == pytest.approx(0, abs=0.02)
+    assert comb.noise == pytest.approx(noise, abs=0.03)
+    assert comb.share == pytest.approx(share, abs=0.1)
+
+
+@given(st.sampled_from(["normal", "uniform", "standard_exponential", "standard_cauchy"]), st.integers(0, 2**32 - 1))
+def test_smooth_values_show_no_steps(kind, seed):
+    assert Comb.shown(getattr(np.random.default_rng(seed), kind)(size=3000)) is None
+    assert Comb.shown(np.full(10, 0.3)) is None
+
+
+def test_steps_that_are_blurred_are_those_of_each_feature():
+    task, rng = Carl(), np.random.default_rng(0)
+    x = task.simulate(np.tile([0.1, -0.5], (20_000, 1)), rng)
+    width = 0.3 * x.std(axis=0)
+    read = width * (np.floor(x / width) + 0.5 + 0.05 * rng.standard_normal(x.shape))
+    adapted = next(e for e in catalogue(task, read) if e.key == ("quantisation", "all")).adapted(read)
+    shape = next(s for s in adapted.shapes() if s.shape == "blurred")
+    (guess,) = shape.guess(read)
+    again = shape.apply(lambda theta, rng: x.copy(), guess, np.tile([1.0, *guess[1:]], (len(x), 1)), rng)
+    line = np.abs(np.exp(2j * np.pi * again / width).mean(axis=0))
+    assert line == pytest.approx(np.exp(-2 * np.pi**2 * 0.05**2), abs=0.02)
+    assert (np.abs(again - read) < 0.5 * width).mean() > 0.98
+    null = shape.apply(lambda theta, rng: x.copy(), guess, np.tile([0.0, *guess[1:]], (len(x), 1)), rng)
+    assert np.array_equal(null, x)
+    assert "blurred" not in {s.shape for s in adapted.adapted(x).shapes()}
 
 
 @pytest.mark.parametrize(("compression", "knee"), [(0.0, 0.3), (4.0, 0.3), (50.0, 0.9)])
