@@ -209,7 +209,13 @@ def candidates(
 
 
 def reshaped(
-    pairs: list[Fit], known: Base, others: tuple[Fit, ...], target: Target, rng: np.random.Generator, effort: Effort
+    pairs: list[Fit],
+    known: Base,
+    others: tuple[Fit, ...],
+    target: Target,
+    rng: np.random.Generator,
+    effort: Effort,
+    gap_without: float,
 ) -> list[tuple[Fit, Base]]:
     """Fits of effects that differ in the last one, each with the one before in another shape if that leaves less.
 
@@ -220,13 +226,24 @@ def reshaped(
     for alone in others[:RESHAPED]:
         base = Base.around(alone, target, int(effort.base * target.num_events), rng)
         for k, pair in enumerate(pairs):
-            again = beside(pair, base, alone, target, rng, effort)
+            again = beside(pair, base, alone, target, rng, effort, gap_without)
             best[k] = min(best[k], (again, base), key=lambda each: cost(each[0]))
     return best
 
 
-def beside(pair: Fit, base: Base, alone: Fit, target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
-    """The last effect of a pair added to another fit, whose model is `base`, from the values it has in the pair."""
+def beside(
+    pair: Fit,
+    base: Base,
+    alone: Fit,
+    target: Target,
+    rng: np.random.Generator,
+    effort: Effort,
+    gap_without: float,
+) -> Fit:
+    """The last effect of a pair added to another fit, whose model is `base`, from the values it has in the pair.
+
+    With as many events as the pair where the two may be tied.
+    """
     second, before = pair.model.effects[-1], alone.model
     model = before.plus(second)
     if pair.model.stretch:
@@ -234,8 +251,11 @@ def beside(pair: Fit, base: Base, alone: Fit, target: Target, rng: np.random.Gen
         model = replace(model, stretch=(*stretch, pair.model.stretch[-1]))
     unit = np.concatenate([alone.unit, pair.unit[-len(second.parameters) :]])
     start = Start(model, unit, np.nan, ROUGH * model.strengths(unit)[before.dim])
-    fit = joint(start, base, target, rng, effort.fit)
-    return continued(fit, base, target, rng, pair.num_events, effort)
+    few = min(pair.num_events, max(int(effort.again[0] * target.num_events), effort.least))
+    fit = continued(joint(start, base, target, rng, effort.fit), base, target, rng, few, effort)
+    if few < pair.num_events and likely(fit, pair, gap_without):
+        fit = polish(fit, target, rng, pair.num_events, AGAIN, base)
+    return fit
 
 
 def _on_all(fits: list[Fit], effects: list[Effect]) -> list[Start]:

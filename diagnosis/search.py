@@ -22,9 +22,8 @@ PAIR_LEAVES, PAIR_CLEAR, PAIR_ALONE, CHANCE = 0.3, 0.1, 0.2, 1.65
 """A second effect must leave less than the first share of what the first effect left; unless it leaves less than the
 second, it must close more than the third of the whole gap by itself, or have no rival, or leave no more than chance: so
 many standard deviations of chi-squared. A third must have no rival, nor a second where the first may be all."""
-PARTNERS, ANY_PARTNERS, LARGE = 3, 8, 0.05
-"""Effects to which a second one is added at once, where none alone closes enough; and where nothing that was found
-describes the events, or three effects do, if chance is no more than such a share of the whole gap."""
+PARTNERS = 3
+"""Effects to which a second one is added at once, where none alone closes enough."""
 Rank = Callable[..., tuple[list[Ranked], Base]]
 """That of a Search, `ranked`."""
 RIVALS, FIRSTS = 3, 5
@@ -60,7 +59,8 @@ class Search:
             if len(steps) == 1:
                 ranks, known = self.ranked(steps[0].fit, 1 - CLOSES)
             else:
-                ranks, known = self.ranked(steps[-1].fit, PAIR_LEAVES, steps[-2].added.others)
+                others = steps[0].added.others if len(steps) == 2 else ()
+                ranks, known = self.ranked(steps[-1].fit, PAIR_LEAVES, others)
             steps[-1] = replace(steps[-1], ranks=ranks)
             step = _accepted(steps, worse, clears, rejected)
             if rejected and len(steps) <= 2 <= self.max_effects and not _enough(steps, step, clears):
@@ -72,11 +72,6 @@ class Search:
                 break
             steps, more = self._with(step, steps, known)
             steps, notes = self._first_again(self._without_second(steps)), notes + more
-        if self.max_effects > 1 and (len(steps) > 3 or steps[-1].p_value < STILL * self.alpha):
-            pair = _any_pair(steps[0], self.ranked, worse)
-            if pair and cost(pair[0][-1].added.fit) < cost(steps[-1].fit):
-                steps, notes = self._with(pair[0][-1], *pair)
-                steps = self._first_again(steps)
         return steps, notes
 
     def _with(self, step: Step, steps: list[Step], known: Base | None) -> tuple[list[Step], list[str]]:
@@ -118,7 +113,7 @@ class Search:
         found = {chosen.effect.key: (pair, None)}
         for rival in rivals:
             base = Base.around(rival.fit, self.target, int(self.effort.base * len(self.x)), self.rng)
-            fit = beside(pair, base, rival.fit, self.target, self.rng, self.effort)
+            fit = beside(pair, base, rival.fit, self.target, self.rng, self.effort, null.fit.gap)
             if likely(fit, pair, null.fit.gap):
                 fit, *_ = self._refined(fit, base)
             found[rival.effect.key] = fit, base
@@ -153,7 +148,7 @@ class Search:
         if ranks and others and excess(ranks[0].fit) > noise(ranks[0].fit):
             foremost = ranks[:1] + tied(ranks)[: RIVALS - 1]
             pairs = [entry.fit for entry in foremost]
-            better = reshaped(pairs, known, others, self.target, self.rng, self.effort)
+            better = reshaped(pairs, known, others, self.target, self.rng, self.effort, without)
             kept = [entry.fit for entry in ranks if all(entry is not one for one in foremost)]
             ranks = ranking([fit for fit, _ in better] + kept, without)
             known = next((base for fit, base in better if fit is ranks[0].fit), known)
@@ -244,18 +239,6 @@ def _pair(steps: list[Step], search: Rank, grew: Callable[[Fit, Fit], bool]) -> 
         second = [entry.effect.key for entry in steps[1].ranks[:1]]
         firsts = [e for e in firsts if e.effect.key in second or any(e is tie for tie in null.ties)]
     return _beginning_with(firsts[:PARTNERS], enough, null, search, grew)
-
-
-def _any_pair(null: Step, search: Rank, grew: Callable[[Fit, Fit], bool]) -> tuple[list[Step], Base] | None:
-    """Any two effects that together leave no more than chance, of a gap so large that this is no chance.
-
-    None where one effect closes nearly all: what a wrong shape of it leaves, two others may describe as well.
-    """
-    whole, enough = excess(null.fit), CHANCE * noise(null.fit)
-    if enough > LARGE * whole or any(excess(entry.fit) < PAIR_CLEAR * whole for entry in null.ranks):
-        return None
-    firsts = [entry for entry in null.ranks if excess(entry.fit) < whole]
-    return _beginning_with(firsts[:ANY_PARTNERS], enough, null, search, grew)
 
 
 def _beginning_with(

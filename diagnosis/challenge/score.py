@@ -224,6 +224,7 @@ def _one(cases: list[Case]) -> dict[str, Any]:
         "right_first_whatever_feature": rate(_first(case, feature=False) for case in found),
         "in_tie_set": rate(_in_first_tie(case) for case in found),
         "tie_size": float(np.mean([len(case.ties[0]) for case in found if case.ties])) if explained else None,
+        "another_would_do": rate(bool(case.ties and case.ties[0] - {case.hidden[0]}) for case in found),
         "more_named": rate(len(case.named) > 1 for case in found),
         "visible_right_first": rate(_first(case) for case in visible),
         "second_series": {

@@ -55,6 +55,8 @@ def targets(*challenges: list[dict[str, Any]]) -> str:
     by_gap = {f"{each} shapes, right name first": one[each]["right_first_by_gap"] for each in one}
     by_gap["withheld, falsely explained"] = withheld["falsely_explained_by_gap"]
     lines = [f"{name}, by chi2/ndf before: {_classes(classes)}" for name, classes in by_gap.items()]
+    others = ", ".join(f"{each} shapes {_short(one[each]['another_would_do'])}" for each in one)
+    lines.append(f"not withheld, and yet another effect named or tied: {others}")
     return "\n".join([pd.DataFrame(rows).to_string(index=False), *lines])
 
 
@@ -105,7 +107,8 @@ def as_text(result: dict[str, Any]) -> str:
             f"  of those detected: right name first {_percent(one['right_first'])} "
             f"(whatever the feature {_percent(one['right_first_whatever_feature'])})",
             f"  by chi2/ndf before: {_classes(one['right_first_by_gap'])}",
-            f"  truth in the tie set {_percent(one['in_tie_set'])}, mean size {_number(one['tie_size'])}",
+            f"  truth in the tie set {_percent(one['in_tie_set'])}, mean size {_number(one['tie_size'])}, another "
+            f"effect named or tied {_percent(one['another_would_do'])}",
             f"  of all with a power of {100 * VISIBLE:.0f} % or more: right name first "
             f"{_percent(one['visible_right_first'])}",
             *(

@@ -267,6 +267,7 @@ def test_the_score_counts_what_it_says():
     assert counts(own["in_tie_set"]) == (2, 3)
     assert counts(own["visible_right_first"]) == (1, 4)
     assert own["tie_size"] == pytest.approx(5 / 3)
+    assert counts(own["another_would_do"]) == (3, 3)
     assert counts(own["explained"]) == (2, 3)
     assert counts(own["theta_within_2"]) == (1, 2)
     assert (own["gap_before"], own["gap_after"]) == (2.0, 1.1)

@@ -192,6 +192,19 @@ def test_threshold_keeps_its_meaning_for_the_data():
     assert len(wide.guess(np.random.default_rng(0).poisson(3, (100, 1)))) == 0
 
 
+@given(st.integers(0, 3), st.integers(0, 2**32 - 1))
+def test_a_stuck_bit_is_never_what_it_should_be(bit, seed):
+    x = np.random.default_rng(seed).poisson(9, (200, 1))
+    for at, wrong in (("low", 1), ("high", 0)):
+        if (bit, at) == (0, "low"):
+            continue  # rounded down to even counts, a shape of its own
+        stuck = effect_of(Poisson(), "quantisation", f"bit {bit} {at}")
+        y = stuck.apply(lambda theta, rng: x.copy(), x, np.ones((200, 1)), np.random.default_rng(0))
+        assert not (y >> bit & 1 == wrong).any()
+        assert np.array_equal(y | 1 << bit, x | 1 << bit)
+    assert np.array_equal(stuck.apply(lambda theta, rng: x.copy(), x, np.zeros((200, 1)), np.random.default_rng(0)), x)
+
+
 def test_quantisation_reads_its_step_off_the_data():
     task = Weinberg()
     for shape, at in (("nearest", 0), ("angle", 1)):

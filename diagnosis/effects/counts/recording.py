@@ -212,7 +212,7 @@ class ReadoutNoise(Family):
 
 @dataclass(frozen=True)
 class Quantisation(Family):
-    """A share of the readings is known only in steps of `shape` counts, rounded as it says."""
+    """A share of the readings is known only in steps of `shape` counts, rounded as it says; or one bit sticks."""
 
     shape: str = "2 down"
 
@@ -225,7 +225,7 @@ class Quantisation(Family):
         for step in (2, 3, 4, 5, 6, 7, 8, 10, 12, 16)
         for to in ("down", "up", "nearest", "middle")
         if step > 2 or to in ("down", "up")
-    }
+    } | {f"bit {bit} {at}": () for bit in range(4) for at in ("low", "high") if (bit, at) != (0, "low")}
     sentence: ClassVar = "Readings are rounded to a coarser step than one count."
     source: ClassVar = KNOLL + "Section 17.V"
 
@@ -241,6 +241,9 @@ class Quantisation(Family):
         return x
 
     def _rounded(self, x):
+        if self.shape.startswith("bit"):
+            _, bit, at = self.shape.split()
+            return x | 1 << int(bit) if at == "high" else x & ~(1 << int(bit))
         step, to = self.shape.split()
         step = int(step)
         before, after = {"down": (0, 0), "up": (step - 1, 0), "nearest": (step // 2, 0), "middle": (0, step // 2)}[to]
