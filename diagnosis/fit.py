@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +15,8 @@ from avobench.diagnosis.summary import Summary, whitening
 
 CHUNK = 100_000
 """Events simulated at a time, to bound memory."""
-COMPARED = 10_000
-"""Of these, compared one by one with what the same seed makes elsewhere."""
+COMPARED, LOOKED_AT = 10_000, 500
+"""Of these, compared one by one with what the same seed makes elsewhere; and those whose vectors are looked at."""
 BASE_SIGMAS, BEYOND, NEAR, LEAST_ROOM = 25.0, 0.25, 0.5, 0.05
 """How far around a fit it is made known well, in standard errors; the share of it by which this may be left; the share
 that a larger model's first design takes up; and the share of a design that must lie within."""
@@ -42,10 +43,21 @@ INSIDE = 0.9
 SEARCHED, LESS = 0.2, 10
 """How far from where it may be, in unit coordinates, a point is looked for; with how much fewer events it is seen where
 that is hopeless."""
-BENT, NARROWER = 0.1, 3
-"""Share of the gap that a surrogate may lack for being no better polynomial; how often its design is narrowed."""
+BENT, NARROWER, FALLS = 0.1, 3, 0.5
+"""Share of the gap that a surrogate may lack for being no better polynomial; how often its design is narrowed, and what
+that must leave of the lack, at most."""
 CLEAR = 3.0
 """Standard errors by simulation from which a squared slope is one, and a point is worse than another."""
+
+
+class Vectors(Protocol):
+    """A vector s(x) for each event, of which a surrogate gives the mean."""
+
+    def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """weights^T s(x): (n, d), (n, b) -> (b, K)."""
+
+    def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
+        """How far each event's vector went, as a variance in units of that of one event: (n, d) twice -> (n,)."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +84,23 @@ class Target:
     def whiten(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
         """In standard errors of the measured mean: (..., K) -> (..., r)."""
         return np.sqrt(self.num_events) * (mean @ self.whitening)
+
+    def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """weights^T s(x): (n, d), (n, b) -> (b, K)."""
+        return self.summary.moments(x, weights)
+
+    def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
+        """How far each event's vector went, as a variance in units of that of one event: (n, d) twice -> (n,).
+
+        Which events go how far the summary says; how much that is where its covariance is 1, some of them.
+        """
+        share = self.summary.moved(before, after)
+        went = np.flatnonzero(share)
+        some = went[:: max(len(went) // LOOKED_AT, 1)]
+        if not len(some):
+            return share
+        before, after = (self.summary.project(x[some], self.whitening) for x in (before, after))
+        return share * ((before - after) ** 2).sum() / (self.rank * share[some].sum())
 
 
 @dataclass(frozen=True)
@@ -114,9 +143,13 @@ class Surrogate:
         """Q at the centre of the design, without what simulation adds on average, and its standard error."""
         return _without_noise(target, target.mean - self.coefficients[0], float(self.inverse[0, 0]))
 
+    def lack(self, target: Target) -> tuple[float, float]:
+        """What the polynomial lacks at the centre, in Q, and its standard error: the test of response surfaces."""
+        return _without_noise(target, self.bend, self.bend_variance)
+
     def bends(self, target: Target) -> bool:
-        """Whether E[s] is plainly no quadratic over the design: by `bend`, the test of response surfaces."""
-        lack, error = _without_noise(target, self.bend, self.bend_variance)
+        """Whether E[s] is plainly no quadratic over the design."""
+        lack, error = self.lack(target)
         return lack > max(CLEAR * error, BENT * self.gap_at_centre(target)[0])
 
     def at(self, u: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -291,8 +324,8 @@ def basis_slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.concatenate([np.zeros((1, p)), np.eye(p), products])
 
 
-def surrogate(model: Model, summary: Summary, design: Design, num_events: int, rng: np.random.Generator) -> Surrogate:
-    """The mean summary over a design, from events of which half lie at its centre and half are spread over it.
+def surrogate(model: Model, vectors: Vectors, design: Design, num_events: int, rng: np.random.Generator) -> Surrogate:
+    """The mean vector over a design, from events of which half lie at its centre and half are spread over it.
 
     Each spread event has a twin at the centre, simulated from the same seed. Where a simulator makes much the same of
     the same seed, the differences of twins tell the slopes with little noise; where it does not, a plain regression
@@ -310,9 +343,9 @@ def surrogate(model: Model, summary: Summary, design: Design, num_events: int, r
         twins = model.simulate(model.from_unit(np.tile(design.centre, (n, 1))), np.random.default_rng(seed))
         x = model.simulate(model.from_unit(u), np.random.default_rng(seed))
         normal += b.T @ b
-        at_centre = at_centre + summary.moments(twins, b)
-        spread = spread + summary.moments(x, b)
-        unlike += n / pairs * float(summary.moved(twins[:COMPARED], x[:COMPARED]).mean())
+        at_centre = at_centre + vectors.moments(twins, b)
+        spread = spread + vectors.moments(x, b)
+        unlike += n / pairs * float(vectors.moved(twins[:COMPARED], x[:COMPARED]).mean())
         left -= n
     alone = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
     if unlike < 1:
@@ -331,13 +364,16 @@ def surrogate(model: Model, summary: Summary, design: Design, num_events: int, r
 
 
 def quadratic(make: Callable[[Design], Surrogate], design: Design, target: Target) -> Surrogate:
-    """The surrogate over a design, or over a narrower one where that is plainly no quadratic."""
+    """The surrogate over a design, or over a narrower one where that is plainly no quadratic, and this one more so."""
+    s = make(design)
     for _ in range(NARROWER):
-        s = make(design)
         if not s.bends(target):
-            return s
-        design = Design(design.centre, design.axes / SHRINK)
-    return make(design)
+            break
+        narrower = make(Design(s.design.centre, s.design.axes / SHRINK))
+        if narrower.lack(target)[0] > FALLS * s.lack(target)[0]:
+            break  # it is noise, or a jump
+        s = narrower
+    return s
 
 
 @dataclass(frozen=True)
@@ -353,7 +389,7 @@ class Base:
     @classmethod
     def around(cls, fit: Fit, target: Target, num_events: int, rng: np.random.Generator) -> "Base":
         """With so many events, over a wide design around the fit."""
-        make = partial(surrogate, fit.model, target.summary, num_events=num_events, rng=rng)
+        make = partial(surrogate, fit.model, target, num_events=num_events, rng=rng)
         return cls(fit.model, quadratic(make, fit.around(BASE_SIGMAS), target))
 
     def design(self, start: NDArray[np.float64], half: NDArray[np.float64]) -> Design:
@@ -376,7 +412,7 @@ class Base:
         return Design(design.centre, design.axes * factor) if factor.min() > LEAST_ROOM else None
 
     def extended(
-        self, model: Model, summary: Summary, design: Design, num_events: int, rng: np.random.Generator
+        self, model: Model, vectors: Vectors, design: Design, num_events: int, rng: np.random.Generator
     ) -> Surrogate:
         """The surrogate of `model`, which is this one with one more effect; half of the events at the centre.
 
@@ -393,16 +429,16 @@ class Base:
             b = basis(design.to_t(u))
             x, y = with_and_without(self.model, model, model.from_unit(u), rng)
             some = slice(None, None, max(n // COMPARED, 1))
-            moved = float(summary.moved(x[some], y[some]).mean())
+            moved = float(vectors.moved(x[some], y[some]).mean())
             if left == num_events and moved > 1:
-                return surrogate(model, summary, design, num_events, rng)
+                return surrogate(model, vectors, design, num_events, rng)
             unlike += n / num_events * moved
             normal += b.T @ b
             hit = (x != y).any(axis=1)
-            change = change + summary.moments(y[hit], b[hit]) - summary.moments(x[hit], b[hit])
+            change = change + vectors.moments(y[hit], b[hit]) - vectors.moments(x[hit], b[hit])
             there = hit[: n // 2].nonzero()[0]
             one = np.ones((len(there), 1))
-            change_there = change_there + (summary.moments(y[there], one) - summary.moments(x[there], one))[0]
+            change_there = change_there + (vectors.moments(y[there], one) - vectors.moments(x[there], one))[0]
             num_centre += n // 2
             left -= n
         inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
@@ -429,7 +465,7 @@ def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int,
     for ratio in ratios:
         more = int(ratio * num_events)
         axes = fit.next_design(ratio=more / fit.num_events).axes
-        make = partial(surrogate, fit.model, target.summary, num_events=more, rng=rng)
+        make = partial(surrogate, fit.model, target, num_events=more, rng=rng)
         s = quadratic(make, Design(centre, axes), target)
         here, step = fit_at(fit.model, s, target, s.design.centre), minimise(fit.model, s, target)
         at_edge = np.abs(s.design.to_t(step.unit)).max() > INSIDE
@@ -561,7 +597,7 @@ def descend(
     while rounds < max_rounds + (MORE_ROUNDS if promises_much else 0):
         rounds += 1
         inside = None if base is None else base.within(design)
-        make = partial(surrogate if inside is None else base.extended, model, target.summary)
+        make = partial(surrogate if inside is None else base.extended, model, target)
         wanted = inside or design
         s = quadratic(partial(make, num_events=num_events, rng=rng), wanted, target)
         narrow *= np.linalg.norm(s.design.axes) / np.linalg.norm(wanted.axes)

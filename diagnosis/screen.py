@@ -109,7 +109,7 @@ class Sample:
         target, n = self.target, len(changed)
         change = target.whiten(target.summary.mean(changed, m) - means)
         some = np.linspace(0, n, m * MOVED_EVENTS, endpoint=False, dtype=int)
-        moved = target.summary.moved(untouched[some], changed[some]).reshape(m, -1).mean(axis=1)
+        moved = target.moved(untouched[some], changed[some]).reshape(m, -1).mean(axis=1)
         return change, target.num_events * m / n * target.rank * moved
 
     def places(self, effect: Effect) -> NDArray[np.float64]:

@@ -29,11 +29,11 @@ class Summary(ABC):
 
     @abstractmethod
     def project(self, x: NDArray, direction: NDArray[np.float64]) -> NDArray[np.float64]:
-        """s(x) along a direction (K,): (n, d) -> (n,)."""
+        """s(x) along a direction (K,), or several (K, r): (n, d) -> (n,), (n, r)."""
 
     @abstractmethod
     def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
-        """How far each event's vector went, as a variance in units of that of one event: (n, d) twice -> (n,)."""
+        """About how far each event's vector went, as a variance in units of that of one event: (n, d) twice -> (n,)."""
 
     @abstractmethod
     def covariance(self, x: NDArray) -> NDArray[np.float64]:

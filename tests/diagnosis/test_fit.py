@@ -1,4 +1,5 @@
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -88,10 +89,11 @@ def test_twins_of_one_seed_make_slopes_precise():
     model = Model(task)
     x, rng = measured(task, [46.0, 1.0], 2000, 2)
     summary = bins_of(x, x)
+    target = target_of(x, summary, x)
     design = Design.box(model.to_unit(np.array([46.0, 1.0])), np.array([0.02, 0.02]))
-    s = surrogate(model, summary, design, 20_000, rng)
+    s = surrogate(model, target, design, 20_000, rng)
     assert s.inverse[1, 1] < 0.5 / 20_000 * 3 * 2
-    fits = [surrogate(model, summary, design, 20_000, np.random.default_rng(k)).coefficients[1] for k in range(20)]
+    fits = [surrogate(model, target, design, 20_000, np.random.default_rng(k)).coefficients[1] for k in range(20)]
     shares = summary.mean(x)[0]
     expected = np.sqrt(s.inverse[1, 1] * (shares * (1 - shares)).mean())
     assert np.sqrt(np.var(fits, axis=0).mean()) == pytest.approx(expected, rel=0.5)
@@ -149,7 +151,7 @@ def test_a_fit_is_not_held_back_by_the_noise_of_its_slopes():
     target = target_of(x, bins_of(x, simulated), simulated)
     model = Model(task)
     design = Design.box(model.to_unit(np.array([46.0, 0.9])), np.array([1e-3, 0.2]))
-    fits = [minimise(model, surrogate(model, target.summary, design, 10_000, rng), target).params[1] for _ in range(5)]
+    fits = [minimise(model, surrogate(model, target, design, 10_000, rng), target).params[1] for _ in range(5)]
     assert np.mean(fits) == pytest.approx(1.2, abs=0.06)
 
 
@@ -177,8 +179,8 @@ def test_a_known_base_leaves_only_the_noise_of_what_the_effect_changes(backgroun
     rng = np.random.default_rng(0)
     base = Base.around(fit, target, 400_000, rng)
     design = Design.box(model.to_unit(np.r_[fit.params, 0.03, 6.0]), np.array([1e-3, 0.01, 0.02]))
-    ours = base.extended(model, target.summary, base.within(design), 40_000, rng)
-    plain = surrogate(model, target.summary, design, 400_000, rng)
+    ours = base.extended(model, target, base.within(design), 40_000, rng)
+    plain = surrogate(model, target, design, 400_000, rng)
     assert ours.inverse[0, 0] < 0.3 / 40_000 + 2 / 400_000
     pull = (ours.coefficients[0] - plain.coefficients[0]) / np.sqrt(
         (ours.inverse[0, 0] + plain.inverse[0, 0]) * np.diag(target.cov)
@@ -223,8 +225,8 @@ def test_a_design_over_which_the_events_are_no_quadratic_is_narrowed(known):
 
     def make(design):
         if known:
-            return without.extended(model, target.summary, design, 100_000, rng)
-        return surrogate(model, target.summary, design, 100_000, rng)
+            return without.extended(model, target, design, 100_000, rng)
+        return surrogate(model, target, design, 100_000, rng)
 
     assert make(wide).bends(target)
     narrower = quadratic(make, wide, target)
@@ -232,7 +234,44 @@ def test_a_design_over_which_the_events_are_no_quadratic_is_narrowed(known):
     np.testing.assert_allclose(np.diag(narrower.design.axes) / np.diag(wide.axes), narrower.design.axes[3, 3] / 0.05)
     assert narrower.design.axes[3, 3] <= 0.05 / 3
     smooth = Design.box(unit[:2], np.array([0.02, 0.02]))
-    assert not surrogate(Model(task), target.summary, smooth, 100_000, rng).bends(target)
+    assert not surrogate(Model(task), target, smooth, 100_000, rng).bends(target)
+
+
+def test_a_design_stays_wide_where_a_narrower_one_lacks_as_much():
+    """Then it is noise, or a jump, and a narrow design only makes the slopes unknown."""
+
+    def make(lacks):
+        left = iter(lacks)
+
+        def of(design):
+            lack = next(left)
+            return SimpleNamespace(design=design, lack=lambda _: (lack, 1.0), bends=lambda _: lack > 3)
+
+        return of
+
+    wide = Design.box(np.full(1, 0.5), np.full(1, 0.09))
+    for lacks, half in ((2.0,), 0.09), ((90.0, 80.0), 0.09), ((90.0, 10.0, 9.0), 0.03), ((90.0, 10.0, 1.0), 0.01):
+        assert quadratic(make(lacks), wide, None).design.axes[0, 0] == pytest.approx(half)
+
+
+@pytest.mark.parametrize(("name", "strength"), [("offset", 0.1), ("scale", 0.02), ("flat_background", 0.1)])
+def test_the_noise_of_what_an_effect_changes_is_known(name, strength):
+    """The squared difference of the means with and without it, beyond what more events would leave."""
+    task, rng, n = Carl(), np.random.default_rng(0), 4000
+    theta = np.tile([0.1, -0.5], (n, 1))
+    x = task.simulate(theta, rng)
+    target = target_of(x, bins_of(x, x), x)
+    effect = next(e for e in catalogue(task, x) if e.key == (name, 4)).adapted(x)
+    phi = np.full((n, 1), strength)
+    steps, moved = [], []
+    for _ in range(60):
+        before = task.simulate(theta, rng)
+        after = effect.apply(lambda theta, rng, x=before: x.copy(), theta, phi, rng)
+        steps.append(target.whiten(target.summary.mean(after)[0] - target.summary.mean(before)[0]))
+        moved.append(target.moved(before, after).mean())
+    assert np.var(steps, axis=0, ddof=1).mean() == pytest.approx(np.mean(moved), rel=0.15)
+    apart = target.moved(task.simulate(theta, rng), task.simulate(theta, rng)).mean()
+    assert apart == pytest.approx(2, rel=0.1)
 
 
 def test_a_fit_of_hard_edges_goes_on_in_narrower_designs(monkeypatch):
@@ -264,7 +303,7 @@ def test_what_the_data_identify_is_settled_with_more_events():
     x = model.simulate(np.tile(truth, (20_000, 1)), rng)
     target = target_of(x, bins_of(x, x), x)
     design = Design.box(model.to_unit(truth), np.array([0.01, 0.01, 0.02]))
-    few = fit_at(model, surrogate(model, target.summary, design, 10_000, rng), target, model.to_unit(truth))
+    few = fit_at(model, surrogate(model, target, design, 10_000, rng), target, model.to_unit(truth))
     assert few.undecided
     assert few.num_identified < 2
     plain = settled(few, target, rng, 20_000, (30, 90))

@@ -73,7 +73,7 @@ def test_theta_s_error_covers_another_solution_that_the_data_allow(counter):
 def test_a_shape_that_the_data_exclude_does_not_widen_the_error(counter):
     model, target = counter.strong.model, counter.target
     unit = model.to_unit(np.array([1.0, 0.9]))
-    s = surrogate(model, target.summary, Design.box(unit, np.full(2, 0.01)), 20_000, np.random.default_rng(0))
+    s = surrogate(model, target, Design.box(unit, np.full(2, 0.01)), 20_000, np.random.default_rng(0))
     excluded = fit_at(model, s, target, unit)
     assert excluded.gap > counter.strong.gap + 100
     chosen = Ranked(DEAD, counter.strong, 0.0, others=(excluded,))
