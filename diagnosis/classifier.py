@@ -99,7 +99,7 @@ def classifier_gate(fit: Fit, target: Target, x: NDArray, rng: np.random.Generat
     influence[half:] += (g - g.mean()) / share
     simulation = expected.variance_at(fit.unit) * g.var()
     error = np.sqrt(influence.var() / len(x) + simulation)
-    t = float((g.mean() - at_fit[0]) / error)
+    t = float((g.mean() - at_fit[0]) / max(error, 1e-12))  # no error where all events are alike
     return Gate(statistic=t, dof=None, p_value=float(norm.sf(t)))
 
 

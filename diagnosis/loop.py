@@ -75,6 +75,9 @@ def fit_null(
     The search begins at `centre` (p,) in the unit cube, or everywhere.
     """
     target = target_of(x, summary_of(model.task, x, x), x)
+    if target.rank == 0:  # measured events are all in one bin: others take simulated ones
+        anywhere = model.simulate(model.from_unit(rng.random((len(x), model.dim))), rng)
+        target = target_of(x, summary_of(model.task, x, anywhere), anywhere)
     near = 0.03
     if centre is None:
         centre, near = scan(model, target, rng, size=effort.scan)

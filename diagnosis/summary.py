@@ -155,6 +155,8 @@ def closed(inner: NDArray[np.float64], values: NDArray) -> NDArray[np.float64]:
 def whitening(cov: NDArray[np.float64]) -> NDArray[np.float64]:
     """W (K, r) with W^T cov W = 1, r the rank of cov: one less for each block of bins that sums to one."""
     seen = np.flatnonzero(np.diag(cov) > 0)  # a cell of a pair may be empty
+    if not len(seen):
+        return np.zeros((len(cov), 0))
     scale = np.sqrt(np.diag(cov)[seen])
     values, vectors = np.linalg.eigh(cov[np.ix_(seen, seen)] / np.outer(scale, scale))
     keep = values > RANK_TOLERANCE * values[-1]
