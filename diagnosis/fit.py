@@ -97,7 +97,7 @@ class Target:
         share = self.summary.moved(before, after)
         went = np.flatnonzero(share)
         some = went[:: max(len(went) // LOOKED_AT, 1)]
-        if not len(some):
+        if not len(some) or self.rank == 0:
             return share
         before, after = (self.summary.project(x[some], self.whitening) for x in (before, after))
         return share * ((before - after) ** 2).sum() / (self.rank * share[some].sum())
@@ -216,7 +216,7 @@ class Fit:
         axes = self.design.axes
         slopes, noise = self.jacobian @ axes, axes.T @ self.jacobian_noise @ axes
         values, vectors = np.linalg.eigh(slopes.T @ slopes - noise)
-        by_chance = np.sqrt(2 / len(self.residual)) * np.einsum("ik,ij,jk->k", vectors, noise, vectors)
+        by_chance = np.sqrt(2 / max(len(self.residual), 1)) * np.einsum("ik,ij,jk->k", vectors, noise, vectors)
         back = vectors.T @ np.linalg.inv(axes)
         whole_range = 1 / np.maximum((np.linalg.inv(back) ** 2).sum(axis=0), 1e-30)
         return back, values, by_chance, whole_range
