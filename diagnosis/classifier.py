@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from avobench.diagnosis.fit import Fit, Target, surrogate
+from avobench.diagnosis.fit import Fit
 from avobench.diagnosis.pixels import Pixels
 from avobench.diagnosis.pool import Pool
 from avobench.diagnosis.schema import Gate
+from avobench.diagnosis.surrogate import surrogate
+from avobench.diagnosis.target import Target
 
 if TYPE_CHECKING:
     from sklearn.ensemble import HistGradientBoostingClassifier

@@ -4,11 +4,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
+from avobench.diagnosis.base import Base
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit import Base, Fit, Target, polish, settled
+from avobench.diagnosis.fit import Fit, polish, settled
 from avobench.diagnosis.pixels import LEAST_HITS
 from avobench.diagnosis.schema import Gate
 from avobench.diagnosis.summary import Summary
+from avobench.diagnosis.target import Target
 
 MIXED_IN = 0.1
 """Share of the simulated events in the covariance: where nothing was measured, what was expected still counts."""

@@ -1,31 +1,24 @@
-"""Fits of a black-box simulator to a summary: a quadratic surrogate from events that each have their own parameters."""
+"""Fits of a black-box simulator to a summary, by a quadratic surrogate."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.stats import chi2
 
+from avobench.diagnosis.base import Base
 from avobench.diagnosis.model import Model
-from avobench.diagnosis.summary import Summary, whitening
+from avobench.diagnosis.surrogate import CLEAR, SHRINK, Design, Surrogate, basis_slope, quadratic, surrogate
+from avobench.diagnosis.target import Target
 
-CHUNK = 100_000
-"""Events simulated at a time, to bound memory."""
-COMPARED, LOOKED_AT = 10_000, 500
-"""Of these, compared one by one with what the same seed makes elsewhere; and those whose vectors are looked at."""
-BASE_SIGMAS, BEYOND, NEAR, LEAST_ROOM = 25.0, 0.25, 0.5, 0.05
-"""How far around a fit it is made known well, in standard errors; the share of it by which this may be left; the share
-that a larger model's first design takes up; and the share of a design that must lie within."""
+BASE_SIGMAS = 25.0
+"""How far around a fit its model is made known, in standard errors."""
 MIN_SIGMAS = 4.0
 """Half the width of a design, in standard errors, at least."""
 SLOPE_NOISE = 0.2
 """Standard error of a slope over a design, in units of the slope that is one standard error of the parameter."""
-SHRINK = 3.0
-"""How much narrower a design may be than the one before."""
 WORSE = 2.0
 """Standard errors by which the end of a step must be worse than its start, to be given up."""
 MORE_ROUNDS = 2
@@ -43,132 +36,6 @@ INSIDE = 0.9
 SEARCHED, LESS = 0.2, 10
 """How far from where it may be, in unit coordinates, a point is looked for; with how much fewer events it is seen where
 that is hopeless."""
-BENT, NARROWER, FALLS = 0.1, 3, 0.5
-"""Share of the gap that a surrogate may lack for being no better polynomial; how often its design is narrowed, and what
-that must leave of the lack, at most."""
-CLEAR = 3.0
-"""Standard errors by simulation from which a squared slope is one, and a point is worse than another."""
-
-
-class Vectors(Protocol):
-    """A vector s(x) for each event, of which a surrogate gives the mean."""
-
-    def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
-        """weights^T s(x): (n, d), (n, b) -> (b, K)."""
-
-    def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
-        """How far each event's vector went, as a variance in units of that of one event: (n, d) twice -> (n,)."""
-
-
-@dataclass(frozen=True)
-class Target:
-    """What is fitted: the mean summary of N events, in coordinates where its covariance is 1."""
-
-    summary: Summary
-    mean: NDArray[np.float64]
-    """(K,)"""
-    num_events: int
-    cov: NDArray[np.float64]
-    """Of the summary of one event (K, K)."""
-    whitening: NDArray[np.float64]
-    """(K, r), whitening^T cov whitening = 1."""
-
-    @classmethod
-    def of(cls, summary: Summary, mean: NDArray[np.float64], num_events: int, cov: NDArray[np.float64]) -> "Target":
-        return cls(summary, mean, num_events, cov, whitening(cov))
-
-    @property
-    def rank(self) -> int:
-        return self.whitening.shape[1]
-
-    def whiten(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
-        """In standard errors of the measured mean: (..., K) -> (..., r)."""
-        return np.sqrt(self.num_events) * (mean @ self.whitening)
-
-    def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
-        """weights^T s(x): (n, d), (n, b) -> (b, K)."""
-        return self.summary.moments(x, weights)
-
-    def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
-        """How far each event's vector went, as a variance in units of that of one event: (n, d) twice -> (n,).
-
-        Which events go how far the summary says; how much that is where its covariance is 1, some of them.
-        """
-        share = self.summary.moved(before, after)
-        went = np.flatnonzero(share)
-        some = went[:: max(len(went) // LOOKED_AT, 1)]
-        if not len(some) or self.rank == 0:
-            return share
-        before, after = (self.summary.project(x[some], self.whitening) for x in (before, after))
-        return share * ((before - after) ** 2).sum() / (self.rank * share[some].sum())
-
-
-@dataclass(frozen=True)
-class Design:
-    """Where parameters are drawn from: u = centre + axes t, with t in [-1, 1]^P, kept within the unit cube."""
-
-    centre: NDArray[np.float64]
-    axes: NDArray[np.float64]
-    """(P, P), invertible."""
-
-    @classmethod
-    def box(cls, centre: NDArray[np.float64], half: NDArray[np.float64]) -> "Design":
-        return cls(np.clip(centre, 0, 1), np.diag(half))
-
-    def to_t(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(..., P) -> (..., P)"""
-        return (u - self.centre) @ np.linalg.inv(self.axes).T
-
-    def to_u(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(..., P) -> (..., P), within the unit cube."""
-        return np.clip(self.centre + t @ self.axes.T, 0, 1)
-
-
-@dataclass(frozen=True)
-class Surrogate:
-    """E[s] as a quadratic polynomial in a design's t, from a linear regression on simulated events."""
-
-    design: Design
-    coefficients: NDArray[np.float64]
-    """(b, K)"""
-    num_events: int
-    inverse: NDArray[np.float64]
-    """(b, b), of the normal equations: the covariance of the coefficients in units of that of one event."""
-    bend: NDArray[np.float64]
-    """(K,), at the centre, from events that are spread minus from those there: noise, unless E[s] is no quadratic."""
-    bend_variance: float
-    """In units of that of one event."""
-
-    def gap_at_centre(self, target: Target) -> tuple[float, float]:
-        """Q at the centre of the design, without what simulation adds on average, and its standard error."""
-        return _without_noise(target, target.mean - self.coefficients[0], float(self.inverse[0, 0]))
-
-    def lack(self, target: Target) -> tuple[float, float]:
-        """What the polynomial lacks at the centre, in Q, and its standard error: the test of response surfaces."""
-        return _without_noise(target, self.bend, self.bend_variance)
-
-    def bends(self, target: Target) -> bool:
-        """Whether E[s] is plainly no quadratic over the design."""
-        lack, error = self.lack(target)
-        return lack > max(CLEAR * error, BENT * self.gap_at_centre(target)[0])
-
-    def at(self, u: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Mean summary at u (P,) and its derivative: (K,), (P, K)."""
-        t = self.design.to_t(u)
-        slope = np.linalg.inv(self.design.axes).T @ basis_slope(t).T @ self.coefficients
-        return basis(t[None])[0] @ self.coefficients, slope
-
-    def variance_at(self, u: NDArray[np.float64]) -> float:
-        """Variance of `at` by simulation, in units of that of one event."""
-        b = basis(self.design.to_t(u)[None])[0]
-        return float(b @ self.inverse @ b)
-
-
-def _without_noise(target: Target, difference: NDArray[np.float64], variance: float) -> tuple[float, float]:
-    """Q of a difference (K,) of simulated means, without what their variance adds, and its standard error."""
-    noise = target.num_events * variance
-    q = float((target.whiten(difference) ** 2).sum())
-    return q - noise * target.rank, float(np.sqrt(2 * target.rank * noise**2 + 4 * q * noise))
 
 
 @dataclass(frozen=True)
@@ -293,6 +160,11 @@ class Fit:
         """A design around the fit for `ratio` times its events, with `least` as in `around`."""
         return self.around(max(MIN_SIGMAS, self.slope_error / np.sqrt(ratio) / SLOPE_NOISE), least)
 
+    def known(self, target: Target, num_events: int, rng: np.random.Generator) -> Base:
+        """The model, made known with so many events over a wide design around the fit."""
+        make = partial(surrogate, self.model, target, num_events=num_events, rng=rng)
+        return Base(self.model, quadratic(make, self.around(BASE_SIGMAS), target))
+
     def around(self, sigmas: float, least: float = 0.0) -> Design:
         """A design along the directions of the Fisher information, so many standard errors wide to either side.
 
@@ -304,204 +176,22 @@ class Fit:
         return Design(self.unit, reach[:, None] * vectors * half)
 
 
-def basis(t: NDArray[np.float64]) -> NDArray[np.float64]:
-    """1, t_i, and all products t_i t_j: (n, P) -> (n, 1 + P + P (P + 1) / 2)."""
-    n, p = t.shape
-    rows = np.empty(((p + 1) * (p + 2) // 2, n))
-    rows[0], rows[1 : p + 1] = 1, t.T
-    at = p + 1
-    for i in range(p):
-        np.multiply(rows[1 + i], rows[1 + i : p + 1], out=rows[at : at + p - i])
-        at += p - i
-    return rows.T
-
-
-def basis_slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Derivative of `basis` at one point: (P,) -> (b, P)."""
-    p = len(t)
-    i, j = np.triu_indices(p)
-    products = np.eye(p)[i] * t[j][:, None] + np.eye(p)[j] * t[i][:, None]
-    return np.concatenate([np.zeros((1, p)), np.eye(p), products])
-
-
-def surrogate(model: Model, vectors: Vectors, design: Design, num_events: int, rng: np.random.Generator) -> Surrogate:
-    """The mean vector over a design, from events of which half lie at its centre and half are spread over it.
-
-    Each spread event has a twin at the centre, simulated from the same seed. Where a simulator makes much the same of
-    the same seed, the differences of twins tell the slopes with little noise; where it does not, a plain regression
-    does. Places and events come from two streams, so that from one seed all models get the same events.
-    """
-    places, happenings = rng.spawn(2)
-    pairs, k = max(num_events // 2, 1), (model.dim + 1) * (model.dim + 2) // 2
-    normal, at_centre, spread, unlike = np.zeros((k, k)), 0.0, 0.0, 0.0
-    left = pairs
-    while left > 0:
-        n = min(left, CHUNK)
-        u = design.to_u(places.uniform(-1, 1, (n, model.dim)))
-        b = basis(design.to_t(u))
-        seed = int(happenings.integers(2**63))
-        twins = model.simulate(model.from_unit(np.tile(design.centre, (n, 1))), np.random.default_rng(seed))
-        x = model.simulate(model.from_unit(u), np.random.default_rng(seed))
-        normal += b.T @ b
-        at_centre = at_centre + vectors.moments(twins, b)
-        spread = spread + vectors.moments(x, b)
-        unlike += n / pairs * float(vectors.moved(twins[:COMPARED], x[:COMPARED]).mean())
-        left -= n
-    alone = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
-    if unlike < 1:
-        bend, bend_variance = alone[0] @ (spread - at_centre), unlike * alone[0, 0]
-        inverse = np.zeros((k, k))
-        inverse[0, 0] = 1 / pairs
-        slopes = np.linalg.pinv(normal[1:, 1:], rcond=1e-12, hermitian=True)
-        inverse[1:, 1:] = unlike * slopes
-        coefficients = np.vstack([at_centre[0] / pairs, slopes @ (spread - at_centre)[1:]])
-        return Surrogate(design, coefficients, num_events, inverse, bend, bend_variance)
-    constant = np.eye(k)[0]  # the basis at the centre
-    inverse = np.linalg.pinv(normal + pairs * np.outer(constant, constant), rcond=1e-12, hermitian=True)
-    coefficients = inverse @ (spread + np.outer(constant, at_centre[0]))
-    bend, bend_variance = alone[0] @ spread - at_centre[0] / pairs, alone[0, 0] + 1 / pairs
-    return Surrogate(design, coefficients, num_events, inverse, bend, bend_variance)
-
-
-def quadratic(make: Callable[[Design], Surrogate], design: Design, target: Target) -> Surrogate:
-    """The surrogate over a design, or over a narrower one where that is plainly no quadratic, and this one more so."""
-    s = make(design)
-    for _ in range(NARROWER):
-        if not s.bends(target):
-            break
-        narrower = make(Design(s.design.centre, s.design.axes / SHRINK))
-        if narrower.lack(target)[0] > FALLS * s.lack(target)[0]:
-            break  # it is noise, or a jump
-        s = narrower
-    return s
-
-
-@dataclass(frozen=True)
-class Base:
-    """A model that is well known around a fit, to which an effect is to be added.
-
-    What the effect changes is seen event by event: only those that it changes add to the noise.
-    """
-
-    model: Model
-    known: Surrogate
-
-    @classmethod
-    def around(cls, fit: Fit, target: Target, num_events: int, rng: np.random.Generator) -> "Base":
-        """With so many events, over a wide design around the fit."""
-        make = partial(surrogate, fit.model, target, num_events=num_events, rng=rng)
-        return cls(fit.model, quadratic(make, fit.around(BASE_SIGMAS), target))
-
-    def design(self, start: NDArray[np.float64], half: NDArray[np.float64]) -> Design:
-        """A design for the larger model from `start` (P,): a box of half-widths `half` (P,), or what of it is known."""
-        p, known = self.model.dim, self.known.design
-        inside = np.abs(known.to_t(start[:p])).max() < 1 - NEAR
-        if not inside:
-            return Design.box(start, half)
-        axes = np.diag(half).astype(float)
-        lengths = np.abs(known.axes / half[:p, None]).max(axis=0)
-        axes[:p, :p] = known.axes * np.minimum(NEAR, 1 / lengths)
-        return Design(np.clip(start, 0, 1), axes)
-
-    def within(self, design: Design) -> Design | None:
-        """The design, narrowed to where this model is known; None where that leaves next to nothing."""
-        p, known = self.model.dim, self.known.design
-        room = 1 + BEYOND - np.abs(known.to_t(design.centre[:p]))
-        extent = np.abs(np.linalg.inv(known.axes) @ design.axes[:p]) * len(design.axes)
-        factor = np.minimum((room[:, None] / np.maximum(extent, 1e-12)).min(axis=0), 1)
-        return Design(design.centre, design.axes * factor) if factor.min() > LEAST_ROOM else None
-
-    def extended(
-        self, model: Model, vectors: Vectors, design: Design, num_events: int, rng: np.random.Generator
-    ) -> Surrogate:
-        """The surrogate of `model`, which is this one with one more effect; half of the events at the centre.
-
-        An effect that changes most events is better seen without this one, from twins of one seed.
-        """
-        p, k = self.model.dim, (model.dim + 1) * (model.dim + 2) // 2
-        normal, change, unlike = np.zeros((k, k)), 0.0, 0.0
-        num_centre, change_there = 0, 0.0
-        left = num_events
-        while left > 0:
-            n = min(left, CHUNK)
-            u = design.to_u(rng.uniform(-1, 1, (n, model.dim)))
-            u[: n // 2] = design.centre
-            b = basis(design.to_t(u))
-            x, y = with_and_without(self.model, model, model.from_unit(u), rng)
-            some = slice(None, None, max(n // COMPARED, 1))
-            moved = float(vectors.moved(x[some], y[some]).mean())
-            if left == num_events and moved > 1:
-                return surrogate(model, vectors, design, num_events, rng)
-            unlike += n / num_events * moved
-            normal += b.T @ b
-            hit = (x != y).any(axis=1)
-            change = change + vectors.moments(y[hit], b[hit]) - vectors.moments(x[hit], b[hit])
-            there = hit[: n // 2].nonzero()[0]
-            one = np.ones((len(there), 1))
-            change_there = change_there + (vectors.moments(y[there], one) - vectors.moments(x[there], one))[0]
-            num_centre += n // 2
-            left -= n
-        inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
-        # The known polynomial in the coordinates of this design, by its values at as many points as it has terms.
-        t = np.random.default_rng(0).uniform(-1, 1, (2 * k, model.dim))
-        there = basis(self.known.design.to_t((design.centre + t @ design.axes.T)[:, :p]))
-        translate = np.linalg.lstsq(basis(t), there, rcond=None)[0]
-        coefficients = inverse @ change + translate @ self.known.coefficients
-        noise = unlike * inverse + translate @ self.known.inverse @ translate.T
-        constant = np.eye(k)[0]
-        alone = np.linalg.pinv(normal - num_centre * np.outer(constant, constant), rcond=1e-12, hermitian=True)
-        bend = alone[0] @ (change - np.outer(constant, change_there)) - change_there / num_centre
-        return Surrogate(design, coefficients, num_events, noise, bend, unlike * (alone[0, 0] + 1 / num_centre))
-
-
-def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int, ratios: tuple[float, ...]) -> Fit:
-    """The same fit with one more step from many events, and more until it is plain which directions the data identify.
-
-    The degrees of freedom that a fit takes up, and the errors that are quoted, hang on that. A step to the edge of its
-    design, or one that promises much, only says where to look next: slopes at an edge are hardly known, and a promise
-    may be none. No `Base`: a polynomial over so wide a design is not exact enough where the data say nearly nothing.
-    """
-    centre, best = fit.unit, None
-    for ratio in ratios:
-        more = int(ratio * num_events)
-        axes = fit.next_design(ratio=more / fit.num_events).axes
-        make = partial(surrogate, fit.model, target, num_events=more, rng=rng)
-        s = quadratic(make, Design(centre, axes), target)
-        here, step = fit_at(fit.model, s, target, s.design.centre), minimise(fit.model, s, target)
-        at_edge = np.abs(s.design.to_t(step.unit)).max() > INSIDE
-        believed = not at_edge and step.gap > here.gap - WORSE * here.gap_error
-        fit, centre = step if believed else here, step.unit
-        if best is None or fit.gap < best.gap + WORSE * np.hypot(fit.gap_error, best.gap_error):
-            best = fit
-        if believed and not best.undecided:
-            break
-    return best
-
-
-def with_and_without(
-    before: Model, model: Model, params: NDArray[np.float64], rng: np.random.Generator
-) -> tuple[NDArray, NDArray]:
-    """Events of a model `before`, and the same with one more effect: params (n, P) of the latter -> (n, d) twice.
-
-    The same as far as the effect asks the simulator for them first, at the parameters that it was given, or, where
-    others act after it, as one seed makes them the same.
-    """
-    p = before.dim
-    theta, phi = params[:, :p], params[:, p:]
-    if not model.newest_acts_last:
-        seed = int(rng.integers(2**63))
-        unchanged = before.simulate(theta, np.random.default_rng(seed))
-        return unchanged, model.simulate(params, np.random.default_rng(seed))
-    first: list[NDArray] = []
-
-    def simulate(params: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        x = before.simulate(params, rng)
-        if not first and np.array_equal(params, theta):
-            first.append(x.copy())
-        return x
-
-    changed = model.effects[-1].apply(simulate, theta, phi, rng)
-    return (first[0] if first else before.simulate(theta, rng)), changed
+def fit_at(model: Model, s: Surrogate, target: Target, u: NDArray[np.float64]) -> Fit:
+    """What a surrogate says of the point u (P,) of its design."""
+    mean, slope = s.at(u)
+    back, steps = np.linalg.inv(s.design.axes), basis_slope(s.design.to_t(u))
+    return Fit(
+        model=model,
+        unit=u,
+        residual=target.whiten(target.mean - mean),
+        jacobian=target.whiten(slope).T,
+        jacobian_noise=target.num_events * target.rank * back.T @ steps.T @ s.inverse @ steps @ back,
+        slope_error=float(np.sqrt(target.num_events * target.rank * np.diag(s.inverse)[1 : model.dim + 1].mean())),
+        noise=target.num_events * s.variance_at(u),
+        predicted=mean,
+        num_events=s.num_events,
+        design=s.design,
+    )
 
 
 def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
@@ -533,24 +223,6 @@ def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
 
     t = least_squares(residual, np.zeros(p), slope, bounds=(-1, 1), method="dogbox", max_nfev=60).x
     return fit_at(model, s, target, s.design.to_u(t))
-
-
-def fit_at(model: Model, s: Surrogate, target: Target, u: NDArray[np.float64]) -> Fit:
-    """What a surrogate says of the point u (P,) of its design."""
-    mean, slope = s.at(u)
-    back, steps = np.linalg.inv(s.design.axes), basis_slope(s.design.to_t(u))
-    return Fit(
-        model=model,
-        unit=u,
-        residual=target.whiten(target.mean - mean),
-        jacobian=target.whiten(slope).T,
-        jacobian_noise=target.num_events * target.rank * back.T @ steps.T @ s.inverse @ steps @ back,
-        slope_error=float(np.sqrt(target.num_events * target.rank * np.diag(s.inverse)[1 : model.dim + 1].mean())),
-        noise=target.num_events * s.variance_at(u),
-        predicted=mean,
-        num_events=s.num_events,
-        design=s.design,
-    )
 
 
 def refine(
@@ -634,6 +306,30 @@ def polish(
     """The same fit with many events in small designs around it."""
     design = fit.next_design(ratio=max(num_events / fit.num_events, 1))
     return descend(fit.model, target, design, rng, num_events, rounds, base)
+
+
+def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int, ratios: tuple[float, ...]) -> Fit:
+    """The same fit with one more step from many events, and more until it is plain which directions the data identify.
+
+    The degrees of freedom that a fit takes up, and the errors that are quoted, hang on that. A step to the edge of its
+    design, or one that promises much, only says where to look next: slopes at an edge are hardly known, and a promise
+    may be none. No `Base`: a polynomial over so wide a design is not exact enough where the data say nearly nothing.
+    """
+    centre, best = fit.unit, None
+    for ratio in ratios:
+        more = int(ratio * num_events)
+        axes = fit.next_design(ratio=more / fit.num_events).axes
+        make = partial(surrogate, fit.model, target, num_events=more, rng=rng)
+        s = quadratic(make, Design(centre, axes), target)
+        here, step = fit_at(fit.model, s, target, s.design.centre), minimise(fit.model, s, target)
+        at_edge = np.abs(s.design.to_t(step.unit)).max() > INSIDE
+        believed = not at_edge and step.gap > here.gap - WORSE * here.gap_error
+        fit, centre = step if believed else here, step.unit
+        if best is None or fit.gap < best.gap + WORSE * np.hypot(fit.gap_error, best.gap_error):
+            best = fit
+        if believed and not best.undecided:
+            break
+    return best
 
 
 def scan(

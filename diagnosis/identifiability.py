@@ -9,8 +9,9 @@ from scipy.stats import chi2, ncx2
 
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit import Fit, Target
+from avobench.diagnosis.fit import Fit
 from avobench.diagnosis.screen import STRENGTHS, Sample
+from avobench.diagnosis.target import Target
 
 POWER = 0.9
 SHOWN = 3.0

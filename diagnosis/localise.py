@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.diagnosis.fit import Fit, Target
+from avobench.diagnosis.fit import Fit
 from avobench.diagnosis.pixels import Pixels
 from avobench.diagnosis.schema import Region
 from avobench.diagnosis.summary import Bins, Summary, closed
+from avobench.diagnosis.target import Target
 
 DRAWS = 2000
 MOST = 6

@@ -15,7 +15,7 @@ from avobench.diagnosis.detect import HOPELESS, target_of
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effects.catalogue import catalogue, domain
 from avobench.diagnosis.effort import Effort, effort_for
-from avobench.diagnosis.fit import Fit, Target, polish, refine, scan, settled
+from avobench.diagnosis.fit import Fit, polish, refine, scan, settled
 from avobench.diagnosis.identifiability import card
 from avobench.diagnosis.localise import regions
 from avobench.diagnosis.model import Model
@@ -32,6 +32,7 @@ from avobench.diagnosis.schema import (
 from avobench.diagnosis.search import STILL, Search
 from avobench.diagnosis.step import Step
 from avobench.diagnosis.summary import Summary, bins_of
+from avobench.diagnosis.target import Target
 from avobench.diagnosis.values import ambiguity, feature_names, found_effect, identified, named, theta_values
 from avobench.methods import Estimate
 from avobench.tasks import Task

@@ -7,12 +7,14 @@ import joblib
 import numpy as np
 from numpy.typing import NDArray
 
+from avobench.diagnosis.base import Base
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit import Base, Fit, Target, descend, polish, refine, scan, settled
+from avobench.diagnosis.fit import Fit, descend, polish, refine, scan, settled
 from avobench.diagnosis.rank import cost, likely, ranking
 from avobench.diagnosis.screen import ROUGH, Sample, Start, hidden, screen, searched
 from avobench.diagnosis.summary import Bins, whitening
+from avobench.diagnosis.target import Target
 
 AT_EDGE = 0.48
 """Distance from the middle of the range, of which the edge is at 0.5."""
@@ -156,7 +158,7 @@ def candidates(
     others = [starts for starts in families if all(starts is not one for one in own)]
     starts = [start for starts in [*own, *others][: effort.families] for start in starts]
     work = joblib.Parallel(n_jobs=jobs)
-    known = Base.around(base, target, int(effort.base * target.num_events), rng)
+    known = base.known(target, int(effort.base * target.num_events), rng)
 
     def begun(starts: list[Start]) -> list[Fit]:
         streams = rng.spawn(len(starts))  # so that any number of workers gives the same fits
@@ -224,7 +226,7 @@ def reshaped(
     """
     best = [(pair, known) for pair in pairs]
     for alone in others[:RESHAPED]:
-        base = Base.around(alone, target, int(effort.base * target.num_events), rng)
+        base = alone.known(target, int(effort.base * target.num_events), rng)
         for k, pair in enumerate(pairs):
             again = beside(pair, base, alone, target, rng, effort, gap_without)
             best[k] = min(best[k], (again, base), key=lambda each: cost(each[0]))

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.diagnosis.fit import Fit, Target
+from avobench.diagnosis.fit import Fit
 from avobench.diagnosis.pixels import Pixels
 from avobench.diagnosis.summary import Bins, closed
+from avobench.diagnosis.target import Target
 
 MAP_EVENTS = 4
 """Simulated events a measured one, for the maps of cells."""

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit import Fit, Target, scan
+from avobench.diagnosis.fit import Fit, scan
 from avobench.diagnosis.localise import spots
 from avobench.diagnosis.model import Model
+from avobench.diagnosis.target import Target
 
 STRENGTHS = (0.001, 0.005, 0.02, 0.08, 0.25, 0.7)
 """Of the range of a strength; between them the effect is taken as linear."""

@@ -7,12 +7,14 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from avobench.diagnosis.base import Base
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit import Base, Fit, Target, polish, refine
+from avobench.diagnosis.fit import Fit, polish, refine
 from avobench.diagnosis.name import CLOSES, beside, candidates, clears_feature, reshaped
 from avobench.diagnosis.rank import TIE, Ranked, cost, left, likely, ranking, tied, unit_of
 from avobench.diagnosis.step import Step
+from avobench.diagnosis.target import Target
 
 VETO = 2.5
 """Of the scatter of the events kept aside, in standard errors: a gap that grows on them by more vetoes an effect."""
@@ -112,7 +114,7 @@ class Search:
         rivals = [entry for entry in within if entry.effect.key not in _keys(pair)][:FIRSTS]
         found = {chosen.effect.key: (pair, None)}
         for rival in rivals:
-            base = Base.around(rival.fit, self.target, int(self.effort.base * len(self.x)), self.rng)
+            base = rival.fit.known(self.target, int(self.effort.base * len(self.x)), self.rng)
             fit = beside(pair, base, rival.fit, self.target, self.rng, self.effort, null.fit.gap)
             if likely(fit, pair, null.fit.gap):
                 fit, *_ = self._refined(fit, base)

@@ -5,12 +5,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from avobench.diagnosis.base import Base
 from avobench.diagnosis.classifier import classifier_gate
 from avobench.diagnosis.detect import cell_gate, summary_gate
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit import Base, Fit, Target
+from avobench.diagnosis.fit import Fit
 from avobench.diagnosis.rank import Ranked, tied
 from avobench.diagnosis.schema import Gate
+from avobench.diagnosis.target import Target
 
 SHARES = {"summary": 0.8, "classifier": 0.2}
 IMAGE_SHARES = {"summary": 0.6, "cells": 0.2, "classifier": 0.2}

@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.effects import Effect
-from avobench.diagnosis.fit import IDENTIFIED, Fit, Target, settled
+from avobench.diagnosis.fit import IDENTIFIED, Fit, settled
 from avobench.diagnosis.rank import Ranked, shape_parameters
 from avobench.diagnosis.schema import Combination, EffectValue, FoundEffect, Named, Value
+from avobench.diagnosis.target import Target
 from avobench.tasks import Task
 
 ALLOWED = 4.0

@@ -15,7 +15,7 @@ from avobench.diagnosis.detect import target_of
 from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effort import effort_for
-from avobench.diagnosis.fit import Base, refine
+from avobench.diagnosis.fit import refine
 from avobench.diagnosis.loop import fit_null
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.name import _on_all, reshaped
@@ -265,7 +265,7 @@ def test_beside_a_second_effect_the_first_is_tried_in_its_other_shapes():
     down, nearest = (fitted(shapes[name], start=[1.5, 0.1]) for name in ("4 down", "4 nearest"))
     assert down.gap < nearest.gap
     pair = fitted(shapes["4 down"], zeros, start=[1.5, 0.1, 0.01])
-    known = Base.around(down, target, 100_000, rng)
+    known = down.known(target, 100_000, rng)
     ((better, beside),) = reshaped([pair], known, (nearest,), target, rng, effort_for(Poisson(), "counts", None), 1e4)
     assert [effect.shape for effect in better.model.effects] == ["4 nearest", "dead"]
     assert beside.model.effects == (shapes["4 nearest"],)

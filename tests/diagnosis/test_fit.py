@@ -6,27 +6,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avobench.diagnosis import fit as fit_module
+from avobench.diagnosis import surrogate as surrogate_module
 from avobench.diagnosis.detect import summary_gate, target_of
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effort import Effort, effort_for
-from avobench.diagnosis.fit import (
-    SEARCHED,
-    Base,
-    Design,
-    fit_at,
-    minimise,
-    polish,
-    quadratic,
-    refine,
-    scan,
-    settled,
-    surrogate,
-)
+from avobench.diagnosis.fit import SEARCHED, fit_at, minimise, polish, refine, scan, settled
 from avobench.diagnosis.loop import best_without, fit_null
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.pixels import pixels_of
 from avobench.diagnosis.summary import bins_of, closed, whitening
+from avobench.diagnosis.surrogate import Design, quadratic, surrogate
 from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
@@ -177,7 +166,7 @@ def background():
 def test_a_known_base_leaves_only_the_noise_of_what_the_effect_changes(background):
     model, fit, target = background
     rng = np.random.default_rng(0)
-    base = Base.around(fit, target, 400_000, rng)
+    base = fit.known(target, 400_000, rng)
     design = Design.box(model.to_unit(np.r_[fit.params, 0.03, 6.0]), np.array([1e-3, 0.01, 0.02]))
     ours = base.extended(model, target, base.within(design), 40_000, rng)
     plain = surrogate(model, target, design, 400_000, rng)
@@ -193,7 +182,7 @@ def test_a_known_base_leaves_only_the_noise_of_what_the_effect_changes(backgroun
 @pytest.mark.parametrize("start", [(0.02, 5.0), (0.12, 5.0)])
 def test_a_fit_goes_to_the_optimum_from_far_off_and_with_few_events(background, start):
     model, fit, target = background
-    base = Base.around(fit, target, 400_000, np.random.default_rng(0))
+    base = fit.known(target, 400_000, np.random.default_rng(0))
     unit, half = model.to_unit(np.r_[fit.params, start]), [0.02, 0.03, 0.08]
     fits = [refine(model, target, unit, half, np.random.default_rng(k), num_events=80_000, base=base) for k in range(3)]
     for found in fits:
@@ -220,7 +209,7 @@ def test_a_design_over_which_the_events_are_no_quadratic_is_narrowed(known):
     model = Model(task, (next(effect for effect in catalogue(task) if effect.name == "peak_background"),))
     x, rng = measured(model, truth, 40_000, 0)
     target, unit = target_of(x, bins_of(x, x), x), model.to_unit(np.array(truth))
-    without = Base.around(refine(Model(task), target, unit[:2], 0.02, rng, num_events=30_000), target, 400_000, rng)
+    without = refine(Model(task), target, unit[:2], 0.02, rng, num_events=30_000).known(target, 400_000, rng)
     wide = Design.box(unit, np.array([0.02, 0.02, 0.01, 0.05, 0.02]))
 
     def make(design):
@@ -279,13 +268,13 @@ def test_a_fit_of_hard_edges_goes_on_in_narrower_designs(monkeypatch):
     task, truth, start = Weinberg(), [45.0, 1.2, 0.08], [45.0, 1.2, 0.074]
     scale = next(effect for effect in catalogue(task) if effect.name == "scale")
     model = Model(task, (replace(scale, shape="linear"),))
-    gaps = {0: [], fit_module.NARROWER: []}
+    gaps = {0: [], surrogate_module.NARROWER: []}
     for seed in range(4):
         x, rng = measured(model, truth, 60_000, seed)
         target = target_of(x, bins_of(x, model.simulate(np.tile(truth, (len(x), 1)), rng)), x)
         first = refine(model, target, model.to_unit(np.array(start)), 0.02, rng, num_events=30_000, max_rounds=1)
         for times, found in gaps.items():
-            monkeypatch.setattr(fit_module, "NARROWER", times)
+            monkeypatch.setattr(surrogate_module, "NARROWER", times)
             fit = polish(first, target, np.random.default_rng(2), 150_000, rounds=10)
             found.append(fit.gap - fit.dof)
     never, narrowed = gaps.values()

@@ -10,12 +10,14 @@ from avobench.diagnosis.detect import target_of
 from avobench.diagnosis.effects import Effect, Parameter
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit import Base, Design, Fit, Target, fit_at, refine, surrogate
+from avobench.diagnosis.fit import Fit, fit_at, refine
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.name import clears_feature, continued, excess_by_feature, joint, open_features
 from avobench.diagnosis.rank import Ranked, ranking
 from avobench.diagnosis.screen import Sample, hidden, screen
 from avobench.diagnosis.summary import bins_of
+from avobench.diagnosis.surrogate import Design, surrogate
+from avobench.diagnosis.target import Target
 from avobench.diagnosis.values import Move, ambiguity, covering, identified, theta_values
 from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
@@ -85,7 +87,7 @@ def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
     null = fitted(Model(Poisson()), [0.24], counter.target)
     sample = Sample(null, counter.target, effort.pool, rng)
     starts = hidden(sample, screen(sample, DEAD, counter.x, rng, effort)[0], rng, effort)
-    known = Base.around(null, counter.target, int(effort.base * counter.target.num_events), rng)
+    known = null.known(counter.target, int(effort.base * counter.target.num_events), rng)
     fits = [joint(start, known, counter.target, rng, effort.fit // 2) for start in starts]
     fits = [continued(fit, known, counter.target, rng, effort.fit, effort) for fit in fits]
     strong = min(fits, key=lambda fit: abs(fit.params[1] - STRONG[1]))
