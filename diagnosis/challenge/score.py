@@ -253,12 +253,14 @@ def _withheld(cases: list[Case]) -> dict[str, Any]:
 def _two(cases: list[Case]) -> dict[str, Any]:
     found = [case for case in cases if case.detected]
     visible = [case for case in found if case.both_visible]
+    missed = [case for case in visible if not _both(case)]
     return {
         "cases": len(cases),
         "detected": rate(case.detected for case in cases),
-        "visible_both": rate(set(case.hidden) <= set(case.named) for case in visible),
+        "visible_both": rate(map(_both, visible)),
+        "visible_missed_explained": rate(map(_explained, missed)),
         "visible_at_least_one": rate(bool(set(case.hidden) & set(case.named)) for case in visible),
-        "both": rate(set(case.hidden) <= set(case.named) for case in found),
+        "both": rate(map(_both, found)),
         "at_least_one": rate(bool(set(case.hidden) & set(case.named)) for case in found),
         "both_with_ties": rate(set(case.hidden) <= set().union(*case.ties) for case in found),
         **_before_and_after(found),
@@ -294,6 +296,10 @@ def _first(case: Case, *, feature: bool = True) -> bool:
 
 def _in_first_tie(case: Case) -> bool:
     return bool(case.ties) and case.hidden[0] in case.ties[0]
+
+
+def _both(case: Case) -> bool:
+    return set(case.hidden) <= set(case.named)
 
 
 def _near(cases: list[Case], when: str) -> list[bool]:

@@ -57,6 +57,8 @@ def targets(*challenges: list[dict[str, Any]]) -> str:
     lines = [f"{name}, by chi2/ndf before: {_classes(classes)}" for name, classes in by_gap.items()]
     others = ", ".join(f"{each} shapes {_short(one[each]['another_would_do'])}" for each in one)
     lines.append(f"not withheld, and yet another effect named or tied: {others}")
+    missed = _short(scores["all"]["two"][ALL]["visible_missed_explained"])
+    lines.append(f"two effects, both visible, not both named, what was named describes the events: {missed}")
     return "\n".join([pd.DataFrame(rows).to_string(index=False), *lines])
 
 
@@ -138,6 +140,8 @@ def as_text(result: dict[str, Any]) -> str:
                 f"{_percent(two['at_least_one'])}",
                 f"  where the best test sees each beside the other at {100 * VISIBLE:.0f} % power or more: both named "
                 f"{_percent(two['visible_both'])}, at least one {_percent(two['visible_at_least_one'])}",
+                "  of these not both named, but what was named describes the events "
+                f"{_percent(two['visible_missed_explained'])}",
                 _medians(two),
                 *(f"    {line}" for line in two["mistaken"] if each != ALL),
             ]

@@ -285,6 +285,7 @@ def test_the_score_counts_what_it_says():
     two = result["two"]["own"]
     assert [counts(two[name]) for name in ("both", "at_least_one", "both_with_ties")] == [(1, 3), (2, 3), (2, 3)]
     assert [counts(two[name]) for name in ("visible_both", "visible_at_least_one")] == [(1, 2), (1, 2)]
+    assert counts(two["visible_missed_explained"]) == (1, 1)
     assert counts(own["more_named"]) == (0, 3)
     both = score([head, *lines], [{**head, "seed": 1}, row(3, "own", ["dead_time"], power=0.95), row(0, "none")])
     assert counts(both["none"]["false_alarms"]) == (1, 3)
