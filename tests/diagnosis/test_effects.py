@@ -2,7 +2,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.special import ndtr
 from scipy.stats import poisson
@@ -287,6 +287,7 @@ def test_blurred_steps_are_read_off_their_spectrum(step, origin, noise, share, s
 
 
 @given(st.sampled_from(["normal", "uniform", "standard_exponential", "standard_cauchy"]), st.integers(0, 2**32 - 1))
+@example("uniform", 923100398)  # a side lobe of the sharp ends, with luck
 def test_smooth_values_show_no_steps(kind, seed):
     assert Comb.shown(getattr(np.random.default_rng(seed), kind)(size=3000)) is None
     assert Comb.shown(np.full(10, 0.3)) is None
@@ -319,6 +320,16 @@ def test_beyond_a_knee_the_response_bends_and_below_it_nothing_changes(compressi
     assert (y[below] == x[below]).all()
     assert (np.diff(y[:, 0]) > 0).all()
     assert y[-1, 0] == pytest.approx(knee + (1 - knee) / (1 + compression * (1 - knee)))
+
+
+@given(low=st.floats(-5, -0.1), high=st.floats(0.1, 5), stretch=st.floats(-0.5, 0.5))
+def test_a_scale_that_grows_is_the_same_whatever_range_the_events_show(low, high, stretch):
+    effect = effect_of(Carl(), "scale", "cubic")
+    x = np.linspace(-6, 6, 50)
+    span, other = Range(low, high, False), Range(-2.0, 2.0, False)
+    same = stretch * (other.high / max(-low, high)) ** 2
+    phi, of_other = (np.full((len(x), 1), value) for value in (stretch, same))
+    np.testing.assert_allclose(effect.changed(x, span, phi, None), effect.changed(x, other, of_other, None))
 
 
 def test_outliers_in_the_angle_stay_within_the_range():

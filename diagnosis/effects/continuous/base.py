@@ -29,6 +29,10 @@ class Range:
     def half(self) -> float:
         return (self.high - self.low) / 2
 
+    def relative(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """x in units of the largest magnitude in the range."""
+        return x / max(abs(self.low), abs(self.high))
+
     def unit(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """x in units where the range is [-1, 1]."""
         return (x - self.centre) / self.half

@@ -52,7 +52,7 @@ class Scale(Change):
     def changed(self, x, span, phi, rng):
         if self.shape == "angle":
             return span.cosine(np.pi / 2 + (1 + phi[:, 0]) * (span.angle(x) - np.pi / 2))
-        growth = span.unit(x) ** 2 if self.shape == "cubic" else 1
+        growth = span.relative(x) ** 2 if self.shape == "cubic" else 1
         return x * (1 + phi[:, 0] * growth)
 
 
@@ -101,7 +101,7 @@ class Crosstalk(Change):
 
 @dataclass(frozen=True)
 class ChargeMisid(Change):
-    """The sign is taken wrongly with a fixed chance, or with one that grows towards the ends."""
+    """The sign is taken wrongly with a fixed chance, or with one that grows with the magnitude."""
 
     shape: str = "constant"
     name = "charge_misid"
@@ -117,5 +117,5 @@ class ChargeMisid(Change):
     def changed(self, x, span, phi, rng):
         chance = phi[:, 0]
         if self.shape == "growing":
-            chance = chance * np.minimum(np.abs(span.unit(x)), 1) ** phi[:, 1]
+            chance = chance * np.minimum(np.abs(span.relative(x)), 1) ** phi[:, 1]
         return np.where(rng.random(len(x)) < chance, -x, x)

@@ -22,7 +22,8 @@ ENDS = {"above": (False, True), "both": (True, True), "below": (True, False)}
 FINE, FINER, STEPS = 8192, 4, (4, 1000)
 """Bins of a histogram whose spectrum is taken; its frequencies a cycle over the range; steps that a range may have."""
 PLAIN, CHANCE, LINE = 0.1, 5.0, 3.0
-"""The least amplitude of a comb, in standard errors too, and how far its line stands above frequencies beside it."""
+"""The least amplitude of a comb, since a range that ends sharply has lines nearly as high, and so many standard errors
+more; how far its line stands above frequencies beside it."""
 FIRST = 0.9
 """Of the highest line, that the first of a comb has at least."""
 WITHIN, MOSTLY = 5.0, 0.98
@@ -65,7 +66,7 @@ class Comb:
         ends = (found - 3 / FINER, found + 3 / FINER)
         found = float(minimize_scalar(lambda c: -abs(amplitude(c)), bounds=ends, method="bounded").x)
         first, second = amplitude(found), max(abs(amplitude(2 * found)), 1 / np.sqrt(len(x)))
-        if abs(first) < max(PLAIN, LINE * float(np.median(beside)), CHANCE / np.sqrt(len(x))):
+        if abs(first) < max(PLAIN + CHANCE / np.sqrt(len(x)), LINE * float(np.median(beside))):
             return None
         variance = max(np.log(abs(first) / second), 0) / (6 * np.pi**2)
         step = float(high - low) / found
