@@ -75,16 +75,16 @@ def fit_null(
 
     The search begins at `centre` (p,) in the unit cube, or everywhere.
     """
-    target = target_of(x, summary_of(model.task, x, x), x)
-    if target.rank == 0:  # measured events are all in one bin: others take simulated ones
-        anywhere = model.simulate(model.from_unit(rng.random((len(x), model.dim))), rng)
-        target = target_of(x, summary_of(model.task, x, anywhere), anywhere)
+    target, others = target_of(x, summary_of(model.task, x, x), x), x[:0]
+    if target.rank == 0:  # measured events are all in one bin: bins beside it take simulated ones
+        others = model.simulate(model.from_unit(rng.random((len(x), model.dim))), rng)
+        target = target_of(x, summary_of(model.task, x, others), others)
     near = 0.03
     if centre is None:
         centre, near = scan(model, target, rng, size=effort.scan)
     per_round = max(effort.least, int(effort.rounds * len(x)))
     fit = refine(model, target, centre, np.maximum(near, 0.005), rng, num_events=per_round)
-    simulated = model.simulate(np.tile(fit.params, (len(x), 1)), rng)
+    simulated = np.concatenate([model.simulate(np.tile(fit.params, (len(x), 1)), rng), others])
     target = target_of(x, summary_of(model.task, x, simulated), simulated)
     return refine(model, target, fit.unit, 0.005, rng, num_events=per_round), target
 
