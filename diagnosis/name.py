@@ -25,7 +25,7 @@ FIRST_ROUNDS, LAST_ROUNDS, CONTINUED, AGAIN = 3, 7, 10, 4
 NEARBY = 0.05
 """In unit coordinates: fits of one shape that are closer than that are one."""
 SHAPES_AGAIN, MOST_AGAIN, MOST_FINAL, RESHAPED, ON_ALL = 2, 8, 4, 3, 6
-"""Shapes of a family that are fitted again, and fits in all; families that are told apart with yet more events; other
+"""Fits of a family that are repeated, and fits in all; families that are told apart with yet more events; other
 shapes of an effect to try beside a second one; families of one feature that are tried on all."""
 WEAK, MOST_EVENTS = 10.0, 4
 """Noise of chi-squared is kept to a fifth of the excess, with at most so many events a measured one."""
@@ -300,10 +300,13 @@ def _same(fit: Fit, other: Fit) -> bool:
 
 
 def _distinct(fits: list[Fit], most: int | None = None) -> list[Fit]:
-    """The best fits of each family that are not the same, and of a family at most so many."""
+    """The best fits of each family that are not the same, and of a family at most so many, of other shapes first."""
     kept: dict[tuple, list[Fit]] = {}
     for fit in sorted(fits, key=lambda fit: fit.gap):
         own = kept.setdefault(fit.model.effects[-1].key, [])
         if not any(_same(fit, one) for one in own):
             own.append(fit)
-    return sorted((fit for own in kept.values() for fit in own[:most]), key=lambda fit: fit.gap)
+    for key, own in kept.items():
+        shapes = {fit.model.effects[-1].shape: fit for fit in reversed(own)}
+        kept[key] = sorted(own, key=lambda fit: all(fit is not one for one in shapes.values()))[:most]
+    return sorted((fit for own in kept.values() for fit in own), key=lambda fit: fit.gap)

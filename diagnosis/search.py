@@ -56,8 +56,8 @@ class Search:
         clears = partial(clears_feature, target=self.target)
         while len(steps) <= self.max_effects and steps[-1].p_value < self.alpha:
             rejected = len(steps) == 1 or steps[-1].p_value < STILL * self.alpha
-            if not rejected and steps[-1].gates["summary"].p_value > self.alpha:
-                break  # what only the classifier may see has no name
+            if len(steps) > 1 and not _shown(steps[-1], rejected, self.alpha):
+                break
             if len(steps) == 1:
                 ranks, known = self.ranked(steps[0].fit, 1 - CLOSES)
             else:
@@ -217,6 +217,11 @@ def _closes(steps: list[Step], rejected: bool) -> bool:
     if (len(steps) > 2 or not rejected) and not no_rival:
         return False
     return left < PAIR_CLEAR or (left < PAIR_LEAVES and (alone or no_rival or no_more))
+
+
+def _shown(step: Step, rejected: bool, alpha: float) -> bool:
+    """Whether the summary shows something that one more effect may close: what only the classifier sees has no name."""
+    return excess(step.fit) >= TIE if rejected else step.gates["summary"].p_value < alpha
 
 
 def _enough(steps: list[Step], step: Step | None, clears: Callable[[Fit, Fit], bool]) -> bool:

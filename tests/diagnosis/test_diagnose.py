@@ -18,11 +18,11 @@ from avobench.diagnosis.effort import effort_for
 from avobench.diagnosis.fit import refine
 from avobench.diagnosis.loop import fit_null
 from avobench.diagnosis.model import Model
-from avobench.diagnosis.name import _on_all, reshaped
+from avobench.diagnosis.name import _distinct, _on_all, reshaped
 from avobench.diagnosis.rank import TIE, Ranked
 from avobench.diagnosis.schema import Verdict
 from avobench.diagnosis.screen import Sample, screen
-from avobench.diagnosis.search import Search, _accepted, _pair
+from avobench.diagnosis.search import Search, _accepted, _pair, _shown
 from avobench.diagnosis.step import Step
 from avobench.diagnosis.summary import bins_of
 from avobench.diagnosis.values import scaled_std
@@ -312,6 +312,29 @@ def test_a_pair_is_accepted_only_if_it_leaves_next_to_nothing():
     assert steps[0].added.effect.name == "pile_up"
     first = Step(leaving(100.0, "dead_time"), None, {}, [])
     assert _pair([null, first], search, lambda new, old: False) is None
+
+
+def test_of_a_family_fits_of_other_shapes_are_repeated_first():
+    """The right shape may be seen worse than two fits of a wrong one, as long as events are few."""
+    scale = next(e for e in catalogue(Weinberg()) if e.name == "scale")
+    shapes = {s.shape: s for s in scale.shapes()}
+
+    def fitted(shape, gap):
+        model = Model(Weinberg(), (shapes[shape],))
+        return SimpleNamespace(model=model, gap=gap, unit=np.full(model.dim, gap / 100))
+
+    fits = [fitted("cubic", 10.0), fitted("cubic", 10.1), fitted("cubic", 20.0), fitted("linear", 40.0)]
+    assert [fit.gap for fit in _distinct(fits)] == [10.0, 20.0, 40.0]
+    assert [fit.gap for fit in _distinct(fits, 2)] == [10.0, 40.0]
+
+
+@pytest.mark.parametrize(
+    ("gap", "p_value", "rejected", "shown"),
+    [(105.0, 0.3, True, False), (150.0, 0.001, True, True), (150.0, 0.3, False, False), (150.0, 0.03, False, True)],
+)
+def test_what_only_the_classifier_sees_beside_an_effect_has_no_name(gap, p_value, rejected, shown):
+    gates = {"summary": SimpleNamespace(p_value=p_value), "classifier": SimpleNamespace(p_value=0.0001)}
+    assert _shown(Step(SimpleNamespace(gap=gap, dof=100), None, gates), rejected, 0.05) == shown
 
 
 @pytest.mark.parametrize("share", [0.0, 0.2])
