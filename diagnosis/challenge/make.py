@@ -20,6 +20,7 @@ from avobench.tasks import Task
 from avobench.tasks.base import stable_hash
 
 from .injections import Injection, Place, Simulate, shapes
+from .injections.tracker import ParticleInjection
 from .visibility import Visibility, visibility
 
 KINDS = ("none", "own", "foreign", "two", "withheld")
@@ -52,9 +53,9 @@ class OwnShape:
         choices = effect.shapes()
         chosen = choices[rng.integers(len(choices))]
         phi = []
-        for parameter in chosen.parameters:
+        for k, parameter in enumerate(chosen.parameters):
             low, high = parameter.low, parameter.high
-            if parameter is chosen.parameters[0]:
+            if k == 0:
                 bound = rng.choice([end for end in (low, high) if end != parameter.null])
                 share = np.exp(rng.uniform(*np.log(OWN_RANGE)))
                 phi.append(parameter.null + share * (bound - parameter.null))
@@ -171,7 +172,7 @@ def hide(task: Task, kind: str, num_events: int, rng: np.random.Generator) -> tu
     hidden: list[Hidden] = []
     while len(hidden) < (2 if kind == "two" else 1):
         new = _draw(task, source, theta, num_events, reference, [each.injection.name for each in hidden], rng)
-        if any(each.injection.stage == new.injection.stage == 0 for each in hidden):
+        if sum(isinstance(each.injection, ParticleInjection) for each in (*hidden, new)) > 1:
             continue  # each makes events of its own from what is generated, without the other
         hidden.append(new)
     hidden.sort(key=lambda each: each.injection.stage)

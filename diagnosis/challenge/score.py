@@ -211,6 +211,7 @@ def _one(cases: list[Case]) -> dict[str, Any]:
     visible = [case for case in cases if case.power >= VISIBLE]
     second = [case for case in found if case.answer["effects"][0].get("series") == 2]
     explained = [case for case in found if _explained(case)]
+    sizes = [len(case.ties[0]) for case in found if case.ties]
     borders = (0, *POWERS, np.inf)
     return {
         "cases": len(cases),
@@ -223,7 +224,7 @@ def _one(cases: list[Case]) -> dict[str, Any]:
         "right_first_by_gap": _by_gap(found, _first),
         "right_first_whatever_feature": rate(_first(case, feature=False) for case in found),
         "in_tie_set": rate(_in_first_tie(case) for case in found),
-        "tie_size": float(np.mean([len(case.ties[0]) for case in found if case.ties])) if explained else None,
+        "tie_size": float(np.mean(sizes)) if sizes else None,
         "another_would_do": rate(bool(case.ties and case.ties[0] - {case.hidden[0]}) for case in found),
         "more_named": rate(len(case.named) > 1 for case in found),
         "visible_right_first": rate(_first(case) for case in visible),

@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
-from scipy.stats import poisson
+from scipy.stats import kstest, poisson
 
 from avobench.bench import cli
 from avobench.bench.errors import UsageError
@@ -137,6 +137,20 @@ def test_an_effect_of_the_catalogue_is_drawn_within_its_bounds():
             for parameter, value in zip(drawn.effect.parameters, drawn.phi, strict=True):
                 assert parameter.low <= value <= parameter.high
             assert drawn.phi[0] != drawn.effect.parameters[0].null
+
+
+@pytest.mark.parametrize("task", [Poisson(), Weinberg()], ids=lambda task: task.name)
+def test_strengths_of_the_catalogue_s_own_shapes_are_log_uniform(task):
+    rng = np.random.default_rng(0)
+    for effect in making.catalogue(task):
+        shares = []
+        for _ in range(200):
+            drawn = making.OwnShape.draw(effect, rng)
+            strength = drawn.effect.parameters[0]
+            bound = strength.high if drawn.phi[0] > strength.null else strength.low
+            shares.append((drawn.phi[0] - strength.null) / (bound - strength.null))
+        low, high = np.log(making.OWN_RANGE)
+        assert kstest((np.log(shares) - low) / (high - low), "uniform").pvalue > 1e-4
 
 
 def test_solving_never_opens_the_answers_and_goes_on_from_where_it_stopped(fresh, monkeypatch):
