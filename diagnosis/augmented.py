@@ -3,7 +3,7 @@
 import hashlib
 from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +52,8 @@ class ModelFile(Strict):
     kind: Literal["avobench-model"] = "avobench-model"
     schema_version: Literal[1] = 1
     name: str
-    task: str
+    task: Union[str, "ModelFile"]
+    """A name or module:Class; or the model that the effects were added to, if it is one."""
     task_settings: dict[str, Any]
     effects: list[AddedEffect]
     parameters: list[Parameter]
@@ -62,29 +63,29 @@ class ModelFile(Strict):
 def describe(fit: Fit, std: NDArray[np.float64], task_spec: str, own_effects: dict[str, str]) -> ModelFile:
     """What `model.json` says of a fitted model.
 
-    `own_effects` gives module:Class of the user's effects by name. A task that is itself a model keeps its effects.
+    `std` (P,) are its standard errors. `own_effects` gives module:Class of the user's effects by name.
     """
     model = fit.model
     theta = model.num_theta
     base = model.task
-    inner: ModelFile | None = base.content if isinstance(base, AugmentedTask) else None
+    inner = isinstance(base, AugmentedTask)
     names = list(base.parameter_names)
     units = list(base.parameter_units)
     for effect in model.effects:
         prefix = effect.name if effect.feature is None else f"{effect.name}_{_feature(base, effect)}"
-        names += [f"{prefix}_{p.name}" for p in effect.parameters]
+        again = sum(name.startswith(f"{prefix}_") for name in base.parameter_names)  # by a model that was found before
+        names += [f"{prefix}{'_again' if again else ''}_{p.name}" for p in effect.parameters]
         units += [p.unit for p in effect.parameters]
     margin = np.maximum(PRIOR_SIGMAS * std, LEAST_PRIOR * (model.high - model.low))
     low = np.maximum(model.low, fit.params - margin)
     high = np.minimum(model.high, fit.params + margin)
-    low[:theta], high[:theta] = base.prior.low, base.prior.high
-    innermost = base.model.task if inner else base
-    added = [kept(effect, innermost, own_effects.get(effect.name)) for effect in model.effects]
+    low[:theta] = np.minimum(low[:theta], base.prior.low)
+    high[:theta] = np.maximum(high[:theta], base.prior.high)
     return ModelFile(
         name="-".join([base.name, *(e.name.replace("_", "-") for e in model.effects)]),
-        task=inner.task if inner else task_spec,
-        task_settings=inner.task_settings if inner else registry.identity("task", task_spec, base)["task_settings"],
-        effects=[*(inner.effects if inner else []), *added],
+        task=base.content if inner else task_spec,
+        task_settings={} if inner else registry.identity("task", task_spec, base)["task_settings"],
+        effects=[kept(effect, base, own_effects.get(effect.name)) for effect in model.effects],
         parameters=[
             Parameter(
                 name=names[i],
@@ -124,9 +125,16 @@ class AugmentedTask(Task):
             raise UsageError(f"{path} cannot be read: {error.strerror or error}") from error
         except ValidationError as error:
             raise UsageError(f"{path} is not a model: {error.errors()[0]['msg']}") from error
-        base = registry.build("task", content.task, content.task_settings)
+        return cls._of(content, hashlib.sha256(text).hexdigest(), path)
+
+    @classmethod
+    def _of(cls, content: ModelFile, sha256: str, path: Path) -> "AugmentedTask":
+        if isinstance(content.task, ModelFile):
+            base = cls._of(content.task, sha256, path)
+        else:
+            base = registry.build("task", content.task, content.task_settings)
         effects = tuple(_effect(added, base, path) for added in content.effects)
-        task = cls(hashlib.sha256(text).hexdigest())
+        task = cls(sha256)
         own = {
             "content": content,
             "model": Model(base, effects),
