@@ -2,12 +2,11 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
+from scipy.stats import binom, norm
 
 from avobench.diagnosis.base import Base
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit import Fit, polish, settled
-from avobench.diagnosis.pixels import LEAST_HITS
 from avobench.diagnosis.schema import Gate
 from avobench.diagnosis.summary import Summary
 from avobench.diagnosis.target import Target
@@ -30,12 +29,15 @@ def summary_gate(
     """Hansen's J: the whitened distance at the best theta, with the covariance that the model itself predicts.
 
     Chi-squared with as many degrees of freedom as the summary has, less those that theta takes up. The model's own
-    covariance, because that of few measured events is biased where they are fewest. Also the fit in that metric. `base`
-    is the model without its last effect, if that is known well.
+    covariance, because that of few measured events is biased where they are fewest. Where it makes none, but
+    some were measured, they scatter as if it were to make one. Also the fit in that metric. `base` is the model without
+    its last effect, if that is known well.
     """
     num_events = int(effort.polish * target.num_events)
     x = fit.model.simulate(np.tile(fit.params, (min(num_events, effort.covariance), 1)), rng)
-    own_target = Target.of(target.summary, target.mean, target.num_events, target.summary.covariance(x))
+    cov = target.summary.covariance(x)
+    cov[np.diag_indices_from(cov)] += ((np.diag(cov) == 0) & (target.mean > 0)) / target.num_events
+    own_target = Target.of(target.summary, target.mean, target.num_events, cov)
     num_events = num_events if base is None else num_events // 2
     own = polish(fit, own_target, rng, num_events, base=base)
     if own.p_value > HOPELESS:
@@ -47,13 +49,15 @@ def cell_gate(fit: Fit, x: NDArray, rng: np.random.Generator, effort: Effort) ->
     """The cell of an image (N, d) that is furthest from what the model expects, among all cells.
 
     Sums over many cells do not see a few that are faulty. Theta hardly moves a single cell, so no correction for it.
+    How often a cell fires is compared as two Poisson counts are: of all, the measured ones are binomial, exactly also
+    where they are few (J. Przyborowski and H. Wilenski, Biometrika 31 (1940) 313). The statistic is the largest excess
+    or deficit in standard deviations.
     """
     n = int(effort.polish * len(x))
     simulated = fit.model.simulate(np.tile(fit.params, (n, 1)), rng)
-    mean, expected = x.mean(axis=0, dtype=float), simulated.mean(axis=0, dtype=float)
-    variance = simulated.var(axis=0, dtype=float)
-    # A cell that hardly ever fires scatters like a small count, not like a Gaussian.
-    seen = expected * len(x) > LEAST_HITS
-    z = np.abs(mean - expected)[seen] / np.sqrt(variance[seen] * (1 / len(x) + 1 / n))
-    p = -np.expm1(seen.sum() * np.log1p(-min(2 * norm.sf(z.max()), 1 - 1e-16)))
-    return Gate(statistic=float(z.max()), dof=None, p_value=float(p))
+    measured, expected = np.count_nonzero(x, axis=0), np.count_nonzero(simulated, axis=0)
+    both, share = measured + expected, len(x) / (len(x) + n)
+    tail = np.minimum(binom.cdf(measured, both, share), binom.sf(measured - 1, both, share))
+    least = float(min(2 * tail.min(), 1.0))
+    p = -np.expm1((both > 0).sum() * np.log1p(-min(least, 1 - 1e-16)))
+    return Gate(statistic=float(norm.isf(max(least, 1e-300) / 2)), dof=None, p_value=float(p))

@@ -43,8 +43,11 @@ class Row:
 def card(
     fit: Fit, target: Target, effects: list[Effect], alpha: float, rng: np.random.Generator, effort: Effort
 ) -> list[Row]:
-    """A row for each effect that the model has not, in its plainest shape with middling shape parameters."""
-    need = noncentrality(max(fit.dof, 1), alpha)
+    """A row for each effect that the model has not, in its plainest shape with middling shape parameters.
+
+    `alpha` is the level of the summary gate.
+    """
+    need = noncentrality(max(fit.dof, 1), alpha) * (1 + fit.noise)
     sample = Sample(fit, target, effort.card * len(STRENGTHS), rng)
     there = {effect.key for effect in fit.model.effects}
     rows, left = [], []

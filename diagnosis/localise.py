@@ -110,14 +110,17 @@ def significant(
 def regions(
     fit: Fit, target: Target, x: NDArray, rng: np.random.Generator, alpha: float, names: tuple[str, ...]
 ) -> list[Region]:
-    """Intervals in which measured events x (N, d) and simulated ones disagree; `names` are those of the features."""
+    """Intervals in which measured events x (N, d) and simulated ones disagree.
+
+    `names` are those of the features, (d,), or none where there is nothing to choose from.
+    """
     spans = spans_of(target.summary, x)
     found = significant(intervals(fit, target, spans), fit, rng, alpha)
 
     def named(feature: int | str) -> str | None:
         if isinstance(feature, str):
             return feature
-        return names[feature] if len(names) > 1 else None
+        return names[feature] if names else None
 
     return [
         Region(

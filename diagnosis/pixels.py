@@ -84,4 +84,4 @@ def pixels_of(x: NDArray, simulated: NDArray, event_shape: tuple[int, ...]) -> P
     fullness = inner_edges((x > 0).sum(axis=1), (simulated > 0).sum(axis=1), FULLNESS_BINS)
     summary = Pixels((event_shape[0], int(np.prod(event_shape[1:]))), fullness)
     totals = [summary.vectors(y > 0).sum(axis=0, dtype=float) * len(x) / len(y) for y in (x, simulated)]
-    return replace(summary, filled=np.minimum(*totals) >= LEAST_HITS)
+    return replace(summary, filled=np.maximum(*totals) >= LEAST_HITS)

@@ -57,7 +57,11 @@ class Step:
         return list(self.rivals) if self.chosen else tied(self.ranks)
 
     @property
+    def shares(self) -> dict[str, float]:
+        """Each gate's share of the false alarms."""
+        return IMAGE_SHARES if "cells" in self.gates else SHARES
+
+    @property
     def p_value(self) -> float:
-        """Of both gates together: each has its share of the false alarms."""
-        shares = IMAGE_SHARES if "cells" in self.gates else SHARES
-        return min(1.0, *(gate.p_value / shares[name] for name, gate in self.gates.items()))
+        """Of all gates together; 1 before any."""
+        return min([1.0, *(gate.p_value / self.shares[name] for name, gate in self.gates.items())])
