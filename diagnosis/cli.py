@@ -28,7 +28,7 @@ TRIED = 50
 @click.option("--columns", default=None, metavar="A,B,...", help="Columns or branches to read, in this order.")
 @click.option("--drop-invalid", is_flag=True, help="Leave out rows that hold NaN or infinite values.")
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True)
-@click.option("--alpha", type=float, default=0.05, show_default=True, help="Rate of false alarms.")
+@click.option("--alpha", type=float, default=0.05, show_default=True, help="Rate of false alarms, at most.")
 @click.option("--max-effects", type=click.IntRange(0), default=3, show_default=True, help="Effects to add at most.")
 @click.option("--simulations", type=click.IntRange(1), default=None, help="Simulated events, about.  [what it takes]")
 @click.option(
@@ -66,12 +66,16 @@ def diagnose(
     registry.require_packages("task", task)
     known = registry.blamed(lambda: catalogue(task), f"task '{spec}'")
     chosen = chosen_effects(known, effects)
-    theirs = {(effect := registry.effect(name)).name: (name, effect) for name in own}
-    for name, effect in theirs.values():
+    theirs: dict[str, tuple[str, Effect]] = {}
+    for name in own:
+        effect = registry.effect(name)
+        if effect.name in theirs or effect.name in {one.name for one in known}:
+            raise UsageError(f"effect '{name}': there is another effect named {effect.name}; give it another name")
         tried(name, effect, task)
+        theirs[effect.name] = name, effect
         chosen.append(effect)
     x, warnings = check_events(
-        task, read_events(data, columns.split(",") if columns else None), drop_invalid=drop_invalid
+        task, read_events(data, [c.strip() for c in columns.split(",")] if columns else None), drop_invalid=drop_invalid
     )
     for warning in warnings:
         click.echo(f"warning: {warning}", err=True)
@@ -90,9 +94,13 @@ def diagnose(
         jobs=jobs,
     )
     result.notes[:0] = warnings
+    for name in ("diagnosis.json", "correction.npz"):  # of another run, to which what follows does not belong
+        (out / name).unlink(missing_ok=True)
     report.write(task, result, out, f"{Path(data).name} against {spec}")
     sources = {name: source for name, (source, _) in theirs.items()}
-    model = describe(result.model, values.scaled_std(result.model), spec, sources)
+    std = values.scaled_std(result.model)
+    std[: result.model.model.num_theta] = [v.std for v in (result.theta_after or result.theta_before).values()]
+    model = describe(result.model, std, spec, sources)
     write_atomically(out / "model.json", (model.model_dump_json(indent=1) + "\n").encode())
     if result.correction is not None:
         content = io.BytesIO()
@@ -130,6 +138,12 @@ def tried(name: str, effect: "Effect", task: Task) -> None:
     x = registry.blamed(apply, f"effect '{name}'")
     if x.shape != (TRIED, task.num_features):
         raise UsageError(f"effect '{name}' makes events of shape {x.shape}, not {(TRIED, task.num_features)}")
+    if x.dtype != np.dtype(task.dtype) or not np.isfinite(x).all():
+        raise UsageError(
+            f"effect '{name}' must make finite events of {np.dtype(task.dtype)}, and makes {x.dtype}: {x[0]}"
+        )
+    if effect.parameters[0].null is None:
+        raise UsageError(f"effect '{name}': its strength, {effect.parameters[0].name}, has no null value")
 
 
 def writable(folder: Path) -> None:

@@ -67,7 +67,8 @@ def _read_npz(file: str, tree: str, columns: list[str] | None) -> NDArray:
 
 def _read_csv(file: str, tree: str, columns: list[str] | None) -> NDArray:
     first = pd.read_csv(file, header=None, nrows=1, dtype=str).iloc[0]
-    named = pd.to_numeric(first, errors="coerce").isna().any()
+    empty = first.isna() | first.str.strip().str.lower().isin(("nan", ""))
+    named = pd.to_numeric(first[~empty], errors="coerce").isna().any()
     frame = pd.read_csv(file, header=0 if named else None)
     if columns and not named:
         raise UsageError(f"{file} has no line of column names to choose from")

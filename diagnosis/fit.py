@@ -142,9 +142,9 @@ class Fit:
         return (above - below) / np.maximum(moved, 1e-12) * spread
 
     @property
-    def at_bound(self) -> NDArray[np.bool_]:
-        """Which parameters ended within half a thousandth of the upper end of their range."""
-        return self.unit > 1 - 5e-4
+    def at_bound(self) -> NDArray[np.int_]:
+        """1 for parameters that ended within half a thousandth of the upper end of their range, -1 for the lower."""
+        return (self.unit > 1 - 5e-4).astype(int) - (self.unit < 5e-4)
 
     def follow(self, change: NDArray[np.float64]) -> NDArray[np.float64]:
         """How far the parameters move, in unit coordinates (P,), if the whitened mean of the data moves by `change`."""

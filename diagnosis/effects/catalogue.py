@@ -5,6 +5,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from avobench.bench.errors import UsageError
 from avobench.diagnosis.effects.base import Effect
 from avobench.diagnosis.effects.continuous.acceptance import DeadRegion, EdgeAcceptance, ForwardBackwardAcceptance
 from avobench.diagnosis.effects.continuous.background import FlatBackground, PeakBackground
@@ -50,10 +51,14 @@ IMAGES = (cells.DeadCells, cells.NoisyCells, cells.Inefficiency, cells.RandomNoi
 
 
 def domain(task: Task) -> Domain:
-    """What the events of a task are."""
+    """What the events of a task are. Raises UsageError for several counts an event, for which there is no catalogue."""
     if task.event_shape:
         return "images"
-    return "counts" if np.dtype(task.dtype).kind in "iu" and task.num_features == 1 else "continuous"
+    if np.dtype(task.dtype).kind not in "iu":
+        return "continuous"
+    if task.num_features > 1:
+        raise UsageError(f"an event of {task.name} has {task.num_features} counts: effects are known of one count only")
+    return "counts"
 
 
 def catalogue(task: Task, x: NDArray | None = None) -> list[Effect]:

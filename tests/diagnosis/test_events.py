@@ -56,6 +56,9 @@ def test_a_csv_needs_no_line_of_names(tmp_path):
     (tmp_path / "events.csv").write_text("1,2\n3,nan\n")
     np.testing.assert_array_equal(read_events(str(tmp_path / "events.csv")), [[1, 2], [3, np.nan]])
 
+    (tmp_path / "events.csv").write_text("1.5,NaN\n,2\n3,inf\n")
+    np.testing.assert_array_equal(read_events(str(tmp_path / "events.csv")), [[1.5, np.nan], [np.nan, 2], [3, np.inf]])
+
 
 def test_arrays_of_an_npz_are_columns_by_name(tmp_path):
     path = tmp_path / "events.npz"
