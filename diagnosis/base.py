@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.model import Model
-from avobench.diagnosis.surrogate import CHUNK, COMPARED, Design, Surrogate, basis, surrogate
+from avobench.diagnosis.surrogate import COMPARED, Design, Surrogate, basis, surrogate
 from avobench.diagnosis.target import Vectors
 
 BEYOND, NEAR, LEAST_ROOM = 0.25, 0.5, 0.05
@@ -55,7 +55,7 @@ class Base:
         num_centre, change_there = 0, 0.0
         left = num_events
         while left > 0:
-            n = min(left, CHUNK)
+            n = min(left, model.at_once)
             u = design.to_u(rng.uniform(-1, 1, (n, model.dim)))
             u[: n // 2] = design.centre
             b = basis(design.to_t(u))

@@ -27,8 +27,10 @@ class Effort:
     """Of a round, at least."""
     fit: int = 25_000
     """Of each round of a candidate's first fit."""
-    pool: int = 50_000
+    sample: int = 50_000
     """From which effects are screened."""
+    generated: float = 10
+    """By a slow generator that is asked only once, a measured one."""
     screen: int = 24_000
     """For a screening grid; each of its points gets a fiftieth of it at least."""
     card: int = 3_000
@@ -39,7 +41,7 @@ class Effort:
     """Points of each search for theta, and events at each."""
     families: int = 12
     """Effects that are fitted."""
-    seconds: int = 6
+    families_beside: int = 6
     """The same beside another effect."""
     starts: int = 5
     """Shapes of an effect that are fitted."""
@@ -56,10 +58,12 @@ class Effort:
             few=max(int(self.few * share), 1000),
             least=max(int(self.least * share), 3000),
             fit=max(int(self.fit * share), 3000),
-            pool=max(int(self.pool * share), 5000),
+            sample=max(int(self.sample * share), 5000),
+            generated=max(self.generated * share, 2),
             screen=max(int(self.screen * share), 4000),
             card=max(int(self.card * share), 300),
             covariance=max(int(self.covariance * share), 5000),
+            scan=(max(int(self.scan[0] * share), 60), max(int(self.scan[1] * share), 100)),
         )
 
 
@@ -72,16 +76,16 @@ IMAGES = Effort(
     settle=(2,),
     least=8000,
     fit=8000,
-    pool=12_000,
+    sample=12_000,
     screen=8000,
     card=600,
     covariance=30_000,
     scan=(60, 150),
     families=8,
-    seconds=4,
+    families_beside=4,
     starts=2,
 )
-MANY = Effort(base=12, final=(12, 12), screen=14_000, families=8, seconds=8, starts=3)
+MANY = Effort(base=12, final=(12, 12), screen=14_000, families=8, families_beside=8, starts=3)
 """For several features, each of which has its own entries in the catalogue."""
 USUAL = {"counts": 4_000_000, "continuous": 12_000_000, "images": 1_500_000}
 """Simulated events that a diagnosis usually takes, by domain; a little more or less with what it finds."""

@@ -21,7 +21,7 @@ from avobench.diagnosis.localise import regions
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.pictures import pictures
 from avobench.diagnosis.pixels import pixels_of
-from avobench.diagnosis.pool import Pool, TwoStage
+from avobench.diagnosis.pool import Counted, Pool, TwoStage
 from avobench.diagnosis.schema import (
     Candidate,
     Diagnosis,
@@ -39,7 +39,7 @@ from avobench.tasks import Task
 
 LEAST_EVENTS = 50
 HELD_OUT = 0.25
-"""Share of the measured events kept aside: no fit, test or choice sees them, only the gap is measured on them."""
+"""Share of the measured events kept aside: no fit or test sees them; the gap is measured on them, and they may veto."""
 FEW_EVENTS = 1000
 METHOD_EVENTS = 160_000
 """The budget of a registered method that looks for theta, as in the benchmark."""
@@ -48,19 +48,6 @@ FAINT = 10.0
 often explained by others, and above which they seldom were (docs/challenge.md)."""
 SCANS = 2
 """From which theta is fitted again before a disagreement is believed."""
-POOLED = 10
-"""Generated events a measured one, where a slow generator is asked only once."""
-
-
-class Counted:
-    """The task's simulator, counting events."""
-
-    def __init__(self, task: Task) -> None:
-        self.task, self.used = task, 0
-
-    def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        self.used += len(theta)
-        return self.task.simulate(theta, rng)
 
 
 def summary_of(task: Task, x: NDArray, simulated: NDArray) -> Summary:
@@ -145,7 +132,7 @@ def diagnose(
     effort = effort_for(task, domain(task), num_simulations)
     events: Counted | Pool = Counted(task)
     if isinstance(task, TwoStage):
-        events = Pool(task, int(max(POOLED * len(seen), effort.least)), rng.spawn(1)[0])
+        events = Pool(task, int(max(effort.generated * len(seen), effort.least)), rng.spawn(1)[0])
     model, centre, estimate, spent = Model(task, events=events), None, None, 0
     if fit != "surrogate":
         estimate, simulate = inferred(task, fit, seen, num_simulations or METHOD_EVENTS, rng)
@@ -185,6 +172,10 @@ def diagnose(
             f"a gap of {gap(first).value:.2g} seldom excludes that an effect outside the catalogue did this: compare "
             "docs/challenge.md"
         )
+    if num_simulations is not None and events.used + spent > 2 * num_simulations:
+        notes.append(
+            f"no diagnosis of {len(x)} events takes much fewer simulated events than these {events.used + spent}"
+        )
     if estimate is not None:
         notes.append(_method_note(fit, task, estimate, first))
     if len(x) < FEW_EVENTS:
@@ -206,7 +197,9 @@ def diagnose(
         identified_before=identified(first),
         identified_after=identified(last, moves) if named_any else None,
         effects=[found_effect(last, k, step.ties, names) for k, step in enumerate(steps[:-1])],
-        regions=regions(steps[0].fit, target, seen, rng, alpha, names) if disagree else [],
+        regions=regions(steps[0].fit, target, seen, rng, alpha, () if domain(task) == "counts" else names)
+        if disagree
+        else [],
         candidates=[
             Candidate(
                 **named(entry.effect, names).model_dump(),
@@ -224,7 +217,7 @@ def diagnose(
                 theta_bias=dict(zip(task.parameter_names, map(float, row.theta_bias), strict=False)),
                 rivals=[named(rival, names) for rival in row.rivals],
             )
-            for row in card(final.fit, target, effects, alpha, rng, effort)
+            for row in card(final.fit, target, effects, alpha * final.shares["summary"], rng, effort)
         ],
         notes=notes,
         num_events=len(x),
@@ -268,4 +261,9 @@ def _method_note(name: str, task: Task, estimate: Estimate, fit: Fit) -> str:
 
 def _bound_notes(fit: Fit) -> list[str]:
     names = [*fit.model.task.parameter_names, *(f"{e.name}: {p.name}" for e in fit.model.effects for p in e.parameters)]
-    return [f"the fit ended at the upper bound of {name}" for name, at in zip(names, fit.at_bound, strict=True) if at]
+    ends = {1: "upper", -1: "lower"}
+    return [
+        f"the fit ended at the {ends[at]} bound of {n}"
+        for n, at in zip(names, fit.at_bound.tolist(), strict=True)
+        if at
+    ]

@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.effects import Effect
-from avobench.diagnosis.pool import Alter
+from avobench.diagnosis.pool import Alter, Pool
 from avobench.tasks import Task
 
 WIDEST = 0.1
 LEAST_STRENGTH = 0.003
 """Both of a parameter's range, for `Model.reach`."""
+AT_ONCE = 100_000
+"""Events simulated at a time, to bound memory."""
 Events = Callable[..., NDArray]
 """theta (n, p), rng and, of a two-stage task, what alters generated events -> (n, d)"""
 
@@ -58,6 +60,11 @@ class Model:
     def logarithmic(self) -> NDArray[np.bool_]:
         """(P,)"""
         return np.array([False] * self.num_theta + [p.logarithmic for e in self.effects for p in e.parameters])
+
+    @property
+    def at_once(self) -> int:
+        """How many events are to be simulated at a time: of a pool as many as it holds, so that none comes twice."""
+        return self.events.size if isinstance(self.events, Pool) else AT_ONCE
 
     @property
     def num_theta(self) -> int:

@@ -1,7 +1,10 @@
 """Which effect is missing? Every shape of every candidate is screened, and the promising ones fitted with theta."""
 
+import os
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import joblib
 import numpy as np
@@ -11,6 +14,7 @@ from avobench.diagnosis.base import Base
 from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit import Fit, descend, polish, refine, scan, settled
+from avobench.diagnosis.pool import Counted, Pool
 from avobench.diagnosis.rank import cost, likely, ranking
 from avobench.diagnosis.screen import ROUGH, Sample, Start, hidden, screen, searched
 from avobench.diagnosis.summary import Bins, whitening
@@ -123,7 +127,7 @@ def candidates(
     Fits that may still be the best are repeated with more events, all from the same seed, if one of them is `hopeful`;
     else none will do. `gap_without` is the gap without any effect. Also `base`, made known for that.
     """
-    sample = Sample(base, target, effort.pool, rng)
+    sample = Sample(base, target, effort.sample, rng)
     effects = [effect.adapted(x) for effect in effects]
     plain = {effect.key: screen(sample, effect, x, rng, effort) for effect in effects}
     # Every shape of an effect that looks promising in its plainest is looked at, and of all effects if they are few.
@@ -157,15 +161,13 @@ def candidates(
     ][: effort.families // 2]
     others = [starts for starts in families if all(starts is not one for one in own)]
     starts = [start for starts in [*own, *others][: effort.families] for start in starts]
-    work = joblib.Parallel(n_jobs=jobs)
+    work = partial(_in_processes, jobs, base.model.events)
     known = base.known(target, int(effort.base * target.num_events), rng)
 
     def begun(starts: list[Start]) -> list[Fit]:
         streams = rng.spawn(len(starts))  # so that any number of workers gives the same fits
-        return work(
-            joblib.delayed(joint)(start, known, target, stream, effort.fit // 2)
-            for start, stream in zip(starts, streams, strict=True)
-        )
+        calls = zip(starts, streams, strict=True)
+        return work(joint, [(start, known, target, stream, effort.fit // 2) for start, stream in calls])
 
     fits = begun(starts)
     if fits:  # the family that seems best is free to take any of its shapes, and what acts on one feature to act on all
@@ -179,10 +181,8 @@ def candidates(
     enough = int(np.clip(needed, effort.fit, max(effort.fit, MOST_EVENTS * target.num_events)))
     fits = _going_on(fits, [start.expected for start in starts])
     streams = rng.spawn(len(fits))
-    fits = work(
-        joblib.delayed(continued)(fit, known, target, stream, enough, effort)
-        for fit, stream in zip(fits, streams, strict=True)
-    )
+    calls = zip(fits, streams, strict=True)
+    fits = work(continued, [(fit, known, target, stream, enough, effort) for fit, stream in calls])
     seed, many = int(rng.integers(2**63)), max(target.num_events, effort.few)
     for ratio in effort.again:
         fits = _distinct(fits)
@@ -192,22 +192,38 @@ def candidates(
         foremost = _distinct(fits, SHAPES_AGAIN)[:MOST_AGAIN]
         promising = [any(fit is one for one in foremost) and likely(fit, best, gap_without) for fit in fits]
         events = max(int(ratio * many), enough)
-        again = work(
-            joblib.delayed(polish)(fit, target, np.random.default_rng(seed), events, AGAIN, known)
-            for fit, worth in zip(fits, promising, strict=True)
-            if worth
-        )
+        worthy = [fit for fit, worth in zip(fits, promising, strict=True) if worth]
+        again = work(polish, [(fit, target, np.random.default_rng(seed), events, AGAIN, known) for fit in worthy])
         fits = [*again, *(fit for fit, worth in zip(fits, promising, strict=True) if not worth)]
     else:
         ranks = ranking(fits, gap_without)
         foremost = [entry.fit for entry in ranks if likely(entry.fit, ranks[0].fit, gap_without)][:MOST_FINAL]
         if len(foremost) > 1:
-            final = work(
-                joblib.delayed(settled)(fit, target, np.random.default_rng(seed), many, effort.final)
-                for fit in foremost
-            )
+            streams = [np.random.default_rng(seed) for _ in foremost]
+            calls = zip(foremost, streams, strict=True)
+            final = work(settled, [(fit, target, stream, many, effort.final) for fit, stream in calls])
             fits = [*final, *(fit for fit in fits if all(fit is not one for one in foremost))]
     return fits, known
+
+
+def _in_processes(
+    jobs: int, events: Counted | Pool | None, fitting: Callable[..., Fit], calls: list[tuple]
+) -> list[Fit]:
+    """The fits of all calls, by so many processes; `events` is what simulates, and counts what they simulated."""
+    fits = []
+    for fit, used, process in joblib.Parallel(n_jobs=jobs)(joblib.delayed(_apart)(fitting, *call) for call in calls):
+        if process != os.getpid() and events is not None:
+            events.used += used
+        fits.append(replace(fit, model=replace(fit.model, events=events)))
+    return fits
+
+
+def _apart(fitting: Callable[..., Fit], begun: Start | Fit, *more: Any) -> tuple[Fit, int, int]:
+    """A fit without this process's copy of what simulates, how many events that made, and which process it is."""
+    events = begun.model.events
+    before = events.used if events else 0
+    fit = fitting(begun, *more)
+    return replace(fit, model=replace(fit.model, events=None)), events.used - before if events else 0, os.getpid()
 
 
 def reshaped(

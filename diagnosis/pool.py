@@ -6,6 +6,8 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from avobench.tasks import Task
+
 Alter = Callable[[Any, slice], Any]
 """What happens to generated events before they are detected, and in which rows of theta they are."""
 
@@ -21,6 +23,18 @@ class TwoStage(Protocol):
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator, alter: Alter | None = None) -> NDArray: ...
 
 
+class Counted:
+    """A task's simulator, counting events."""
+
+    def __init__(self, task: Task) -> None:
+        self.task, self.used = task, 0
+
+    def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        """theta (n, p) -> (n, d)"""
+        self.used += len(theta)
+        return self.task.simulate(theta, rng)
+
+
 class Pool:
     """Generated events of a two-stage task, handed out from a random place on, again and again.
 
@@ -32,6 +46,11 @@ class Pool:
         self._pieces = list(task.generate(num_events, rng))
         self._starts = np.cumsum([0, *(len(piece) for piece in self._pieces)])
 
+    @property
+    def size(self) -> int:
+        """How many events it holds."""
+        return int(self._starts[-1])
+
     def fresh(self, theta: NDArray[np.float64], rng: np.random.Generator, alter: Alter | None = None) -> NDArray:
         """Events that are not in the pool: theta (n, p) -> (n, d)."""
         self.used += len(theta)
@@ -39,7 +58,7 @@ class Pool:
 
     def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator, alter: Alter | None = None) -> NDArray:
         """One event per row, altered before it is detected: theta (n, p) -> (n, d)."""
-        at = int(rng.integers(self._starts[-1]))
+        at = int(rng.integers(self.size))
         images, done = [], 0
         while done < len(theta):
             k = int(np.searchsorted(self._starts, at, side="right")) - 1
@@ -48,5 +67,5 @@ class Pool:
             generated, rows = self._pieces[k].events(start, stop), slice(done, done + stop - start)
             images.append(self.task.detect(alter(generated, rows) if alter else generated, theta[rows]))
             done = rows.stop
-            at = (at + stop - start) % self._starts[-1]
+            at = (at + stop - start) % self.size
         return np.concatenate(images)

@@ -139,7 +139,7 @@ class Search:
         """
         used, without = _keys(fit), fit.gap
         free = [e for e in self.effects if e.key not in used]
-        effort = self.effort if not used else replace(self.effort, families=self.effort.seconds)
+        effort = self.effort if not used else replace(self.effort, families=self.effort.families_beside)
 
         def hopeful(one: Fit) -> bool:
             return excess(one) - 2 * one.gap_error < leaves * excess(fit) or clears_feature(one, fit, self.target)
@@ -286,7 +286,7 @@ def widened(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) 
     """The fit with the bound of its last effect's strength doubled, if it ended there and the bound is a guess."""
     effect = fit.model.effects[-1]
     at = fit.model.dim - len(effect.parameters)
-    if not (effect.parameters[0].soft and fit.at_bound[at]):
+    if not (effect.parameters[0].soft and fit.at_bound[at] > 0):
         return fit, []
     stretch = (*(fit.model.stretch or (1.0,) * len(fit.model.effects))[:-1], 2.0)
     model = replace(fit.model, stretch=stretch)

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.target import Target, Vectors
 
-CHUNK = 100_000
-"""Events simulated at a time, to bound memory."""
 COMPARED = 10_000
 """Of these, compared one by one with what the same seed makes elsewhere."""
 SHRINK = 3.0
@@ -122,7 +120,7 @@ def surrogate(model: Model, vectors: Vectors, design: Design, num_events: int, r
     normal, at_centre, spread, unlike = np.zeros((k, k)), 0.0, 0.0, 0.0
     left = pairs
     while left > 0:
-        n = min(left, CHUNK)
+        n = min(left, model.at_once)
         u = design.to_u(places.uniform(-1, 1, (n, model.dim)))
         b = basis(design.to_t(u))
         seed = int(happenings.integers(2**63))

@@ -64,14 +64,15 @@ def ambiguity(
     rivals = [fit for fit in rivals if worse(fit, chosen.fit) < ALLOWED]
     if not rivals:
         return []
-    far = [np.abs(back(chosen.fit) @ (mean(fit) - mean(chosen.fit))).max() for fit in rivals]
+    here, along = mean(chosen.fit), back(chosen.fit)
+    far = [np.abs(along @ (mean(fit) - here)).max() for fit in rivals]
     best = settle(chosen.fit)
-    moves = []
+    here, along, moves = mean(best), back(best), []
     for k in np.argsort(far)[::-1][:TRIED]:
         fit = settle(rivals[k])
         if (by := worse(fit, best)) < ALLOWED:
-            along = back(best) @ fit.jacobian[:, :p]
-            moves.append(Move(back(best) @ (mean(fit) - mean(best)), by, along @ fit.unit_covariance[:p, :p] @ along.T))
+            there = along @ fit.jacobian[:, :p]
+            moves.append(Move(along @ (mean(fit) - here), by, there @ fit.unit_covariance[:p, :p] @ there.T))
     return moves
 
 

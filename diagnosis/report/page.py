@@ -7,7 +7,6 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader
 
-from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.schema import Diagnosis, Verdict
 from avobench.tasks import Task
 
@@ -44,13 +43,14 @@ def render(task: Task, diagnosis: Diagnosis, figures: list[Shown], title: str) -
     template = Environment(
         loader=FileSystemLoader(Path(__file__).parent), autoescape=True, trim_blocks=True, lstrip_blocks=True
     ).get_template("page.html.jinja")
+    added = diagnosis.model.model.effects if diagnosis.model else ()
     return template.render(
         title=title,
         task=task,
         diagnosis=diagnosis,
         meaning=MEANING[diagnosis.verdict],
         figures=figures,
-        sentences={effect.name: effect.sentence for effect in catalogue(task)},
+        sentences={effect.name: effect.sentence for effect in added},
         candidates=sorted(diagnosis.candidates, key=lambda candidate: candidate.score),
         label=label,
         number=_number,

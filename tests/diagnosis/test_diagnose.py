@@ -87,6 +87,28 @@ def named():
     return x, diagnose(Poisson(), x)
 
 
+def test_any_number_of_processes_finds_the_same_and_counts_the_same(named):
+    x, diagnosis = named
+    again = diagnose(Poisson(), x, jobs=2)
+    assert again.model_dump(exclude={"seconds"}) == diagnosis.model_dump(exclude={"seconds"})
+
+
+def test_a_few_events_that_the_simulator_cannot_make_are_a_disagreement():
+    x = Weinberg().simulate(np.tile([45.0, 1.0], (2000, 1)), np.random.default_rng(0))
+    x[:30, 0] = np.random.default_rng(1).uniform(-3, -1.5, 30)
+    diagnosis = diagnose(Weinberg(), x, max_effects=0)
+    assert diagnosis.gates["summary"].p_value < 1e-6
+    assert diagnosis.verdict == Verdict.UNEXPLAINED
+
+
+def test_several_counts_an_event_have_no_catalogue():
+    class Pair(Poisson):
+        num_features = 2
+
+    with pytest.raises(UsageError, match="has 2 counts"):
+        diagnose(Pair(), np.ones((300, 2), int))
+
+
 def test_a_clear_effect_is_named_and_its_size_found(named):
     _, diagnosis = named
     assert diagnosis.verdict == Verdict.NAMED
@@ -156,6 +178,22 @@ def test_a_model_file_of_an_effect_that_does_not_exist_is_refused(tmp_path):
             registry.build("task", str(path), {})
 
 
+def test_the_model_of_a_model_makes_the_events_that_were_fitted(tmp_path):
+    """An effect that was found later comes after all of the model before, and one may be found again."""
+    task, at = Weinberg(), [45.5, 1.0]
+    for name, phi in (("quantisation", [0.3]), ("resolution", [0.2]), ("resolution", [0.1])):
+        effect = next(effect for effect in catalogue(task) if effect.name == name)
+        model, at = Model(task, (effect,)), [*at, *phi, *(p.high for p in effect.parameters[1:])]
+        fit = SimpleNamespace(model=model, params=np.array(at))
+        path = tmp_path / "model.json"
+        path.write_text(describe(fit, np.full(model.dim, 0.1), "weinberg", {}).model_dump_json())
+        task = AugmentedTask.read(path)
+    assert len(set(task.parameter_names)) == len(at)
+    fitted, kept = (each.simulate(np.tile(at, (500, 1)), np.random.default_rng(0)) for each in (model, task))
+    np.testing.assert_array_equal(fitted, kept)
+    assert len(np.unique(kept)) == 500
+
+
 def test_a_dead_region_is_found_where_it_is():
     x = hidden(Weinberg(), "dead_region", [45.5, 1.0], [0.8, 0.3, 0.15], 8000)
     diagnosis = diagnose(Weinberg(), x, max_effects=1)
@@ -171,7 +209,7 @@ def test_a_fit_begins_where_a_gap_is_that_is_narrower_than_any_grid():
     rng, effort = np.random.default_rng(1), effort_for(task, "continuous", None)
     base, target = fit_null(Model(task), x, rng, effort, None)
     effect = next(e for e in catalogue(task) if e.name == "dead_region")
-    (best, *_) = screen(Sample(base, target, effort.pool, rng), effect, x, rng, effort)
+    (best, *_) = screen(Sample(base, target, effort.sample, rng), effect, x, rng, effort)
     _, centre, width = best.model.from_unit(best.unit)[-3:]
     assert centre == pytest.approx(at, abs=0.03)
     assert width < 0.1
@@ -236,6 +274,10 @@ def test_an_effect_of_the_users_is_tried_before_anything_is_fitted():
         tried("mod:Own", Own(lambda x: 1 / 0), Weinberg())
     with pytest.raises(UsageError, match=r"'mod:Own' makes events of shape \(50,\), not \(50, 1\)"):
         tried("mod:Own", Own(lambda x: x[:, 0]), Weinberg())
+    with pytest.raises(UsageError, match="must make finite events of float64, and makes float64: "):
+        tried("mod:Own", Own(lambda x: x * np.nan), Weinberg())
+    with pytest.raises(UsageError, match="must make finite events of int64, and makes float64: "):
+        tried("mod:Own", Own(lambda x: x / 2), Poisson())
 
 
 @dataclass(frozen=True)

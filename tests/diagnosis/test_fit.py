@@ -7,13 +7,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from avobench.diagnosis import surrogate as surrogate_module
-from avobench.diagnosis.detect import summary_gate, target_of
+from avobench.diagnosis.detect import cell_gate, summary_gate, target_of
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effort import Effort, effort_for
 from avobench.diagnosis.fit import SEARCHED, fit_at, minimise, polish, refine, scan, settled
 from avobench.diagnosis.loop import best_without, fit_null
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.pixels import pixels_of
+from avobench.diagnosis.pool import Pool
 from avobench.diagnosis.summary import bins_of, closed, whitening
 from avobench.diagnosis.surrogate import Design, quadratic, surrogate
 from avobench.tasks.carl import Carl
@@ -130,6 +131,50 @@ def test_p_values_of_a_true_model_are_not_small():
         p.append(summary_gate(fit, target, rng, LIGHT)[0].p_value)
     assert min(p) > 1e-4
     assert sum(v < 0.05 for v in p) <= 3
+
+
+@pytest.mark.parametrize("events", [200, 3000])
+def test_of_images_one_cell_that_fires_where_none_should_is_seen_and_few_images_suffice(events):
+    class Still:
+        def simulate(self, params, rng):
+            return rng.random((len(params), 64)) < np.where(np.arange(64) < 8, 0.0, 0.002)
+
+    still = SimpleNamespace(model=Still(), params=np.zeros(1))
+    rng = np.random.default_rng(0)
+    x = Still().simulate(np.zeros((events, 1)), rng)
+    assert cell_gate(still, x, rng, LIGHT).p_value > 0.01
+    x[:, 3] = rng.random(events) < 0.1
+    gate = cell_gate(still, x, rng, LIGHT)
+    assert gate.p_value < 1e-9
+    assert np.isfinite(gate.statistic)
+
+
+def test_all_events_of_a_pool_come_once_before_any_comes_again():
+    class Numbered:
+        def generate(self, num_events, rng):
+            yield Piece(np.arange(num_events))
+
+        def detect(self, generated, theta):
+            return generated.numbers[:, None]
+
+    class Piece:
+        def __init__(self, numbers):
+            self.numbers = numbers
+
+        def __len__(self):
+            return len(self.numbers)
+
+        def events(self, start, stop):
+            return Piece(self.numbers[start:stop])
+
+    model = Model(Poisson(), events=Pool(Numbered(), 150_000, np.random.default_rng(0)))
+    drawn = []
+    vectors = SimpleNamespace(
+        moments=lambda x, b: drawn.append(x) or b.T @ np.ones((len(x), 1)),
+        moved=lambda before, after: np.ones(len(before)),
+    )
+    surrogate(model, vectors, Design.box(np.array([0.5]), np.array([0.1])), 240_000, np.random.default_rng(1))
+    assert len(np.unique(np.concatenate(drawn[::2]))) == 120_000
 
 
 def test_a_fit_is_not_held_back_by_the_noise_of_its_slopes():

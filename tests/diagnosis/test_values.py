@@ -85,7 +85,7 @@ def test_a_shape_that_the_data_exclude_does_not_widen_the_error(counter):
 def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
     rng, effort = np.random.default_rng(3), Effort()
     null = fitted(Model(Poisson()), [0.24], counter.target)
-    sample = Sample(null, counter.target, effort.pool, rng)
+    sample = Sample(null, counter.target, effort.sample, rng)
     starts = hidden(sample, screen(sample, DEAD, counter.x, rng, effort)[0], rng, effort)
     known = null.known(counter.target, int(effort.base * counter.target.num_events), rng)
     fits = [joint(start, known, counter.target, rng, effort.fit // 2) for start in starts]
