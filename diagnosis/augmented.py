@@ -7,7 +7,7 @@ from typing import Any, Literal, Union
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 
 from avobench.bench import registry
 from avobench.bench.errors import UsageError
@@ -15,6 +15,7 @@ from avobench.diagnosis.effects import Effect
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.fit import Fit
 from avobench.diagnosis.model import Model
+from avobench.diagnosis.schema import Strict
 from avobench.tasks import Box, Task
 
 PRIOR_SIGMAS = 5.0
@@ -23,17 +24,13 @@ LEAST_PRIOR = 0.01
 """The same at least, as a share of the parameter's range."""
 
 
-class Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-
-
 class AddedEffect(Strict):
     name: str
     feature: int | Literal["all"] | None
     shape: str
     source: str | None
     """module:Class of an effect of the user's own."""
-    settings: dict[str, Any] = {}
+    settings: dict[str, Any] = Field(default_factory=dict)
     """What the data decided of it, such as which cells are dead."""
 
 
@@ -101,8 +98,7 @@ def describe(fit: Fit, std: NDArray[np.float64], task_spec: str, own_effects: di
 
 
 def _feature(task: Task, effect: Effect) -> str:
-    names = task.feature_names or tuple(f"x{j + 1}" for j in range(task.num_features))
-    return "all" if effect.feature == "all" else names[effect.feature]
+    return "all" if effect.feature == "all" else task.labels[effect.feature]
 
 
 @dataclass(frozen=True)

@@ -185,8 +185,7 @@ def _outside(task: Task, x: NDArray) -> list[str]:
     if task.event_shape:
         features = [("cells", simulated.ravel(), x.ravel())]
     else:
-        names = task.feature_names or [f"x{i + 1}" for i in range(task.num_features)]
-        features = list(zip(names, simulated.T, x.T, strict=True))
+        features = list(zip(task.labels, simulated.T, x.T, strict=True))
     sentences = []
     for name, made, values in features:
         low, near_low, near_high, high = (float(q) for q in np.quantile(made, [0, 0.001, 0.999, 1]))

@@ -33,7 +33,7 @@ from avobench.diagnosis.search import STILL, Search
 from avobench.diagnosis.step import Step
 from avobench.diagnosis.summary import Summary, bins_of
 from avobench.diagnosis.target import Target
-from avobench.diagnosis.values import ambiguity, feature_names, found_effect, identified, named, theta_values
+from avobench.diagnosis.values import ambiguity, found_effect, identified, named, theta_values
 from avobench.methods import Estimate
 from avobench.tasks import Task
 
@@ -181,7 +181,7 @@ def diagnose(
     if len(x) < FEW_EVENTS:
         notes.append(f"{len(x)} events make {target.rank} bins or less: the card says what so few cannot show")
     notes += _bound_notes(last)
-    names = feature_names(task)
+    names = task.labels
     many = int(effort.polish * len(seen))
     moves = [move for step in steps[:-1] for move in ambiguity(last, step.added, step.ties, target, rng, many)]
     diagnosis = Diagnosis(

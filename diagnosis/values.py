@@ -11,7 +11,6 @@ from avobench.diagnosis.fit import IDENTIFIED, Fit, settled
 from avobench.diagnosis.rank import Ranked, shape_parameters
 from avobench.diagnosis.schema import Combination, EffectValue, FoundEffect, Named, Value
 from avobench.diagnosis.target import Target
-from avobench.tasks import Task
 
 ALLOWED = 4.0
 """Chi-squared above the best up to which another shape is allowed: two standard errors."""
@@ -137,11 +136,6 @@ def _known(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     variances, directions = np.linalg.eigh(fit.unit_covariance[:p, :p])
     known = variances < 1 / IDENTIFIED**2 / 12
     return variances[known], directions[:, known]
-
-
-def feature_names(task: Task) -> tuple[str, ...]:
-    """(d,)"""
-    return task.feature_names or tuple(f"x{j + 1}" for j in range(task.num_features))
 
 
 def named(effect: Effect, names: tuple[str, ...]) -> Named:

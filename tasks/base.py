@@ -102,7 +102,7 @@ class Task(ABC):
     """Where the simulator is defined; contains the prior."""
     num_features: ClassVar[int]
     feature_names: ClassVar[tuple[str, ...]] = ()
-    """One a feature, where they have names; tables and figures say x1, x2, ... otherwise."""
+    """One a feature, where they have names."""
     event_shape: ClassVar[tuple[int, ...]] = ()
     """Of an event whose features form an image, row by row, e.g. (32, 32); () where they are a plain list."""
     cyclic_axes: ClassVar[tuple[int, ...]] = ()
@@ -115,6 +115,11 @@ class Task(ABC):
     packages: ClassVar[tuple[str, ...]] = ()
     """Modules that must be importable, checked before a sweep begins; `extra` is the extra that installs them."""
     extra: ClassVar[str] = ""
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What to call each feature: its name, or x1, x2, ... where they have none: (d,)"""
+        return self.feature_names or tuple(f"x{j + 1}" for j in range(self.num_features))
 
     def require_support(self, theta: NDArray[np.float64]) -> None:
         """Raise ValueError unless all rows of theta (n, p) lie within the support."""

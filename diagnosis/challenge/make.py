@@ -194,7 +194,7 @@ def feature_label(task: Task, feature: int | Literal["all"] | None) -> str | Non
     """As a diagnosis says it: a name, "all", or None where there is nothing to choose from."""
     if not isinstance(feature, int):
         return feature
-    return task.feature_names[feature] if task.feature_names else f"x{feature + 1}"
+    return task.labels[feature]
 
 
 def _draw(
