@@ -176,15 +176,15 @@ def grew(new: Fit, old: Fit, target: Target, mean: NDArray[np.float64], num_even
     variance 1 from these events, and their share of those that were fitted from the fit. The gap grows where it is
     below -|d| / 2, which chance alone brings about for a weak effect.
     """
-    left, before = (np.sqrt(num_events) * ((mean - fit.predicted) @ target.whitening) for fit in (new, old))
-    d = before - left
+    after, before = (np.sqrt(num_events) * ((mean - fit.predicted) @ target.whitening) for fit in (new, old))
+    d = before - after
     error = np.sqrt(1 + (1 + new.noise + old.noise) * num_events / target.num_events)
-    z = float(left @ d) / max(float(np.linalg.norm(d)) * error, 1e-12)
-    return float(left @ left) > float(before @ before) and z < -VETO
+    z = float(after @ d) / max(float(np.linalg.norm(d)) * error, 1e-12)
+    return float(after @ after) > float(before @ before) and z < -VETO
 
 
 def _accepted(
-    steps: list[Step], grew: Callable[[Fit, Fit], bool], clears: Callable[[Fit, Fit], bool], rejected: bool
+    steps: list[Step], worse: Callable[[Fit, Fit], bool], clears: Callable[[Fit, Fit], bool], rejected: bool
 ) -> Step | None:
     """The last step with the effect that may be added to its model, the first of its ranks as a rule; None for none.
 
@@ -192,10 +192,10 @@ def _accepted(
     wrong, not only may be.
     """
     last = steps[-1]
-    if last.ranks and not grew(last.ranks[0].fit, last.fit) and _closes(steps, rejected):
+    if last.ranks and not worse(last.ranks[0].fit, last.fit) and _closes(steps, rejected):
         return last
     for entry in last.ranks:
-        if clears(entry.fit, last.fit) and not grew(entry.fit, last.fit):
+        if clears(entry.fit, last.fit) and not worse(entry.fit, last.fit):
             feature, within = entry.effect.feature, entry.score + TIE
             rivals = [one for one in last.ranks if one is not entry and one.effect.feature == feature]
             return replace(last, chosen=entry, rivals=tuple(one for one in rivals if one.score < within))
@@ -210,13 +210,13 @@ def _closes(steps: list[Step], rejected: bool) -> bool:
         return excess(best.fit) < (1 - CLOSES) * whole
     if last.fit.gap - best.fit.gap < TIE + best.fit.gap_error:
         return False
-    left = excess(best.fit) / max(excess(last.fit), 1e-9)
+    share = excess(best.fit) / max(excess(last.fit), 1e-9)
     single = {entry.effect.key: entry.fit for entry in steps[0].ranks}.get(best.effect.key)
     alone = single is not None and whole - excess(single) > PAIR_ALONE * whole
     no_rival, no_more = not tied(last.ranks), excess(best.fit) < CHANCE * noise(best.fit)
     if (len(steps) > 2 or not rejected) and not no_rival:
         return False
-    return left < PAIR_CLEAR or (left < PAIR_LEAVES and (alone or no_rival or no_more))
+    return share < PAIR_CLEAR or (share < PAIR_LEAVES and (alone or no_rival or no_more))
 
 
 def _shown(step: Step, rejected: bool, alpha: float) -> bool:
@@ -232,7 +232,7 @@ def _enough(steps: list[Step], step: Step | None, clears: Callable[[Fit, Fit], b
     return clears(fit, step.fit) or excess(fit) < CHANCE * noise(fit)
 
 
-def _pair(steps: list[Step], search: Rank, grew: Callable[[Fit, Fit], bool]) -> tuple[list[Step], Base] | None:
+def _pair(steps: list[Step], search: Rank, worse: Callable[[Fit, Fit], bool]) -> tuple[list[Step], Base] | None:
     """Two effects that together leave next to nothing, where none alone closes half of the gap.
 
     Or where one does, but a second beside it is not enough: the pair then begins with that second, or with another that
@@ -245,11 +245,11 @@ def _pair(steps: list[Step], search: Rank, grew: Callable[[Fit, Fit], bool]) -> 
         enough = min(enough, PAIR_LEAVES * excess(steps[1].fit))
         second = [entry.effect.key for entry in steps[1].ranks[:1]]
         firsts = [e for e in firsts if e.effect.key in second or any(e is tie for tie in null.ties)]
-    return _beginning_with(firsts[:PARTNERS], enough, null, search, grew)
+    return _beginning_with(firsts[:PARTNERS], enough, null, search, worse)
 
 
 def _beginning_with(
-    firsts: list[Ranked], enough: float, null: Step, search: Rank, grew: Callable[[Fit, Fit], bool]
+    firsts: list[Ranked], enough: float, null: Step, search: Rank, worse: Callable[[Fit, Fit], bool]
 ) -> tuple[list[Step], Base] | None:
     """The best pair that begins with one of these effects and leaves no more than `enough`.
 
@@ -262,7 +262,7 @@ def _beginning_with(
     found.sort(key=lambda each: cost(each[1][0].fit))
     first, ranks, known = found[0]
     best = ranks[0]
-    if excess(best.fit) > enough or grew(best.fit, null.fit):
+    if excess(best.fit) > enough or worse(best.fit, null.fit):
         return None
     rivals = tuple(
         one
