@@ -9,7 +9,7 @@ from scipy.stats import poisson
 
 from avobench.bench import check
 from avobench.bench.errors import UsageError
-from avobench.diagnosis.effects.base import LEAST_KEPT, Parameter, accepted, skewed_noise
+from avobench.diagnosis.effects.base import Parameter, accepted, skewed_noise
 from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effects.continuous.base import Range, ranges
 from avobench.diagnosis.effects.continuous.readout import Comb
@@ -174,7 +174,33 @@ def test_an_acceptance_of_nothing_ends():
         np.random.default_rng(0),
     )
     assert x.shape == (200, 1)
-    assert LEAST_KEPT > 0
+
+
+@pytest.mark.parametrize(("shape", "phi"), [("cut", [1, 0.8]), ("window", [1, -0.7, 0.9])])
+def test_a_fiducial_cut_is_sharp_and_changes_nothing_within(shape, phi):
+    low, high = np.array([-0.8, 0.8]) if shape == "cut" else phi[1:]
+    x = events(Weinberg(), effect_of(Weinberg(), "edge_acceptance", shape), [45.0, 1.0], phi, n=100_000)[:, 0]
+    assert low - 0.01 < x.min() < low + 0.01
+    assert high - 0.01 < x.max() < high + 0.01
+
+    def below(c):  # no asymmetry: density 3/8 (1 + x^2)
+        return c + c**3 / 3
+
+    for c in (low / 2, 0.0, high / 2):
+        assert np.mean(x < c) == pytest.approx((below(c) - below(low)) / (below(high) - below(low)), abs=0.008)
+
+
+def test_an_edge_is_looked_for_where_events_lack():
+    shapes = {shape.shape: shape for shape in effect_of(Weinberg(), "edge_acceptance").shapes()}
+    beyond, inside = (0.8, 1.0), (-0.6, 0.9)
+    assert shapes["cut"].within(*beyond, 0) == shapes["cut"].within(-1.0, -0.8, 0) == pytest.approx([0.8])
+    assert shapes["cut"].within(*inside, 0) == pytest.approx([0.9])
+    assert shapes["turn_on_low"].within(-1.0, -0.8, 0) == pytest.approx([0.8])
+    assert shapes["turn_on_low"].within(*inside, 0) == pytest.approx([0.6])
+    assert shapes["window"].within(*beyond, 0) == pytest.approx([-np.inf, 0.8])
+    assert shapes["window"].within(-1.0, -0.8, 0) == pytest.approx([-0.8, np.inf])
+    assert shapes["window"].within(*inside, 0) == pytest.approx(inside)
+    assert shapes["power"].within(*beyond, 0) is None
 
 
 def test_dead_region_removes_its_share():

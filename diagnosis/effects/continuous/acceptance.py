@@ -1,6 +1,6 @@
 """Acceptance: events are lost depending on where they lie."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import ndtr
@@ -10,7 +10,7 @@ from avobench.diagnosis.effects.continuous.base import Acceptance
 
 LEP = "ALEPH, DELPHI, L3, OPAL, SLD, Phys. Rep. 427 (2006) 257, "
 LOSS = Parameter("lost", 0, 1, 0, "1")
-SHARP = 0.01
+SHARP = 0.002
 """Width of a cut, of half the range: narrower than what events resolve, and smooth in where it is."""
 
 
@@ -30,17 +30,41 @@ class EdgeAcceptance(Acceptance):
         # Flatter, or beginning further in, it would be a background, or a forward-backward acceptance, in disguise.
         power = Parameter("power", 2, 30, None, "1")
         steep = Parameter("power", 3, 30, None, "1")
-        edge = Parameter("edge", 0.2, 1, None, "of half the range")
+        # A cut in a feature without an end lies just beyond the range of all but one in a hundred of what is left.
+        far = 1.0 if self.bounded else 1.1
+        edge = Parameter("edge", 0.2, far, None, "of half the range")
+        low, high = replace(edge, name="low", low=-far, high=-0.2), replace(edge, name="high")
         width = Parameter("width", 0.01, 0.5, None, "of half the range")
-        shapes = {"power": (power,), "turn_on": (edge,), "cut": (edge,), "soft_turn_on": (edge, width)}
+        shapes = {
+            "power": (power,),
+            "turn_on": (edge,),
+            "cut": (edge,),
+            "soft_turn_on": (edge, width),
+            "window": (low, high),
+        }
         for side in ("low", "high"):
-            shapes |= {f"power_{side}": (steep,), f"turn_on_{side}": (edge,)}
+            shapes |= {f"power_{side}": (steep,), f"turn_on_{side}": (edge,), f"cut_{side}": (edge,)}
         if self.bounded:
             shapes["angle"] = (Parameter("angle", 0.05, 1.2, None, "rad"),)
         return shapes
 
+    def within(self, low, high, column):
+        """An interval at one end is taken for what is lost, one about the middle for what is left."""
+        ends = self.ranges[column].unit(np.array([low, high]))
+        at_end = ends.prod() > 0
+        if self.shape == "window":
+            return ends if not at_end else np.array([-np.inf, ends[0]] if ends[0] > 0 else [ends[1], np.inf])
+        _, edge, *width = self.parameters
+        if edge.name != "edge":
+            return None
+        side = self.shape.rpartition("_")[2]
+        inner, outer = np.sort({"low": -ends, "high": ends}.get(side, np.abs(ends)))
+        return np.array([inner if at_end and inner > 0 else outer, *[0.1 for _ in width]])
+
     def kept(self, x, span, phi):
         u, loss = span.unit(x), phi[:, 0]
+        if self.shape == "window":
+            return 1 - loss * (1 - ndtr((u - phi[:, 1]) / SHARP) * ndtr((phi[:, 2] - u) / SHARP))
         kind, _, side = self.shape.partition("_")
         if side in ("low", "high"):
             u = u if side == "high" else -u
@@ -52,7 +76,7 @@ class EdgeAcceptance(Acceptance):
             return 1 - loss * at ** phi[:, 1]
         if kind == "angle":  # the angle to the nearer pole, with a turn-on of a fifth of the edge's own angle
             return 1 - loss * ndtr((phi[:, 1] - np.arccos(at)) / (0.2 * phi[:, 1]))
-        width = {"soft_turn_on": lambda: phi[:, 2], "cut": lambda: SHARP}.get(self.shape, lambda: 0.05)()
+        width = phi[:, 2] if kind == "soft" else {"cut": SHARP, "turn": 0.05}[kind]
         return 1 - loss * ndtr((u - phi[:, 1]) / width)
 
 

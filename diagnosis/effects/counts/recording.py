@@ -108,7 +108,7 @@ class ThresholdLoss(Family):
 
     stage = 3
     name = "threshold_loss"
-    STRENGTH = Parameter("lost", 0, 0.98, 0, "1")
+    STRENGTH = Parameter("lost", 0, 1, 0, "1")
     SHAPES: ClassVar = {"step": (), "exponential": (), "turn_on": (), "free_turn_on": ()}
     sentence: ClassVar = "Events with few counts fall below a threshold and are lost."
     source: ClassVar = KNOLL + "Section 17.IV"
@@ -124,18 +124,14 @@ class ThresholdLoss(Family):
 
     def lost(self, x, phi):
         """The chance that counts x (n,) are lost: phi (n, q) -> (n,)."""
-        t = phi[:, 1]
+        strength, t = phi[:, 0], phi[:, 1]
         if self.shape == "exponential":
-            return phi[:, 0] * np.exp(-x / t)
-        # The width of a step is what whole counts cannot resolve; it makes the effect smooth in the threshold.
-        width = {
-            "step": lambda: 0.25,
-            "turn_on": lambda: (
-                0.3 * np.sqrt(t)
-            ),  # counts at the threshold scatter by its root, a logistic by 1.8 widths
-            "free_turn_on": lambda: phi[:, 2],
-        }[self.shape]()
-        return phi[:, 0] / (1 + np.exp(np.clip((x - t) / width, -50, 50)))
+            return strength * np.exp(-x / t)
+        if self.shape == "step":  # between two whole numbers it is a share of the lower one
+            return strength * np.clip(t - x, 0, 1)
+        # Counts at the threshold scatter by its root, a logistic by 1.8 widths.
+        width = 0.3 * np.sqrt(t) if self.shape == "turn_on" else phi[:, 2]
+        return strength / (1 + np.exp(np.clip((x - t) / width, -50, 50)))
 
     def apply(self, simulate, theta, phi, rng):
         return accepted(simulate, theta, lambda x, rows: 1 - self.lost(x[:, 0], phi[rows]), rng)
