@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import binom, norm
+from scipy.stats import binom, chi2, norm
 
 from avobench.diagnosis.base import Base
 from avobench.diagnosis.effort import Effort
@@ -36,13 +36,15 @@ def summary_gate(
     num_events = int(effort.polish * target.num_events)
     x = fit.model.simulate(np.tile(fit.params, (min(num_events, effort.covariance), 1)), rng)
     cov = target.summary.covariance(x)
-    cov[np.diag_indices_from(cov)] += ((np.diag(cov) == 0) & (target.mean > 0)) / target.num_events
-    own_target = Target.of(target.summary, target.mean, target.num_events, cov)
+    lacking = np.maximum(1 / target.num_events - np.diag(cov), 0)
+    own_target = Target.of(target.summary, target.mean, target.num_events, cov + np.diag(lacking))
+    still = round(float(lacking @ (own_target.whitening**2).sum(axis=1)))
     num_events = num_events if base is None else num_events // 2
     own = polish(fit, own_target, rng, num_events, base=base)
     if own.p_value > HOPELESS:
         own = settled(own, own_target, rng, int(effort.polish * target.num_events), effort.settle)
-    return Gate(statistic=own.q, dof=own.dof, p_value=own.p_value), own, own_target
+    dof = own.dof - still
+    return Gate(statistic=own.q, dof=dof, p_value=float(chi2.sf(own.q, dof)) if dof > 0 else 1.0), own, own_target
 
 
 def cell_gate(fit: Fit, x: NDArray, rng: np.random.Generator, effort: Effort) -> Gate:

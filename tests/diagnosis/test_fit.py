@@ -133,6 +133,24 @@ def test_p_values_of_a_true_model_are_not_small():
     assert sum(v < 0.05 for v in p) <= 3
 
 
+def test_where_nothing_is_expected_and_nothing_measured_a_fit_makes_nothing():
+    """Without counts below 6, the model's own covariance knows none either, and would let the threshold fall."""
+    (effect,) = (e for e in catalogue(Poisson()) if e.name == "threshold_loss")
+    x = np.random.default_rng(41).poisson(9.0, 40_000)
+    x = x[x > 5][:5000, None]
+    model = Model(Poisson(), (effect.adapted(x),))
+    at = np.array([np.log(9.0), 1.0, 6.0])
+    rng = np.random.default_rng(0)
+    simulated = Poisson().simulate(np.tile(at[:1], (20_000, 1)), rng)
+    target = target_of(x, bins_of(x, simulated), simulated)
+    for seed in range(4):
+        fit = refine(model, target, model.to_unit(at), 0.005, np.random.default_rng(seed), num_events=20_000)
+        gate, own, _ = summary_gate(fit, target, np.random.default_rng(seed), LIGHT)
+        assert own.params[2] > 5.9
+        assert gate.dof < target.rank - 3  # what cannot be otherwise is no degree of freedom
+        assert gate.p_value > 1e-3
+
+
 @pytest.mark.parametrize("events", [200, 3000])
 def test_of_images_one_cell_that_fires_where_none_should_is_seen_and_few_images_suffice(events):
     class Still:
