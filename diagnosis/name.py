@@ -97,12 +97,12 @@ def joint(start: Start, base: Base, target: Target, rng: np.random.Generator, nu
 def continued(fit: Fit, base: Base, target: Target, rng: np.random.Generator, num_events: int, effort: Effort) -> Fit:
     """The same fit until it stands still.
 
-    One that ends at an edge of theta's range may have been led there by the effect that was missing: theta is then
-    looked for anew.
+    One that ends at an edge of theta's range, or far from the data, may have been led there by the effect that was
+    missing: theta is then looked for anew.
     """
     p = fit.model.num_theta
     fit = polish(fit, target, rng, num_events, rounds=LAST_ROUNDS, base=base)
-    if np.abs(fit.unit[:p] - 0.5).max() < AT_EDGE:
+    if np.abs(fit.unit[:p] - 0.5).max() < AT_EDGE and fit.gap < STRONG * fit.dof:
         return fit
     centre, near = scan(fit.model, target, rng, fixed=fit.unit[p:], size=effort.scan)
     half = np.r_[np.maximum(near, 0.005), 0.3 * fit.model.reach(centre)[p:]]

@@ -81,6 +81,31 @@ def test_500_angles_behind_an_acceptance():
     assert diagnosis.verdict == Verdict.NAMED
 
 
+def test_angles_within_a_fiducial_cut_of_unequal_ends():
+    """Nothing is left beyond the ends, so that theta alone is far off, and a scale beside an offset is as sharp."""
+    task, rng = Weinberg(), np.random.default_rng(0)
+    x = task.simulate(np.tile([45.0, 1.0], (4000, 1)), rng)
+    seen = x[(x[:, 0] > -0.7) & (x[:, 0] < 0.9)][:2000]
+    chosen = [e for e in catalogue(task) if e.name in ("edge_acceptance", "offset", "scale", "dead_region")]
+    diagnosis = diagnose(task, seen, effects=chosen)
+    (found,) = diagnosis.effects
+    assert found.name == "edge_acceptance"
+    assert found.parameters["low"].value == pytest.approx(-0.7, abs=0.02)
+    assert found.parameters["high"].value == pytest.approx(0.9, abs=0.02)
+    assert diagnosis.verdict == Verdict.NAMED
+
+
+def test_counts_of_which_the_zeros_are_not_recorded():
+    x = np.random.default_rng(0).poisson(2.0, 6000)
+    chosen = [e for e in catalogue(Poisson()) if e.name in ("threshold_loss", "zero_inflation", "inefficiency")]
+    diagnosis = diagnose(Poisson(), x[x > 0][:4000, None], effects=chosen)
+    (found,) = diagnosis.effects
+    assert found.name == "threshold_loss"
+    assert diagnosis.verdict == Verdict.NAMED
+    log_rate = diagnosis.theta_after["log_rate"]
+    assert log_rate.value == pytest.approx(np.log(2), abs=3 * log_rate.std)
+
+
 @pytest.fixture(scope="module")
 def named():
     x = hidden(Poisson(), "overdispersion", [2.5], [0.08], 8000)
