@@ -6,7 +6,7 @@ from avobench.bench.store import write_atomically
 from avobench.diagnosis.schema import Diagnosis
 from avobench.tasks import Task
 
-from .figures import draw
+from .figures import FIGURE, draw
 from .page import Shown, render
 
 __all__ = ["write"]
@@ -15,7 +15,8 @@ __all__ = ["write"]
 def write(task: Task, diagnosis: Diagnosis, folder: Path, title: str) -> list[Path]:
     """Write the figures and `report.html` to the folder, each file whole or not at all; the page comes last.
 
-    `diagnosis` is as `diagnose` returns it, with its pictures; `title` may be any text.
+    Figures of another diagnosis that this one does not have are removed from the folder. `diagnosis` is as `diagnose`
+    returns it, with its pictures; `title` may be any text.
     """
     paths, shown = [], []
     for figure in draw(task, diagnosis):
@@ -23,5 +24,8 @@ def write(task: Task, diagnosis: Diagnosis, folder: Path, title: str) -> list[Pa
         paths += saved
         (png,) = (path for path in saved if path.suffix == ".png")
         shown.append(Shown(figure.name, figure.caption, png.read_bytes()))
+    for path in folder.iterdir():
+        if FIGURE.fullmatch(path.name) and path not in paths:
+            path.unlink()
     page = render(task, diagnosis, shown, title)
     return [*paths, write_atomically(folder / "report.html", page.encode())]

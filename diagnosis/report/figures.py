@@ -1,5 +1,6 @@
 """The figures of a diagnosis. Distinctions by colour are repeated in line style, marker or position."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,8 @@ from avobench.diagnosis.schema import Diagnosis, FoundEffect, Named
 from avobench.reports.style import PALETTE, STYLE, save
 from avobench.tasks import Task
 
+FIGURE = re.compile(r"(maps|distribution-\d+|gap|theta|candidates)\.(pdf|png|csv)")
+"""The file of a figure."""
 BEFORE, AFTER, REGION = PALETTE[1], PALETTE[0], {"excess": PALETTE[2], "deficit": PALETTE[4]}
 HATCH = {"excess": "//", "deficit": "\\\\"}
 MOST_CANDIDATES = 20

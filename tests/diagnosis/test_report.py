@@ -123,7 +123,10 @@ def test_every_verdict_has_a_page_also_where_there_is_nothing_to_show(browser, t
     regions = [row, {**row, "feature": "column"}] if verdict == Verdict.REDUCED else []
     content = diagnosis(task, verdict, regions=regions, candidates=[], identifiability=[], notes=[])
     named = content.theta_after is not None
-    write(task, content, tmp_path, "images")
+    write(Poisson(), diagnosis(Poisson()), tmp_path, "of other data, with other figures")
+    (tmp_path / "distribution-mine.csv").write_text("not of a diagnosis")
+    paths = write(task, content, tmp_path, "images")
+    assert {path.name for path in paths} | {"distribution-mine.csv"} == {path.name for path in tmp_path.iterdir()}
     browser.open(tmp_path / "report.html")
     assert browser.complaints() == []
     assert browser.run("return document.querySelector('#verdict').textContent") == str(verdict.value)
