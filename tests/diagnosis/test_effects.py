@@ -137,6 +137,17 @@ def test_dead_time_is_that_of_a_poisson_process(rate, tau):
         assert abs((x >= k).mean(axis=0) - (same >= k).mean(axis=0)).max() < 5 * 0.5 * np.sqrt(2 / n)
 
 
+@pytest.mark.parametrize(("pulses", "tau", "counted"), [(5000, 0.0, 5000), (500, 0.0019, None), (500, 0.0021, 0)])
+def test_a_counter_that_receives_far_too_much_counts_nothing(pulses, tau, counted):
+    """More than 200 pulses, and 1 / tau, where ten counts at most are to be expected; unless it is never blind."""
+    effect = effect_of(Poisson(), "dead_time").adapted(np.full((100, 1), 10))
+    x = effect.apply(lambda *_: np.full((1000, 1), pulses), None, np.full((1000, 1), tau), np.random.default_rng(0))
+    if counted is None:
+        assert x.mean() == pytest.approx(pulses / (1 + pulses * tau), rel=0.01)
+    else:
+        assert (x == counted).all()
+
+
 @pytest.mark.parametrize("shape", ["gamma", "lognormal", "skewed", "drift", "uniform"])
 def test_overdispersion_adds_the_stated_variance(shape):
     effect = effect_of(Poisson(), "overdispersion", shape)

@@ -36,7 +36,9 @@ class ZeroInflation(Family):
 class DeadTime(Family):
     """Pulses arrive at random times of the window; after each that is counted the counter is blind for `tau`.
 
-    A pulse that it does not see prolongs this always (`paralysable`), never, or with some probability (`hybrid`).
+    A pulse that it does not see prolongs this always (`paralysable`), never, or with some probability (`hybrid`). More
+    pulses than `overload`, with blind times longer than the window in all, are more than any counter in use receives:
+    nothing is counted.
     """
 
     shape: str = "non_paralysable"
@@ -57,11 +59,20 @@ class DeadTime(Family):
     def parameters(self):
         return (Parameter("tau", 0, self.highest, 0, "of the window"), *self.SHAPES[self.shape])
 
+    @property
+    def overload(self) -> float:
+        """Ten times the most that a counter blind for `highest` records, and 200 at least.
+
+        What a counter does is followed pulse by pulse, and simulators may be asked for any number of these.
+        """
+        return max(200.0, 10 / self.highest)
+
     def adapted(self, x):
         return replace(self, highest=1 / max(float(np.median(x)), 1.0))
 
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
+        x[(x[:, 0] > self.overload) & (x[:, 0] * phi[:, 0] > 1), 0] = 0
         prolonging = phi[:, 1] if self.shape == "hybrid" else np.full(len(x), float(self.shape == "paralysable"))
         x[:, 0] = counted(x[:, 0].astype(int), phi[:, 0], prolonging, rng)
         return x
