@@ -45,6 +45,8 @@ class Effort:
     """The same beside another effect."""
     starts: int = 5
     """Shapes of an effect that are fitted."""
+    enough: float = 24_000
+    """Of a whole diagnosis, a measured one: after so many no further effect is looked for."""
 
     def scaled(self, share: float) -> "Effort":
         """Less of everything, but not so little that fits fail."""

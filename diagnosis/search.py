@@ -58,6 +58,9 @@ class Search:
             rejected = len(steps) == 1 or steps[-1].p_value < STILL * self.alpha
             if len(steps) > 1 and not _shown(steps[-1], rejected, self.alpha):
                 break
+            if self._simulated_enough(steps[-1].fit):
+                notes.append("no further effect was looked for: these took as many simulated events as are allowed")
+                break
             if len(steps) == 1:
                 ranks, known = self.ranked(steps[0].fit, 1 - CLOSES)
             else:
@@ -65,7 +68,8 @@ class Search:
                 ranks, known = self.ranked(steps[-1].fit, PAIR_LEAVES, others)
             steps[-1] = replace(steps[-1], ranks=ranks)
             step = _accepted(steps, worse, clears, rejected)
-            if rejected and len(steps) <= 2 <= self.max_effects and not _enough(steps, step, clears):
+            two = rejected and len(steps) <= 2 <= self.max_effects and not self._simulated_enough(steps[-1].fit)
+            if two and not _enough(steps, step, clears):
                 pair = _pair(steps, self.ranked, worse)
                 if pair and (step is None or cost(pair[0][-1].added.fit) < cost(step.added.fit)):
                     steps, known = pair
@@ -75,6 +79,10 @@ class Search:
             steps, more = self._with(step, steps, known)
             steps, notes = self._first_again(self._without_second(steps)), notes + more
         return steps, notes
+
+    def _simulated_enough(self, fit: Fit) -> bool:
+        """Whether the simulator of this fit has made as many events as a diagnosis may take."""
+        return fit.model.events.used >= self.effort.enough * max(len(self.x), self.effort.few)
 
     def _with(self, step: Step, steps: list[Step], known: Base | None) -> tuple[list[Step], list[str]]:
         """The steps, of which the last is to be `step`, and one with the effect that comes after it; and notes."""

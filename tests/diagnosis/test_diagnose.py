@@ -19,6 +19,7 @@ from avobench.diagnosis.fit import refine
 from avobench.diagnosis.loop import fit_null
 from avobench.diagnosis.model import Model
 from avobench.diagnosis.name import _distinct, _on_all, reshaped
+from avobench.diagnosis.pool import Counted
 from avobench.diagnosis.rank import TIE, Ranked
 from avobench.diagnosis.schema import Verdict
 from avobench.diagnosis.screen import Sample, screen
@@ -420,6 +421,20 @@ def test_a_second_effect_stays_only_where_the_first_alone_does_not_do(share):
     if not share:
         assert steps[-1].p_value > 0.05
         assert [step.added.effect.name for step in steps[:-1]] == kept
+
+
+def test_no_further_effect_is_looked_for_after_so_many_simulated_events():
+    x, rng = hidden(Poisson(), "zero_inflation", [1.5], [0.2], 2000), np.random.default_rng(1)
+    effort = replace(effort_for(Poisson(), "counts", 100_000), enough=0)
+    model = Model(Poisson(), events=Counted(Poisson()))
+    null, target = fit_null(model, x, rng, effort, None)
+    before = Step.of(null, target, x, rng, effort)
+    assert before.p_value < 1e-6
+    search = Search(target, x, target.mean, 1000, catalogue(Poisson()), 0.05, 3, rng, effort, 1)
+    steps, notes = search.steps_from(before)
+    assert len(steps) == 1
+    assert steps[0] is before
+    assert "no further effect" in notes[0]
 
 
 def test_the_first_of_two_effects_is_chosen_anew_beside_the_second():
