@@ -7,7 +7,7 @@ QUICK := --budget 16000 --observations 20000 --targets 0-2 --set abc-smc.populat
 
 # TASK-KINDS-CASES-SEED of `make challenge`, and of `make challenge FULL=1`, whose records are committed.
 CHALLENGE := poisson-none-10-0 poisson-effects-12-0 weinberg-none-10-0 weinberg-effects-12-0 carl-none-4-0 carl-effects-8-0
-FULL_CHALLENGE := poisson-none-200-1098 poisson-effects-80-1102 weinberg-none-200-1099 weinberg-effects-80-1110
+FULL_CHALLENGE := poisson-none-200-1098 poisson-effects-80-1111 weinberg-none-200-1099 weinberg-effects-80-1110
 FULL_CHALLENGE += carl-none-200-1100 carl-effects-40-1109 alignment-none-40-1095 alignment-effects-24-1105
 EFFECTS := own,foreign,two,withheld
 JOBS ?= 1

@@ -56,10 +56,7 @@ class Search:
         clears = partial(clears_feature, target=self.target)
         while len(steps) <= self.max_effects and steps[-1].p_value < self.alpha:
             rejected = len(steps) == 1 or steps[-1].p_value < STILL * self.alpha
-            if len(steps) > 1 and not _shown(steps[-1], rejected, self.alpha):
-                break
-            if self._simulated_enough(steps[-1].fit):
-                notes.append("no further effect was looked for: these took as many simulated events as are allowed")
+            if self._spent(steps) or (len(steps) > 1 and not _shown(steps[-1], rejected, self.alpha)):
                 break
             if len(steps) == 1:
                 ranks, known = self.ranked(steps[0].fit, 1 - CLOSES)
@@ -68,7 +65,7 @@ class Search:
                 ranks, known = self.ranked(steps[-1].fit, PAIR_LEAVES, others)
             steps[-1] = replace(steps[-1], ranks=ranks)
             step = _accepted(steps, worse, clears, rejected)
-            two = rejected and len(steps) <= 2 <= self.max_effects and not self._simulated_enough(steps[-1].fit)
+            two = rejected and len(steps) <= 2 <= self.max_effects and not self._spent(steps)
             if two and not _enough(steps, step, clears):
                 pair = _pair(steps, self.ranked, worse)
                 if pair and (step is None or cost(pair[0][-1].added.fit) < cost(step.added.fit)):
@@ -78,11 +75,13 @@ class Search:
                 break
             steps, more = self._with(step, steps, known)
             steps, notes = self._first_again(self._without_second(steps)), notes + more
+        if steps[-1].p_value < self.alpha and self._spent(steps):
+            notes.append("the search ended early, since it had taken as many simulated events as a diagnosis may")
         return steps, notes
 
-    def _simulated_enough(self, fit: Fit) -> bool:
-        """Whether the simulator of this fit has made as many events as a diagnosis may take."""
-        return fit.model.events.used >= self.effort.enough * max(len(self.x), self.effort.few)
+    def _spent(self, steps: list[Step]) -> bool:
+        """Whether as many events were simulated as a diagnosis may take."""
+        return steps[-1].fit.model.events.used >= self.effort.enough * max(len(self.x), self.effort.few)
 
     def _with(self, step: Step, steps: list[Step], known: Base | None) -> tuple[list[Step], list[str]]:
         """The steps, of which the last is to be `step`, and one with the effect that comes after it; and notes."""

@@ -434,7 +434,7 @@ def test_no_further_effect_is_looked_for_after_so_many_simulated_events():
     steps, notes = search.steps_from(before)
     assert len(steps) == 1
     assert steps[0] is before
-    assert "no further effect" in notes[0]
+    assert "ended early" in notes[0]
 
 
 def test_the_first_of_two_effects_is_chosen_anew_beside_the_second():
