@@ -42,20 +42,20 @@ studies: venv  ## the paper's single experiments and the ablation into results/,
 	for study in poisson detector summary alignment ablation; do $(BIN)/avobench study $$study || exit 1; done
 
 bench-speed: venv  ## side by side: simulators against bare NumPy and Pythia, BOLFI's fast process against ELFI's own
-	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.simulator_speed
-	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.bolfi_speed
+	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.speed.simulators
+	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.speed.bolfi
 
 bench-avo: venv  ## AVO's step beside a plain implementation, matrix products alone and memory traffic
-	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.avo_speed
+	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.speed.avo
 
 bench-scaling: venv  ## time and memory against budget, observations, targets, workers and number of cells
-	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.scaling
+	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.speed.growth
 
 bench-diagnosis: venv  ## seconds of a diagnosis against measured events and against the size of the catalogue
-	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.bench.diagnosis_scaling
+	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.speed.diagnosis
 
 bench-cost: venv  ## where the time goes, from results/reference
-	$(BIN)/python -m avobench.bench.cost results/reference
+	$(BIN)/python -m avobench.speed.cost results/reference
 
 pages: venv  ## write into README and docs what the commands named there print
 	$(BIN)/python -m avobench.reports.printed README.md docs/performance.md docs/methods.md docs/challenge.md

@@ -1,15 +1,19 @@
 import os
 import signal
 import sys
+from pathlib import Path
 
 import pytest
+
+USERS = Path(__file__).parent / "users"
+"""Tasks, methods and effects as a user writes them: sound ones, and ones with a fault each."""
 
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"  # as the command does, so that results are the same
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # what a script runs in its background ignores Ctrl-C
 
-from avobench.bench import cli  # noqa: E402
+from avobench.cli import main as cli  # noqa: E402
 from browser import browser  # noqa: E402
 
 __all__ = ["browser"]
@@ -27,3 +31,10 @@ def avobench(monkeypatch, capsys):
         return exit.value.code or 0, *capsys.readouterr()
 
     return call
+
+
+@pytest.fixture
+def beside_users_modules(monkeypatch):
+    """`toys:Normal` is found as a user's own module is: beside the user."""
+    monkeypatch.chdir(USERS)
+    monkeypatch.syspath_prepend(str(USERS))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from avobench.diagnosis.effects import Effect, Parameter
+from avobench.effects import Effect, Parameter
 
 
 class Afterpulses(Effect):

@@ -9,7 +9,7 @@ from scipy.integrate import quad
 from scipy.stats import exponnorm
 
 from avobench.tasks import Box, Discriminator, Task
-from avobench.tasks.base import histogram
+from avobench.tasks.contract import histogram
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from avobench.bench.errors import UsageError
-from avobench.bench.problem import Problem
 from avobench.methods import Estimate, Method, TracePoint
+from avobench.methods.problem import Problem
+from avobench.tasks.errors import UsageError
 
 
 @dataclass(frozen=True)

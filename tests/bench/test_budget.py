@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from avobench.bench.budget import MeteredSimulator
-from avobench.bench.errors import BudgetExhausted, SimulatorError, SupportError
+from avobench.tasks.errors import BudgetExhausted, SimulatorError, SupportError
 from avobench.tasks.weinberg import Weinberg
 
 THETA = [45.5, 1.0]

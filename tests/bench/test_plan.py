@@ -2,8 +2,8 @@
 
 import pytest
 
-from avobench.bench.errors import UsageError
 from avobench.bench.plan import parse_targets, plan
+from avobench.tasks.errors import UsageError
 
 COMMON = {
     "tasks": ["toys:Normal", "weinberg"],

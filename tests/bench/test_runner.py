@@ -11,12 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from avobench.bench.local import LocalBackend
+from avobench.bench.backends.local import LocalBackend
 from avobench.bench.plan import plan
 from avobench.bench.runner import View, run
 from avobench.bench.store import Store
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parents[1] / "users"
 TIMED = ("observation_seconds", "simulator_seconds", "method_seconds", "harness_seconds", "peak_memory_mib", "started")
 
 
@@ -114,7 +114,7 @@ def test_damaged_records_are_set_aside_and_made_again(tmp_path):
     assert [path.name for path in (tmp_path / "damaged").iterdir()] == [damaged.name]
 
 
-COMMAND = [sys.executable, "-m", "avobench.bench", "run", "--task", "toys:Normal", "--method", "toys:Moment"]
+COMMAND = [sys.executable, "-m", "avobench", "run", "--task", "toys:Normal", "--method", "toys:Moment"]
 COMMAND += ["--budget", "400", "--observations", "100", "--repetitions", "4", "--jobs", "2"]
 COMMAND += ["--set", "moment.pause=0.02"]
 

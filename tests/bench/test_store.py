@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 
 from avobench.bench.cells import execute
-from avobench.bench.errors import StoreError, UsageError
 from avobench.bench.plan import plan
 from avobench.bench.store import Store, labels, to_frame, write_atomically
+from avobench.tasks.errors import StoreError, UsageError
 
 
 def records(methods=("toys:Moment",), budget=400, settings=(), targets="0-1"):

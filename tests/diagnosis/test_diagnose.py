@@ -7,28 +7,28 @@ import pytest
 from pydantic.errors import PydanticSchemaGenerationError
 
 from avobench.bench import registry
-from avobench.bench.errors import UsageError
+from avobench.cli.diagnose import tried
 from avobench.diagnosis import Diagnosis, diagnose
-from avobench.diagnosis.augmented import AugmentedTask, describe, kept
-from avobench.diagnosis.cli import tried
-from avobench.diagnosis.detect import target_of
-from avobench.diagnosis.effects import Effect, Parameter
-from avobench.diagnosis.effects.catalogue import catalogue
+from avobench.diagnosis.answer.quoted import scaled_std
 from avobench.diagnosis.effort import effort_for
-from avobench.diagnosis.fit import refine
+from avobench.diagnosis.fit.fit import refine
+from avobench.diagnosis.gates.summary import target_of
 from avobench.diagnosis.loop import fit_null
-from avobench.diagnosis.model import Model
-from avobench.diagnosis.name import _distinct, _on_all, reshaped
-from avobench.diagnosis.pool import Counted
-from avobench.diagnosis.rank import TIE, Ranked
 from avobench.diagnosis.schema import Verdict
-from avobench.diagnosis.screen import Sample, screen
-from avobench.diagnosis.search import Search, _accepted, _pair, _shown
-from avobench.diagnosis.step import Step
-from avobench.diagnosis.summary import bins_of
-from avobench.diagnosis.values import scaled_std
+from avobench.diagnosis.search.candidates import _distinct, _on_all, reshaped
+from avobench.diagnosis.search.ranking import TIE, Ranked
+from avobench.diagnosis.search.search import Search, _accepted, _pair, _shown
+from avobench.diagnosis.search.starts import Sample, screen
+from avobench.diagnosis.search.tested import Step
+from avobench.diagnosis.summary.bins import bins_of
+from avobench.effects import Effect, Parameter
+from avobench.effects.catalogue import catalogue
+from avobench.effects.model import Model
+from avobench.effects.model_file import AugmentedTask, describe, kept
+from avobench.effects.pool import Counted
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
+from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
 

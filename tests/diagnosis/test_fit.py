@@ -6,17 +6,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avobench.diagnosis import surrogate as surrogate_module
-from avobench.diagnosis.detect import cell_gate, summary_gate, target_of
-from avobench.diagnosis.effects.catalogue import catalogue
 from avobench.diagnosis.effort import Effort, effort_for
-from avobench.diagnosis.fit import SEARCHED, fit_at, minimise, polish, refine, scan, settled
+from avobench.diagnosis.fit import surrogate as surrogate_module
+from avobench.diagnosis.fit.fit import SEARCHED, fit_at, minimise, polish, refine, scan, settled
+from avobench.diagnosis.fit.surrogate import Design, quadratic, surrogate
+from avobench.diagnosis.gates.summary import cell_gate, summary_gate, target_of
 from avobench.diagnosis.loop import best_without, fit_null
-from avobench.diagnosis.model import Model
-from avobench.diagnosis.pixels import pixels_of
-from avobench.diagnosis.pool import Pool
-from avobench.diagnosis.summary import bins_of, closed, whitening
-from avobench.diagnosis.surrogate import Design, quadratic, surrogate
+from avobench.diagnosis.summary.bins import bins_of, closed, whitening
+from avobench.diagnosis.summary.pixels import pixels_of
+from avobench.effects.catalogue import catalogue
+from avobench.effects.model import Model
+from avobench.effects.pool import Pool
 from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg

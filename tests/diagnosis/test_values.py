@@ -5,20 +5,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avobench.diagnosis.classifier import features_of
-from avobench.diagnosis.detect import target_of
-from avobench.diagnosis.effects import Effect, Parameter
-from avobench.diagnosis.effects.catalogue import catalogue
+from avobench.diagnosis.answer.quoted import Move, ambiguity, covering, identified, theta_values
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit import Fit, fit_at, refine
-from avobench.diagnosis.model import Model
-from avobench.diagnosis.name import clears_feature, continued, excess_by_feature, joint, open_features
-from avobench.diagnosis.rank import Ranked, ranking
-from avobench.diagnosis.screen import Sample, hidden, screen
-from avobench.diagnosis.summary import bins_of
-from avobench.diagnosis.surrogate import Design, surrogate
-from avobench.diagnosis.target import Target
-from avobench.diagnosis.values import Move, ambiguity, covering, identified, theta_values
+from avobench.diagnosis.fit.fit import Fit, fit_at, refine
+from avobench.diagnosis.fit.surrogate import Design, surrogate
+from avobench.diagnosis.gates.classifier import features_of
+from avobench.diagnosis.gates.summary import target_of
+from avobench.diagnosis.search.candidates import clears_feature, continued, excess_by_feature, joint, open_features
+from avobench.diagnosis.search.ranking import Ranked, ranking
+from avobench.diagnosis.search.starts import Sample, hidden, screen
+from avobench.diagnosis.summary.bins import bins_of
+from avobench.diagnosis.summary.target import Target
+from avobench.effects import Effect, Parameter
+from avobench.effects.catalogue import catalogue
+from avobench.effects.model import Model
 from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg

@@ -16,7 +16,7 @@ from scipy.stats import exponnorm
 from avobench.bench import registry
 from avobench.bench.budget import MeteredSimulator
 from avobench.bench.cells import observe
-from avobench.bench.problem import Problem
+from avobench.methods.problem import Problem
 from avobench.tasks.carl import Carl
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -42,7 +42,7 @@ def blocks(page, language):
 
 
 def avobench(*arguments, **variables):
-    command = [sys.executable, "-m", "avobench.bench", *arguments]
+    command = [sys.executable, "-m", "avobench", *arguments]
     return subprocess.run(command, capture_output=True, text=True, env=os.environ | variables)
 
 

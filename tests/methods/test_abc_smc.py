@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from avobench.bench.errors import BudgetExhausted, SimulatorError, UsageError
 from avobench.methods.abc_smc import AbcSmc, _density_mode
 from avobench.tasks import Box, Task
+from avobench.tasks.errors import BudgetExhausted, SimulatorError, UsageError
 from gaussian import TRUTH, Constant, Failing, GaussianMean, GaussianMeans, gaussian_problem
 
 METHOD = AbcSmc(population_size=40, events_per_theta=16)

@@ -6,9 +6,9 @@ import warnings
 import numpy as np
 import pytest
 
-from avobench.bench.errors import BudgetExhausted, SimulatorError, UsageError
 from avobench.methods.bolfi import Bolfi
 from avobench.tasks import Task
+from avobench.tasks.errors import BudgetExhausted, SimulatorError, UsageError
 from gaussian import TRUTH, Failing, GaussianMean, GaussianMeans, gaussian_problem
 
 METHOD = Bolfi(events_per_theta=16, num_trace_points=3)

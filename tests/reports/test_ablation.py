@@ -4,8 +4,8 @@ import pytest
 
 from avobench.bench.cells import Status, blank_record
 from avobench.bench.store import Store
-from avobench.bench.study import ABLATION_TASKS, ABLATIONS, ablation, cells
 from avobench.reports.ablation import table
+from avobench.studies.paper import ABLATION_TASKS, ABLATIONS, ablation, cells
 
 
 def test_every_difference_makes_other_cells_on_the_same_targets():

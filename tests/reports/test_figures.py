@@ -4,12 +4,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from avobench.bench import study
 from avobench.bench.cells import Cell, execute, observe
-from avobench.bench.errors import StoreError
+from avobench.cli.reports import FIGURES
 from avobench.reports import alignment, cost, detector, efficiency, poisson, weinberg
-from avobench.reports.cli import FIGURES
 from avobench.reports.style import METHOD_COLOURS, PALETTE, colours
+from avobench.studies import paper as study
+from avobench.tasks.errors import StoreError
 from avobench.tasks.weinberg import Weinberg
 
 
@@ -20,7 +20,7 @@ def examples():
     poisson = [("PoissonExample", {**common, "entropy": gamma}) for gamma in (0.0, 1e-4)]
     kinds = [*poisson, ("AlignmentExample", {"hidden": [4], "schedule": "shared"})]
     return [
-        execute(Cell(f"avobench.bench.study:{task}", {}, "avo-paper", settings, 0, repetition, 640, 200, 0))
+        execute(Cell(f"avobench.studies.paper:{task}", {}, "avo-paper", settings, 0, repetition, 640, 200, 0))
         for task, settings in kinds
         for repetition in range(2)
     ]

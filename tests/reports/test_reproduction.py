@@ -3,11 +3,11 @@
 import pandas as pd
 import pytest
 
-from avobench.bench.errors import StoreError
 from avobench.reports import benchmark_claims, example_claims
 from avobench.reports.claims import Evidence
 from avobench.reports.quantities import labelled
 from avobench.reports.reproduction import page
+from avobench.tasks.errors import StoreError
 
 
 def evidence(records=(), study=(), detector=None):

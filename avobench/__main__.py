@@ -1,0 +1,16 @@
+"""Where the command `avobench` starts: one thread a process, set before any library that reads it is loaded."""
+
+import os
+
+for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[_variable] = "1"
+
+
+def main() -> None:
+    from avobench.cli import main as cli
+
+    cli.main()
+
+
+if __name__ == "__main__":
+    main()

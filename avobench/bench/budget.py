@@ -1,0 +1,125 @@
+"""The metered simulator: the only way a method can simulate, and the place where events are counted."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from avobench.tasks import Task
+from avobench.tasks.errors import BudgetExhausted, SimulatorError, SupportError
+
+
+class MeteredSimulator:
+    """Simulates events of a task from its own random stream, and never more than `budget` of them.
+
+    A request that would exceed the budget is refused whole: it raises BudgetExhausted, its events are added to
+    `refused`, and nothing is simulated. `requested == used + refused` always holds. An event is charged before it
+    is simulated, so a simulator that fails is charged too.
+    """
+
+    def __init__(
+        self, task: Task, budget: int, rng: np.random.Generator, progress: Callable[[int], None] | None = None
+    ) -> None:
+        self._task, self._rng, self._progress = task, rng, progress
+        self._budget, self._used, self._refused, self._seconds = budget, 0, 0, 0.0
+
+    @property
+    def budget(self) -> int:
+        return self._budget
+
+    @property
+    def used(self) -> int:
+        return self._used
+
+    @property
+    def refused(self) -> int:
+        return self._refused
+
+    @property
+    def requested(self) -> int:
+        return self._used + self._refused
+
+    @property
+    def remaining(self) -> int:
+        return self._budget - self._used
+
+    @property
+    def seconds(self) -> float:
+        """Spent in the simulator so far."""
+        return self._seconds
+
+    def __call__(self, theta: ArrayLike) -> NDArray:
+        """One event per row: theta (n, p) in raw units -> x (n, d).
+
+        Raises SupportError for a theta that is not finite, of the wrong shape or outside the support, BudgetExhausted
+        when fewer than n events remain, SimulatorError when the simulator fails.
+        """
+        # A copy: a simulator cannot change what the method holds.
+        return self._simulate(_checked(np.array(theta, float), self._task))
+
+    def repeat(self, theta: ArrayLike, n: int) -> NDArray:
+        """n events per row: theta (m, p) -> x (m, n, d). Raises as `__call__` does."""
+        theta = _checked(np.atleast_2d(np.asarray(theta, float)), self._task)
+        if n < 1:
+            raise SupportError(f"at least 1 event per row must be asked for, got {n}")
+        return self._simulate(np.repeat(theta, n, axis=0)).reshape(len(theta), n, -1)
+
+    def _simulate(self, theta: NDArray[np.float64]) -> NDArray:
+        """Charge and simulate one event per row of an array that was checked and that nobody else holds."""
+        n = len(theta)
+        if n > self._budget - self._used:
+            self._refused += n
+            raise BudgetExhausted(f"{n} events asked for, {self.remaining} of {self.budget} left")
+        self._used += n
+        start = time.perf_counter()
+        try:
+            x = checked_events(self._task, theta, self._rng)
+        finally:
+            self._seconds += time.perf_counter() - start
+        if self._progress is not None:
+            self._progress(self._used)
+        return x
+
+
+def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+    """Events of `task`, or SimulatorError saying what its simulator did wrong: theta (n, p) -> x (n, d)."""
+    try:
+        x = task.simulate(theta, rng)
+    except (Exception, SystemExit) as error:
+        raise SimulatorError(f"the simulator of {task.name} raised {type(error).__name__}: {error}") from error
+    if not isinstance(x, np.ndarray) or x.shape != (len(theta), task.num_features):
+        expected = (len(theta), task.num_features)
+        got = f"shape {x.shape}" if isinstance(x, np.ndarray) else type(x).__name__
+        raise SimulatorError(f"the simulator of {task.name} returned {got} where an array {expected} was due")
+    if x.dtype != task.dtype:
+        raise SimulatorError(f"the simulator of {task.name} returned {x.dtype} where {np.dtype(task.dtype)} was due")
+    if x.dtype.kind == "f" and not np.isfinite(x).all():
+        bad = np.flatnonzero(~np.isfinite(x).all(axis=1))
+        raise SimulatorError(
+            f"the simulator of {task.name} returned NaN or infinity in {len(bad)} of {len(x)} events, "
+            f"the first at theta = {theta[bad[0]].tolist()}"
+        )
+    return x
+
+
+def checked_summary(task: Task, x: NDArray) -> NDArray[np.float64]:
+    """The summary statistic of events (n, d) -> (k,), or SimulatorError saying what is wrong with it."""
+    try:
+        summary = task.summary(x)
+    except (Exception, SystemExit) as error:
+        raise SimulatorError(f"the summary of {task.name} raised {type(error).__name__}: {error}") from error
+    if not (isinstance(summary, np.ndarray) and summary.ndim == 1 and np.isfinite(summary).all()):
+        raise SimulatorError(f"the summary of {task.name} must be a finite array (k,), got {summary!r:.100}")
+    return summary
+
+
+def _checked(theta: NDArray[np.float64], task: Task) -> NDArray[np.float64]:
+    p = len(task.parameter_names)
+    if theta.ndim != 2 or theta.shape[1] != p or len(theta) == 0:
+        raise SupportError(f"theta must have shape (n, {p}) with n > 0, got {theta.shape}")
+    try:
+        task.require_support(theta)
+    except ValueError as error:
+        raise SupportError(str(error)) from error
+    return theta

@@ -1,0 +1,60 @@
+"""The conformance suite: does a task, method or effect, ours or a user's, keep its contract?
+
+Checks come in stages. Seeds are fixed, so a verdict is repeatable.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from avobench.bench import registry
+from avobench.bench.conformance import effects, methods, tasks
+from avobench.bench.conformance.promises import BrokenPromise
+from avobench.tasks.errors import SimulatorError
+
+STAGES = {"task": tasks.stages, "method": methods.stages, "effect": effects.stages}
+
+
+@dataclass(frozen=True)
+class Result:
+    """The outcome of one check; `why` is one line, empty for one that passed."""
+
+    passed: bool
+    what: str
+    why: str = ""
+
+
+def run(kind: str, name: str) -> Iterator[Result]:
+    """Check the task, method or effect `name`, registered or `module:Class`, by default settings; results as they come.
+
+    A stage is tried only if all checks of the one before passed, so that one fault is told once. Whatever the checked
+    object raises is a result. Only UsageError leaves this function: there is no such object, it cannot be made with its
+    default settings, or a package that it needs is not installed.
+    """
+    if kind == "effect":
+        subject = effects.subjects(name)
+        for task, _ in subject:
+            registry.require_packages("task", task)
+    else:
+        subject = registry.build(kind, name, {})
+        registry.require_packages(kind, subject)
+    for stage in STAGES[kind](name, subject):
+        passed = True
+        for what, check in stage:
+            result = _result(what, check)
+            passed &= result.passed
+            yield result
+        if not passed:
+            return
+
+
+def _result(what: str, check: Callable[[], None]) -> Result:
+    try:
+        check()
+    except (Exception, SystemExit) as error:
+        return Result(False, what, _line(error))
+    return Result(True, what)
+
+
+def _line(error: BaseException) -> str:
+    ours = isinstance(error, (BrokenPromise, SimulatorError))
+    return " ".join(f"{'' if ours else type(error).__name__ + ': '}{error}".split())

@@ -1,0 +1,79 @@
+"""What tasks and methods both promise, and how a check says that a promise is broken."""
+
+import json
+import random
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from typing import Any
+
+import joblib
+import numpy as np
+
+from avobench.bench import registry
+from avobench.methods import Method
+from avobench.methods.contract import global_seed
+from avobench.tasks import Task
+
+Stage = list[tuple[str, Callable[[], None]]]
+"""Checks by what they promise. Each raises when the promise is broken."""
+
+
+class BrokenPromise(Exception):
+    """What a check found wrong, in a sentence."""
+
+
+def expect(holds: bool, why: str) -> None:
+    """Raise BrokenPromise with `why` unless the promise holds."""
+    if not holds:
+        raise BrokenPromise(why)
+
+
+def is_text(value: object) -> bool:
+    """A string with something to read in it."""
+    return isinstance(value, str) and bool(value.strip())
+
+
+def recordable(kind: str, name: str, subject: Task | Method) -> None:
+    """Raise BrokenPromise unless a record can hold what identifies the task or method."""
+    for attribute in ("name", "version", "source"):
+        expect(is_text(getattr(subject, attribute)), f"{attribute} must be text, got {getattr(subject, attribute)!r}")
+    identity = registry.identity(kind, name, subject)
+    try:
+        json.dumps(identity)
+    except TypeError as error:
+        raise BrokenPromise(f"a record cannot hold the settings {identity[f'{kind}_settings']}: {error}") from error
+
+
+@contextmanager
+def global_seeds(seed: int) -> Iterator[None]:
+    """Another state of every global generator inside the block; PyTorch's where it has been loaded."""
+    torch = sys.modules.get("torch")
+    with global_seed(np.random.default_rng(seed)), torch.random.fork_rng(devices=[]) if torch else nullcontext():
+        if torch:
+            torch.manual_seed(seed)
+        yield
+
+
+@contextmanager
+def state_kept(by: str) -> Iterator[None]:
+    """Raise BrokenPromise if the block changes what tasks and methods share with the rest of the process."""
+    with global_seeds(1):
+        before = _global_state()
+        yield
+        after = _global_state()
+    changed = sorted(what for what in before if before[what] != after[what])
+    expect(not changed, f"{by} changes {', '.join(changed)}")
+
+
+def _global_state() -> dict[str, Any]:
+    state = {
+        "numpy.random": joblib.hash(np.random.get_state()),  # noqa: NPY002 - looked at, not drawn from
+        "random": random.getstate(),
+        "numpy's floating-point error handling": np.geterr(),
+        "warnings.filters": list(warnings.filters),
+    }
+    if torch := sys.modules.get("torch"):
+        state["PyTorch's random state"] = torch.get_rng_state().tolist()
+    return state

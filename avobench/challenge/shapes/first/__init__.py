@@ -1,0 +1,1 @@
+"""The first series of hidden shapes."""

@@ -1,0 +1,1 @@
+"""The command `avobench`: the one place that puts all others together; nothing imports it."""

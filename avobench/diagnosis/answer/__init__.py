@@ -1,0 +1,1 @@
+"""What is quoted of a fitted model, and what the data could not have shown."""

@@ -1,0 +1,157 @@
+"""What is quoted of a fitted model: values, and errors that cover the other shapes which the data allow."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.diagnosis.fit.fit import IDENTIFIED, Fit, settled
+from avobench.diagnosis.schema import Combination, EffectValue, FoundEffect, Named, Value
+from avobench.diagnosis.search.ranking import Ranked, shape_parameters
+from avobench.diagnosis.summary.target import Target
+from avobench.effects import Effect
+
+ALLOWED = 4.0
+"""Chi-squared above the best up to which another shape is allowed: two standard errors."""
+TRIED = 4
+"""Other shapes that are fitted once more, at most."""
+MOVED_EVENTS = 50_000
+"""From which it is taken how far another theta is away."""
+
+
+@dataclass(frozen=True)
+class Move:
+    """Another effect, or another shape of it, that the data allow, and where theta would be with it."""
+
+    theta: NDArray[np.float64]
+    """How far theta moves, in units of its range, along what the data determine of it: (p,)."""
+    worse: float
+    """By how much chi-squared is worse, at least."""
+    covariance: NDArray[np.float64]
+    """Of theta there, along the same: (p, p)."""
+
+
+def ambiguity(
+    last: Fit, chosen: Ranked, ties: list[Ranked], target: Target, rng: np.random.Generator, num_events: int
+) -> list[Move]:
+    """What theta would be with another shape of the chosen effect, or with one that is tied with it.
+
+    Those that move it furthest are fitted once more with `num_events`. Only what the data determine of theta counts, by
+    the final fit `last`. How far theta moves is measured in events of the chosen model, since a straight line between
+    two values may mean nothing where they are not determined.
+    """
+    p, seed, model = last.model.num_theta, int(rng.integers(2**63)), chosen.fit.model
+    known = _known(last)[1]
+
+    def settle(fit: Fit) -> Fit:
+        return settled(fit, target, rng, num_events, (1, 3))
+
+    def worse(fit: Fit, than: Fit) -> float:
+        shapes = shape_parameters(fit.model.effects[-1]) - shape_parameters(than.model.effects[-1])
+        return max(fit.gap + shapes - than.gap - np.hypot(fit.gap_error, than.gap_error), 0.0)
+
+    def mean(fit: Fit) -> NDArray[np.float64]:
+        params = np.concatenate([fit.params[:p], chosen.fit.params[p:]])
+        x = model.simulate(np.tile(params, (MOVED_EVENTS, 1)), np.random.default_rng(seed))
+        return target.whiten(target.summary.mean(x)[0])
+
+    def back(fit: Fit) -> NDArray[np.float64]:
+        return known @ np.linalg.pinv(fit.jacobian[:, :p] @ known)
+
+    rivals = [*chosen.others, *(fit for tie in ties for fit in (tie.fit, *tie.others))]
+    rivals = [fit for fit in rivals if worse(fit, chosen.fit) < ALLOWED]
+    if not rivals:
+        return []
+    here, along = mean(chosen.fit), back(chosen.fit)
+    far = [np.abs(along @ (mean(fit) - here)).max() for fit in rivals]
+    best = settle(chosen.fit)
+    here, along, moves = mean(best), back(best), []
+    for k in np.argsort(far)[::-1][:TRIED]:
+        fit = settle(rivals[k])
+        if (by := worse(fit, best)) < ALLOWED:
+            there = along @ fit.jacobian[:, :p]
+            moves.append(Move(along @ (mean(fit) - here), by, there @ fit.unit_covariance[:p, :p] @ there.T))
+    return moves
+
+
+def covering(std: NDArray[np.float64], directions: NDArray[np.float64], moves: Sequence[Move]) -> NDArray[np.float64]:
+    """Standard errors (k,) of theta along directions (p, k), such that twice as much covers what the data allow.
+
+    The envelope of the parabolas of all shapes (P. D. Dauncey et al., JINST 10 (2015) P04015); that of the chosen one
+    has the errors `std` (k,).
+    """
+    half = [2 * std]
+    for move in moves:
+        own = np.einsum("ik,ij,jk->k", directions, move.covariance, directions)
+        own = np.sqrt(np.minimum(own, (directions**2).sum(axis=0) / 12))  # no more than the range alone gives
+        half.append(np.abs(move.theta @ directions) + own * np.sqrt(ALLOWED - move.worse))
+    return np.max(half, axis=0) / 2
+
+
+def scale(fit: Fit) -> float:
+    """By what errors are larger where the model does not describe the events."""
+    return float(np.sqrt(max(1.0, fit.q / max(fit.dof, 1))))
+
+
+def scaled_std(fit: Fit) -> NDArray[np.float64]:
+    """Standard errors (P,), larger where the model does not describe the events."""
+    return fit.std * scale(fit)
+
+
+def theta_values(fit: Fit, moves: Sequence[Move] = ()) -> dict[str, Value]:
+    p = fit.model.num_theta
+    width = (fit.model.high - fit.model.low)[:p]
+    std = covering(scaled_std(fit)[:p], np.diag(width), moves)
+    return {
+        name: Value(value=float(fit.params[i]), std=float(std[i]))
+        for i, name in enumerate(fit.model.task.parameter_names)
+    }
+
+
+def identified(fit: Fit, moves: Sequence[Move] = ()) -> list[Combination]:
+    """The combinations of theta that the data determine, best known first; uncorrelated with each other.
+
+    Eigenvectors of the covariance of theta, the parameters of the effects being free, in units of theta's range. A
+    combination counts whose error is less than a fifth of what the range alone would give.
+    """
+    p, model = fit.model.num_theta, fit.model
+    width = (model.high - model.low)[:p]
+    variances, directions = _known(fit)
+    std = scale(fit) * np.sqrt(variances)
+    std = covering(std, directions, moves)
+    return [
+        Combination(
+            coefficients=dict(zip(model.task.parameter_names, map(float, direction / width), strict=True)),
+            value=float(direction / width @ fit.params[:p]),
+            std=float(error),
+        )
+        for error, direction in zip(std, directions.T, strict=True)
+    ]
+
+
+def _known(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The directions of theta in the unit cube that the data determine, with the variance along each: (k,), (p, k)."""
+    p = fit.model.num_theta
+    variances, directions = np.linalg.eigh(fit.unit_covariance[:p, :p])
+    known = variances < 1 / IDENTIFIED**2 / 12
+    return variances[known], directions[:, known]
+
+
+def named(effect: Effect, names: tuple[str, ...]) -> Named:
+    feature = effect.feature
+    return Named(name=effect.name, feature=names[feature] if isinstance(feature, int) else feature)
+
+
+def found_effect(fit: Fit, k: int, ties: list[Ranked], names: tuple[str, ...]) -> FoundEffect:
+    """The k-th effect of a fitted model."""
+    effect = fit.model.effects[k]
+    start = fit.model.num_theta + sum(len(e.parameters) for e in fit.model.effects[:k])
+    std = scaled_std(fit)
+    parameters = {
+        p.name: EffectValue(value=float(fit.params[start + i]), std=float(std[start + i]), null=p.null, unit=p.unit)
+        for i, p in enumerate(effect.parameters)
+    }
+    return FoundEffect(
+        **named(effect, names).model_dump(), parameters=parameters, tied_with=[named(t.effect, names) for t in ties]
+    )

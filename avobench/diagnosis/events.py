@@ -1,0 +1,201 @@
+"""Measured events from a file of any common format, and what may be wrong with them."""
+
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from avobench.tasks import Task
+from avobench.tasks.errors import UsageError
+
+MIN_EVENTS = 200
+NUM_REFERENCE = 20_000
+"""Simulated events that tell which values the simulator can make; a tenth of it for images."""
+MANY_REPEATS = 0.01
+"""Share of repeated events above which it is worth a warning."""
+
+
+def read_events(path: str, columns: Sequence[str] | None = None) -> NDArray:
+    """The events of a .npy, .npz, .csv or .parquet file, or of a tree `file.root:tree`: (n, d), one row an event.
+
+    `columns` chooses columns, branches, or arrays of a .npz, in this order; without it all are read. A one-dimensional
+    array is one feature; what has more than two dimensions, such as images, is flattened row by row. Raises UsageError
+    for what cannot be read as numbers, and for pickled content, which could run code.
+    """
+    file, _, tree = path.rpartition(":") if re.search(r"\.root:[^:]+$", path) else (path, "", "")
+    if not Path(file).is_file():
+        raise UsageError(f"there is no file {file}")
+    suffix = Path(file).suffix
+    if suffix == ".root" and not tree:
+        raise UsageError(f"a ROOT file needs the name of a tree: {file}:TREE")
+    if suffix not in (".npy", *_READERS):
+        raise UsageError(f"{file}: events are read from .npy, .npz, .csv, .parquet, or .root:TREE")
+    if columns and suffix == ".npy":
+        raise UsageError(f"{file}: the columns of a .npy file have no names to choose from")
+    try:
+        if suffix == ".npy":
+            x = np.load(file, allow_pickle=False)
+        else:
+            x = _READERS[suffix](file, tree, list(columns) if columns else None)
+    except UsageError:
+        raise
+    except Exception as error:  # every reader has its own exceptions, and a damaged file may raise any
+        if "allow_pickle" in str(error):
+            raise UsageError(f"{file} is no plain array; it may hold pickled objects, which could run code") from error
+        raise UsageError(f"{file} cannot be read: {type(error).__name__}: {error}") from error
+    if x.dtype == bool:
+        x = x.astype(np.uint8)
+    if not (np.issubdtype(x.dtype, np.integer) or np.issubdtype(x.dtype, np.floating)):
+        raise UsageError(f"{file} holds {x.dtype} instead of real numbers")
+    if x.ndim == 0:
+        raise UsageError(f"{file} holds a single number")
+    return x.reshape(len(x), -1) if x.size else x.reshape(len(x), x.shape[1] if x.ndim > 1 else 1)
+
+
+def _read_npz(file: str, tree: str, columns: list[str] | None) -> NDArray:
+    with np.load(file, allow_pickle=False) as arrays:
+        names = _chosen(file, arrays.files, columns)
+        if len(names) == 1:
+            return arrays[names[0]]
+        if columns is None:
+            raise UsageError(f"{file} holds several arrays, choose by --columns: {', '.join(names)}")
+        return _stack(file, {name: arrays[name] for name in names})
+
+
+def _read_csv(file: str, tree: str, columns: list[str] | None) -> NDArray:
+    first = pd.read_csv(file, header=None, nrows=1, dtype=str).iloc[0]
+    empty = first.isna() | first.str.strip().str.lower().isin(("nan", ""))
+    named = pd.to_numeric(first[~empty], errors="coerce").isna().any()
+    frame = pd.read_csv(file, header=0 if named else None)
+    if columns and not named:
+        raise UsageError(f"{file} has no line of column names to choose from")
+    return _frame(file, frame, columns)
+
+
+def _read_parquet(file: str, tree: str, columns: list[str] | None) -> NDArray:
+    return _frame(file, pd.read_parquet(file), columns)
+
+
+def _read_root(file: str, tree: str, columns: list[str] | None) -> NDArray:
+    try:
+        import uproot
+    except ModuleNotFoundError as error:
+        raise UsageError("ROOT files need uproot, which is not installed: pip install 'avobench[root]'") from error
+    with uproot.open(file) as opened:
+        trees = [
+            name.partition(";")[0] for name, kind in opened.classnames().items() if kind in ("TTree", "ROOT::RNTuple")
+        ]
+        if tree not in trees:
+            raise UsageError(f"{file} has no tree '{tree}'; it has: {', '.join(dict.fromkeys(trees)) or 'none'}")
+        names = _chosen(file, opened[tree].keys(), columns)
+        arrays = opened[tree].arrays(names, library="np")
+    return _stack(file, {name: arrays[name] for name in names})  # uproot has an order of its own
+
+
+_READERS: dict[str, Callable[[str, str, list[str] | None], NDArray]] = {
+    ".npz": _read_npz,
+    ".csv": _read_csv,
+    ".parquet": _read_parquet,
+    ".root": _read_root,
+}
+
+
+def _frame(file: str, frame: pd.DataFrame, columns: list[str] | None) -> NDArray:
+    frame = frame[_chosen(file, list(frame.columns), columns)]
+    return _stack(file, {str(name): values.to_numpy() for name, values in frame.items()})
+
+
+def _chosen(file: str, names: list, columns: list[str] | None) -> list:
+    missing = [name for name in columns or [] if name not in names]
+    if missing:
+        raise UsageError(f"{file} has no {', '.join(missing)}; it has: {', '.join(map(str, names))}")
+    if not names:
+        raise UsageError(f"{file} holds nothing")
+    return names if columns is None else columns
+
+
+def _stack(file: str, arrays: dict[str, NDArray]) -> NDArray:
+    """One-dimensional arrays of numbers side by side: (n, d)."""
+    for name, values in arrays.items():
+        if values.ndim != 1 or values.dtype.kind not in "biuf":
+            raise UsageError(f"{file}: '{name}' does not hold one real number an event")
+    if len({len(values) for values in arrays.values()}) > 1:
+        raise UsageError(f"{file}: the columns differ in length")
+    return np.stack(list(arrays.values()), axis=1)
+
+
+def check_events(task: Task, x: NDArray, *, drop_invalid: bool = False) -> tuple[NDArray, list[str]]:
+    """The events (n, d) in the task's type, and warnings, a sentence each.
+
+    Raises UsageError where a diagnosis would be meaningless: another number of columns, rows that are not finite
+    (unless `drop_invalid` drops them), whole numbers for a continuous task or fractions for counts, fewer than
+    MIN_EVENTS.
+    """
+    if x.ndim != 2 or x.shape[1] != task.num_features:
+        got = x.shape[1] if x.ndim == 2 else f"an array of shape {x.shape}"
+        raise UsageError(f"an event of {task.name} has {task.num_features} columns, the data have {got}")
+    warnings = []
+    finite = np.isfinite(x).all(axis=1)
+    if not finite.all():
+        count = f"{(~finite).sum()} of {len(x)} rows hold NaN or infinite values"
+        if not drop_invalid:
+            raise UsageError(f"{count}; mend them, or drop them with --drop-invalid")
+        warnings.append(f"{count} and were dropped")
+        x = x[finite]
+    if len(x) < MIN_EVENTS:
+        raise UsageError(f"{len(x)} events are too few, a diagnosis needs at least {MIN_EVENTS}")
+    whole = bool((x == np.rint(x)).all())
+    if np.issubdtype(np.dtype(task.dtype), np.integer):
+        if not whole:
+            broken = (x != np.rint(x)).any(axis=1).sum()
+            raise UsageError(f"{task.name} makes whole numbers, {broken} of {len(x)} rows hold fractions")
+    elif whole and not task.event_shape:
+        raise UsageError(f"{task.name} makes continuous values, the data hold whole numbers only")
+    warnings += _outside(task, x)
+    if task.event_shape or not np.issubdtype(np.dtype(task.dtype), np.integer):
+        repeated = len(x) - len(np.unique(x, axis=0))
+        if repeated > MANY_REPEATS * len(x):
+            warnings.append(
+                f"{repeated} of {len(x)} events repeat an earlier one: unless the values were rounded, "
+                "repeated events falsify every test"
+            )
+    return _cast(task, x), warnings
+
+
+def _cast(task: Task, x: NDArray) -> NDArray:
+    """In the task's type, or a wider one where that does not hold the values."""
+    dtype = np.dtype(task.dtype)
+    if np.issubdtype(dtype, np.integer) and not np.iinfo(dtype).min <= x.min() <= x.max() <= np.iinfo(dtype).max:
+        dtype = np.dtype(np.int64)
+    return x.astype(dtype)
+
+
+def _outside(task: Task, x: NDArray) -> list[str]:
+    """A sentence for each feature with values where the simulator, over its whole prior, makes none.
+
+    Where simulated events crowd at an end of their range, as a cosine does at 1, the range is taken to end there, and
+    any value beyond is told. Elsewhere, as in the tail of a Gaussian, only values that lie beyond by the range's whole
+    width are. The features of an image are taken together.
+    """
+    rng = np.random.default_rng(0)
+    simulated = task.simulate(task.prior.sample(NUM_REFERENCE // (10 if task.event_shape else 1), rng), rng)
+    if task.event_shape:
+        features = [("cells", simulated.ravel(), x.ravel())]
+    else:
+        features = list(zip(task.labels, simulated.T, x.T, strict=True))
+    sentences = []
+    for name, made, values in features:
+        low, near_low, near_high, high = (float(q) for q in np.quantile(made, [0, 0.001, 0.999, 1]))
+        width = high - low
+        below = low - (0.001 if near_low - low <= 0.01 * width else 1) * width
+        above = high + (0.001 if high - near_high <= 0.01 * width else 1) * width
+        count = int(((values < below) | (values > above)).sum())
+        if count:
+            sentences.append(
+                f"{count} values of {name} lie outside {low:.4g} to {high:.4g}, where the simulator makes its events "
+                f"(they reach from {values.min():.4g} to {values.max():.4g}); this may itself be the disagreement"
+            )
+    return sentences

@@ -1,0 +1,1 @@
+"""Fits of a black-box simulator to a summary."""

@@ -1,0 +1,1 @@
+"""Tests of a fitted model against events, and where the two disagree."""

@@ -1,0 +1,135 @@
+"""Where do simulation and measurement disagree? Intervals of each feature, with the look-elsewhere effect."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.diagnosis.fit.fit import Fit
+from avobench.diagnosis.schema import Region
+from avobench.diagnosis.summary.bins import Bins, Summary, closed
+from avobench.diagnosis.summary.pixels import Pixels
+from avobench.diagnosis.summary.target import Target
+
+DRAWS = 2000
+MOST = 6
+
+
+@dataclass(frozen=True)
+class Scan:
+    """All regions of a summary, and how each reads off a whitened residual."""
+
+    regions: list[tuple[int, int, int]]
+    """(which span, first bin, last bin)."""
+    reading: NDArray[np.float64]
+    """(number of regions, r): rows of length 1 in what is left after the fit."""
+
+
+@dataclass(frozen=True)
+class Span:
+    """Bins of a summary that lie side by side."""
+
+    feature: int | str
+    """The column that they are of; of images rows, columns or hits."""
+    start: int
+    """Of the first, in the summary."""
+    ends: NDArray[np.float64]
+    """Of the bins, one more than there are."""
+
+
+def spans_of(summary: Summary, x: NDArray) -> list[Span]:
+    """The features of events x (n, d), which say where the outermost bins end; of images rows, columns and hits.
+
+    Rows and columns are counted from 0.
+    """
+    if isinstance(summary, Pixels):
+        ends = [(name, np.arange(length + 1) - 0.5) for name, length in summary.blocks[:2]]
+        ends.append(("hits", closed(summary.fullness, (x > 0).sum(axis=1))))
+    else:
+        ends = [(j, closed(inner, x[:, j])) for j, inner in enumerate(summary.edges)]
+    starts = np.cumsum([0, *(len(each) - 1 for _, each in ends)]).tolist()
+    return [Span(feature, start, each) for (feature, each), start in zip(ends, starts, strict=False)]
+
+
+def intervals(fit: Fit, target: Target, spans: list[Span]) -> Scan:
+    """Contiguous runs of bins in each span."""
+    regions, masks = [], []
+    for k, span in enumerate(spans):
+        bins = len(span.ends) - 1
+        for first in range(bins):
+            for last in range(first, min(bins, first + max(bins // 2, 1))):
+                mask = np.zeros(target.summary.size)
+                mask[span.start + first : span.start + last + 1] = 1
+                regions.append((k, first, last))
+                masks.append(mask)
+    # A mean of whitened residual r is the mean C W r of the summary, so a sum of bins reads r through W^T C.
+    reading = np.array(masks) @ target.cov @ target.whitening @ fit.projector()
+    length = np.linalg.norm(reading, axis=1)
+    seen = length > 1e-6 * length.max()
+    return Scan([r for r, s in zip(regions, seen, strict=True) if s], reading[seen] / length[seen, None])
+
+
+def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> list[tuple[float, float, int]]:
+    """Where a feature of simulated events x (n, d), or any if it is "all", disagrees most with measured ones.
+
+    The ends and the feature of the interval of the largest excess, and of the largest deficit; nothing for images.
+    """
+    if not isinstance(target.summary, Bins):
+        return []
+    spans = [span for span in spans_of(target.summary, x) if feature in ("all", None, span.feature)]
+    scan = intervals(fit, target, spans)
+    z = scan.reading @ fit.residual
+    found = []
+    for i in (z.argmax(), z.argmin()):
+        k, first, last = scan.regions[i]
+        found.append((float(spans[k].ends[first]), float(spans[k].ends[last + 1]), spans[k].feature))
+    return found
+
+
+def significant(
+    scan: Scan, fit: Fit, rng: np.random.Generator, alpha: float
+) -> list[tuple[int, int, int, float, float]]:
+    """Regions that stand out though all were looked at, strongest first, none overlapping another.
+
+    Each is (which span, first bin, last bin, z, global p).
+    """
+    z = scan.reading @ fit.residual / np.sqrt(1 + fit.noise)
+    draws = rng.standard_normal((DRAWS, len(fit.residual))) @ fit.projector()
+    highest = np.sort(np.abs(draws @ scan.reading.T).max(axis=1))
+    p = (1 + DRAWS - np.searchsorted(highest, np.abs(z))) / (1 + DRAWS)
+    found: list[tuple[int, int, int, float, float]] = []
+    for i in np.argsort(-np.abs(z)):
+        k, first, last = scan.regions[i]
+        if p[i] > alpha or len(found) == MOST:
+            break
+        if all(k != other or last < start or first > stop for other, start, stop, _, _ in found):
+            found.append((k, first, last, float(z[i]), float(p[i])))
+    return found
+
+
+def regions(
+    fit: Fit, target: Target, x: NDArray, rng: np.random.Generator, alpha: float, names: tuple[str, ...]
+) -> list[Region]:
+    """Intervals in which measured events x (N, d) and simulated ones disagree.
+
+    `names` are those of the features, (d,), or none where there is nothing to choose from.
+    """
+    spans = spans_of(target.summary, x)
+    found = significant(intervals(fit, target, spans), fit, rng, alpha)
+
+    def named(feature: int | str) -> str | None:
+        if isinstance(feature, str):
+            return feature
+        return names[feature] if names else None
+
+    return [
+        Region(
+            feature=named(spans[k].feature),
+            low=float(spans[k].ends[first]),
+            high=float(spans[k].ends[last + 1]),
+            kind="excess" if z > 0 else "deficit",
+            z=z,
+            p_global=p,
+        )
+        for k, first, last, z, p in found
+    ]

@@ -1,0 +1,1 @@
+"""Which effects to add to a model that the gates reject."""

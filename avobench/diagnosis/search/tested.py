@@ -1,0 +1,67 @@
+"""A model of the loop, before all gates."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.diagnosis.effort import Effort
+from avobench.diagnosis.fit.fit import Fit
+from avobench.diagnosis.fit.known import Base
+from avobench.diagnosis.gates.classifier import classifier_gate
+from avobench.diagnosis.gates.summary import cell_gate, summary_gate
+from avobench.diagnosis.schema import Gate
+from avobench.diagnosis.search.ranking import Ranked, tied
+from avobench.diagnosis.summary.target import Target
+
+SHARES = {"summary": 0.8, "classifier": 0.2}
+IMAGE_SHARES = {"summary": 0.6, "cells": 0.2, "classifier": 0.2}
+"""Each gate's share of the false alarms. Most effects show in the summary."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """A model of the loop, tested, and the candidates to come after it."""
+
+    fit: Fit
+    """In the metric of the loop's target."""
+    own: Fit
+    """In its own metric, with more events: what is reported."""
+    gates: dict[str, Gate]
+    ranks: list[Ranked] = field(default_factory=list)
+    chosen: Ranked | None = None
+    """The effect that comes after it, where that is not the first of the ranks."""
+    rivals: tuple[Ranked, ...] = ()
+    """Of that effect."""
+
+    @classmethod
+    def of(
+        cls, fit: Fit, target: Target, x: NDArray, rng: np.random.Generator, effort: Effort, base: Base | None = None
+    ) -> "Step":
+        """A fitted model before the gates. `base` is the model without its last effect, if that is known well."""
+        gate, own, own_target = summary_gate(fit, target, rng, effort, base)
+        gates = {"summary": gate}
+        if fit.model.task.event_shape:
+            gates["cells"] = cell_gate(own, x, rng, effort)
+        gates["classifier"] = classifier_gate(own, own_target, x, rng)
+        return cls(fit, own, gates)
+
+    @property
+    def added(self) -> Ranked:
+        """The effect that comes after it."""
+        return self.chosen or self.ranks[0]
+
+    @property
+    def ties(self) -> list[Ranked]:
+        """Those that the effect which comes after it cannot be told from."""
+        return list(self.rivals) if self.chosen else tied(self.ranks)
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Each gate's share of the false alarms."""
+        return IMAGE_SHARES if "cells" in self.gates else SHARES
+
+    @property
+    def p_value(self) -> float:
+        """Of all gates together; 1 before any."""
+        return min([1.0, *(gate.p_value / self.shares[name] for name, gate in self.gates.items())])

@@ -1,0 +1,1 @@
+"""What a set of events is reduced to, and where its covariance is 1."""

@@ -1,0 +1,87 @@
+"""The summary of images: sums of rows, of columns and of blocks, how full they are, and how often neighbours fire."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.diagnosis.summary.bins import Summary, inner_edges
+
+BLOCKS = 8
+"""Along each axis, at most."""
+FULLNESS_BINS = 12
+LEAST_HITS = 40
+"""In all images together, for a part of the summary to count: fewer scatter unlike a Gaussian."""
+
+
+@dataclass(frozen=True)
+class Pixels(Summary):
+    """Of images of `grid` rows and columns, flattened row by row; `fullness` are inner edges for the number of hits."""
+
+    grid: tuple[int, int]
+    fullness: NDArray[np.float64]
+    filled: NDArray[np.bool_] | None = None
+    """Which parts of the vector are filled often enough to be used (K,); the others are zero. All by default."""
+
+    @cached_property
+    def blocks(self) -> list[tuple[str, int]]:
+        """(name, length) of each part of the vector, in order."""
+        r, c = self.grid
+        coarse = min(BLOCKS, r) * min(BLOCKS, c)
+        return [("row", r), ("column", c), ("hits", len(self.fullness) + 1), ("block", coarse), ("neighbours", 2)]
+
+    @cached_property
+    def size(self) -> int:
+        return sum(length for _, length in self.blocks)
+
+    def vectors(self, x: NDArray) -> NDArray[np.float32]:
+        """(n, d) -> (n, K). By what is not zero, since hits are few."""
+        n, (r, c) = len(x), self.grid
+        where = np.flatnonzero(x != 0)
+        event, cell = np.divmod(where, r * c)
+        row, column = np.divmod(cell, c)
+        values = x.ravel()
+        size = values[where].astype(np.float32)
+
+        def sums(part: NDArray[np.intp], length: int, of: NDArray[np.float32] = size) -> NDArray[np.float32]:
+            return np.bincount(event * length + part, of, n * length).reshape(n, length).astype(np.float32)
+
+        coarse = [(part * min(BLOCKS, length)) // length for part, length in ((row, r), (column, c))]
+        full = np.searchsorted(self.fullness, sums(0, 1, size > 0)[:, 0], side="right")
+        inward, left = np.where(row > 0, where - c, where), where - column + (column - 1) % c
+        parts = [
+            sums(row, r),
+            sums(column, c),
+            np.eye(len(self.fullness) + 1, dtype=np.float32)[full],
+            sums(coarse[0] * min(BLOCKS, c) + coarse[1], min(BLOCKS, r) * min(BLOCKS, c)),
+            sums(0, 1, size * values[inward] * (row > 0)),
+            sums(0, 1, size * values[left]),
+        ]
+        return np.hstack(parts) if self.filled is None else np.hstack(parts) * self.filled
+
+    def mean(self, x: NDArray, pieces: int = 1) -> NDArray[np.float64]:
+        return self.vectors(x).reshape(pieces, -1, self.size).mean(axis=1, dtype=np.float64)
+
+    def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        return weights.T @ self.vectors(x)
+
+    def project(self, x: NDArray, direction: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.vectors(x) @ direction
+
+    def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
+        # An image has no bins to change; what differs is compared with what two images of the same kind differ by.
+        a, b = self.vectors(before), self.vectors(after)
+        spread = a.var(axis=0)
+        return ((a - b)[:, spread > 0] ** 2 / spread[spread > 0]).mean(axis=1)
+
+    def covariance(self, x: NDArray) -> NDArray[np.float64]:
+        return np.cov(self.vectors(x), rowvar=False, dtype=np.float64)
+
+
+def pixels_of(x: NDArray, simulated: NDArray, event_shape: tuple[int, ...]) -> Pixels:
+    """The summary for images of this shape; axes beyond the second are joined to it."""
+    fullness = inner_edges((x > 0).sum(axis=1), (simulated > 0).sum(axis=1), FULLNESS_BINS)
+    summary = Pixels((event_shape[0], int(np.prod(event_shape[1:]))), fullness)
+    totals = [summary.vectors(y > 0).sum(axis=0, dtype=float) * len(x) / len(y) for y in (x, simulated)]
+    return replace(summary, filled=np.maximum(*totals) >= LEAST_HITS)

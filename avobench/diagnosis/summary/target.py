@@ -1,0 +1,65 @@
+"""What is fitted: the mean summary of the measured events, where its covariance is 1."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.diagnosis.summary.bins import Summary, whitening
+
+LOOKED_AT = 500
+"""Events whose vectors are looked at, for what moving them adds to the noise."""
+
+
+class Vectors(Protocol):
+    """A vector s(x) for each event, of which a surrogate gives the mean."""
+
+    def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """weights^T s(x): (n, d), (n, b) -> (b, K)."""
+
+    def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
+        """How far each event's vector went, as a variance in units of that of one event: (n, d) twice -> (n,)."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """What is fitted: the mean summary of N events, in coordinates where its covariance is 1."""
+
+    summary: Summary
+    mean: NDArray[np.float64]
+    """(K,)"""
+    num_events: int
+    cov: NDArray[np.float64]
+    """Of the summary of one event (K, K)."""
+    whitening: NDArray[np.float64]
+    """(K, r), whitening^T cov whitening = 1."""
+
+    @classmethod
+    def of(cls, summary: Summary, mean: NDArray[np.float64], num_events: int, cov: NDArray[np.float64]) -> "Target":
+        return cls(summary, mean, num_events, cov, whitening(cov))
+
+    @property
+    def rank(self) -> int:
+        return self.whitening.shape[1]
+
+    def whiten(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
+        """In standard errors of the measured mean: (..., K) -> (..., r)."""
+        return np.sqrt(self.num_events) * (mean @ self.whitening)
+
+    def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """weights^T s(x): (n, d), (n, b) -> (b, K)."""
+        return self.summary.moments(x, weights)
+
+    def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
+        """How far each event's vector went, as a variance in units of that of one event: (n, d) twice -> (n,).
+
+        Which events go how far the summary says; how much that is where its covariance is 1, some of them.
+        """
+        share = self.summary.moved(before, after)
+        went = np.flatnonzero(share)
+        some = went[:: max(len(went) // LOOKED_AT, 1)]
+        if not len(some) or self.rank == 0:
+            return share
+        before, after = (self.summary.project(x[some], self.whitening) for x in (before, after))
+        return share * ((before - after) ** 2).sum() / (self.rank * share[some].sum())

@@ -1,0 +1,5 @@
+"""Effects that a simulator may lack: what they are (`base`), and all that apply to a task (`catalogue`)."""
+
+from avobench.effects.contract import Effect, Parameter
+
+__all__ = ["Effect", "Parameter"]

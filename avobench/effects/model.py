@@ -1,0 +1,163 @@
+"""A simulator with effects added to it, as one simulator with more parameters."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
+from zlib import crc32
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.effects import Effect
+from avobench.effects.pool import Alter, Pool
+from avobench.tasks import Task
+
+WIDEST = 0.1
+LEAST_STRENGTH = 0.003
+"""Both of a parameter's range, for `Model.reach`."""
+AT_ONCE = 100_000
+"""Events simulated at a time, to bound memory."""
+Events = Callable[..., NDArray]
+"""theta (n, p), rng and, of a two-stage task, what alters generated events -> (n, d)"""
+
+
+@dataclass(frozen=True)
+class Model:
+    """A task and effects in the order in which they were added; parameters are theta and then their phi.
+
+    They act on events one after the other, those of an earlier stage first.
+
+    `events` is what stands for the simulator: that of the task, or a cheaper source of the same events.
+    """
+
+    task: Task
+    effects: tuple[Effect, ...] = ()
+    events: Events | None = field(default=None, compare=False)
+    stretch: tuple[float, ...] = ()
+    """By how much the upper bound of each effect's strength is raised; 1 where it is not."""
+
+    def plus(self, effect: Effect) -> "Model":
+        """This model with one more effect."""
+        stretch = (*self.stretch, 1.0) if self.stretch else ()
+        return replace(self, effects=(*self.effects, effect), stretch=stretch)
+
+    @cached_property
+    def low(self) -> NDArray[np.float64]:
+        """(P,)"""
+        return np.array([*self.task.support.low, *(p.low for e in self.effects for p in e.parameters)])
+
+    @cached_property
+    def high(self) -> NDArray[np.float64]:
+        """(P,)"""
+        high = list(self.task.support.high)
+        for effect, stretch in zip(self.effects, self.stretch or (1.0,) * len(self.effects), strict=True):
+            strength, *rest = effect.parameters
+            high += [strength.high * stretch, *(p.high for p in rest)]
+        return np.array(high)
+
+    @cached_property
+    def logarithmic(self) -> NDArray[np.bool_]:
+        """(P,)"""
+        return np.array([False] * self.num_theta + [p.logarithmic for e in self.effects for p in e.parameters])
+
+    @property
+    def at_once(self) -> int:
+        """How many events are to be simulated at a time: of a pool as many as it holds, so that none comes twice."""
+        return self.events.size if isinstance(self.events, Pool) else AT_ONCE
+
+    @property
+    def num_theta(self) -> int:
+        return len(self.task.parameter_names)
+
+    @property
+    def dim(self) -> int:
+        return len(self.low)
+
+    def reach(self, unit: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How far from a point (P,) of the unit cube the mean of events is about quadratic, at most: (P,).
+
+        A tenth of the range, and of a strength no more than there is of it.
+        """
+        reach = np.full(self.dim, WIDEST)
+        for at, strength in self.strengths(unit).items():
+            reach[at] = np.clip(strength, LEAST_STRENGTH, WIDEST)
+        return reach
+
+    def strengths(self, unit: NDArray[np.float64]) -> dict[int, float]:
+        """How far a point (P,) of the unit cube is from each effect's null value, by the column of its strength."""
+        found, at = {}, self.num_theta
+        for effect in self.effects:
+            null = (effect.parameters[0].null - self.low[at]) / (self.high[at] - self.low[at])
+            found[at] = float(abs(unit[at] - null))
+            at += len(effect.parameters)
+        return found
+
+    def from_unit(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Parameters from the unit cube, logarithmic where that is their scale: (n, P) -> (n, P)."""
+        params = self.low + u * (self.high - self.low)
+        columns = np.flatnonzero(self.logarithmic)
+        if len(columns):
+            low, high = self.low[columns], self.high[columns]
+            params[..., columns] = low * (high / low) ** u[..., columns]
+            # rounding may leave the bounds, which a simulator need not bear
+            np.clip(params, self.low, self.high, out=params)
+        return params
+
+    def to_unit(self, params: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The inverse of `from_unit`."""
+        u = (params - self.low) / (self.high - self.low)
+        columns = np.flatnonzero(self.logarithmic)
+        low, high = self.low[columns], self.high[columns]
+        u[..., columns] = np.log(params[..., columns] / low) / np.log(high / low)
+        return u
+
+    def simulate(self, params: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        """One event per row: (n, P) -> (n, d).
+
+        Each effect has a stream of random numbers of its own, so that from one seed a model with one more effect makes
+        the same events but for what this changes.
+        """
+        seed = int(rng.spawn(1)[0].integers(2**63))
+        streams = [np.random.default_rng([seed, crc32(repr(effect.key).encode())]) for effect in self.effects]
+        return self._with_effects(len(self.effects), params, rng, streams)
+
+    @cached_property
+    def _chain(self) -> list[tuple[int, slice]]:
+        """The effects in the order in which they act, by their stages, with the columns of their parameters."""
+        ends = np.cumsum([self.num_theta, *(len(effect.parameters) for effect in self.effects)])
+        columns = [slice(start, stop) for start, stop in pairwise(ends.tolist())]
+        return sorted(enumerate(columns), key=lambda each: self.effects[each[0]].stage)
+
+    @property
+    def newest_acts_last(self) -> bool:
+        """Whether the effect that was added last changes the finished events of the model without it."""
+        newest = len(self.effects) - 1
+        return self.effects[newest].stage > 0 and self._chain[-1][0] == newest
+
+    def _with_effects(
+        self,
+        k: int,
+        params: NDArray[np.float64],
+        rng: np.random.Generator,
+        streams: list[np.random.Generator],
+        alter: Alter | None = None,
+    ) -> NDArray:
+        """Events with the first k effects that act. An effect sees those before it as the simulator, and all parameters
+        as theta, so that it may ask for any rows again."""
+        if k == 0:
+            events, theta = self.events or self.task.simulate, params[:, : self.num_theta]
+            return events(theta, rng) if alter is None else events(theta, rng, alter)
+
+        def before(params: NDArray, _: np.random.Generator, earlier: Alter | None = None) -> NDArray:
+            return self._with_effects(k - 1, params, rng, streams, _both(earlier, alter))
+
+        added, columns = self._chain[k - 1]
+        return self.effects[added].apply(before, params, params[:, columns], streams[added])
+
+
+def _both(first: Alter | None, then: Alter | None) -> Alter | None:
+    """One after the other."""
+    if first is None or then is None:
+        return first or then
+    return lambda generated, rows: then(first(generated, rows), rows)

@@ -1,0 +1,5 @@
+"""How theta is inferred: one readable module a method, and the base class that a user's own method derives from."""
+
+from avobench.methods.contract import Estimate, Method, TracePoint
+
+__all__ = ["Estimate", "Method", "TracePoint"]

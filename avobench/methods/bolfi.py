@@ -1,0 +1,193 @@
+"""Bayesian optimisation for likelihood-free inference with ELFI, within a hard budget."""
+
+import gc
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+from scipy.stats import qmc
+
+from avobench.methods.contract import Estimate, Method, TracePoint, global_seed
+from avobench.methods.gaussian_process import GaussianProcess
+from avobench.methods.problem import Problem
+from avobench.tasks import Box
+from avobench.tasks.errors import UsageError
+
+if TYPE_CHECKING:
+    from elfi import BOLFI, ElfiModel
+
+
+@dataclass(frozen=True)
+class Bolfi(Method):
+    """BOLFI as ELFI runs it by default: a Gaussian process of the distance between summaries, as a function of theta.
+
+    The first evaluations are drawn from the prior, each later one is where the lower confidence bound of the process
+    (LCBSC) is least. The posterior is ELFI's, prior times P(distance < h) under the process, h the minimum of its mean,
+    hence largest where the mean is least. Its mean and standard deviation are taken by importance sampling.
+    The number of evaluations is fixed before the start: the budget left, divided by `events_per_theta`.
+    """
+
+    name: ClassVar[str] = "bolfi"
+    packages: ClassVar = ("elfi", "GPy")
+    extra: ClassVar = "bolfi"
+    source: ClassVar[str] = (
+        "Gutmann and Corander, Journal of Machine Learning Research 17 (2016) 125; "
+        "Lintusaari et al., Journal of Machine Learning Research 19 (2018) 16"
+    )
+
+    events_per_theta: int = 128
+    """Events simulated for each evaluated theta."""
+    initial_evidence: int | None = None
+    """Evaluations at draws from the prior; None is ELFI's default, max(10, 2^p + 1) for p parameters."""
+    update_interval: int = 10
+    """Evaluations between two fits of the process's hyper-parameters."""
+    surrogate: Literal["fast", "gpy"] = "fast"
+    """The process: ELFI's own, in GPy, or the same one by a factorisation of low rank, whose acquisitions are searched
+    from all starting points together. Both have the same kernel, priors, noise, schedule and random stream."""
+    exploration_rate: float = 10.0
+    """1 / delta of the lower confidence bound."""
+    acq_noise_var: float = 0.0
+    """Variance of the noise added to each acquired theta."""
+    unit_box: bool = True
+    """Let ELFI see theta in the unit box of the prior rather than in raw units. Its kernel has one length scale for all
+    parameters, of prior mean a third of the span of all bounds together: 16 for weinberg, with ranges of 4 and 2."""
+    num_trace_points: int = 20
+    """Evenly spaced from the first fit of the process to the end."""
+    num_posterior_points: int = 4096
+    """Points of a scrambled Sobol sequence in the prior box: where the search for the maximum starts, and the sample
+    that is weighted by the posterior for its mean and standard deviation. A power of two."""
+
+    def __post_init__(self) -> None:
+        if min(self.events_per_theta, self.update_interval, self.num_trace_points) < 1:
+            raise UsageError("bolfi needs events_per_theta, update_interval and num_trace_points of at least 1")
+        if self.initial_evidence is not None and self.initial_evidence < 1:
+            raise UsageError(f"bolfi needs initial_evidence >= 1, got {self.initial_evidence}")
+        if self.surrogate not in ("fast", "gpy"):
+            raise UsageError(f"bolfi needs surrogate fast or gpy, got {self.surrogate!r}")
+        if self.exploration_rate <= 0 or self.acq_noise_var < 0:
+            raise UsageError("bolfi needs exploration_rate > 0 and acq_noise_var >= 0")
+        if self.num_posterior_points < 2 or self.num_posterior_points & (self.num_posterior_points - 1):
+            raise UsageError(f"bolfi needs a power of two as num_posterior_points, got {self.num_posterior_points}")
+
+    def min_simulations(self, num_parameters: int) -> int:
+        """The initial evidence, after which ELFI fits the process for the first time, and one acquisition."""
+        return (self._num_initial(num_parameters) + 1) * self.events_per_theta
+
+    def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
+        """As `Method.infer`. Raises BudgetExhausted when the budget ends before `min_simulations`."""
+        elfi = _import_elfi()
+        prior = problem.prior
+        num_initial = self._num_initial(prior.dim)
+        # With too little left the metered simulator refuses, rather than ELFI answering without a fitted process.
+        num_evidence = max(problem.simulate.remaining // self.events_per_theta, num_initial + 1)
+        traced = set(np.linspace(num_evidence, num_initial, self.num_trace_points).astype(int).tolist())
+        seed = int(rng.integers(2**32, dtype=np.uint32))
+        box = Box((0,) * prior.dim, (1,) * prior.dim) if self.unit_box else prior
+        unit = qmc.Sobol(prior.dim, rng=rng).random(self.num_posterior_points)
+        points = qmc.scale(unit, box.low, box.high)
+
+        def raw(theta: NDArray) -> NDArray:
+            return (1 - theta) * prior.low + theta * prior.high if self.unit_box else theta  # exact at the bounds
+
+        def summaries(*theta: NDArray, batch_size: int, random_state: np.random.RandomState) -> NDArray:
+            x = problem.simulate.repeat(raw(np.column_stack(theta)), self.events_per_theta)
+            return np.stack([problem.summary(events) for events in x])
+
+        trace = []
+        with global_seed(rng), _own_client(elfi):
+            model = elfi.ElfiModel()  # never ELFI's current default model
+            # ELFI sorts parameters by name: zero-padded numbers keep the order of the problem.
+            names = [f"theta_{i:03d}" for i in range(prior.dim)]
+            theta = [
+                elfi.Prior("uniform", *of, model=model, name=name)
+                for name, of in zip(names, zip(box.low, box.width, strict=True), strict=True)
+            ]
+            observed = problem.summary(problem.x_observed)[None]
+            simulator = elfi.Simulator(summaries, *theta, observed=observed, model=model, name="summaries")
+            bounds = dict(zip(names, zip(box.low, box.high, strict=True), strict=True))
+            bolfi = elfi.BOLFI(
+                elfi.Distance("euclidean", simulator, model=model, name="distance"),
+                bounds=bounds,
+                initial_evidence=num_initial,
+                update_interval=self.update_interval,
+                acq_noise_var=float(self.acq_noise_var),
+                exploration_rate=self.exploration_rate,
+                seed=seed,
+                **(self._fast(model, bounds, seed) if self.surrogate == "fast" else {}),
+            )
+            bolfi.set_objective(num_evidence)
+            while not bolfi.finished:
+                bolfi.iterate()
+                if self.surrogate == "gpy" and bolfi.n_evidence % 10 == 0:
+                    # ELFI builds a new GPy process for each evaluation; reference cycles keep the old ones, gigabytes
+                    # after some hundred evaluations, because Python counts objects and not their size.
+                    gc.collect()
+                if bolfi.n_evidence in traced:
+                    best, weights = _posterior(bolfi, points)
+                    mean = weights @ raw(points)
+                    std = np.sqrt(weights @ (raw(points) - mean) ** 2)
+                    trace.append(TracePoint(problem.simulate.used, raw(best), std))
+        return Estimate(
+            theta=trace[-1].theta,
+            how="maximum of ELFI's posterior, where the mean of the Gaussian process of the distance is least",
+            spread_of="posterior",
+            mean=mean,
+            std=std,
+            trace=trace,
+        )
+
+    def _num_initial(self, num_parameters: int) -> int:
+        return self.initial_evidence or max(10, 2**num_parameters + 1)
+
+    def _fast(self, model: "ElfiModel", bounds: dict[str, tuple[float, float]], seed: int) -> dict[str, Any]:
+        """What takes the place of ELFI's process and acquisition."""
+        from elfi.model.extensions import ModelPrior
+
+        from avobench.methods.lower_confidence_bound import BatchedLCBSC
+
+        process = GaussianProcess(list(bounds), list(bounds.values()))
+        acquisition = BatchedLCBSC(
+            process,
+            prior=ModelPrior(model, parameter_names=process.parameter_names),
+            noise_var=float(self.acq_noise_var),
+            exploration_rate=self.exploration_rate,
+            seed=seed,
+        )
+        return {"target_model": process, "acquisition_method": acquisition}
+
+
+def _posterior(bolfi: "BOLFI", points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Maximum (p,) of the posterior so far, searched from the best of the points (m, p), and their weights (m,)."""
+    posterior = bolfi.extract_posterior()
+    log_density = posterior.logpdf(points)
+    best = minimize(
+        lambda theta: -posterior.logpdf(theta[None])[0],
+        points[log_density.argmax()],
+        method="L-BFGS-B",
+        bounds=bolfi.target_model.bounds,
+    )
+    weights = np.exp(log_density - log_density.max())
+    return best.x, weights / weights.sum()
+
+
+def _import_elfi():
+    # ELFI's dependencies tell Python to ignore every DeprecationWarning when imported; that is undone here.
+    with warnings.catch_warnings():
+        import elfi
+    return elfi
+
+
+@contextmanager
+def _own_client(elfi) -> Iterator[None]:
+    """Let ELFI evaluate in this process with a client of our own, and put its global one back afterwards."""
+    previous = elfi.get_client()
+    elfi.set_client("native")
+    try:
+        yield
+    finally:
+        elfi.set_client(previous)

@@ -1,0 +1,98 @@
+"""The contract of a method: from a problem and a random stream to an estimate."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.methods.problem import Problem
+
+
+class TracePoint(NamedTuple):
+    """The estimate that would have been given after so many simulated events."""
+
+    simulations: int
+    theta: NDArray[np.float64]
+    """(p,)"""
+    std: NDArray[np.float64] | None = None
+    """Spread of the proposal or posterior at that point (p,), where the method knows it."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What a method learned. All parameters in raw units."""
+
+    theta: NDArray[np.float64]
+    """Best fit (p,), finite and within the support."""
+    how: str
+    """How the best fit was taken, e.g. "mode of the final proposal"."""
+    spread_of: str
+    """What `mean` and `std` describe: "proposal" or "posterior"."""
+    mean: NDArray[np.float64]
+    """(p,)"""
+    std: NDArray[np.float64]
+    """(p,)"""
+    trace: list[TracePoint] = field(default_factory=list)
+    discarded: int = 0
+    """Events that were simulated but did not enter the estimate."""
+    message: str = ""
+    """Anything a reader of the record should know; must say why when much of the budget was left."""
+
+
+class Method(ABC):
+    """An inference method. Settings are dataclass fields of the subclass; they are part of what identifies a result.
+
+    Raise `version` when the same settings and seed would give another estimate.
+    """
+
+    name: ClassVar[str]
+    version: ClassVar[str] = "1"
+    source: ClassVar[str]
+    """The paper or package that the method follows."""
+    packages: ClassVar[tuple[str, ...]] = ()
+    """Modules that must be importable, checked before a sweep begins; `extra` is the extra that installs them."""
+    extra: ClassVar[str] = ""
+    together: ClassVar[bool] = False
+    """Whether `infer_together` takes less time than one problem after the other."""
+
+    @abstractmethod
+    def min_simulations(self, num_parameters: int) -> int:
+        """The smallest budget, in events, from which this method can make an estimate.
+
+        Raises UsageError when its settings suit no problem of so many parameters.
+        """
+
+    @abstractmethod
+    def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
+        """Infer the parameters of `problem` by calling `problem.simulate`, with all randomness taken from `rng`.
+
+        Stop before the budget ends, or let a package run into BudgetExhausted and use what it had completed. Errors of
+        the simulator are left to propagate: they become the status of the record.
+        """
+
+    def infer_together(self, problems: Sequence[Problem], rngs: Sequence[np.random.Generator]) -> list[Estimate]:
+        """What `infer` makes of each problem with its own random stream, to floating-point reordering.
+
+        The problems are of one task. A method that gains from knowing them all at once, such as one that trains their
+        networks in one batch, says so with `together = True`. What goes wrong with any of them is raised for all.
+        """
+        return [self.infer(problem, rng) for problem, rng in zip(problems, rngs, strict=True)]
+
+
+@contextmanager
+def global_seed(rng: np.random.Generator) -> Iterator[None]:
+    """Seed the global generators that a package draws from (`numpy.random`, `random`), and restore them afterwards."""
+    import random
+
+    numpy_state, python_state = np.random.get_state(), random.getstate()
+    np.random.seed(rng.integers(2**32, dtype=np.uint32))
+    random.seed(int(rng.integers(2**63)))
+    try:
+        yield
+    finally:
+        np.random.set_state(numpy_state)
+        random.setstate(python_state)

@@ -1,0 +1,64 @@
+"""Seconds against squared error: what a better estimate costs."""
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
+
+from avobench.bench.cells import Status
+from avobench.reports.quantities import comparable, labelled
+from avobench.reports.style import FLOOR, MARKERS, METHOD_ORDER, STYLE, TASK_ORDER, colours, ordered, panels, save
+
+SHAPES = dict(zip(METHOD_ORDER, MARKERS, strict=False))
+"""The mark of each of the paper's methods, whichever of them are shown."""
+
+
+def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
+    """Write cost.pdf, cost.png and cost.csv to `folder`, a panel a task.
+
+    A small mark is a cell: the seconds it took in simulator and method, one thread, and its squared error. The large
+    mark is the median of both. The dashed line is the median floor.
+    """
+    frame = labelled(records)
+    frame = pd.concat([comparable(cells) for _, cells in frame.groupby("task", sort=False)])
+    with matplotlib.rc_context(STYLE):
+        return save(_figure(frame), numbers(frame), folder, "cost")
+
+
+def numbers(frame: pd.DataFrame) -> pd.DataFrame:
+    """A row a task and method: cells, median seconds in simulator and method, median squared error and floor."""
+    groups = frame.groupby(["task", "method"], sort=False)
+    columns = ["simulator_seconds", "method_seconds", "seconds", "squared_error", "floor"]
+    return groups[columns].median().add_prefix("median_").assign(cells=groups.size()).reset_index()
+
+
+def _figure(frame: pd.DataFrame) -> Figure:
+    tasks, methods = ordered(frame["task"], TASK_ORDER), ordered(frame["method"], METHOD_ORDER)
+    figure, axes = panels(tasks)
+    for axis, task in zip(axes, tasks, strict=True):
+        _panel(axis, frame[(frame["task"] == task) & (frame["status"] == Status.OK)], methods)
+    handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
+    shown = [name for name in (*methods, "floor") if name in handles]
+    figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(5, len(shown)))
+    return figure
+
+
+def _panel(axis: Axes, cells: pd.DataFrame, methods: list[str]) -> None:
+    for method in methods:
+        own = cells[cells["method"] == method]
+        if own.empty:
+            continue
+        look = {"color": colours(methods)[method], "marker": SHAPES.get(method, "v"), "ls": "", "mew": 0}
+        axis.plot(own["seconds"], own["squared_error"], ms=3, alpha=0.5, **look)
+        median = own[["seconds", "squared_error"]].median()
+        axis.plot(*median, ms=9, **{**look, "mec": "white", "mew": 1}, label=method)
+    if cells["floor"].notna().any():
+        axis.axhline(cells.drop_duplicates("target")["floor"].median(), color=FLOOR, ls="--", lw=1.2, label="floor")
+    axis.set(xscale="log", yscale="log", xlabel="seconds", ylabel="squared error")
+    axis.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
+    axis.xaxis.set_major_formatter("{x:g}")
+    axis.xaxis.set_minor_locator(NullLocator())

@@ -1,0 +1,1 @@
+"""How fast avobench is: kept commands that print ratios, taken side by side in one run."""

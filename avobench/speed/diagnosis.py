@@ -1,0 +1,71 @@
+"""How the time of a diagnosis grows with the measured events and with the catalogue: `make bench-diagnosis`.
+
+Measured events have one effect of the catalogue, strong enough that its name is looked for at every size. Seconds are
+processor time of one thread; exponents are slopes of straight lines through the logarithms.
+"""
+
+import time
+
+import click
+import numpy as np
+import pandas as pd
+
+from avobench.bench import registry
+from avobench.diagnosis.loop import diagnose
+from avobench.effects.catalogue import catalogue
+from avobench.effects.model import Model
+from avobench.speed.growth import exponent, show
+
+HIDDEN = {"poisson": ("zero_inflation", 0.2), "weinberg": ("scale", 0.1), "carl": ("offset", 0.5)}
+"""The effect that is missing on each task, in its plainest shape on the first feature, and its strength."""
+EVENTS = (2_000, 10_000, 50_000, 250_000)
+SHARES = (0.25, 0.5, 1.0)
+"""Of the catalogue, in its order, with the missing effect in front."""
+
+
+def measure(task_name: str, num_events: int, share: float, seed: int = 0) -> dict[str, float | str]:
+    """A row: what a diagnosis with this share of the catalogue takes, and the effect that it names."""
+    task = registry.build("task", task_name, {})
+    name, strength = HIDDEN[task_name]
+    effects = sorted(catalogue(task), key=lambda effect: effect.key not in {(name, None), (name, 0)})
+    chosen = effects[: max(round(share * len(effects)), 1)]
+    rng = np.random.default_rng(seed)
+    theta = np.add(task.prior.low, task.prior.high) / 2
+    params = np.tile([*theta, strength], (num_events, 1))
+    x = Model(task, (chosen[0],)).simulate(params, rng)
+    start = time.process_time()
+    found = diagnose(task, x, seed=seed, effects=chosen)
+    seconds = time.process_time() - start
+    named = ", ".join(effect.name for effect in found.effects) or "-"
+    return {
+        "task": task_name,
+        "events": num_events,
+        "effects": len(chosen),
+        "seconds": seconds,
+        "simulated": found.num_simulations,
+        "named": named,
+    }
+
+
+@click.command(context_settings={"help_option_names": ["-h", "--help"]})
+@click.option("--largest", type=int, default=EVENTS[-1], show_default=True, help="Measured events, at most.")
+def main(largest: int) -> None:
+    """Print the seconds of diagnoses against measured events and against the size of the catalogue."""
+    sizes = [size for size in EVENTS if size <= largest]
+    if len(sizes) < 2:
+        raise click.UsageError(f"--largest must be at least {EVENTS[1]}")
+    measure("poisson", sizes[0], SHARES[0])  # imports and first calls
+    tables = {
+        "events": [(size, 1.0) for size in sizes],
+        "effects": [(min(50_000, sizes[-1]), share) for share in SHARES],
+    }
+    for what, points in tables.items():
+        table = pd.DataFrame([measure(task, *point) for task in HIDDEN for point in points])
+        show(table)
+        for task, rows in table.groupby("task", sort=False):
+            click.echo(f"{task}: seconds ~ {what}^{exponent(rows[what], rows['seconds']):.2f}")
+        click.echo()
+
+
+if __name__ == "__main__":
+    main()

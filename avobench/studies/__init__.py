@@ -1,0 +1,1 @@
+"""The paper's single experiments and ablations: cells beside the benchmark."""

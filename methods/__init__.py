@@ -1,5 +1,0 @@
-"""How theta is inferred: one readable module a method, and the base class that a user's own method derives from."""
-
-from .base import Estimate, Method, TracePoint
-
-__all__ = ["Estimate", "Method", "TracePoint"]

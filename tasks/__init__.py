@@ -1,5 +1,0 @@
-"""What is simulated: one module a task, and the base class that a user's own task derives from."""
-
-from .base import Box, Discriminator, Task
-
-__all__ = ["Box", "Discriminator", "Task"]

@@ -1,0 +1,187 @@
+"""Algorithm 1: gradients against closed forms, events against the schedules, and convergence on an easy problem."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from avobench.bench import registry
+from avobench.bench.cells import Cell, execute, reason
+from avobench.methods.avo_paper import AvoPaper, baseline
+from avobench.methods.discriminator import Discriminator
+from avobench.methods.proposal import TruncatedGaussian
+from avobench.tasks import Box
+from avobench.tasks.errors import UsageError
+from gaussian import GaussianMean, gaussian_problem
+
+
+class GaussianShifts(GaussianMean):
+    """Two means, of which the support holds far more than the prior."""
+
+    parameter_names, parameter_units, num_features = ("a", "b"), ("1", "1"), 2
+    prior, support = Box((-2, -2), (2, 2)), Box((-9, -9), (9, 9))
+
+
+THETA = np.array([0.8, -0.5])
+
+
+def problem(budget, num_observations=10_000):
+    given = gaussian_problem(GaussianShifts(), budget, THETA)
+    return replace(given, x_observed=given.x_observed[:num_observations])
+
+
+FAST = {"hidden": (16, 16), "learning_rate": 3e-3, "proposal_learning_rate": 3e-3}
+
+
+def test_proposal_moves_to_the_true_parameters():
+    estimate = AvoPaper(**FAST, r1=1.0).infer(problem(96_000), np.random.default_rng(1))
+    start, end = estimate.trace[0], estimate.trace[-1]
+    assert np.linalg.norm(end.theta - THETA) < 0.2 * np.linalg.norm(start.theta - THETA)
+    assert (end.std < start.std).all()
+    np.testing.assert_array_equal(end.theta, estimate.theta)
+
+
+@pytest.mark.parametrize(
+    ("schedule", "steps", "batch", "per_iteration"),
+    [("as_printed", 1, 32, 48), ("as_printed", 3, 16, 40), ("shared", 1, 32, 32), ("shared", 4, 32, 32)],
+)
+def test_every_simulated_event_is_counted_once(schedule, steps, batch, per_iteration):
+    method = AvoPaper(hidden=(4,), schedule=schedule, discriminator_steps=steps, batch_size=batch)
+    given = problem(1000, num_observations=200)
+    estimate = method.infer(given, np.random.default_rng(0))
+    assert method.min_simulations(2) == per_iteration
+    assert given.simulate.used == 1000 // per_iteration * per_iteration
+    assert given.simulate.refused == 0
+    assert f"{1000 // per_iteration} iterations" in estimate.message
+    assert [point.simulations for point in estimate.trace][-1] == given.simulate.used
+
+
+def test_same_stream_same_estimate_whatever_the_global_state():
+    def infer(global_seed):
+        torch.manual_seed(global_seed)
+        np.random.seed(global_seed)
+        return AvoPaper(**FAST).infer(problem(4800), np.random.default_rng(5)).theta
+
+    np.testing.assert_array_equal(infer(1), infer(2))
+
+
+def test_optimal_baseline_has_the_least_variance():
+    rng = np.random.default_rng(0)
+    proposal = TruncatedGaussian(GaussianShifts.prior, GaussianShifts.support)
+    psi = np.array([[0.3, 0.0], [-0.5, 0.2]])
+    u = proposal.sample(psi, 200_000, rng)
+    f = -3 + (u @ [1.0, -0.5]) + 0.3 * rng.normal(size=len(u))
+    score = proposal.score(psi, u)
+    variance = {
+        kind: (score * (f[:, None, None] - baseline(kind, score, f))).var(axis=0)
+        for kind in ("optimal", "as_printed", "none")
+    }
+    for other in ("as_printed", "none"):
+        assert (variance["optimal"] < variance[other]).all()
+    best = baseline("optimal", score, f)
+    for shift in (-0.1, 0.1):  # a stationary point, component by component
+        assert ((score * (f[:, None, None] - best - shift)).var(axis=0) > variance["optimal"]).all()
+    # f^2 is positive while f = log(1 - d) is negative: the printed baseline has the wrong sign
+    assert (baseline("as_printed", score, f) > 0).all()
+    assert (best < 0).all()
+
+
+def test_score_gradient_is_the_gradient_of_the_expected_value():
+    """For f(u) = u the expectation over a wide Gaussian is its mean, so the gradient in the mean is 1."""
+    method, proposal = AvoPaper(), TruncatedGaussian(GaussianShifts.prior, GaussianShifts.support)
+    psi = np.array([[0.4, -0.2], [-1.0, -1.0]])
+    u = proposal.sample(psi, 400_000, np.random.default_rng(0))
+    gradient = method._proposal_gradient(proposal, psi, u, u[:, 0])
+    np.testing.assert_allclose(gradient, [[1, 0], [0, 0]], atol=0.02)
+
+
+def test_entropy_penalty_makes_the_proposal_tighter():
+    proposal, psi = TruncatedGaussian(GaussianShifts.prior, GaussianShifts.support), np.zeros((2, 2))
+    u, flat = proposal.sample(psi, 1000, np.random.default_rng(0)), np.zeros(1000)
+    gradient = AvoPaper(entropy=0.5)._proposal_gradient(proposal, psi, u, flat)
+    np.testing.assert_allclose(gradient[1], 0.5, atol=1e-3)  # dH / d log std of a Gaussian is 1
+    printed = AvoPaper(entropy=0.5, entropy_gradient="as_printed")._proposal_gradient(proposal, psi, u, flat)
+    assert not np.allclose(printed, gradient, atol=0.05)
+
+
+@pytest.mark.parametrize("r1_of", ["probability", "logit"])
+def test_r1_is_the_mean_squared_input_gradient(r1_of):
+    """For a logit linear in x the penalty is |w|^2, times (d (1 - d))^2 where the gradient is that of d."""
+    given = problem(10, num_observations=500)
+    discriminator = Discriminator(given, (), np.random.default_rng(0))
+    weight = discriminator.network[-2].weight[0]
+    x = given.x_observed[:64]
+    with_penalty = discriminator.loss(x, x, 2.0, r1_of).item()
+    without = discriminator.loss(x, x, 0.0, r1_of).item()
+    with torch.no_grad():
+        d = torch.sigmoid(discriminator.network(discriminator.inputs(x)))
+        factor = (d * (1 - d)) ** 2 if r1_of == "probability" else torch.ones_like(d)
+        expected = 2.0 * (factor * weight.square().sum()).mean().item()
+    assert with_penalty - without == pytest.approx(expected, rel=1e-4)
+
+
+def test_untrained_discriminator_cannot_tell_a_sample_from_itself():
+    given = problem(10, num_observations=500)
+    discriminator = Discriminator(given, (8,), np.random.default_rng(0))
+    for parameter in discriminator.parameters():
+        torch.nn.init.zeros_(parameter)
+    x = given.x_observed[:64]
+    assert discriminator.loss(x, x, 0.0, "probability").item() == pytest.approx(np.log(2))
+    np.testing.assert_allclose(discriminator.log_one_minus_d(x), -np.log(2), rtol=1e-6)
+
+
+def test_inputs_are_standardised_by_the_observed_events():
+    given = problem(10)
+    inputs = Discriminator(given, (8,), np.random.default_rng(0)).inputs(given.x_observed)
+    np.testing.assert_allclose(inputs.mean(dim=0), 0, atol=1e-3)
+    np.testing.assert_allclose(inputs.std(dim=0), 1, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("setting", "value"),
+    [("batch_size", 31), ("batch_size", 0), ("discriminator_steps", 0), ("learning_rate", 0.0), ("r1", -1.0)],
+)
+def test_impossible_settings_are_refused(setting, value):
+    with pytest.raises(ValueError, match=setting):
+        AvoPaper(**{setting: value})
+
+
+def test_the_device_is_part_of_a_cell_only_where_it_is_not_the_cpu():
+    identity = registry.identity("method", "avo-paper", AvoPaper())
+    assert not {"device", "step"} & set(identity["method_settings"])
+    assert "hidden" in identity["method_settings"]
+
+
+@pytest.mark.skipif(torch.cuda.is_available(), reason="there is a CUDA device")
+def test_a_device_that_is_not_there_is_refused_in_a_line():
+    with pytest.raises(UsageError, match="PyTorch finds no CUDA device on this machine; leave device at cpu"):
+        registry.build("method", "avo-paper", {"device": "cuda"})
+
+
+def test_a_device_out_of_memory_fails_its_cell_in_a_line(monkeypatch):
+    def loss(*arguments):
+        raise torch.OutOfMemoryError("CUDA out of memory. Tried to allocate 20.00 MiB.\nGPU 0 has 79 GiB")
+
+    monkeypatch.setattr(Discriminator, "loss", loss)
+    record = execute(Cell("poisson", {}, "avo-paper", {"hidden": [4]}, 0, 0, 96, 100, 0))
+    assert reason(record).startswith(
+        "method_error: CUDA out of memory. Tried to allocate 20.00 MiB. GPU 0 has 79 GiB; fewer"
+    )
+    assert "\n" not in reason(record)
+
+
+@pytest.mark.skipif(not torch.cuda.is_available(), reason="there is no CUDA device")
+def test_a_gpu_gives_the_estimate_of_the_cpu_to_rounding():
+    near, far = (
+        AvoPaper(**FAST, device=device).infer(problem(4800), np.random.default_rng(1)) for device in ("cpu", "cuda")
+    )
+    assert far.theta == pytest.approx(near.theta, abs=1e-2)
+
+
+def test_a_fused_step_gives_the_estimate_of_autograd_to_rounding():
+    settings = {**FAST, "proposal_learning_rate": 1e-2}
+    usual, fused = (
+        AvoPaper(**settings, step=s).infer(problem(9600), np.random.default_rng(1)) for s in ("autograd", "fused")
+    )
+    assert fused.theta == pytest.approx(usual.theta, abs=1e-2)

@@ -1,0 +1,144 @@
+"""Box, targets and histogram, and what every closed-form task keeps of the contract of Task."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from avobench.tasks import Box
+from avobench.tasks.carl import Carl
+from avobench.tasks.contract import NUM_TARGETS, histogram, stable_hash
+from avobench.tasks.poisson import Poisson
+from avobench.tasks.weinberg import Weinberg
+
+TASKS = [Poisson(), Carl(), Weinberg()]
+every_task = pytest.mark.parametrize("task", TASKS, ids=lambda task: task.name)
+
+
+@pytest.mark.parametrize(
+    ("low", "high"),
+    [((0,), (0,)), ((1,), (0,)), ((0, 0), (1,)), ((0, 0), (1, -1)), ((float("nan"),), (1,)), ((0,), (float("inf"),))],
+)
+def test_a_box_refuses_bounds_that_are_not_finite_and_increasing(low, high):
+    with pytest.raises(ValueError, match="a box needs finite low < high"):
+        Box(low, high)
+
+
+def test_a_box_knows_its_center_and_width_and_includes_its_bounds():
+    box = Box((43, 0), (47, 2))
+    assert box.dim == 2
+    assert box.center.tolist() == [45, 1]
+    assert box.width.tolist() == [4, 2]
+    theta = [[43, 0], [47, 2], [45, 1], [42.9, 1], [45, 2.1], [np.nan, 1], [45, np.inf]]
+    assert box.contains(theta).tolist() == [True, True, True, False, False, False, False]
+
+
+VALUES = st.sampled_from([-1.0, -1.0000000000000002, 0.0, 1.0, 1.0000000000000002, np.nan, np.inf, -np.inf])
+
+
+@given(arrays(float, st.tuples(st.integers(1, 5), st.integers(1, 3)), elements=VALUES | st.floats(-1, 1)))
+def test_a_box_contains_all_rows_when_it_contains_each(theta):
+    box = Box((-1,) * theta.shape[1], (1,) * theta.shape[1])
+    assert box.contains_all(theta) == box.contains(theta).all()
+    with pytest.raises(ValueError, match="must have"):
+        Box((0,) * 4, (1,) * 4).contains_all(theta)
+
+
+def test_boxes_of_the_same_bounds_are_equal_whatever_numbers_they_were_given_as():
+    assert Box((0,), (4,)) == Box((0.0,), (np.float64(4),))
+
+
+def test_a_box_samples_uniformly():
+    box = Box((-2, 10), (2, 11))
+    theta = box.sample(100_000, np.random.default_rng(0))
+    assert theta.shape == (100_000, 2)
+    assert box.contains(theta).all()
+    np.testing.assert_allclose(theta.mean(axis=0), box.center, atol=0.01)
+    np.testing.assert_allclose(theta.var(axis=0), box.width**2 / 12, rtol=0.01)
+
+
+def test_histogram_counts_outside_only_with_overflow():
+    x = np.array([[-9.0, 0.5], [0.0, 0.5], [1.0, 1.5], [2.0, 99.0]])
+    assert histogram(x, [0, 1, 2]).tolist() == [0.25, 0.5, 0.5, 0.25]
+    assert histogram(x, [0, 1, 2], overflow=True).tolist() == [0.25, 0.25, 0.25, 0.25, 0, 0.5, 0.25, 0.25]
+
+
+@given(arrays(float, st.tuples(st.integers(1, 30), st.integers(1, 3)), elements=st.floats(-1e9, 1e9)))
+def test_histogram_with_overflow_is_a_distribution_for_each_feature(x):
+    shares = histogram(x, np.linspace(-3, 3, 7), overflow=True).reshape(x.shape[1], 8)
+    np.testing.assert_allclose(shares.sum(axis=1), 1)
+
+
+def test_stable_hash_separates_its_words_and_is_pinned():
+    assert stable_hash("ab", "c") != stable_hash("a", "bc")
+    assert stable_hash("targets", "poisson") == 0x721753077C9223F02BBA861CB3FCB31
+
+
+@every_task
+def test_targets_are_fifteen_draws_from_the_prior_that_never_move(task):
+    targets = task.targets()
+    assert targets.shape == (NUM_TARGETS, len(task.parameter_names)) == (15, len(task.parameter_units))
+    assert task.prior.contains(targets).all()
+    assert len(np.unique(targets, axis=0)) == 15
+    np.testing.assert_array_equal(targets, type(task)().targets())
+    np.testing.assert_array_equal(targets[:3], task.targets(3))
+
+
+def test_the_first_target_of_each_task_is_the_published_one():
+    assert Poisson().targets()[0].tolist() == [3.675274324001297]
+    assert Carl().targets()[0].tolist() == [-1.7428357587932064, -0.16826683225416028]
+    assert Weinberg().targets()[0].tolist() == [44.73592157404568, 1.415854847179705]
+
+
+@every_task
+def test_the_support_contains_the_prior(task):
+    assert task.support.contains([task.prior.low, task.prior.high]).all()
+
+
+@every_task
+@pytest.mark.parametrize("n", [1, 1000])
+def test_events_have_the_declared_shape_and_dtype_and_leave_theta_alone(task, n):
+    theta = task.prior.sample(n, np.random.default_rng(1))
+    before = theta.copy()
+    x = task.simulate(theta, np.random.default_rng(2))
+    assert x.shape == (n, task.num_features)
+    assert x.dtype == np.dtype(task.dtype)
+    assert np.isfinite(x).all()
+    np.testing.assert_array_equal(theta, before)
+
+
+@every_task
+def test_events_are_a_function_of_theta_and_the_generator(task):
+    theta = task.targets()
+    x = task.simulate(theta, np.random.default_rng(3))
+    np.testing.assert_array_equal(x, task.simulate(theta, np.random.default_rng(3)))
+    assert (x != task.simulate(theta, np.random.default_rng(4))).any()
+    rng = np.random.default_rng(3)
+    assert (task.simulate(theta, rng) != task.simulate(theta, rng)).any()
+
+
+@every_task
+def test_no_event_is_made_outside_the_support(task):
+    corners = np.array([task.support.low, task.support.high])
+    assert np.isfinite(task.simulate(corners, np.random.default_rng(5))).all()
+    for theta in (corners[:1] - 1e-6, corners[1:] + 1e-6, np.full((1, task.prior.dim), np.nan)):
+        with pytest.raises(ValueError, match=f"outside the support of {task.name}"):
+            task.simulate(np.vstack([task.prior.center, theta]), np.random.default_rng(5))
+
+
+@every_task
+@given(seed=st.integers(0, 2**32))
+def test_the_summary_is_a_distribution_that_ignores_the_order_of_events(task, seed):
+    rng = np.random.default_rng(seed)
+    x = task.simulate(task.prior.sample(int(rng.integers(1, 200)), rng), rng)
+    summary = task.summary(x)
+    np.testing.assert_allclose(summary.reshape(task.num_features, -1).sum(axis=1), 1)
+    np.testing.assert_array_equal(summary, task.summary(rng.permutation(x)))
+
+
+@every_task
+@pytest.mark.parametrize("num_bins", [0, -1, 2.5, "9"])
+def test_a_number_of_bins_that_is_no_positive_integer_is_refused(task, num_bins):
+    with pytest.raises(ValueError, match="num_bins must be a whole number of at least 1"):
+        type(task)(num_bins=num_bins)

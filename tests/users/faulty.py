@@ -1,0 +1,383 @@
+"""A task and a method that keep the contract, and others that each break it in one way. Loaded as `faulty:Name`."""
+
+import itertools
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from avobench.methods import Estimate, Method, TracePoint
+from avobench.tasks import Box, Task
+from avobench.tasks.errors import BudgetExhausted, SimulatorError
+
+
+class SoundTask(Task):
+    """x ~ N(theta, 1)."""
+
+    name = "sound"
+    parameter_names = ("location",)
+    parameter_units = ("1",)
+    source = "test"
+    prior = Box((-1,), (1,))
+    support = Box((-9,), (9,))
+    num_features = 1
+
+    def simulate(self, theta, rng):
+        if not self.support.contains(theta).all():
+            raise ValueError("theta lies outside the support")
+        return self.events(theta, rng)
+
+    def events(self, theta, rng):
+        return rng.normal(theta)
+
+    def summary(self, x):
+        return x.mean(axis=0)
+
+    def floor(self, theta, num_observations, num_simulations):
+        return 1 / num_observations + (1 / num_simulations if num_simulations else 0)
+
+
+class Nameless(SoundTask):
+    source = ""
+
+
+@dataclass(frozen=True)
+class HoldsASet(SoundTask):
+    edges: Any = frozenset({1, 2})
+
+
+class TwoNames(SoundTask):
+    parameter_names = ("location", "scale")
+
+
+class WidePrior(SoundTask):
+    prior = Box((-10,), (1,))
+
+
+class TargetsElsewhere(SoundTask):
+    def targets(self, n=15):
+        return np.full((n, 1), 2.0)
+
+
+class NotANumber(SoundTask):
+    def events(self, theta, rng):
+        return np.where(theta > 0, np.nan, rng.normal(theta))
+
+
+class SinglePrecision(SoundTask):
+    def events(self, theta, rng):
+        return rng.normal(theta).astype(np.float32)
+
+
+class Flat(SoundTask):
+    def events(self, theta, rng):
+        return rng.normal(theta)[:, 0]
+
+
+class Burning(SoundTask):
+    def events(self, theta, rng):
+        raise RuntimeError("the detector\nis on fire")
+
+
+class FailsAtTheEdge(SoundTask):
+    def events(self, theta, rng):
+        return np.where(np.abs(theta) == 9, np.inf, rng.normal(theta))
+
+
+class Anywhere(SoundTask):
+    def simulate(self, theta, rng):
+        return rng.normal(theta)
+
+
+class ChangesTheta(SoundTask):
+    def events(self, theta, rng):
+        theta += rng.standard_normal(theta.shape)
+        return theta.copy()
+
+
+class OwnEntropy(SoundTask):
+    def events(self, theta, rng):
+        return np.random.default_rng().normal(theta)
+
+
+class GlobalRandomness(SoundTask):
+    def events(self, theta, rng):
+        return np.random.normal(theta)
+
+
+class SeedsGlobally(SoundTask):
+    def events(self, theta, rng):
+        np.random.seed(rng.integers(2**32))
+        return np.random.normal(theta)
+
+
+class Silences(SoundTask):
+    def events(self, theta, rng):
+        np.seterr(under="ignore" if np.geterr()["under"] == "warn" else "warn")
+        return rng.normal(theta)
+
+
+class FixedSeed(SoundTask):
+    def events(self, theta, rng):
+        return np.random.default_rng(0).normal(theta)
+
+
+class IgnoresTheta(SoundTask):
+    def events(self, theta, rng):
+        return rng.standard_normal(theta.shape)
+
+
+class FirstTheta(SoundTask):
+    def events(self, theta, rng):
+        return rng.normal(theta[0], size=theta.shape)
+
+
+class SharedLatent(SoundTask):
+    def events(self, theta, rng):
+        return rng.normal(theta, np.sqrt(1 / 2)) + rng.normal(0, np.sqrt(1 / 2))
+
+
+class PairsOfRows(SoundTask):
+    def events(self, theta, rng):
+        n = len(theta)
+        return theta + np.repeat(rng.standard_normal((n + 1) // 2), 2)[:n, None]
+
+
+class Antithetic(SoundTask):
+    def events(self, theta, rng):
+        n = len(theta)
+        half = rng.standard_normal((n + 1) // 2)
+        return theta + np.concatenate([half, -half])[:n, None]
+
+
+class SummaryOfOrder(SoundTask):
+    def summary(self, x):
+        return x.mean(axis=0) + x[0]
+
+
+class GrowingSummary(SoundTask):
+    def summary(self, x):
+        return np.sort(x[:, 0])
+
+
+class TableSummary(SoundTask):
+    def summary(self, x):
+        return x.mean(axis=0, keepdims=True)
+
+
+class HalfAFloor(SoundTask):
+    floor_shares = (0.5,)
+
+
+class RisingFloor(SoundTask):
+    def floor(self, theta, num_observations, num_simulations):
+        return 1 / num_observations + (num_simulations or 0) / 1e9
+
+
+class NoFloor(SoundTask):
+    def floor(self, theta, num_observations, num_simulations):
+        return 0.0
+
+
+class Unpicklable(SoundTask):
+    def __init__(self):
+        self.trick = lambda: None
+
+
+class FailsWhenMade(SoundTask):
+    def __init__(self):
+        raise RuntimeError("no detector")
+
+
+class NeedsAnArgument(SoundTask):
+    def __init__(self, scale):
+        self.scale = scale
+
+
+class SoundMethod(Method):
+    """The nearest of ten events each at draws from the prior."""
+
+    name = "sound"
+    source = "test"
+    least = 100
+
+    def min_simulations(self, num_parameters):
+        return self.least
+
+    def infer(self, problem, rng):
+        theta, x = self.draws(problem, rng)
+        distance = [np.linalg.norm(problem.summary(events) - problem.summary(problem.x_observed)) for events in x]
+        best = theta[np.argmin(distance)]
+        return self.estimate(problem, best)
+
+    def draws(self, problem, rng):
+        theta = problem.prior.sample(max(self.least, problem.simulate.remaining) // 10, rng)
+        return theta, np.concatenate([problem.simulate.repeat(row, 10) for row in theta])
+
+    def estimate(self, problem, theta):
+        trace = [TracePoint(problem.simulate.used // 2, theta), TracePoint(problem.simulate.used, theta)]
+        return Estimate(theta, "nearest", "posterior", theta, theta * np.nan, trace)
+
+
+class NoMinimum(SoundMethod):
+    least = 0
+
+
+@dataclass(frozen=True)
+class HoldsATask(SoundMethod):
+    task: Any = SoundTask
+
+
+class UnpicklableMethod(SoundMethod):
+    def __init__(self):
+        self.trick = lambda: None
+
+
+class Greedy(SoundMethod):
+    def draws(self, problem, rng):
+        return problem.simulate.repeat(problem.prior.sample(1, rng), problem.simulate.budget + 1)
+
+
+class RaisesItsBudget(SoundMethod):
+    def draws(self, problem, rng):
+        problem.simulate.budget *= 2
+        return super().draws(problem, rng)
+
+
+class UnderstatesMinimum(SoundMethod):
+    def draws(self, problem, rng):
+        problem.simulate.repeat(problem.prior.center, 150)
+        return super().draws(problem, rng)
+
+
+class Makeshift(SoundMethod):
+    def draws(self, problem, rng):
+        try:
+            return super().draws(problem, rng)
+        except BudgetExhausted:
+            return problem.prior.center[None], problem.x_observed[None]
+
+
+class OutsideEstimate(SoundMethod):
+    def estimate(self, problem, theta):
+        return super().estimate(problem, theta + 100)
+
+
+class WideEstimate(SoundMethod):
+    def estimate(self, problem, theta):
+        return super().estimate(problem, theta[None])
+
+
+class NegativeSpread(SoundMethod):
+    def estimate(self, problem, theta):
+        return Estimate(theta, "nearest", "posterior", theta, -np.ones_like(theta))
+
+
+class SaysNothing(SoundMethod):
+    def estimate(self, problem, theta):
+        return Estimate(theta, " ", "posterior", theta, theta * 0)
+
+
+class AsksOutside(SoundMethod):
+    def draws(self, problem, rng):
+        problem.simulate(np.array([problem.support.high]) + 1)
+
+
+class WritesPlainly(SoundMethod):
+    def draws(self, problem, rng):
+        problem.x_observed[0] = 0
+
+
+class ForcesAWrite(SoundMethod):
+    def draws(self, problem, rng):
+        problem.x_observed.setflags(write=True)
+        problem.x_observed[:10] = 0
+        return super().draws(problem, rng)
+
+
+class TracesBackwards(SoundMethod):
+    def estimate(self, problem, theta):
+        good = super().estimate(problem, theta)
+        good.trace.reverse()
+        return good
+
+
+class TracesBeyond(SoundMethod):
+    def estimate(self, problem, theta):
+        trace = [TracePoint(problem.simulate.used + 1, theta)]
+        return Estimate(theta, "nearest", "posterior", theta, theta * 0, trace)
+
+
+class TracesTooMuch(SoundMethod):
+    def estimate(self, problem, theta):
+        trace = [TracePoint(problem.simulate.used, np.append(theta, 0))]
+        return Estimate(theta, "nearest", "posterior", theta, theta * 0, trace)
+
+
+class TracesNotANumber(SoundMethod):
+    def estimate(self, problem, theta):
+        trace = [TracePoint(problem.simulate.used, theta * np.nan)]
+        return Estimate(theta, "nearest", "posterior", theta, theta * 0, trace)
+
+
+class Quits(SoundMethod):
+    def draws(self, problem, rng):
+        theta = problem.prior.sample(10, rng)
+        return theta, problem.simulate.repeat(theta, 10)
+
+
+class GlobalRandomMethod(SoundMethod):
+    def draws(self, problem, rng):
+        return super().draws(problem, np.random.default_rng(np.random.randint(2**31)))
+
+
+class FixedGlobalSeed(SoundMethod):
+    def draws(self, problem, rng):
+        np.random.seed(0)
+        return super().draws(problem, np.random.default_rng(np.random.randint(2**31)))
+
+
+class OwnEntropyMethod(SoundMethod):
+    def draws(self, problem, rng):
+        return super().draws(problem, np.random.default_rng())
+
+
+class Remembers(SoundMethod):
+    runs: ClassVar = itertools.count()
+
+    def draws(self, problem, rng):
+        return super().draws(problem, np.random.default_rng(next(self.runs)))
+
+
+class SwallowsFailure(SoundMethod):
+    def draws(self, problem, rng):
+        theta, x = [], []
+        for row in problem.prior.sample(max(self.least, problem.simulate.remaining) // 10, rng):
+            try:
+                x.append(problem.simulate.repeat(row, 10)[0])
+                theta.append(row)
+            except SimulatorError:
+                continue
+        return np.array(theta), np.array(x)
+
+
+class MixesThemUp(SoundMethod):
+    together = True
+
+    def infer_together(self, problems, rngs):
+        return super().infer_together(problems, rngs)[::-1]
+
+
+class SharesAStream(SoundMethod):
+    together = True
+
+    def infer_together(self, problems, rngs):
+        return super().infer_together(problems, [rngs[0]] * len(rngs))
+
+
+class DisguisesFailure(SoundMethod):
+    def draws(self, problem, rng):
+        try:
+            return super().draws(problem, rng)
+        except SimulatorError as error:
+            raise RuntimeError("sampling failed") from error

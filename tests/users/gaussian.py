@@ -1,0 +1,50 @@
+"""A task with a known posterior, for tests of the methods."""
+
+import numpy as np
+
+from avobench.bench.budget import MeteredSimulator
+from avobench.methods.problem import Problem
+from avobench.tasks import Box, Task
+
+TRUTH = np.array([1.0])
+
+
+class GaussianMean(Task):
+    """x ~ N(mu, 1) with a U(-3, 3) prior: the posterior given N events is N(mean(x), 1/N)."""
+
+    name, parameter_names, parameter_units, source = "gaussian-mean", ("mu",), ("1",), "textbook"
+    prior, support, num_features = Box((-3,), (3,)), Box((-3,), (3,)), 1
+
+    def simulate(self, theta, rng):
+        return rng.normal(theta, 1)
+
+    def summary(self, x):
+        return x.mean(axis=0)
+
+    def floor(self, theta, num_observations, num_simulations):
+        return 1 / num_observations
+
+
+class GaussianMeans(GaussianMean):
+    """Two means in boxes that do not overlap, with names whose alphabetical order is not their order."""
+
+    parameter_names, parameter_units, num_features = ("second", "first"), ("1", "1"), 2
+    prior = support = Box((-3, 10), (3, 14))
+
+
+class Failing(GaussianMean):
+    def simulate(self, theta, rng):
+        raise ZeroDivisionError("the detector is off")
+
+
+class Constant(GaussianMean):
+    """Every theta reproduces the observed summary."""
+
+    def summary(self, x):
+        return np.ones(1)
+
+
+def gaussian_problem(task: Task, budget: int, truth=TRUTH, seed: int = 0) -> Problem:
+    rng = np.random.default_rng(seed)
+    x_observed = rng.normal(truth, 1, (10_000, task.num_features))
+    return Problem.of(task, x_observed, MeteredSimulator(task, budget, rng))
