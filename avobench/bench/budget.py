@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from avobench.methods import Problem
 from avobench.tasks import Task
 from avobench.tasks.errors import BudgetExhausted, SimulatorError, SupportError
 
@@ -80,6 +81,22 @@ class MeteredSimulator:
         if self._progress is not None:
             self._progress(self._used)
         return x
+
+
+def pose(task: Task, x_observed: NDArray, simulate: MeteredSimulator) -> Problem:
+    """The problem of finding the parameters behind events x_observed (N, d), which are made read-only."""
+    x_observed.setflags(write=False)
+    return Problem(
+        parameter_names=task.parameter_names,
+        prior=task.prior,
+        support=task.support,
+        x_observed=x_observed,
+        simulate=simulate,
+        summary=lambda x: checked_summary(task, x),
+        discriminator=task.discriminator,
+        event_shape=task.event_shape,
+        cyclic_axes=task.cyclic_axes,
+    )
 
 
 def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:

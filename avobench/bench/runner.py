@@ -10,8 +10,10 @@ from datetime import UTC, datetime
 from typing import Any
 
 from avobench.bench.backends.contract import Backend
-from avobench.bench.cells import Cell, Status, versions
+from avobench.bench.cell import Cell
+from avobench.bench.record import Status
 from avobench.bench.store import Store
+from avobench.bench.versions import versions
 
 TICK_SECONDS = 1.0
 

@@ -12,7 +12,7 @@ from typing import Any
 import pandas as pd
 from filelock import FileLock, Timeout
 
-from avobench.bench.cells import SCHEMA_VERSION
+from avobench.bench.record import SCHEMA_VERSION
 from avobench.tasks.errors import StoreError, UsageError
 
 SCHEMA = {"schema": "avobench-records", "version": SCHEMA_VERSION}

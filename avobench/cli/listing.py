@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 
 from avobench.bench import registry
-from avobench.bench.cells import Status
+from avobench.bench.record import Status
 from avobench.bench.store import labels, to_frame
 
 

@@ -13,8 +13,9 @@ from avobench.bench import registry
 from avobench.bench.backends.dask import DaskBackend
 from avobench.bench.backends.local import LocalBackend
 from avobench.bench.backends.together import TogetherBackend
-from avobench.bench.cells import Cell, Status, reason
+from avobench.bench.cell import Cell
 from avobench.bench.plan import on_device, plan
+from avobench.bench.record import Status, reason
 from avobench.bench.runner import Sweep, run
 from avobench.bench.store import Store, to_frame
 from avobench.cli import listing

@@ -9,7 +9,8 @@ from rich.live import Live
 from rich.progress_bar import ProgressBar
 from rich.table import Table
 
-from avobench.bench.cells import Cell, Status, reason
+from avobench.bench.cell import Cell
+from avobench.bench.record import Status, reason
 from avobench.bench.runner import Sweep, View
 
 QUIET_SECONDS = 30.0

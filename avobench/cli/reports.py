@@ -9,7 +9,7 @@ import joblib
 from rich.console import Console
 
 from avobench.bench.backends.local import LocalBackend
-from avobench.bench.cells import Status, reason
+from avobench.bench.record import Status, reason
 from avobench.bench.runner import run
 from avobench.bench.store import Store
 from avobench.cli import listing

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.bench import registry
-from avobench.bench.budget import MeteredSimulator
+from avobench.bench.budget import MeteredSimulator, pose
 from avobench.diagnosis.answer.identifiability import card
 from avobench.diagnosis.answer.pictures import pictures
 from avobench.diagnosis.answer.quoted import ambiguity, found_effect, identified, named, theta_values
@@ -27,7 +27,6 @@ from avobench.effects.catalogue import catalogue, domain
 from avobench.effects.model import Model
 from avobench.effects.pool import Counted, Pool, TwoStage
 from avobench.methods import Estimate
-from avobench.methods.problem import Problem
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
@@ -80,7 +79,7 @@ def inferred(
     if num_events < least:
         raise UsageError(f"--fit {name} needs at least {least} simulated events, got {num_events}")
     simulate = MeteredSimulator(task, num_events, rng.spawn(1)[0])
-    return method.infer(Problem.of(task, x, simulate), rng.spawn(1)[0]), simulate
+    return method.infer(pose(task, x, simulate), rng.spawn(1)[0]), simulate
 
 
 def held_out_gap(fit: Fit, target: Target, mean: NDArray[np.float64], num_events: int) -> Gap:

@@ -2,12 +2,35 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from avobench.bench.budget import MeteredSimulator, checked_summary
-from avobench.tasks import Box, Discriminator, Task
+from avobench.tasks import Box, Discriminator
+
+
+class Simulator(Protocol):
+    """The only way to simulate: it counts the events, and refuses a request that would exceed the budget."""
+
+    @property
+    def budget(self) -> int: ...
+
+    @property
+    def used(self) -> int: ...
+
+    @property
+    def remaining(self) -> int: ...
+
+    def __call__(self, theta: ArrayLike) -> NDArray:
+        """One event per row: theta (n, p) in raw units -> x (n, d).
+
+        Raises SupportError for a theta that is not finite, of the wrong shape or outside the support, BudgetExhausted
+        when fewer than n events remain, SimulatorError when the simulator fails.
+        """
+
+    def repeat(self, theta: ArrayLike, n: int) -> NDArray:
+        """n events per row: theta (m, p) -> x (m, n, d). Raises as `__call__` does."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +45,7 @@ class Problem:
     """Where the simulator may be called; contains the prior."""
     x_observed: NDArray
     """Observed events (N, d), read-only."""
-    simulate: MeteredSimulator
+    simulate: Simulator
     summary: Callable[[NDArray], NDArray[np.float64]]
     """Summary statistic of a set of events: (n, d) -> (k,)."""
     discriminator: Discriminator
@@ -31,18 +54,3 @@ class Problem:
     """Of an event whose features form an image; () where they are a plain list."""
     cyclic_axes: tuple[int, ...] = ()
     """Axes of `event_shape` along which a cyclic shift of an event is as probable as the event."""
-
-    @classmethod
-    def of(cls, task: Task, x_observed: NDArray, simulate: MeteredSimulator) -> "Problem":
-        x_observed.setflags(write=False)
-        return cls(
-            task.parameter_names,
-            task.prior,
-            task.support,
-            x_observed,
-            simulate,
-            lambda x: checked_summary(task, x),
-            task.discriminator,
-            task.event_shape,
-            task.cyclic_axes,
-        )

@@ -12,7 +12,7 @@ from typing import Any
 import pandas as pd
 from jinja2 import Environment, FileSystemLoader
 
-from avobench.bench.cells import Status
+from avobench.bench.record import Status
 from avobench.bench.store import Store, labels, to_frame
 from avobench.cli.reports import STUDY_FIGURES, draw, records_for
 from avobench.reports.benchmark import numbers

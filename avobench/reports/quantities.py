@@ -9,7 +9,7 @@ from scipy.stats import chi2
 from scipy.stats.qmc import Sobol
 
 from avobench.bench import registry
-from avobench.bench.cells import Status
+from avobench.bench.record import Status
 from avobench.bench.store import labels, to_frame
 from avobench.tasks import Task
 

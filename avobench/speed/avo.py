@@ -16,13 +16,12 @@ import pandas as pd
 import torch
 from numpy.typing import NDArray
 
-from avobench.bench.budget import MeteredSimulator
+from avobench.bench.budget import MeteredSimulator, pose
 from avobench.bench.registry import build, names
 from avobench.methods.avo import Avo
 from avobench.methods.avo_paper import AvoPaper
 from avobench.methods.discriminator import Discriminator
 from avobench.methods.fused_step import FusedStep
-from avobench.methods.problem import Problem
 from avobench.speed.plain_avo import PlainAvo
 from avobench.tasks import Task
 from avobench.tasks.errors import AvobenchError
@@ -76,7 +75,7 @@ def whole_step(task: Task, batch_size: int, rounds: int) -> dict[str, float]:
     def infer(step: str, iterations: int) -> None:
         simulate = MeteredSimulator(noise, iterations * batch_size, np.random.default_rng(0))
         method = AvoPaper(schedule="shared", batch_size=batch_size, step=step, **rates)
-        method.infer(Problem.of(noise, x, simulate), np.random.default_rng(0))
+        method.infer(pose(noise, x, simulate), np.random.default_rng(0))
 
     runs = [partial(infer, step, iterations) for step in ("autograd", "fused") for iterations in (few, many)]
     times = milliseconds([plain.step, *runs], rounds)
@@ -95,7 +94,7 @@ def discriminator_step(
     rng = np.random.default_rng(0)
     noise = Noise(task)
     x = rng.standard_normal((NUM_OBSERVATIONS, task.num_features))
-    problem = Problem.of(noise, x, MeteredSimulator(noise, 1, rng))
+    problem = pose(noise, x, MeteredSimulator(noise, 1, rng))
     n, hidden = batch_size // 2, hidden or task.discriminator.hidden
     real, synthetic = x[:n], x[n : 2 * n]
     by_autograd, by_hand = (Discriminator(problem, hidden, np.random.default_rng(0)) for _ in range(2))

@@ -10,8 +10,10 @@ import numpy as np
 import pandas as pd
 from scipy.stats import wilcoxon
 
-from avobench.bench.cells import Cell, Status, execute
+from avobench.bench.cell import Cell
 from avobench.bench.plan import parse_targets
+from avobench.bench.record import Status
+from avobench.bench.trial import execute
 from avobench.tasks.errors import AvobenchError
 
 SURROGATES = ("gpy", "fast")

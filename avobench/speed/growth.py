@@ -15,10 +15,13 @@ import numpy as np
 import pandas as pd
 
 from avobench.bench.backends.local import LocalBackend
-from avobench.bench.cells import Cell, Status, execute, peak_memory_mib, reason, reset_peak_memory
+from avobench.bench.cell import Cell
+from avobench.bench.memory import peak_memory_mib, reset_peak_memory
 from avobench.bench.plan import plan
+from avobench.bench.record import Status, reason
 from avobench.bench.runner import View, run
 from avobench.bench.store import Store
+from avobench.bench.trial import execute
 from avobench.speed.cost import PARTS
 from avobench.tasks.errors import AvobenchError
 

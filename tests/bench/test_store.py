@@ -6,9 +6,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from avobench.bench.cells import execute
 from avobench.bench.plan import plan
 from avobench.bench.store import Store, labels, to_frame, write_atomically
+from avobench.bench.trial import execute
 from avobench.tasks.errors import StoreError, UsageError
 
 

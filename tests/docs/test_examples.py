@@ -14,9 +14,8 @@ import pytest
 from scipy.stats import exponnorm
 
 from avobench.bench import registry
-from avobench.bench.budget import MeteredSimulator
-from avobench.bench.cells import observe
-from avobench.methods.problem import Problem
+from avobench.bench.budget import MeteredSimulator, pose
+from avobench.bench.streams import observe
 from avobench.tasks.carl import Carl
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -102,7 +101,7 @@ def test_the_floor_of_decay_times_is_what_the_score_says_and_without_resolution_
 def test_the_method_keeps_the_parameters_with_the_nearest_summaries(folder):
     task = Carl()
     simulate = MeteredSimulator(task, 64_050, np.random.default_rng(1))
-    problem = Problem.of(task, observe(task, 0, 10_000, 0), simulate)
+    problem = pose(task, observe(task, 0, 10_000, 0), simulate)
     method = registry.build("method", "nearest_summary:NearestSummary", {"share_kept": 0.02, "num_trace_points": 4})
     estimate = method.infer(problem, np.random.default_rng(2))
     assert simulate.used == 500 * 128

@@ -7,7 +7,9 @@ import pytest
 import torch
 
 from avobench.bench import registry
-from avobench.bench.cells import Cell, execute, reason
+from avobench.bench.cell import Cell
+from avobench.bench.record import reason
+from avobench.bench.trial import execute
 from avobench.methods.avo_paper import AvoPaper, baseline
 from avobench.methods.discriminator import Discriminator
 from avobench.methods.proposal import TruncatedGaussian

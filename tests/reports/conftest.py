@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from avobench.bench.cells import Cell, Status, blank_record
+from avobench.bench.cell import Cell
+from avobench.bench.record import Status, blank_record
 
 SECONDS = {"avo": 20.0, "avo-paper": 30.0, "abc-smc": 1.0, "bolfi": 10.0}
 

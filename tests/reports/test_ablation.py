@@ -2,7 +2,7 @@
 
 import pytest
 
-from avobench.bench.cells import Status, blank_record
+from avobench.bench.record import Status, blank_record
 from avobench.bench.store import Store
 from avobench.reports.ablation import table
 from avobench.studies.paper import ABLATION_TASKS, ABLATIONS, ablation, cells

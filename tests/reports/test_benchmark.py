@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
-from avobench.bench.cells import execute
 from avobench.bench.plan import plan
+from avobench.bench.trial import execute
 from avobench.reports import benchmark
 
 

@@ -4,7 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from avobench.bench.cells import Cell, execute, observe
+from avobench.bench.cell import Cell
+from avobench.bench.streams import observe
+from avobench.bench.trial import execute
 from avobench.cli.reports import FIGURES
 from avobench.reports import alignment, cost, detector, efficiency, poisson, weinberg
 from avobench.reports.style import METHOD_COLOURS, PALETTE, colours

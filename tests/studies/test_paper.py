@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from avobench.bench.cells import Cell
+from avobench.bench.cell import Cell
 from avobench.bench.store import Store
 from avobench.methods.proposal import TruncatedGaussian
 from avobench.studies import paper as study

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from avobench.bench.budget import MeteredSimulator
+from avobench.bench.budget import MeteredSimulator, pose
 from avobench.methods.problem import Problem
 from avobench.tasks import Box, Task
 
@@ -47,4 +47,4 @@ class Constant(GaussianMean):
 def gaussian_problem(task: Task, budget: int, truth=TRUTH, seed: int = 0) -> Problem:
     rng = np.random.default_rng(seed)
     x_observed = rng.normal(truth, 1, (10_000, task.num_features))
-    return Problem.of(task, x_observed, MeteredSimulator(task, budget, rng))
+    return pose(task, x_observed, MeteredSimulator(task, budget, rng))

@@ -4,13 +4,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from avobench.bench.cells import Cell
+from avobench.bench.cell import Cell
 
 
 class Backend(ABC):
     """Carries out cells in its workers and hands their records back to the sweep.
 
-    The records do not depend on the backend: `cells.Trial` makes them everywhere, with one thread a worker. Where cells
+    The records do not depend on the backend: `trial.Trial` makes them everywhere, with one thread a worker. Where cells
     are carried out together, estimates are the same to floating-point reordering.
     """
 

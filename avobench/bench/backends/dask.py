@@ -14,7 +14,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from avobench.bench.backends.contract import Backend
-from avobench.bench.cells import Cell, Status, blank_record, execute, versions
+from avobench.bench.cell import Cell
+from avobench.bench.record import Status, blank_record
+from avobench.bench.trial import execute
+from avobench.bench.versions import versions
 from avobench.tasks.errors import AvobenchError, UsageError
 
 if TYPE_CHECKING:

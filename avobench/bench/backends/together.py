@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from avobench.bench.backends.local import LocalBackend, Piece
-from avobench.bench.cells import Cell
+from avobench.bench.cell import Cell
 
 EACH = ("target", "repetition", "theta_true")
 """What may differ between the cells of a piece."""

@@ -10,9 +10,12 @@ from typing import Any
 import numpy as np
 
 from avobench.bench import registry
-from avobench.bench.budget import MeteredSimulator
-from avobench.bench.cells import Cell, Status, execute, execute_together, observe, stream
+from avobench.bench.budget import MeteredSimulator, pose
+from avobench.bench.cell import Cell
 from avobench.bench.conformance.promises import BrokenPromise, Stage, expect, recordable, state_kept
+from avobench.bench.record import Status
+from avobench.bench.streams import observe, stream
+from avobench.bench.trial import execute, execute_together
 from avobench.methods import Method
 from avobench.methods.problem import Problem
 from avobench.tasks.errors import SimulatorError
@@ -107,7 +110,7 @@ class _Trial:
 def _problem(cell: Cell, progress: Callable[[int], None] | None = None) -> Problem:
     task = cell.build_task()
     simulate = MeteredSimulator(task, cell.budget, stream(cell.seed, "check"), progress)
-    return Problem.of(task, observe(task, cell.target, cell.num_observations, cell.seed), simulate)
+    return pose(task, observe(task, cell.target, cell.num_observations, cell.seed), simulate)
 
 
 def _observed_unchanged(method: Method, cell: Cell) -> None:

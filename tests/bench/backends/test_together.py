@@ -12,10 +12,11 @@ import pytest
 
 from avobench.bench.backends.local import LocalBackend
 from avobench.bench.backends.together import TogetherBackend
-from avobench.bench.cells import Status, execute
 from avobench.bench.plan import plan
+from avobench.bench.record import Status
 from avobench.bench.runner import View, run, seconds
 from avobench.bench.store import Store
+from avobench.bench.trial import execute
 
 HERE = Path(__file__).parents[2] / "users"
 TIMED = {"observation_seconds", "simulator_seconds", "method_seconds", "harness_seconds", "peak_memory_mib", "started"}

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from avobench.bench.cells import execute, observe
 from avobench.bench.plan import plan
+from avobench.bench.streams import observe
+from avobench.bench.trial import execute
 
 
 def cell(*settings, budget=4000, target="0", repetitions=1, seed=0):

@@ -1,0 +1,58 @@
+"""One cell of the sweep: the inference that it stands for, and all that identifies its result."""
+
+import hashlib
+import json
+from dataclasses import dataclass, field
+from typing import Any
+
+from avobench.bench import registry
+from avobench.methods import Method
+from avobench.tasks import Task
+from avobench.tasks.errors import UsageError
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One inference: a task's target, a method, a repetition, under one budget and seed.
+
+    `task` and `method` are names or `module:Class`. `identity` holds everything that determines the result.
+    """
+
+    task: str
+    task_settings: dict[str, Any]
+    method: str
+    method_settings: dict[str, Any]
+    target: int
+    repetition: int
+    budget: int
+    num_observations: int
+    seed: int
+    identity: dict[str, Any] = field(init=False)
+
+    def __post_init__(self) -> None:
+        task, method = self.build_task(), self.build_method()
+        identity = {
+            **registry.identity("task", self.task, task),
+            **registry.identity("method", self.method, method),
+            "theta_true": registry.blamed(lambda: task.targets()[self.target].tolist(), f"task '{self.task}'"),
+            **{name: getattr(self, name) for name in ("target", "repetition", "budget", "num_observations", "seed")},
+        }
+        try:
+            object.__setattr__(self, "identity", json.loads(json.dumps(identity, allow_nan=False)))
+        except (TypeError, ValueError) as error:
+            given = {**identity["task_settings"], **identity["method_settings"]}
+            raise UsageError(f"settings must be finite numbers, texts or lists of them, got {given}") from error
+
+    def build_task(self) -> Task:
+        return registry.build("task", self.task, self.task_settings)
+
+    def build_method(self) -> Method:
+        return registry.build("method", self.method, self.method_settings)
+
+    @property
+    def id(self) -> str:
+        return hashlib.sha256(json.dumps(self.identity, sort_keys=True).encode()).hexdigest()[:16]
+
+    @property
+    def label(self) -> str:
+        return f"{self.identity['task']} {self.identity['method']} target {self.target} repetition {self.repetition}"

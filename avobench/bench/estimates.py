@@ -1,0 +1,31 @@
+"""Whether what a method returned is an estimate that a record can hold."""
+
+import numpy as np
+
+from avobench.methods import Estimate, Problem, TracePoint
+from avobench.tasks.errors import InvalidEstimate
+
+
+def require_recordable(estimate: object, problem: Problem, used: int) -> None:
+    """Raise InvalidEstimate unless `estimate` is one that a record can hold."""
+    if not isinstance(estimate, Estimate):
+        raise InvalidEstimate(f"the method returned {type(estimate).__name__} instead of an Estimate")
+    p = problem.prior.dim
+    if not isinstance(estimate.trace, list):
+        raise InvalidEstimate(f"the trace must be a list of TracePoint, got {estimate.trace!r:.100}")
+    vectors = [("theta", estimate.theta), ("mean", estimate.mean), ("std", estimate.std)]
+    for point in estimate.trace:
+        if not (isinstance(point, TracePoint) and isinstance(point.simulations, int | np.integer)):
+            raise InvalidEstimate(f"the trace must be a list of TracePoint, got {point!r}")
+        vectors += [("theta of the trace", point.theta)]
+        vectors += [] if point.std is None else [("std of the trace", point.std)]
+    for name, value in vectors:
+        if not isinstance(value, np.ndarray) or value.shape != (p,) or value.dtype.kind != "f":
+            raise InvalidEstimate(f"{name} of the estimate must be a float array of shape ({p},), got {value!r}")
+    if not np.isfinite(estimate.theta).all() or not problem.support.contains(estimate.theta)[0]:
+        raise InvalidEstimate(f"the estimate {estimate.theta.tolist()} is not within the support")
+    if not (isinstance(estimate.discarded, int | np.integer) and 0 <= estimate.discarded <= used):
+        raise InvalidEstimate(f"discarded must be a number from 0 to the {used} used, got {estimate.discarded!r}")
+    for name in ("how", "spread_of", "message"):
+        if not isinstance(getattr(estimate, name), str):
+            raise InvalidEstimate(f"{name} of the estimate must be text, got {getattr(estimate, name)!r}")
