@@ -9,8 +9,8 @@ from pathlib import Path
 import click
 import pandas as pd
 
+from avobench.bench.files import write_file
 from avobench.bench.store import Store
-from avobench.cli.options import write_file
 from avobench.reports import benchmark_claims, example_claims
 from avobench.reports.claims import Evidence
 from avobench.reports.quantities import comparable, labelled

@@ -1,0 +1,128 @@
+"""Sweeps and their records, from Python as from the command line."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from avobench.bench import registry, runner
+from avobench.bench.backends.workers import Workers
+from avobench.bench.cell import Cell
+from avobench.bench.plan import on_device, plan
+from avobench.bench.runner import View
+from avobench.bench.store import Store, to_frame
+
+RESULTS = Path("results/local")
+"""Where records are kept unless another folder is given."""
+
+
+def run(
+    tasks: str | Sequence[str] = (),
+    methods: str | Sequence[str] = (),
+    targets: str = "0-14",
+    *,
+    budget: int = 160_000,
+    observations: int = 100_000,
+    repetitions: int = 1,
+    seed: int = 0,
+    settings: Sequence[str] = (),
+    device: str = "cpu",
+    results: str | Path = RESULTS,
+    workers: Workers | None = None,
+    retry_failed: bool = False,
+    view: View | None = None,
+    debug: bool = False,
+) -> pd.DataFrame:
+    """Carry out the cells that the results folder lacks: task x method x target x repetition.
+
+    What is finished is kept at once; after an interruption the same call goes on from there.
+
+    Parameters
+    ----------
+    tasks, methods
+        Names as `avobench list` shows them, `module:Class` or `path/to/file.py:Class`; all registered ones where none
+        is given.
+    targets
+        Indices and ranges of target parameters, such as "0,3,7-9".
+    budget
+        Simulated events that a cell may use.
+    observations
+        Observed events of each target.
+    repetitions
+        Of each cell, with other random streams.
+    seed
+        Root of all random streams.
+    settings
+        Texts NAME.SETTING=VALUE, such as "abc-smc.population_size=50".
+    device
+        "cpu" or "cuda", for the methods that can use one.
+    results
+        Folder of the records; made where there is none.
+    workers
+        Processes of this machine, one a core, unless another kind is given.
+    retry_failed
+        Make cells again whose status is not ok.
+    view
+        Is told what happens; nothing is shown without one.
+    debug
+        Print tracebacks of failed cells to standard error.
+
+    Returns
+    -------
+    One row a cell, as `records` returns it, in the order of the cells.
+
+    Raises
+    ------
+    UsageError
+        If the request cannot be met; nothing is simulated then.
+    StoreError
+        If the folder cannot be used.
+    """
+    cells = asked(tasks, methods, targets, budget, observations, repetitions, seed, settings, device)
+    return to_frame(carried_out(cells, results, workers, retry_failed=retry_failed, view=view, debug=debug))
+
+
+def asked(
+    tasks: str | Sequence[str] = (),
+    methods: str | Sequence[str] = (),
+    targets: str = "0-14",
+    budget: int = 160_000,
+    observations: int = 100_000,
+    repetitions: int = 1,
+    seed: int = 0,
+    settings: Sequence[str] = (),
+    device: str = "cpu",
+) -> list[Cell]:
+    """The cells that `run` carries out, in their order."""
+    chosen = {
+        kind: [given] if isinstance(given, str) else list(given) or registry.names(kind)
+        for kind, given in (("task", tasks), ("method", methods))
+    }
+    settings = list(settings)
+    if device != "cpu":
+        settings += on_device(chosen["method"], device)
+    return plan(chosen["task"], chosen["method"], targets, repetitions, budget, observations, seed, settings)
+
+
+def carried_out(
+    cells: list[Cell],
+    results: str | Path = RESULTS,
+    workers: Workers | None = None,
+    *,
+    retry_failed: bool = False,
+    view: View | None = None,
+    debug: bool = False,
+) -> list[dict[str, Any]]:
+    """The records of cells, without their traces; those that the folder lacks are made."""
+    store = Store(Path(results), create=True)
+    backend = (workers or Workers()).begin(store.running, debug=debug)
+    return runner.run(cells, store, backend, view or View(), retry_failed=retry_failed)
+
+
+def records(results: str | Path = RESULTS) -> pd.DataFrame:
+    """The records of a results folder, a row a cell; see docs/records.md for the columns.
+
+    Raises StoreError where a record is damaged or there are none, UsageError where there is no such folder.
+    """
+    return to_frame(Store(Path(results)).read_all())

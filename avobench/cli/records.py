@@ -1,0 +1,54 @@
+"""`avobench status` and `avobench export`: what is in a results folder."""
+
+import sys
+from pathlib import Path
+
+import click
+
+from avobench.bench.files import require_folder, write_file
+from avobench.bench.record import Status, reason
+from avobench.bench.store import Store, to_frame
+from avobench.cli import listing
+from avobench.cli.options import RESULTS
+from avobench.tasks.errors import UsageError
+
+
+@click.command()
+@RESULTS
+@click.option("--targets", is_flag=True, help="Show instead whether avo is where it should be, beside the others.")
+def status(results: Path, targets: bool) -> None:
+    """Summarise the records of a results folder, and name failed cells and damaged files."""
+    store = Store(results)
+    if targets:
+        from avobench.reports.targets import format_table  # here, because it takes a second to load
+
+        click.echo(format_table(store.read_all()))
+        return
+    records, damaged = store.read()
+    if not records and not damaged:
+        store.read_all()
+    if records:
+        click.echo(listing.status_table(records))
+    for record in records:
+        if record["status"] != Status.OK:
+            cell = "{task} {method} target {target} repetition {repetition}".format(**record)
+            click.echo(f"{cell}: {reason(record)}")
+    for path, fault in damaged.items():
+        click.echo(f"{path} {fault}; `avobench run` sets it aside and makes it again, or delete it", err=True)
+    if damaged:
+        sys.exit(1)
+
+
+@click.command()
+@click.option("--format", "kind", type=click.Choice(["csv", "parquet"]), required=True)
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="File to write.")
+@RESULTS
+def export(kind: str, out: Path, results: Path) -> None:
+    """Write all records as one table, a row a cell."""
+    require_folder(out.parent, make=False)
+    if out.is_dir():
+        raise UsageError(f"{out} is a folder; --out takes the file to write")
+    frame = to_frame(Store(results).read_all())
+    content = frame.to_csv(index=False).encode() if kind == "csv" else frame.to_parquet(index=False)
+    write_file(out, content)
+    click.echo(f"{len(frame)} rows in {out}")

@@ -1,0 +1,81 @@
+"""`avobench run`: a sweep, with its progress."""
+
+import signal
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.console import Console
+
+from avobench.api import sweep
+from avobench.bench.backends.workers import Workers
+from avobench.bench.cell import Cell
+from avobench.bench.files import require_folder
+from avobench.bench.record import Status
+from avobench.bench.runner import Sweep
+from avobench.cli import listing
+from avobench.cli.options import RESULTS
+from avobench.cli.progress import ProgressView
+from avobench.reports.draw import draw
+
+
+@click.command()
+@click.option("--task", "tasks", multiple=True, metavar="NAME", help="Task, or module:Class; repeatable.  [all]")
+@click.option("--method", "methods", multiple=True, metavar="NAME", help="Method, or module:Class; repeatable.  [all]")
+@click.option("--targets", default="0-14", show_default=True, help="Indices and ranges, such as 0,3,7-9.")
+@click.option("--budget", type=int, default=160_000, show_default=True, help="Simulated events a cell may use.")
+@click.option("--observations", type=int, default=100_000, show_default=True, help="Observed events of each target.")
+@click.option("--repetitions", type=int, default=1, show_default=True)
+@click.option("--seed", type=int, default=0, show_default=True, help="Root of all random streams.")
+@click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [one a core]")
+@click.option(
+    "--backend",
+    type=click.Choice(["local", "together", "dask"]),
+    default=None,
+    help="Processes, all cells of a task at once where a method gains, or a cluster.  [local; together with cuda]",
+)
+@click.option("--group", type=int, default=None, metavar="N", help="Most cells at once with together.  [all]")
+@click.option("--scheduler", default=None, metavar="ADDRESS", help="Of Dask, such as tcp://10.0.0.1:8786.")
+@click.option("--device", type=click.Choice(["cpu", "cuda"]), default="cpu", show_default=True, help="Of the networks.")
+@RESULTS
+@click.option("--set", "settings", multiple=True, metavar="METHOD.PARAM=VALUE", help="A setting of a method or task.")
+@click.option("--retry-failed", is_flag=True, help="Make cells again whose status is not ok.")
+@click.option("--figure", type=click.Path(path_type=Path), default=None, metavar="DIR", help="Redraw box plots there.")
+@click.pass_obj
+def run(
+    debug: bool,
+    backend: str | None,
+    jobs: int | None,
+    group: int | None,
+    scheduler: str | None,
+    results: Path,
+    retry_failed: bool,
+    figure: Path | None,
+    **asked: Any,
+) -> None:
+    """Carry out the cells that the results folder lacks: task x method x target x repetition.
+
+    What is finished is kept at once; after Ctrl-C, or worse, the same command goes on from there.
+    """
+    workers = Workers(jobs, backend or ("together" if asked["device"] == "cuda" else "local"), group, scheduler)
+    cells = sweep.asked(**asked)
+    if figure is not None:
+        require_folder(figure)
+
+    def redraw(state: Sweep, cell: Cell) -> None:
+        """After the last cell of a target in a repetition, and after the last of all."""
+        same = (cell.target, cell.repetition)
+        if figure is not None and all((other.target, other.repetition) != same for other in state.pending):
+            draw("benchmark", list(state.done.values()), figure)
+
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with ProgressView(Console(stderr=True), redraw) as view:
+        records = sweep.carried_out(cells, results, workers, retry_failed=retry_failed, view=view, debug=debug)
+    if figure is not None:
+        draw("benchmark", records, figure)
+    click.echo(listing.status_table(records))
+    failed = [record for record in records if record["status"] != Status.OK]
+    click.echo(f"{len(records) - len(failed)} of {len(records)} cells ok, records in {results}")
+    if failed:
+        sys.exit(1)

@@ -1,0 +1,138 @@
+"""A task from a plain function, for whoever has a simulator and wants an answer."""
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from avobench.tasks.contract import Box, Task, histogram
+from avobench.tasks.errors import UsageError
+
+Simulate = Callable[[NDArray[np.float64], np.random.Generator], ArrayLike]
+"""theta (n, p), a generator -> one event per row: (n, d), or (n,) where an event is one number."""
+
+NUM_BINS = 20
+"""Of each feature in the summary, as many as the benchmark's weinberg task has."""
+NUM_REFERENCE = 4000
+"""Events over the prior from which the bins of the summary are taken: 200 a bin."""
+
+
+NAME = r"[A-Za-z0-9][A-Za-z0-9.-]*"
+"""Of a task or method: it becomes a part of file names."""
+
+
+class FunctionTask(Task):
+    """A task whose simulator is a function; made by `task`."""
+
+    source = "a function of the user's own"
+
+    def __init__(
+        self,
+        function: Simulate,
+        name: str,
+        prior: Mapping[str, tuple[float, float]],
+        support: Mapping[str, tuple[float, float]],
+        units: Mapping[str, str],
+        feature_names: Sequence[str],
+    ) -> None:
+        self.function, self.name = function, name
+        self.parameter_names = tuple(prior)
+        self.parameter_units = tuple(units.get(parameter, "1") for parameter in prior)
+        self.prior = Box(*zip(*prior.values(), strict=True))
+        self.support = Box(*zip(*(support.get(parameter, prior[parameter]) for parameter in prior), strict=True))
+        x = self._events(np.tile(self.prior.center, (2, 1)), np.random.default_rng(0))
+        if x.ndim != 2 or len(x) != 2:
+            raise ValueError(f"theta of shape (2, {self.prior.dim}) gave events of shape {x.shape}, not (2, d) or (2,)")
+        self.num_features, self.dtype = x.shape[1], x.dtype
+        self.feature_names = tuple(feature_names)
+
+    def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        """One event per row: theta (n, p) -> (n, d). Raises ValueError outside the support."""
+        self.require_support(theta)
+        return self._events(theta, rng)
+
+    def summary(self, x: NDArray) -> NDArray[np.float64]:
+        """Shares of the events in bins of each feature that hold equal shares over the prior: (n, d) -> (k,)."""
+        return np.concatenate([histogram(x[:, [j]], edges, overflow=True) for j, edges in enumerate(self._edges)])
+
+    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
+        """Not known: NaN."""
+        return np.nan
+
+    def _events(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        x = np.asarray(self.function(theta, rng))
+        if x.ndim == 1:
+            x = x[:, None]
+        return x.astype(np.int64) if x.dtype.kind in "bui" else x.astype(np.float64, copy=False)
+
+    @cached_property
+    def _edges(self) -> list[NDArray[np.float64]]:
+        """Edges of the bins of each feature."""
+        rng = np.random.default_rng(0)
+        x = self.simulate(self.prior.sample(NUM_REFERENCE, rng), rng)
+        return [np.unique(np.quantile(feature, np.arange(1, NUM_BINS) / NUM_BINS)) for feature in x.T]
+
+
+def task(
+    simulate: Simulate,
+    *,
+    prior: Mapping[str, tuple[float, float]] | Sequence[tuple[float, float]],
+    names: Sequence[str] | None = None,
+    support: Mapping[str, tuple[float, float]] | None = None,
+    units: Mapping[str, str] | None = None,
+    features: Sequence[str] = (),
+    name: str | None = None,
+) -> FunctionTask:
+    """A task from a function that simulates one event for each row of parameters.
+
+    Parameters
+    ----------
+    simulate
+        Takes theta (n, p) and a NumPy generator, and returns the events: (n, d), or (n,) where an event is one number.
+        Rows are independent, and all randomness comes from the generator.
+    prior
+        Ends of the uniform prior of each parameter by its name, such as `{"lifetime": (1, 4)}`; or in the order of
+        `names`.
+    names
+        Names of the parameters, where `prior` does not give them.
+    support
+        Where the simulator is defined, if that is wider than the prior: ends by name of the parameter.
+    units
+        Physical units by name of the parameter; "1" where there is none.
+    features
+        A name for each of the d numbers of an event.
+    name
+        What records and pages call the task; that of the function by default.
+
+    Raises
+    ------
+    UsageError
+        If the prior is no box of finite ends, if the function raises or returns events of another shape, or if a name
+        cannot be one.
+
+    Examples
+    --------
+    >>> decay = task(lambda theta, rng: rng.exponential(theta[:, 0]), prior={"lifetime": (1, 4)}, name="decay")
+    >>> decay.simulate(np.full((3, 1), 2.0), np.random.default_rng(0)).shape
+    (3, 1)
+    """
+    if not isinstance(prior, Mapping):
+        if names is None or len(names) != len(prior):
+            raise UsageError(f"names must give a name to each of the {len(prior)} parameters of the prior, got {names}")
+        prior = dict(zip(names, prior, strict=True))
+    label = name or re.sub(r"[^A-Za-z0-9.]+", "-", getattr(simulate, "__name__", "")).strip("-") or "task"
+    if not re.fullmatch(NAME, label):
+        raise UsageError(f"the name of a task must be letters, digits, dots and dashes, got '{label}'")
+    for given, what in ((support or {}, "support"), (units or {}, "units")):
+        for parameter in given:
+            if parameter not in prior:
+                raise UsageError(f"{what} names '{parameter}'; the parameters of {label} are {', '.join(prior)}")
+    try:
+        made = FunctionTask(simulate, label, prior, support or {}, units or {}, features)
+    except Exception as error:  # a user's function may raise anything
+        raise UsageError(f"the task {label} cannot be made: {type(error).__name__}: {error}") from error
+    if features and len(features) != made.num_features:
+        raise UsageError(f"an event of {label} has {made.num_features} features, {len(features)} names were given")
+    return made
