@@ -86,8 +86,9 @@ browser:  ## install the Chromium of the tests (Debian, as root); without it the
 	  apt-get update --quiet=2 && apt-get install --quiet=2 --yes --no-install-recommends chromium chromium-driver; \
 	else echo "no chromium and chromedriver here: the tests that need a browser are skipped"; fi
 
-lint: venv  ## style
+lint: venv  ## style, and the direction of imports
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .
+	$(BIN)/lint-imports --no-logo
 
 clean:  ## remove .venv and caches; keeps every record
 	rm -rf .venv build .pytest_cache .ruff_cache .hypothesis *.egg-info

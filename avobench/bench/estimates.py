@@ -14,6 +14,7 @@ def require_recordable(estimate: object, problem: Problem, used: int) -> None:
     if not isinstance(estimate.trace, list):
         raise InvalidEstimate(f"the trace must be a list of TracePoint, got {estimate.trace!r:.100}")
     vectors = [("theta", estimate.theta), ("mean", estimate.mean), ("std", estimate.std)]
+    vectors += [] if estimate.error is None else [("error", estimate.error)]
     for point in estimate.trace:
         if not (isinstance(point, TracePoint) and isinstance(point.simulations, int | np.integer)):
             raise InvalidEstimate(f"the trace must be a list of TracePoint, got {point!r}")

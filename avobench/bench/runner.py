@@ -16,6 +16,7 @@ from avobench.bench.store import Store
 from avobench.bench.versions import versions
 
 TICK_SECONDS = 1.0
+"""How often the display is drawn anew."""
 
 
 @dataclass

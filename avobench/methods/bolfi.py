@@ -2,7 +2,7 @@
 
 import gc
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
@@ -19,7 +19,7 @@ from avobench.tasks import Box
 from avobench.tasks.errors import UsageError
 
 if TYPE_CHECKING:
-    from elfi import BOLFI, ElfiModel
+    from elfi import BOLFI, Distance, ElfiModel
 
 
 @dataclass(frozen=True)
@@ -100,25 +100,16 @@ class Bolfi(Method):
 
         trace = []
         with global_seed(rng), _own_client(elfi):
-            model = elfi.ElfiModel()  # never ELFI's current default model
-            # ELFI sorts parameters by name: zero-padded numbers keep the order of the problem.
-            names = [f"theta_{i:03d}" for i in range(prior.dim)]
-            theta = [
-                elfi.Prior("uniform", *of, model=model, name=name)
-                for name, of in zip(names, zip(box.low, box.width, strict=True), strict=True)
-            ]
-            observed = problem.summary(problem.x_observed)[None]
-            simulator = elfi.Simulator(summaries, *theta, observed=observed, model=model, name="summaries")
-            bounds = dict(zip(names, zip(box.low, box.high, strict=True), strict=True))
+            distance, bounds = _distance(elfi, box, summaries, problem.summary(problem.x_observed))
             bolfi = elfi.BOLFI(
-                elfi.Distance("euclidean", simulator, model=model, name="distance"),
+                distance,
                 bounds=bounds,
                 initial_evidence=num_initial,
                 update_interval=self.update_interval,
                 acq_noise_var=float(self.acq_noise_var),
                 exploration_rate=self.exploration_rate,
                 seed=seed,
-                **(self._fast(model, bounds, seed) if self.surrogate == "fast" else {}),
+                **(self._fast(distance.model, bounds, seed) if self.surrogate == "fast" else {}),
             )
             bolfi.set_objective(num_evidence)
             while not bolfi.finished:
@@ -159,6 +150,24 @@ class Bolfi(Method):
             seed=seed,
         )
         return {"target_model": process, "acquisition_method": acquisition}
+
+
+def _distance(
+    elfi, box: Box, summaries: Callable[..., NDArray], observed: NDArray[np.float64]
+) -> tuple["Distance", dict[str, tuple[float, float]]]:
+    """ELFI's node of the distance between summaries of events at theta and the observed one (k,), and theta's bounds.
+
+    The model of the node is its own, never ELFI's current default model. ELFI sorts parameters by name: zero-padded
+    numbers keep their order.
+    """
+    model = elfi.ElfiModel()
+    bounds = {f"theta_{i:03d}": ends for i, ends in enumerate(zip(box.low, box.high, strict=True))}
+    theta = [
+        elfi.Prior("uniform", low, width, model=model, name=name)
+        for name, low, width in zip(bounds, box.low, box.width, strict=True)
+    ]
+    simulator = elfi.Simulator(summaries, *theta, observed=observed[None], model=model, name="summaries")
+    return elfi.Distance("euclidean", simulator, model=model, name="distance"), bounds
 
 
 def _posterior(bolfi: "BOLFI", points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

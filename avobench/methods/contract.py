@@ -36,6 +36,8 @@ class Estimate:
     """(p,)"""
     std: NDArray[np.float64]
     """(p,)"""
+    error: NDArray[np.float64] | None = None
+    """Standard error of `theta` (p,), where the method knows one; the width of a proposal is none."""
     trace: list[TracePoint] = field(default_factory=list)
     discarded: int = 0
     """Events that were simulated but did not enter the estimate."""

@@ -16,6 +16,7 @@ from avobench.reports.style import METHOD_ORDER, STYLE, TRUTH, colours, ordered,
 from avobench.tasks.errors import StoreError
 
 NUM_ROWS = 4
+"""Targets that are shown; more make the panels too small to read."""
 X = np.linspace(-1, 1, 101)
 
 

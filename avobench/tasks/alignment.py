@@ -12,8 +12,12 @@ from avobench.tasks.contract import Box, Discriminator, Task
 if TYPE_CHECKING:
     from pythia8mc import Pythia
 
-NUM_ROWS, NUM_COLUMNS, MAX_ETA = 32, 32, 5.0
-"""The grid: rows uniform in pseudorapidity over [-5, 5], columns uniform in azimuth over [0, 2 pi]."""
+NUM_ROWS = 32
+"""Of the grid, uniform in pseudorapidity over [-MAX_ETA, MAX_ETA] (paper, Section 4.2)."""
+NUM_COLUMNS = 32
+"""Of the grid, uniform in azimuth over [0, 2 pi] (paper, Section 4.2)."""
+MAX_ETA = 5.0
+"""What leaves the sphere further forward is lost (paper, Section 4.2)."""
 
 CHUNK = 1000
 """Events generated at a time: in batches of 32 Pythia's `nextBatch` is a fifth slower an event."""
@@ -30,8 +34,10 @@ SETTINGS = (
     "ParticleDecays:limitTau0 = on",
 )
 NEUTRINOS = (12, 14, 16)
-PRIMARY_HADRON, DECAY_PRODUCT = 81, 91
-"""In Pythia's event record, a |status| of 81 or more is a primary hadron or, from 91, what its `mother1` decayed to."""
+PRIMARY_HADRON = 81
+"""In Pythia's event record, the least |status| of a primary hadron, and of what comes after it."""
+DECAY_PRODUCT = 91
+"""In Pythia's event record, the least |status| of what a decay made; `mother1` is what decayed."""
 
 STEP = 0.1
 """Of the numerical derivative with respect to theta [mm], a tenth of a cell."""

@@ -24,8 +24,11 @@ if TYPE_CHECKING:
     from distributed import Client, Future, Worker
 
 CONNECT_SECONDS = 5
+"""For the scheduler to answer: on a network that works it takes milliseconds, and a user should not wait long."""
 WORKERS_SECONDS = 10
+"""For the first worker to be there; one that is started together with the sweep needs a few seconds."""
 HEARTBEAT_SECONDS = 1.0
+"""How often a cell tells how far it is: as often as the display is drawn."""
 ATTEMPTS = 2
 """How often a cell may lose its worker before it is recorded as crashed, where the scheduler gives up on it so soon."""
 TOPIC = "avobench"

@@ -22,6 +22,7 @@ from avobench.bench.trial import execute, execute_together, told
 from avobench.tasks.errors import AvobenchError
 
 HEARTBEAT_SECONDS = 1.0
+"""How often a cell tells how far it is: as often as the display is drawn."""
 ATTEMPTS = 2
 """How often a cell may lose its worker process before it is recorded as crashed."""
 Piece = tuple[Cell, ...]

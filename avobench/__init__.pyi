@@ -1,0 +1,37 @@
+"""What `import avobench` offers. Each name is loaded when it is first asked for."""
+
+from .api.inference import Inference, infer
+from .api.listing import list_effects, list_methods, list_tasks
+from .api.sweep import records, run
+from .bench.backends.workers import Workers
+from .effects.contract import Effect, Parameter
+from .methods.contract import Estimate, Method, TracePoint
+from .methods.problem import Problem
+from .tasks.contract import Box, Task
+from .tasks.errors import AvobenchError, SimulatorError, UsageError
+from .tasks.function import task
+
+__version__: str
+
+__all__ = [
+    "AvobenchError",
+    "Box",
+    "Effect",
+    "Estimate",
+    "Inference",
+    "Method",
+    "Parameter",
+    "Problem",
+    "SimulatorError",
+    "Task",
+    "TracePoint",
+    "UsageError",
+    "Workers",
+    "infer",
+    "list_effects",
+    "list_methods",
+    "list_tasks",
+    "records",
+    "run",
+    "task",
+]

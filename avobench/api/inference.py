@@ -1,0 +1,172 @@
+"""One inference on a user's own events, from Python as from the command line."""
+
+import html
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+
+from avobench.bench import registry
+from avobench.bench.budget import MeteredSimulator, pose
+from avobench.bench.estimates import require_recordable
+from avobench.bench.streams import stream
+from avobench.methods import Estimate, Method
+from avobench.tasks import Task
+from avobench.tasks.errors import UsageError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class Inference:
+    """What a method found for the parameters of a task behind a set of events; shows itself in a notebook."""
+
+    task: Task
+    method: Method
+    estimate: Estimate
+    num_events: int
+    """Observed."""
+    num_simulations: int
+    """Simulated events that it took."""
+    seconds: float
+    seed: int
+
+    @property
+    def theta(self) -> dict[str, float]:
+        """The best fit by name of the parameter, in raw units."""
+        return dict(zip(self.task.parameter_names, self.estimate.theta.tolist(), strict=True))
+
+    @property
+    def std(self) -> dict[str, float]:
+        """By name of the parameter: the standard error where the method knows it, else the spread of `spread_of`."""
+        return dict(zip(self.task.parameter_names, self._spread.tolist(), strict=True))
+
+    @property
+    def std_of(self) -> str:
+        """What `std` is: "standard error", "posterior" or "proposal"."""
+        return "standard error" if self.estimate.error is not None else self.estimate.spread_of
+
+    @property
+    def _spread(self) -> NDArray[np.float64]:
+        return self.estimate.std if self.estimate.error is None else self.estimate.error
+
+    def to_frame(self) -> pd.DataFrame:
+        """A row a parameter: value, std, unit, and the ends of its prior."""
+        prior = self.task.prior
+        return pd.DataFrame(
+            {
+                "value": self.estimate.theta,
+                "std": self._spread,
+                "unit": self.task.parameter_units,
+                "prior_low": prior.low,
+                "prior_high": prior.high,
+            },
+            index=pd.Index(self.task.parameter_names, name="parameter"),
+        )
+
+    def plot(self) -> "Figure":
+        """The estimate of each parameter against the number of simulated events, with its spread as a band."""
+        from avobench.reports.trace import draw
+
+        return draw(self.task, self.estimate)
+
+    def __str__(self) -> str:
+        """A line a parameter, and what it took."""
+        found = zip(self.theta.items(), self._spread, self.task.parameter_units, strict=True)
+        lines = [
+            f"{name} = {value:.5g} +- {std:.2g}{'' if unit == '1' else ' ' + unit}"
+            for (name, value), std, unit in found
+        ]
+        notes = [f"note: {self.estimate.message}"] if self.estimate.message else []
+        return "\n".join([*lines, self.how, *notes])
+
+    @property
+    def how(self) -> str:
+        """A line that says how the numbers came about."""
+        return (
+            f"{self.method.name} on {self.num_events} events: {self.estimate.how}, +- {self.std_of}; "
+            f"{self.num_simulations} simulated events, {self.seconds:.1f} s"
+        )
+
+    def _repr_html_(self) -> str:
+        table = self.to_frame().to_html(float_format=lambda value: f"{value:.5g}", border=0)
+        return f"<p>{html.escape(f'{self.task.name}, {self.how}')}</p>{table}"
+
+
+def infer(
+    task: Task | str,
+    x: ArrayLike,
+    method: Method | str = "avo",
+    *,
+    budget: int = 160_000,
+    seed: int = 0,
+    settings: Mapping[str, Any] | None = None,
+) -> Inference:
+    """Infer the parameters of a task behind observed events.
+
+    Parameters
+    ----------
+    task
+        A task, or its name, `module:Class` or `path/to/file.py:Class`.
+    x
+        Observed events (N, d), or (N,) where an event is one number.
+    method
+        A method, or its name, such as "avo", "abc-smc" or "bolfi".
+    budget
+        Simulated events that the method may use; it cannot exceed them.
+    seed
+        Of all that is random. The same seed gives the same estimate.
+    settings
+        Of the method, where it is given by name.
+
+    Raises
+    ------
+    UsageError
+        If there is no such task or method, if the events are not those of the task, or the budget is too small.
+    SimulatorError
+        If the simulator fails; SupportError, BudgetExhausted or InvalidEstimate if the method does.
+    """
+    if isinstance(task, str):
+        task = registry.build("task", task, {})
+    if isinstance(method, str):
+        method = registry.build("method", method, dict(settings or {}))
+    elif settings:
+        raise UsageError("settings are for a method given by name; give them to the class otherwise")
+    for kind, subject in (("task", task), ("method", method)):
+        registry.require_packages(kind, subject)
+    x_observed = events_of(task, x)
+    if not 0 <= seed < 2**63:
+        raise UsageError(f"the seed must lie between 0 and 2^63 - 1, got {seed}")
+    least = method.min_simulations(task.prior.dim)
+    if budget < least:
+        raise UsageError(f"a budget of {budget} is too small for {method.name} on {task.name}: at least {least}")
+    start = time.perf_counter()
+    simulate = MeteredSimulator(task, budget, stream(seed, "simulator", task.name, method.name))
+    problem = pose(task, x_observed, simulate)
+    estimate = method.infer(problem, stream(seed, "method", task.name, method.name))
+    require_recordable(estimate, problem, simulate.used)
+    return Inference(task, method, estimate, len(x_observed), simulate.used, time.perf_counter() - start, seed)
+
+
+def events_of(task: Task, x: ArrayLike) -> NDArray:
+    """Observed events as the task's simulator would make them: (N, d) of its dtype, a copy.
+
+    Raises UsageError for another number of columns, for values that are not finite, and for fractions where the task
+    makes whole numbers.
+    """
+    x = np.asarray(x)
+    if x.ndim == 1:
+        x = x[:, None]
+    if x.ndim != 2 or len(x) == 0 or x.shape[1] != task.num_features:
+        raise UsageError(f"events of {task.name} must have shape (N, {task.num_features}), got {x.shape}")
+    if x.dtype.kind not in "biuf" or not np.isfinite(x).all():
+        raise UsageError("observed events must be finite numbers")
+    whole = np.dtype(task.dtype).kind in "iu"
+    if whole and not (x == np.rint(x)).all():
+        raise UsageError(f"{task.name} makes whole numbers, the observed events hold fractions")
+    return x.astype(task.dtype)

@@ -1,0 +1,52 @@
+"""What there is to choose from: tasks, methods, and the effects that a task may lack, as tables."""
+
+import pandas as pd
+
+from avobench.bench import registry
+from avobench.effects.catalogue import catalogue
+from avobench.tasks import Task
+
+
+def list_tasks() -> pd.DataFrame:
+    """A row for each registered task: its name, parameters, number of features and source."""
+    tasks = [registry.build("task", name, {}) for name in registry.names("task")]
+    rows = [
+        {
+            "task": task.name,
+            "parameters": ", ".join(task.parameter_names),
+            "features": task.num_features,
+            "source": task.source,
+        }
+        for task in tasks
+    ]
+    return pd.DataFrame(rows).set_index("task")
+
+
+def list_methods() -> pd.DataFrame:
+    """A row for each registered method: its name and source."""
+    methods = [registry.build("method", name, {}) for name in registry.names("method")]
+    return pd.DataFrame([{"method": method.name, "source": method.source} for method in methods]).set_index("method")
+
+
+def list_effects(task: Task | str) -> pd.DataFrame:
+    """A row for each effect of the catalogue that applies to a task: what it does, its shapes and its parameters.
+
+    Raises UsageError where there is no such task, or no catalogue for its events.
+    """
+    if isinstance(task, str):
+        task = registry.build("task", task, {})
+    rows: dict[str, dict[str, str]] = {}
+    for effect in catalogue(task):
+        shapes = [shape.shape for shape in effect.shapes()]
+        names = dict.fromkeys(parameter.name for shape in effect.shapes() for parameter in shape.parameters)
+        rows.setdefault(
+            effect.name,
+            {
+                "effect": effect.name,
+                "what": effect.sentence,
+                "shapes": ", ".join(filter(None, shapes)),
+                "parameters": ", ".join(names),
+                "source": effect.source,
+            },
+        )
+    return pd.DataFrame(rows.values()).set_index("effect")
