@@ -13,7 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 from avobench.bench import registry
 from avobench.bench.budget import MeteredSimulator, pose
 from avobench.bench.estimates import require_recordable
+from avobench.bench.events import check_events
 from avobench.bench.streams import stream
+from avobench.bench.versions import versions
 from avobench.methods import Estimate, Method
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
@@ -35,6 +37,8 @@ class Inference:
     """Simulated events that it took."""
     seconds: float
     seed: int
+    warnings: tuple[str, ...] = ()
+    """What may be wrong with the events, a sentence each."""
 
     @property
     def theta(self) -> dict[str, float]:
@@ -69,6 +73,25 @@ class Inference:
             index=pd.Index(self.task.parameter_names, name="parameter"),
         )
 
+    def to_dict(self) -> dict[str, Any]:
+        """Everything but the trace, of plain numbers and texts."""
+        return {
+            "task": self.task.name,
+            "method": self.method.name,
+            "theta": self.theta,
+            "std": {name: value if np.isfinite(value) else None for name, value in self.std.items()},
+            "std_of": self.std_of,
+            "units": dict(zip(self.task.parameter_names, self.task.parameter_units, strict=True)),
+            "how": self.estimate.how,
+            "message": self.estimate.message,
+            "warnings": list(self.warnings),
+            "num_events": self.num_events,
+            "num_simulations": self.num_simulations,
+            "seconds": self.seconds,
+            "seed": self.seed,
+            "versions": versions(),
+        }
+
     def plot(self) -> "Figure":
         """The estimate of each parameter against the number of simulated events, with its spread as a band."""
         from avobench.reports.trace import draw
@@ -82,7 +105,7 @@ class Inference:
             f"{name} = {value:.5g} +- {std:.2g}{'' if unit == '1' else ' ' + unit}"
             for (name, value), std, unit in found
         ]
-        notes = [f"note: {self.estimate.message}"] if self.estimate.message else []
+        notes = [f"note: {note}" for note in (*self.warnings, self.estimate.message) if note]
         return "\n".join([*lines, self.how, *notes])
 
     @property
@@ -106,6 +129,7 @@ def infer(
     budget: int = 160_000,
     seed: int = 0,
     settings: Mapping[str, Any] | None = None,
+    drop_invalid: bool = False,
 ) -> Inference:
     """Infer the parameters of a task behind observed events.
 
@@ -123,6 +147,8 @@ def infer(
         Of all that is random. The same seed gives the same estimate.
     settings
         Of the method, where it is given by name.
+    drop_invalid
+        Leave out rows that hold NaN or infinite values.
 
     Raises
     ------
@@ -139,7 +165,7 @@ def infer(
         raise UsageError("settings are for a method given by name; give them to the class otherwise")
     for kind, subject in (("task", task), ("method", method)):
         registry.require_packages(kind, subject)
-    x_observed = events_of(task, x)
+    x_observed, warnings = check_events(task, x, drop_invalid=drop_invalid, least=1)
     if not 0 <= seed < 2**63:
         raise UsageError(f"the seed must lie between 0 and 2^63 - 1, got {seed}")
     least = method.min_simulations(task.prior.dim)
@@ -150,23 +176,5 @@ def infer(
     problem = pose(task, x_observed, simulate)
     estimate = method.infer(problem, stream(seed, "method", task.name, method.name))
     require_recordable(estimate, problem, simulate.used)
-    return Inference(task, method, estimate, len(x_observed), simulate.used, time.perf_counter() - start, seed)
-
-
-def events_of(task: Task, x: ArrayLike) -> NDArray:
-    """Observed events as the task's simulator would make them: (N, d) of its dtype, a copy.
-
-    Raises UsageError for another number of columns, for values that are not finite, and for fractions where the task
-    makes whole numbers.
-    """
-    x = np.asarray(x)
-    if x.ndim == 1:
-        x = x[:, None]
-    if x.ndim != 2 or len(x) == 0 or x.shape[1] != task.num_features:
-        raise UsageError(f"events of {task.name} must have shape (N, {task.num_features}), got {x.shape}")
-    if x.dtype.kind not in "biuf" or not np.isfinite(x).all():
-        raise UsageError("observed events must be finite numbers")
-    whole = np.dtype(task.dtype).kind in "iu"
-    if whole and not (x == np.rint(x)).all():
-        raise UsageError(f"{task.name} makes whole numbers, the observed events hold fractions")
-    return x.astype(task.dtype)
+    seconds = time.perf_counter() - start
+    return Inference(task, method, estimate, len(x_observed), simulate.used, seconds, seed, tuple(warnings))

@@ -9,10 +9,10 @@ from typing import Any
 import joblib
 
 from avobench.bench import registry
+from avobench.bench.events import check_events, read_events
 from avobench.bench.store import write_atomically
 from avobench.challenge.make import MANIFEST
 from avobench.diagnosis import diagnose
-from avobench.diagnosis.events import check_events, read_events
 from avobench.effects.catalogue import catalogue
 from avobench.tasks.errors import AvobenchError, UsageError
 

@@ -57,9 +57,9 @@ def diagnose(
     Writes diagnosis.json, model.json (a task, for wherever a task is accepted), and correction.npz, weights for
     simulated events, where the catalogue does not explain all.
     """
+    from avobench.bench.events import check_events, read_events
     from avobench.diagnosis import loop
     from avobench.diagnosis.answer import quoted as values
-    from avobench.diagnosis.events import check_events, read_events
     from avobench.effects.catalogue import catalogue
     from avobench.effects.model_file import describe, kept
     from avobench.reports import diagnosis as report

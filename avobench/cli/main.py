@@ -8,6 +8,7 @@ from avobench.cli import listing
 from avobench.cli.challenge import challenge
 from avobench.cli.check import check
 from avobench.cli.diagnose import diagnose
+from avobench.cli.infer import infer
 from avobench.cli.records import export, status
 from avobench.cli.reports import figure, report
 from avobench.cli.run import run
@@ -30,7 +31,7 @@ def list_() -> None:
     click.echo(listing.tasks_and_methods())
 
 
-for command in (run, status, export, check, study, figure, report, diagnose, challenge):
+for command in (infer, run, status, export, check, study, figure, report, diagnose, challenge):
     cli.add_command(command)
 
 

@@ -36,13 +36,13 @@ class Estimate:
     """(p,)"""
     std: NDArray[np.float64]
     """(p,)"""
-    error: NDArray[np.float64] | None = None
-    """Standard error of `theta` (p,), where the method knows one; the width of a proposal is none."""
     trace: list[TracePoint] = field(default_factory=list)
     discarded: int = 0
     """Events that were simulated but did not enter the estimate."""
     message: str = ""
     """Anything a reader of the record should know; must say why when much of the budget was left."""
+    error: NDArray[np.float64] | None = None
+    """Standard error of `theta` (p,), where the method knows one; the width of a proposal is none."""
 
 
 class Method(ABC):

@@ -7,7 +7,7 @@ import uproot
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from avobench.diagnosis.events import check_events, read_events
+from avobench.bench.events import check_events, read_events
 from avobench.tasks.carl import Carl
 from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson

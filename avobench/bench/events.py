@@ -6,12 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
 MIN_EVENTS = 200
+"""That a diagnosis needs: fewer fill no bins in which an effect could be told from another."""
 NUM_REFERENCE = 20_000
 """Simulated events that tell which values the simulator can make; a tenth of it for images."""
 MANY_REPEATS = 0.01
@@ -127,13 +128,19 @@ def _stack(file: str, arrays: dict[str, NDArray]) -> NDArray:
     return np.stack(list(arrays.values()), axis=1)
 
 
-def check_events(task: Task, x: NDArray, *, drop_invalid: bool = False) -> tuple[NDArray, list[str]]:
-    """The events (n, d) in the task's type, and warnings, a sentence each.
+def check_events(
+    task: Task, x: ArrayLike, *, drop_invalid: bool = False, least: int = MIN_EVENTS
+) -> tuple[NDArray, list[str]]:
+    """The events (n, d), or (n,) of one number each, as an array (n, d) of the task's type, and warnings.
 
-    Raises UsageError where a diagnosis would be meaningless: another number of columns, rows that are not finite
-    (unless `drop_invalid` drops them), whole numbers for a continuous task or fractions for counts, fewer than
-    MIN_EVENTS.
+    Raises UsageError where an inference would be meaningless: no numbers, another number of columns, rows that are not
+    finite (unless `drop_invalid` drops them), whole numbers for a continuous task or fractions for counts, fewer than
+    `least`.
     """
+    x = np.asarray(x)
+    x = x[:, None] if x.ndim == 1 else x
+    if x.dtype.kind not in "biuf":
+        raise UsageError(f"events must be real numbers, got {x.dtype}")
     if x.ndim != 2 or x.shape[1] != task.num_features:
         got = x.shape[1] if x.ndim == 2 else f"an array of shape {x.shape}"
         raise UsageError(f"an event of {task.name} has {task.num_features} columns, the data have {got}")
@@ -145,8 +152,8 @@ def check_events(task: Task, x: NDArray, *, drop_invalid: bool = False) -> tuple
             raise UsageError(f"{count}; mend them, or drop them with --drop-invalid")
         warnings.append(f"{count} and were dropped")
         x = x[finite]
-    if len(x) < MIN_EVENTS:
-        raise UsageError(f"{len(x)} events are too few, a diagnosis needs at least {MIN_EVENTS}")
+    if len(x) < least:
+        raise UsageError(f"{len(x)} events are too few, at least {least} are needed")
     whole = bool((x == np.rint(x)).all())
     if np.issubdtype(np.dtype(task.dtype), np.integer):
         if not whole:

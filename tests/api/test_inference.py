@@ -1,0 +1,86 @@
+"""One inference on a user's own events."""
+
+import json
+
+import numpy as np
+import pytest
+
+import avobench
+from gaussian import GaussianMean
+
+RNG = np.random.default_rng(5)
+EVENTS = RNG.poisson(7.0, 4000)
+FEW = {"population_size": 50}
+
+
+@pytest.fixture(scope="module")
+def found():
+    return avobench.infer("poisson", EVENTS, "abc-smc", budget=40_000, settings=FEW)
+
+
+def test_the_answer_is_near_what_made_the_events(found):
+    assert abs(found.theta["log_rate"] - np.log(7)) < 5 * found.std["log_rate"] < 2
+    assert found.num_simulations <= 40_000
+    assert found.std_of == "posterior"
+
+
+def test_a_seed_repeats_the_answer_and_another_does_not(found):
+    again = avobench.infer("poisson", EVENTS[:, None].astype(float), "abc-smc", budget=40_000, settings=FEW)
+    assert again.theta == found.theta
+    other = avobench.infer("poisson", EVENTS, "abc-smc", budget=40_000, settings=FEW, seed=1)
+    assert other.theta != found.theta
+
+
+def test_it_shows_itself(found):
+    assert str(found).startswith("log_rate = ")
+    assert "<table" in found._repr_html_()
+    assert "&lt;" in avobench.Inference.__dict__["_repr_html_"](
+        type("Odd", (), {"task": type("T", (), {"name": "<b>"}), "how": "", "to_frame": found.to_frame})()
+    )
+    frame = found.to_frame()
+    assert list(frame.index) == ["log_rate"]
+    assert frame.loc["log_rate", "value"] == found.theta["log_rate"]
+    assert json.loads(json.dumps(found.to_dict(), allow_nan=False))["theta"] == found.theta
+    assert len(found.plot().axes) == 1
+
+
+def test_the_standard_error_of_avo_covers_what_made_the_events():
+    """A pull of 5 has a probability of 6e-7."""
+    truth, task = 0.5, GaussianMean()
+    x = task.simulate(np.full((20_000, 1), truth), np.random.default_rng(3))
+    found = avobench.infer(task, x, "avo", budget=20_000)
+    assert found.std_of == "standard error"
+    (name,) = found.theta
+    assert abs(found.theta[name] - truth) < 5 * found.std[name]
+    assert found.std[name] < 0.1
+
+
+@pytest.mark.parametrize(
+    ("task", "x", "options", "said"),
+    [
+        ("poison", [1, 2], {}, "did you mean poisson"),
+        ("poisson", [[1, 2]], {}, "has 1 columns, the data have 2"),
+        ("poisson", [1.5, 2.0], {}, "whole numbers"),
+        ("poisson", [1.0, np.nan], {}, "NaN"),
+        ("poisson", ["a", "b"], {}, "real numbers"),
+        ("poisson", [], {}, "too few"),
+        ("poisson", [1, 2], {"method": "avoo"}, "did you mean avo"),
+        ("poisson", [1, 2], {"budget": 1}, "at least"),
+        ("poisson", [1, 2], {"seed": -1}, "seed"),
+        ("poisson", [1, 2], {"method": "abc-smc", "settings": {"population": 3}}, "did you mean population_size"),
+    ],
+)
+def test_what_cannot_be_inferred_is_said_in_a_line(task, x, options, said):
+    with pytest.raises(avobench.UsageError, match=said):
+        avobench.infer(task, x, **options)
+
+
+def test_the_command_prints_and_keeps_the_same(avobench, tmp_path, found):
+    np.save(tmp_path / "x.npy", EVENTS)
+    code, out, err = avobench(
+        *("infer", "--task", "poisson", "--data", tmp_path / "x.npy", "--method", "abc-smc", "--budget", 40_000),
+        *("--set", "abc-smc.population_size=50", "--out", tmp_path / "found.json"),
+    )
+    assert (code, err) == (0, "")
+    assert out.splitlines()[0] == str(found).splitlines()[0]
+    assert json.loads((tmp_path / "found.json").read_text())["theta"] == found.theta

@@ -1,0 +1,67 @@
+"""A task from a plain function."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from avobench.tasks.errors import UsageError
+from avobench.tasks.function import task
+
+
+def decay(theta, rng):
+    return rng.exponential(theta[:, 0])
+
+
+def pair(theta, rng):
+    return np.column_stack([rng.normal(theta[:, 0]), rng.poisson(np.exp(theta[:, 1]))])
+
+
+def test_it_has_all_that_a_task_has():
+    made = task(decay, prior={"lifetime": (1, 4)}, units={"lifetime": "us"}, support={"lifetime": (0.1, 20)})
+    assert (made.name, made.parameter_names, made.parameter_units) == ("decay", ("lifetime",), ("us",))
+    assert (made.num_features, made.dtype) == (1, np.float64)
+    assert made.support.low == (0.1,)
+    assert made.targets().shape == (15, 1)
+    x = made.simulate(np.full((1000, 1), 2.0), np.random.default_rng(0))
+    assert x.shape == (1000, 1)
+    summary = made.summary(x)
+    assert summary.sum() == pytest.approx(1)
+    assert np.isnan(made.floor(np.array([2.0]), 100, 100))
+    with pytest.raises(ValueError, match="support"):
+        made.simulate(np.full((1, 1), 50.0), np.random.default_rng(0))
+
+
+def test_counts_are_whole_numbers_and_columns_keep_their_place():
+    made = task(lambda theta, rng: rng.poisson(theta[:, 0]), prior={"rate": (1, 9)}, name="counter")
+    assert made.dtype == np.int64
+    two = task(pair, prior=[(0, 1), (1, 2)], names=["a", "b"], features=["x", "n"])
+    assert two.parameter_names == ("a", "b")
+    assert two.labels == ("x", "n")
+    assert two.summary(two.simulate(np.tile([0.5, 1.5], (100, 1)), np.random.default_rng(0))).ndim == 1
+
+
+@settings(max_examples=30, deadline=None)
+@given(low=st.floats(-5, 5), width=st.floats(1e-3, 10), n=st.integers(1, 50))
+def test_any_prior_makes_a_task_whose_rows_have_their_own_theta(low, width, n):
+    made = task(lambda theta, rng: theta[:, 0], prior={"x": (low, low + width)}, name="copy")
+    theta = made.prior.sample(n, np.random.default_rng(0))
+    assert np.array_equal(made.simulate(theta, np.random.default_rng(0)), theta)
+
+
+@pytest.mark.parametrize(
+    ("function", "options", "said"),
+    [
+        (decay, {"prior": [(1, 4)]}, "a name to each"),
+        (decay, {"prior": {"t": (4, 1)}}, "low < high"),
+        (decay, {"prior": {"t": (1, 4)}, "units": {"u": "s"}}, "the parameters of decay are t"),
+        (decay, {"prior": {"t": (1, 4)}, "features": ["a", "b"]}, "1 features, 2 names"),
+        (decay, {"prior": {"t": (1, 4)}, "name": "../x"}, "letters, digits"),
+        (lambda theta, rng: 1 / 0, {"prior": {"t": (1, 4)}}, "ZeroDivisionError"),
+        (lambda theta, rng: np.ones(7), {"prior": {"t": (1, 4)}}, "events of shape"),
+        (lambda theta: theta, {"prior": {"t": (1, 4)}}, "TypeError"),
+    ],
+)
+def test_what_makes_no_task_is_said_in_a_line(function, options, said):
+    with pytest.raises(UsageError, match=said):
+        task(function, **options)
