@@ -62,7 +62,7 @@ pages: venv  ## write into README, docs and examples what the commands and cells
 	OMP_NUM_THREADS=1 $(BIN)/jupyter execute --inplace examples/*.ipynb
 
 docs: venv  ## build the site into site/: a warning ends it, and the tutorial's code is run
-	OMP_NUM_THREADS=1 $(BIN)/mkdocs build --strict --quiet
+	OMP_NUM_THREADS=1 NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 	@echo "the site is site/index.html"
 
 demo-missing-effect: venv  ## hide one effect in simulated measurements, find and name it; page in reports/demo

@@ -34,7 +34,10 @@ def on_startup(**_) -> None:
 def on_files(files: Files, config) -> Files:
     """Add the pages that no file of the folder holds."""
     for name, source in FROM_THE_ROOT.items():
-        files.append(File.generated(config, name, content=(ROOT / source).read_text().replace("](docs/", "](")))
+        text = (ROOT / source).read_text().replace("](docs/", "](")
+        for target, at_the_root in FROM_THE_ROOT.items():
+            text = text.replace(f"]({at_the_root})", f"]({target})")
+        files.append(File.generated(config, name, content=text))
     files.append(File.generated(config, "effects.md", content=effects_page()))
     return files
 
