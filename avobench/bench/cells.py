@@ -97,6 +97,9 @@ class Cell:
         except (TypeError, ValueError) as error:
             given = {**identity["task_settings"], **identity["method_settings"]}
             raise UsageError(f"settings must be finite numbers, texts or lists of them, got {given}") from error
+        names, theta = list(task.parameter_names), identity["theta_true"]
+        if not len(names) == len(set(names)) == len(theta):
+            raise UsageError(f"task '{self.task}' has targets of {len(theta)} parameters and the names {names}")
 
     def build_task(self) -> Task:
         return registry.build("task", self.task, self.task_settings)
@@ -321,6 +324,8 @@ def _floors(task: Task, cell: Cell) -> dict[str, float | None]:
             raise SimulatorError(f"the floor of {task.name} raised {type(error).__name__}: {error}") from error
         if not isinstance(floor, numbers.Real):
             raise SimulatorError(f"the floor of {task.name} must be a number, got {floor!r:.100}")
+        if floor < 0:
+            raise SimulatorError(f"the floor of {task.name} must not be negative, got {floor!r:.100}")
         floors[name] = _number(floor)
     return floors
 
@@ -362,6 +367,11 @@ def _check(estimate: object, problem: Problem, used: int) -> None:
     for name, value in vectors:
         if not isinstance(value, np.ndarray) or value.shape != (p,) or value.dtype.kind != "f":
             raise InvalidEstimate(f"{name} of the estimate must be a float array of shape ({p},), got {value!r}")
+    simulations = [point.simulations for point in estimate.trace]
+    if simulations != sorted(simulations) or not all(0 <= number <= used for number in simulations):
+        raise InvalidEstimate(f"the trace must go from 0 towards the {used} used, got {simulations!r:.100}")
+    if any((value < 0).any() for name, value in vectors if name.startswith("std")):
+        raise InvalidEstimate("the std of the estimate must not be negative")
     if not np.isfinite(estimate.theta).all() or not problem.support.contains(estimate.theta)[0]:
         raise InvalidEstimate(f"the estimate {estimate.theta.tolist()} is not within the support")
     if not (isinstance(estimate.discarded, int | np.integer) and 0 <= estimate.discarded <= used):

@@ -19,8 +19,10 @@ from avobench.bench.runner import Sweep, run
 from avobench.bench.store import Store, to_frame
 from avobench.cli import listing
 from avobench.cli.challenge import challenge
+from avobench.cli.damaged import naming_damaged
 from avobench.cli.diagnose import diagnose
 from avobench.cli.options import RESULTS, require_folder, write_file
+from avobench.cli.pack import pack_
 from avobench.cli.progress import ProgressView
 from avobench.cli.reports import COMMANDS, draw
 from avobench.tasks.errors import AvobenchError, UsageError
@@ -140,19 +142,12 @@ def status(results: Path, targets: bool) -> None:
 
         click.echo(format_table(store.read_all()))
         return
-    records, damaged = store.read()
-    if not records and not damaged:
-        store.read_all()
-    if records:
-        click.echo(listing.status_table(records))
+    records = store.read_all()
+    click.echo(listing.status_table(records))
     for record in records:
         if record["status"] != Status.OK:
             cell = "{task} {method} target {target} repetition {repetition}".format(**record)
             click.echo(f"{cell}: {reason(record)}")
-    for path, fault in damaged.items():
-        click.echo(f"{path} {fault}; `avobench run` sets it aside and makes it again, or delete it", err=True)
-    if damaged:
-        sys.exit(1)
 
 
 @cli.command()
@@ -183,7 +178,7 @@ def check_(kind: str, name: str) -> None:
         raise AvobenchError(f"{kind} {name} does not keep the contract")
 
 
-for command in (*COMMANDS, diagnose, challenge):
+for command in (*COMMANDS, diagnose, challenge, pack_):
     cli.add_command(command)
 
 
@@ -192,7 +187,7 @@ def main() -> None:
     arguments = [argument for argument in sys.argv[1:] if argument != "--debug"]
     debug = len(arguments) < len(sys.argv) - 1
     try:
-        sys.exit(cli.main(["--debug"] * debug + arguments, standalone_mode=False))
+        sys.exit(naming_damaged(lambda: cli.main(["--debug"] * debug + arguments, standalone_mode=False)))
     except (KeyboardInterrupt, click.Abort):
         click.echo("avobench: stopped; what was finished is kept, and the same command goes on from there", err=True)
         sys.exit(130)
