@@ -34,6 +34,8 @@ def pack(store: Store) -> Packed:
         before, damaged, files = _rows(store), {}, []
         rows = dict(before)
         for entry in store.entries():
+            if entry.path == store.table:
+                raise StoreError(f"{entry.path} {entry.fault}; {store.remedy(entry.path)}")
             if entry.record is None:
                 damaged[entry.path] = entry.fault
             elif entry.path.parent == store.records:

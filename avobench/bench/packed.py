@@ -20,6 +20,8 @@ from avobench.bench.record import Record, decode_record
 
 SCHEMA = {"schema": "avobench-packed-records", "version": "1"}
 """In the file's metadata."""
+NUM_ROWS = "rows"
+"""There too: the part of a Parquet file that tells how many rows there are has no checksum."""
 ROWS_A_GROUP = 128
 """Rows that are compressed together, and that a damaged place in the file takes with it; 256 save 3 % of its size."""
 COMPRESSION_LEVEL = 19
@@ -50,26 +52,31 @@ class Unreadable(Exception):
 def read_rows(path: Path) -> Iterator[Row]:
     """The rows of a table, none where there is no table. Raises Unreadable, after all rows that can be read."""
     try:
-        table = pq.ParquetFile(path, page_checksum_verification=True)
+        with pq.ParquetFile(path, page_checksum_verification=True) as table:
+            yield from _rows(table)
     except FileNotFoundError:
         return
     except UNREADABLE as error:
         raise Unreadable(f"cannot be read ({_first_line(error)})") from error
-    with table:
-        metadata = table.schema_arrow.metadata or {}
-        if any(metadata.get(key.encode()) != value.encode() for key, value in SCHEMA.items()):
-            raise Unreadable(f"is not a table of records of version {SCHEMA['version']}")
-        lost, reason = 0, ""
-        for group in range(table.num_row_groups):
-            try:
-                columns = table.read_row_group(group, ["file", "record"]).to_pydict()
-            except UNREADABLE as error:
-                lost, reason = lost + table.metadata.row_group(group).num_rows, _first_line(error)
-                continue
-            for file, text in zip(columns["file"], columns["record"], strict=True):
-                yield Row(file or "", text or "")
-        if lost:
-            raise Unreadable(f"is damaged in {lost} of {table.metadata.num_rows} rows ({reason})")
+
+
+def _rows(table: pq.ParquetFile) -> Iterator[Row]:
+    metadata = {key.decode(): value.decode() for key, value in (table.schema_arrow.metadata or {}).items()}
+    texts = all(table.schema_arrow.field(name).type == pa.string() for name in ("file", "record"))
+    if not texts or {key: metadata.get(key) for key in SCHEMA} != SCHEMA:
+        raise Unreadable(f"is not a table of records of version {SCHEMA['version']}")
+    read, reason = 0, "they are not there"
+    for group in range(table.num_row_groups):
+        try:
+            columns = table.read_row_group(group, ["file", "record"]).to_pydict()
+        except UNREADABLE as error:
+            reason = _first_line(error)
+            continue
+        for file, text in zip(columns["file"], columns["record"], strict=True):
+            yield Row(file or "", text or "")
+            read += 1
+    if read != int(metadata[NUM_ROWS]):
+        raise Unreadable(f"is damaged: {read} of {metadata[NUM_ROWS]} rows can be read ({reason})")
 
 
 def write_rows(path: Path, rows: list[Row]) -> None:
@@ -106,7 +113,7 @@ def _table(rows: list[Row]) -> pa.Table:
     columns += [[row.text for row in rows]]
     return pa.Table.from_arrays(
         [pa.array(column, field.type) for column, field in zip(columns, fields, strict=True)],
-        schema=pa.schema(fields, SCHEMA),
+        schema=pa.schema(fields, {**SCHEMA, NUM_ROWS: str(len(rows))}),
     )
 
 

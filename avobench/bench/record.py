@@ -257,7 +257,7 @@ def _type(shape: dict[str, Any]) -> str:
     if "anyOf" in shape:
         return " or ".join(map(_type, shape["anyOf"]))
     if shape.get("type") == "array":
-        return f"list of {_type(shape['items']).replace('number or null', 'numbers or nulls')}"
+        return f"list of {_type(shape['items']).replace(' or ', 's or ')}s"
     words = {"string": "text", "integer": "whole number"}
     if "Status" in shape.get("$ref", ""):
         return "text"

@@ -130,9 +130,9 @@ class Store:
         try:
             for row in read_rows(self.table):
                 if row.file not in seen:
-                    yield _entry(self.table / row.file, row.text.encode())
+                    yield _entry(within(self.table, row.file), row.text.encode())
                 seen.add(row.file)
-        except Unreadable as error:
+        except (Unreadable, UsageError) as error:
             yield Entry(self.table, b"", None, str(error))
 
     def read(self) -> tuple[list[dict[str, Any]], dict[Path, str]]:
