@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.bench import registry
-from avobench.bench.store import write_atomically
+from avobench.bench.atomic import write_atomically
 from avobench.challenge.shapes import Injection, Place, Simulate, shapes
 from avobench.challenge.shapes.first.tracker import ParticleInjection
 from avobench.challenge.visibility import Visibility, visibility

@@ -9,8 +9,8 @@ from typing import Any
 import joblib
 
 from avobench.bench import registry
+from avobench.bench.atomic import write_atomically
 from avobench.bench.events import check_events, read_events
-from avobench.bench.store import write_atomically
 from avobench.challenge.make import MANIFEST
 from avobench.diagnosis import diagnose
 from avobench.effects.catalogue import catalogue

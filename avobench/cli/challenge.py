@@ -56,7 +56,7 @@ def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bo
 
     FOLDER may also be a file that --records wrote: one line of JSON a case, its answer and its diagnosis.
     """
-    from avobench.bench.store import write_atomically
+    from avobench.bench.atomic import write_atomically
     from avobench.challenge import score as module
     from avobench.challenge.table import as_text
     from avobench.challenge.table import targets as wanted

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.bench import registry
-from avobench.bench.store import write_atomically
+from avobench.bench.atomic import write_atomically
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from avobench.bench.record import Status
+from avobench.bench.status import Status
 from avobench.reports.quantities import comparable, labelled
 from avobench.reports.style import FLOOR, MARKERS, METHOD_ORDER, STYLE, TASK_ORDER, colours, ordered, panels, save
 

@@ -12,8 +12,9 @@ from typing import Any
 import pandas as pd
 from jinja2 import Environment, FileSystemLoader
 
-from avobench.bench.record import Status
-from avobench.bench.store import Store, labels, to_frame
+from avobench.bench.status import Status
+from avobench.bench.store import Store
+from avobench.bench.table import labels, to_frame
 from avobench.reports.benchmark import numbers
 from avobench.reports.benchmark_claims import PRESETS
 from avobench.reports.draw import STUDY_FIGURES, draw, records_for

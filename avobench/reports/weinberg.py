@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from avobench.bench.record import Status
+from avobench.bench.status import Status
 from avobench.bench.streams import observe
 from avobench.reports.quantities import comparable, labelled, task_of
 from avobench.reports.style import METHOD_ORDER, STYLE, TRUTH, colours, ordered, save

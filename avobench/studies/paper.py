@@ -7,9 +7,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from avobench.bench.atomic import write_atomically
 from avobench.bench.cell import Cell
-from avobench.bench.record import SCHEMA_VERSION
-from avobench.bench.store import decode, encode, write_atomically
+from avobench.bench.record import SCHEMA_VERSION, decode, encode
 from avobench.bench.streams import stream
 from avobench.bench.versions import versions
 from avobench.tasks.alignment import CHUNK, NUM_COLUMNS, NUM_ROWS, Alignment

@@ -8,7 +8,7 @@ import torch
 
 from avobench.bench import registry
 from avobench.bench.cell import Cell
-from avobench.bench.record import reason
+from avobench.bench.status import reason
 from avobench.bench.trial import execute
 from avobench.methods.avo_paper import (
     AvoPaper,

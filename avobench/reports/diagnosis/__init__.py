@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from avobench.bench.store import write_atomically
+from avobench.bench.atomic import write_atomically
 from avobench.diagnosis.schema import Diagnosis
 from avobench.reports.diagnosis.figures import FIGURE, draw
 from avobench.reports.diagnosis.page import Shown, render
