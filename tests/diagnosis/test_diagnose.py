@@ -188,7 +188,7 @@ def test_a_model_file_keeps_what_the_data_decided_of_an_effect(task, tmp_path):
             continue
         for shape in effect.adapted(x).shapes():
             model = Model(task, (shape,))
-            fit = SimpleNamespace(model=model, params=model.from_unit(np.full(model.dim, 0.5)))
+            fit = SimpleNamespace(model=model, params=model.from_cube(np.full(model.dim, 0.5)))
             path = tmp_path / "model.json"
             path.write_text(describe(fit, np.full(model.dim, 0.1), task.name, {}).model_dump_json())
             assert AugmentedTask.read(path).model.effects == (shape,)
@@ -236,10 +236,10 @@ def test_a_fit_begins_where_a_gap_is_that_is_narrower_than_any_grid():
     base, target = fit_null(Model(task), x, rng, effort, None)
     effect = next(e for e in catalogue(task) if e.name == "dead_region")
     (best, *_) = screen(Sample(base, target, effort.sample, rng), effect, x, rng, effort)
-    _, centre, width = best.model.from_unit(best.unit)[-3:]
+    _, centre, width = best.model.from_cube(best.point)[-3:]
     assert centre == pytest.approx(at, abs=0.03)
     assert width < 0.1
-    assert best.expected < 0.8 * base.gap
+    assert best.expected < 0.8 * base.noiseless_q
 
 
 @pytest.mark.parametrize(("count", "events"), [(2, 1000), (4, 300)])
@@ -329,17 +329,17 @@ def test_beside_a_second_effect_the_first_is_tried_in_its_other_shapes():
 
     def fitted(*chosen, start):
         model = Model(Poisson(), chosen)
-        return refine(model, target, model.to_unit(np.array(start)), 0.02, rng, num_events=30_000)
+        return refine(model, target, model.to_cube(np.array(start)), 0.02, rng, num_events=30_000)
 
     down, nearest = (fitted(shapes[name], start=[1.5, 0.1]) for name in ("4 down", "4 nearest"))
-    assert down.gap < nearest.gap
+    assert down.noiseless_q < nearest.noiseless_q
     pair = fitted(shapes["4 down"], zeros, start=[1.5, 0.1, 0.01])
     known = down.known(target, 100_000, rng)
     ((better, beside),) = reshaped([pair], known, (nearest,), target, rng, effort_for(Poisson(), "counts", None), 1e4)
     assert [effect.shape for effect in better.model.effects] == ["4 nearest", "dead"]
     assert beside.model.effects == (shapes["4 nearest"],)
-    assert better.gap < better.dof + 4 * np.sqrt(2 * better.dof)
-    assert better.gap < pair.gap - TIE
+    assert better.noiseless_q < better.dof + 4 * np.sqrt(2 * better.dof)
+    assert better.noiseless_q < pair.noiseless_q - TIE
     np.testing.assert_allclose(better.params[1:], [0.1, 0.05], atol=0.02)
 
 
@@ -350,7 +350,7 @@ def test_a_pair_is_accepted_only_if_it_leaves_next_to_nothing():
     def leaving(gap, *names):
         model = Model(Poisson(), tuple(effects[name] for name in names))
         unit = np.full(model.dim, 0.5)
-        return SimpleNamespace(model=model, gap=gap, gap_error=0.0, dof=10, unit=unit, params=model.from_unit(unit))
+        return SimpleNamespace(model=model, gap=gap, gap_error=0.0, dof=10, unit=unit, params=model.from_cube(unit))
 
     def ranked(fit):
         return Ranked(fit.model.effects[-1], fit, 0.0)
@@ -392,8 +392,8 @@ def test_of_a_family_fits_of_other_shapes_are_repeated_first():
         return SimpleNamespace(model=model, gap=gap, unit=np.full(model.dim, gap / 100))
 
     fits = [fitted("cubic", 10.0), fitted("cubic", 10.1), fitted("cubic", 20.0), fitted("linear", 40.0)]
-    assert [fit.gap for fit in _distinct(fits)] == [10.0, 20.0, 40.0]
-    assert [fit.gap for fit in _distinct(fits, 2)] == [10.0, 40.0]
+    assert [fit.noiseless_q for fit in _distinct(fits)] == [10.0, 20.0, 40.0]
+    assert [fit.noiseless_q for fit in _distinct(fits, 2)] == [10.0, 40.0]
 
 
 @pytest.mark.parametrize(
@@ -411,7 +411,7 @@ def test_a_second_effect_stays_only_where_the_first_alone_does_not_do(share):
     model, params = Model(Poisson(), (effects["zero_inflation"], effects["flat_background"])), [1.5, 0.1, share, 30.0]
     x = model.simulate(np.tile(params, (10_000, 1)), rng)
     target = target_of(x, bins_of(x, x), x)
-    fit = refine(model, target, model.to_unit(np.array(params)), 0.02, rng, num_events=30_000)
+    fit = refine(model, target, model.to_cube(np.array(params)), 0.02, rng, num_events=30_000)
     null = Step(fit, fit, {}, [Ranked(model.effects[0], fit, 0.0)])
     effort = effort_for(Poisson(), "counts", None)
     search = Search(target, x, target.mean, 1000, [], 0.05, 3, rng, effort, 1)
@@ -447,7 +447,7 @@ def test_the_first_of_two_effects_is_chosen_anew_beside_the_second():
 
     def fitted(*chosen, start):
         model = Model(Poisson(), chosen)
-        return refine(model, target, model.to_unit(np.array(start)), 0.02, rng, num_events=30_000)
+        return refine(model, target, model.to_cube(np.array(start)), 0.02, rng, num_events=30_000)
 
     null, alone, other = (
         fitted(*chosen, start=start) for chosen, start in (((), [1.5]), ((wrong,), [1.5, 0.02]), ((zeros,), [1.5, 0.1]))
@@ -482,7 +482,7 @@ def test_what_acts_on_one_feature_is_tried_on_all():
 
     (start,) = starts("saturation", 2, "below", (0.04, 0.25))
     assert [(*effect.key, effect.shape) for effect in start.model.effects] == [("saturation", "all", "below")]
-    np.testing.assert_allclose(start.model.from_unit(start.unit), [0.5, -1.0, 0.04, 0.25])
+    np.testing.assert_allclose(start.model.from_cube(start.point), [0.5, -1.0, 0.04, 0.25])
     assert starts("saturation", "all", "below", (0.04, 0.25)) == []
     assert starts("dead_region", 2, "box", (0.5, 1.0, 0.5)) == []  # places are in units of each range where all
 

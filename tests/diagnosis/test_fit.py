@@ -8,12 +8,17 @@ from hypothesis import strategies as st
 
 from avobench.diagnosis.effort import Effort, effort_for
 from avobench.diagnosis.fit import surrogate as surrogate_module
-from avobench.diagnosis.fit.fit import SEARCHED, fit_at, minimise, polish, refine, scan, settled
+from avobench.diagnosis.fit.descent import minimise, refine
+from avobench.diagnosis.fit.fit import fit_at
+from avobench.diagnosis.fit.null import best_null, fit_null
+from avobench.diagnosis.fit.scan import SEARCHED, scan
+from avobench.diagnosis.fit.sharpening import settled, sharpen
 from avobench.diagnosis.fit.surrogate import Design, quadratic, surrogate
-from avobench.diagnosis.gates.summary import cell_gate, summary_gate, target_of
-from avobench.diagnosis.loop import best_without, fit_null
-from avobench.diagnosis.summary.bins import bins_of, closed, whitening
+from avobench.diagnosis.gates.cells import cell_gate
+from avobench.diagnosis.gates.summary import summary_gate
+from avobench.diagnosis.summary.bins import bins_of, closed
 from avobench.diagnosis.summary.pixels import pixels_of
+from avobench.diagnosis.summary.target import target_of, whitening
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.effects.pool import Pool
@@ -21,7 +26,7 @@ from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
 
-LIGHT = Effort(polish=6, covariance=30_000)
+LIGHT = Effort(sharpen=6, covariance=30_000)
 
 
 def measured(task, theta, n, seed):
@@ -80,7 +85,7 @@ def test_twins_of_one_seed_make_slopes_precise():
     x, rng = measured(task, [46.0, 1.0], 2000, 2)
     summary = bins_of(x, x)
     target = target_of(x, summary, x)
-    design = Design.box(model.to_unit(np.array([46.0, 1.0])), np.array([0.02, 0.02]))
+    design = Design.box(model.to_cube(np.array([46.0, 1.0])), np.array([0.02, 0.02]))
     s = surrogate(model, target, design, 20_000, rng)
     assert s.inverse[1, 1] < 0.5 / 20_000 * 3 * 2
     fits = [surrogate(model, target, design, 20_000, np.random.default_rng(k)).coefficients[1] for k in range(20)]
@@ -144,7 +149,7 @@ def test_where_nothing_is_expected_and_nothing_measured_a_fit_makes_nothing():
     simulated = Poisson().simulate(np.tile(at[:1], (20_000, 1)), rng)
     target = target_of(x, bins_of(x, simulated), simulated)
     for seed in range(4):
-        fit = refine(model, target, model.to_unit(at), 0.005, np.random.default_rng(seed), num_events=20_000)
+        fit = refine(model, target, model.to_cube(at), 0.005, np.random.default_rng(seed), num_events=20_000)
         gate, own, _ = summary_gate(fit, target, np.random.default_rng(seed), LIGHT)
         assert own.params[2] > 5.9
         assert gate.dof < target.rank - 3  # what cannot be otherwise is no degree of freedom
@@ -202,7 +207,7 @@ def test_a_fit_is_not_held_back_by_the_noise_of_its_slopes():
     simulated, _ = measured(task, [46.0, 0.9], 20_000, 5)
     target = target_of(x, bins_of(x, simulated), simulated)
     model = Model(task)
-    design = Design.box(model.to_unit(np.array([46.0, 0.9])), np.array([1e-3, 0.2]))
+    design = Design.box(model.to_cube(np.array([46.0, 0.9])), np.array([1e-3, 0.2]))
     fits = [minimise(model, surrogate(model, target, design, 10_000, rng), target).params[1] for _ in range(5)]
     assert np.mean(fits) == pytest.approx(1.2, abs=0.06)
 
@@ -230,7 +235,7 @@ def test_a_known_base_leaves_only_the_noise_of_what_the_effect_changes(backgroun
     model, fit, target = background
     rng = np.random.default_rng(0)
     base = fit.known(target, 400_000, rng)
-    design = Design.box(model.to_unit(np.r_[fit.params, 0.03, 6.0]), np.array([1e-3, 0.01, 0.02]))
+    design = Design.box(model.to_cube(np.r_[fit.params, 0.03, 6.0]), np.array([1e-3, 0.01, 0.02]))
     ours = base.extended(model, target, base.within(design), 40_000, rng)
     plain = surrogate(model, target, design, 400_000, rng)
     assert ours.inverse[0, 0] < 0.3 / 40_000 + 2 / 400_000
@@ -238,7 +243,7 @@ def test_a_known_base_leaves_only_the_noise_of_what_the_effect_changes(backgroun
         (ours.inverse[0, 0] + plain.inverse[0, 0]) * np.diag(target.cov)
     )
     assert np.sqrt(np.mean(pull**2)) < 2
-    far = Design.box(model.to_unit(np.r_[fit.params + 0.5, 0.03, 6.0]), np.array([1e-3, 0.01, 0.02]))
+    far = Design.box(model.to_cube(np.r_[fit.params + 0.5, 0.03, 6.0]), np.array([1e-3, 0.01, 0.02]))
     assert base.within(far) is None
 
 
@@ -246,10 +251,14 @@ def test_a_known_base_leaves_only_the_noise_of_what_the_effect_changes(backgroun
 def test_a_fit_goes_to_the_optimum_from_far_off_and_with_few_events(background, start):
     model, fit, target = background
     base = fit.known(target, 400_000, np.random.default_rng(0))
-    unit, half = model.to_unit(np.r_[fit.params, start]), [0.02, 0.03, 0.08]
-    fits = [refine(model, target, unit, half, np.random.default_rng(k), num_events=80_000, base=base) for k in range(3)]
+    unit, half = model.to_cube(np.r_[fit.params, start]), [0.02, 0.03, 0.08]
+    fits = [
+        refine(model, target, unit, half, np.random.default_rng(k), num_events=80_000, known=base) for k in range(3)
+    ]
     for found in fits:
-        assert found.gap - 3 * found.gap_error < found.dof + 3 * np.sqrt(2 * found.dof) < fit.gap
+        assert (
+            found.noiseless_q - 3 * found.noiseless_q_error < found.dof + 3 * np.sqrt(2 * found.dof) < fit.noiseless_q
+        )
     assert (np.abs(np.median([found.params for found in fits], axis=0) - [1.0, 0.06, 6.0]) < [0.02, 0.03, 0.8]).all()
 
 
@@ -261,7 +270,7 @@ def test_a_fit_that_leaves_much_is_the_same_whatever_the_seed():
     for seed in range(3):
         rng = np.random.default_rng(seed)
         fit, target = fit_null(Model(Poisson()), x, rng, LIGHT, None)
-        found.append(best_without([fit], target, rng, LIGHT).params[0])
+        found.append(best_null([fit], target, rng, LIGHT).params[0])
     assert np.ptp(found) < 0.1
 
 
@@ -271,7 +280,7 @@ def test_a_design_over_which_the_events_are_no_quadratic_is_narrowed(known):
     task, truth = Weinberg(), [45.0, 1.2, 0.05, 0.1, 0.01]
     model = Model(task, (next(effect for effect in catalogue(task) if effect.name == "peak_background"),))
     x, rng = measured(model, truth, 40_000, 0)
-    target, unit = target_of(x, bins_of(x, x), x), model.to_unit(np.array(truth))
+    target, unit = target_of(x, bins_of(x, x), x), model.to_cube(np.array(truth))
     without = refine(Model(task), target, unit[:2], 0.02, rng, num_events=30_000).known(target, 400_000, rng)
     wide = Design.box(unit, np.array([0.02, 0.02, 0.01, 0.05, 0.02]))
 
@@ -335,11 +344,11 @@ def test_a_fit_of_hard_edges_goes_on_in_narrower_designs(monkeypatch):
     for seed in range(4):
         x, rng = measured(model, truth, 60_000, seed)
         target = target_of(x, bins_of(x, model.simulate(np.tile(truth, (len(x), 1)), rng)), x)
-        first = refine(model, target, model.to_unit(np.array(start)), 0.02, rng, num_events=30_000, max_rounds=1)
+        first = refine(model, target, model.to_cube(np.array(start)), 0.02, rng, num_events=30_000, max_rounds=1)
         for times, found in gaps.items():
             monkeypatch.setattr(surrogate_module, "NARROWER", times)
-            fit = polish(first, target, np.random.default_rng(2), 150_000, rounds=10)
-            found.append(fit.gap - fit.dof)
+            fit = sharpen(first, target, np.random.default_rng(2), 150_000, rounds=10)
+            found.append(fit.noiseless_q - fit.dof)
     never, narrowed = gaps.values()
     assert max(narrowed) < max(never) / 2  # one of those that never narrow is stuck
     assert np.mean(narrowed) < np.mean(never)
@@ -354,8 +363,8 @@ def test_what_the_data_identify_is_settled_with_more_events():
     rng = np.random.default_rng(4)
     x = model.simulate(np.tile(truth, (20_000, 1)), rng)
     target = target_of(x, bins_of(x, x), x)
-    design = Design.box(model.to_unit(truth), np.array([0.01, 0.01, 0.02]))
-    few = fit_at(model, surrogate(model, target, design, 10_000, rng), target, model.to_unit(truth))
+    design = Design.box(model.to_cube(truth), np.array([0.01, 0.01, 0.02]))
+    few = fit_at(model, surrogate(model, target, design, 10_000, rng), target, model.to_cube(truth))
     assert few.undecided
     assert few.num_identified < 2
     plain = settled(few, target, rng, 20_000, (30, 90))

@@ -7,15 +7,16 @@ from hypothesis import strategies as st
 
 from avobench.diagnosis.answer.quoted import Move, ambiguity, covering, identified, theta_values
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit.fit import Fit, fit_at, refine
+from avobench.diagnosis.fit.descent import refine
+from avobench.diagnosis.fit.fit import Fit, fit_at
 from avobench.diagnosis.fit.surrogate import Design, surrogate
 from avobench.diagnosis.gates.classifier import features_of
-from avobench.diagnosis.gates.summary import target_of
-from avobench.diagnosis.search.candidates import clears_feature, continued, excess_by_feature, joint, open_features
+from avobench.diagnosis.search.features import clears_feature, excess_by_feature, open_features
+from avobench.diagnosis.search.joint import continued, joint
 from avobench.diagnosis.search.ranking import Ranked, ranking
 from avobench.diagnosis.search.starts import Sample, hidden, screen
 from avobench.diagnosis.summary.bins import bins_of
-from avobench.diagnosis.summary.target import Target
+from avobench.diagnosis.summary.target import Target, target_of
 from avobench.effects import Effect, Parameter
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
@@ -43,7 +44,7 @@ WEAK, STRONG = [0.39, 0.062], [2.38, 0.675]
 
 
 def fitted(model: Model, params: list[float], target: Target) -> Fit:
-    unit = model.to_unit(np.array(params))
+    unit = model.to_cube(np.array(params))
     half = np.minimum(model.reach(unit), 0.01)
     return refine(model, target, unit, half, np.random.default_rng(2), num_events=30_000)
 
@@ -74,10 +75,10 @@ def test_theta_s_error_covers_another_solution_that_the_data_allow(counter):
 
 def test_a_shape_that_the_data_exclude_does_not_widen_the_error(counter):
     model, target = counter.strong.model, counter.target
-    unit = model.to_unit(np.array([1.0, 0.9]))
+    unit = model.to_cube(np.array([1.0, 0.9]))
     s = surrogate(model, target, Design.box(unit, np.full(2, 0.01)), 20_000, np.random.default_rng(0))
     excluded = fit_at(model, s, target, unit)
-    assert excluded.gap > counter.strong.gap + 100
+    assert excluded.gap > counter.strong.noiseless_q + 100
     chosen = Ranked(DEAD, counter.strong, 0.0, others=(excluded,))
     assert ambiguity(counter.strong, chosen, [], target, np.random.default_rng(0), 20_000) == []
 
@@ -87,12 +88,12 @@ def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
     null = fitted(Model(Poisson()), [0.24], counter.target)
     sample = Sample(null, counter.target, effort.sample, rng)
     starts = hidden(sample, screen(sample, DEAD, counter.x, rng, effort)[0], rng, effort)
-    known = null.known(counter.target, int(effort.base * counter.target.num_events), rng)
+    known = null.known(counter.target, int(effort.known * counter.target.num_events), rng)
     fits = [joint(start, known, counter.target, rng, effort.fit // 2) for start in starts]
     fits = [continued(fit, known, counter.target, rng, effort.fit, effort) for fit in fits]
     strong = min(fits, key=lambda fit: abs(fit.params[1] - STRONG[1]))
     np.testing.assert_allclose(strong.params, STRONG, atol=0.5)  # a valley: a longer dead time at a higher rate
-    assert strong.gap < strong.dof + 3 * np.sqrt(2 * strong.dof)
+    assert strong.noiseless_q < strong.dof + 3 * np.sqrt(2 * strong.dof)
 
 
 @given(st.floats(0.01, 2), st.floats(-3, 3), st.floats(0, 3.99), st.floats(0, 0.25))
@@ -140,7 +141,9 @@ def test_of_two_effects_that_fit_alike_an_unusual_strength_is_the_less_likely(st
         model = Model(Weinberg(), (effects[name],))
         params = np.array([45.0, 1.0, *phi])
         fits.append(
-            SimpleNamespace(model=model, params=params, unit=model.to_unit(params), gap=40.0, gap_error=1.0, dof=40)
+            SimpleNamespace(
+                model=model, params=params, point=model.to_cube(params), noiseless_q=40.0, noiseless_q_error=1.0, dof=40
+            )
         )
     assert ranking(fits, 1000.0)[0].effect.name == first
 

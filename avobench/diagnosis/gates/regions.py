@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.schema import Region
-from avobench.diagnosis.summary.bins import Bins, Summary, closed
+from avobench.diagnosis.summary.bins import Bins, closed
+from avobench.diagnosis.summary.contract import Summary
 from avobench.diagnosis.summary.pixels import Pixels
 from avobench.diagnosis.summary.target import Target
 

@@ -6,7 +6,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.diagnosis.summary.bins import Summary, inner_edges
+from avobench.diagnosis.summary.bins import inner_edges
+from avobench.diagnosis.summary.contract import Summary
 
 BLOCKS = 8
 """Along each axis, at most."""
