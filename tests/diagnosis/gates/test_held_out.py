@@ -11,13 +11,13 @@ from avobench.tasks.poisson import Poisson
 
 
 def test_the_gap_of_a_true_model_is_one_on_average():
-    """The mean of 40: chi-squared over some ten degrees of freedom scatters by 0.45, the mean by 0.07."""
+    """The mean of 25: chi-squared over some ten degrees of freedom scatters by 0.45, the mean by 0.09."""
     gaps = []
-    for k in range(40):
+    for k in range(25):
         x, rng = measured(Poisson(), [1.5], 4000, k)
         fit, target = fit_null(Model(Poisson()), x[:3000], rng, LIGHT, None)
         gaps.append(HeldOut.of(target, x[3000:]).gap(fit))
-    assert np.mean([gap.value for gap in gaps]) == pytest.approx(1, abs=0.25)
+    assert np.mean([gap.value for gap in gaps]) == pytest.approx(1, abs=0.3)
     assert all(gap.low <= gap.value <= gap.high for gap in gaps)
 
 

@@ -43,15 +43,15 @@ def test_counts_have_no_feature_to_name():
     x = with_effect(Poisson(), "zero_inflation", [2.0], [0.05], 5000)
     strongest, *_ = found(Poisson(), x, np.random.default_rng(0))
     assert (strongest.feature, strongest.kind) == (None, "excess")
-    assert strongest.low < 0 < strongest.high
+    assert strongest.low <= 0 < strongest.high < 1
 
 
 def test_where_nothing_is_missing_a_region_stands_out_as_seldom_as_alpha_says():
     """Although hundreds of intervals are looked at. A right scan fails once in two thousand times."""
-    count, alpha = 60, 0.1
+    count, alpha = 40, 0.2
     hits = 0
     for k in range(count):
         x, rng = measured(Poisson(), [2.0], 3000, k)
         hits += bool(found(Poisson(), x, rng, alpha))
     assert hits <= binom.isf(5e-4, count, alpha)
-    assert hits > 0  # of 60 none at all would be as odd: once in 500 times
+    assert hits > 0  # of 40 none at all would be odder: once in 7 000 times
