@@ -17,6 +17,7 @@ from avobench.effects.catalogue import catalogue
 from avobench.tasks.errors import AvobenchError, UsageError
 
 RESULTS = "results"
+"""The folder of a challenge that holds a file for each case that was tried."""
 
 
 def solve(

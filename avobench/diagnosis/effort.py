@@ -87,6 +87,7 @@ IMAGES = Effort(
     families_beside=4,
     starts=2,
 )
+"""For images, which are slow to simulate and to summarise."""
 MANY = Effort(known=12, final=(12, 12), screen=14_000, families=8, families_beside=8, starts=3)
 """For several features, each of which has its own entries in the catalogue."""
 USUAL = {"counts": 4_000_000, "continuous": 12_000_000, "images": 1_500_000}

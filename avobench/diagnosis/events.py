@@ -12,6 +12,7 @@ from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
 MIN_EVENTS = 200
+"""Fewer make next to no bins: a diagnosis of them could only say that it sees nothing."""
 NUM_REFERENCE = 20_000
 """Simulated events that tell which values the simulator can make; a tenth of it for images."""
 MANY_REPEATS = 0.01

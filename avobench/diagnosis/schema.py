@@ -6,6 +6,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict
 
 SCHEMA_VERSION = 1
+"""Raised when a field of `diagnosis.json` changes its meaning."""
 
 
 class Verdict(StrEnum):

@@ -14,6 +14,7 @@ from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 
 POWER = 0.9
+"""With which the smallest strength is seen that the card quotes."""
 SHOWN = 3.0
 """Times the scatter of the simulated events, from which a difference is one."""
 ALIKE = 0.95

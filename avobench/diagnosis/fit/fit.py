@@ -13,9 +13,9 @@ from avobench.diagnosis.summary.target import Target
 from avobench.effects.model import Model
 
 KNOWN_SIGMAS = 25.0
-"""How far around a fit its model is made known, in standard errors."""
+"""How far around a fit its model is made known, in standard errors: further than an added effect moves theta."""
 MIN_SIGMAS = 4.0
-"""Half the width of a design, in standard errors, at least."""
+"""Half the width of a design, in standard errors, at least: the minimum moves about one of them within it."""
 SLOPE_NOISE = 0.2
 """Standard error of a slope over a design, in units of the slope that is one standard error of the parameter."""
 IDENTIFIED = 5.0

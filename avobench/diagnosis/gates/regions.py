@@ -13,7 +13,9 @@ from avobench.diagnosis.summary.pixels import Pixels
 from avobench.diagnosis.summary.target import Target
 
 DRAWS = 2000
+"""Of data without any disagreement: the smallest global p-value that they can tell is 1/2001."""
 MOST = 6
+"""Regions that are told, at most: more of them say that the whole feature disagrees."""
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,7 @@ def accepted(
 
 
 def closes(steps: list[Step], rejected: bool) -> bool:
-    """Whether the first of the last step's ranks closes enough of the whole gap to be added; `rejected` as above."""
+    """Whether the first of the last step's ranks closes enough of the whole excess to be added; `rejected` as above."""
     last, whole = steps[-1], excess(steps[0].fit)
     best = last.ranks[0]
     if len(steps) == 1:

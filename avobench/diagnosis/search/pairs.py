@@ -18,7 +18,7 @@ Rank = Callable[..., tuple[list[Ranked], KnownModel]]
 def best_pair(
     steps: list[Step], search: Rank, worse: Callable[[Fit, Fit], bool]
 ) -> tuple[list[Step], KnownModel] | None:
-    """Two effects that together leave next to nothing, where none alone closes half of the gap.
+    """Two effects that together leave next to nothing, where none alone closes half of the excess.
 
     Or where one does, but a second beside it is not enough: the pair then begins with that second, or with another that
     the first was tied with.

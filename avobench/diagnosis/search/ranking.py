@@ -61,7 +61,7 @@ def left(fit: Fit) -> float:
 
 
 def cost(fit: Fit, yardstick: float = 1.0) -> float:
-    """What a fit leaves, in such units, and the prices of all its effects."""
+    """What a fit leaves, measured by the yardstick, and the prices of all its effects."""
     return left(fit) / yardstick + sum(prices(fit))
 
 

@@ -137,7 +137,7 @@ class Search:
         return self._with(one, [null, one], known)[0]
 
     def ranked(self, fit: Fit, leaves: float, others: tuple[Fit, ...] = ()) -> tuple[list[Ranked], KnownModel]:
-        """Effects to add to a fit, best first, fitted closely if one may leave less than a share `leaves` of its gap.
+        """Effects to add to a fit, best first, fitted closely if one may leave less than `leaves` of its excess.
 
         Also the fit's model, made known. `others` are fits of its last effect in other shapes.
         """

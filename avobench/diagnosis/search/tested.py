@@ -16,8 +16,9 @@ from avobench.diagnosis.search.ranking import Ranked, tied
 from avobench.diagnosis.summary.target import Target
 
 SHARES = {"summary": 0.8, "classifier": 0.2}
+"""Each gate's share of the false alarms. Most effects show in the summary, so that it has most of them."""
 IMAGE_SHARES = {"summary": 0.6, "cells": 0.2, "classifier": 0.2}
-"""Each gate's share of the false alarms. Most effects show in the summary."""
+"""The same where events are images."""
 
 
 @dataclass(frozen=True)

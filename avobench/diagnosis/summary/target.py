@@ -16,6 +16,7 @@ MIXED_IN = 0.1
 LOOKED_AT = 500
 """Events whose vectors are looked at, for what moving them adds to the noise."""
 RANK_TOLERANCE = 1e-7
+"""Share of the largest eigenvalue of a correlation matrix below which one is rounding: bins sum to one."""
 
 
 class Vectors(Protocol):

@@ -10,12 +10,12 @@ from avobench.tasks.carl import Carl
 
 
 @pytest.mark.parametrize(
-    ("gap", "p_value", "rejected", "shown"),
+    ("left", "p_value", "rejected", "expected"),
     [(105.0, 0.3, True, False), (150.0, 0.001, True, True), (150.0, 0.3, False, False), (150.0, 0.03, False, True)],
 )
-def test_what_only_the_classifier_sees_beside_an_effect_has_no_name(gap, p_value, rejected, shown):
+def test_what_only_the_classifier_sees_beside_an_effect_has_no_name(left, p_value, rejected, expected):
     gates = {"summary": SimpleNamespace(p_value=p_value), "classifier": SimpleNamespace(p_value=0.0001)}
-    assert shown(Step(SimpleNamespace(noiseless_q=gap, dof=100), None, gates), rejected, 0.05) == shown
+    assert shown(Step(SimpleNamespace(noiseless_q=left, dof=100), None, gates), rejected, 0.05) == expected
 
 
 def test_a_feature_that_is_cleared_counts_where_nothing_closes_the_whole_gap():
@@ -31,7 +31,7 @@ def test_a_feature_that_is_cleared_counts_where_nothing_closes_the_whole_gap():
     ]
     null = Step(fit(1000.0), None, {}, ranks)
 
-    def accepted(cleared, grew=()):
+    def added(cleared, grew=()):
         step = accepted(
             [null],
             lambda new, old: new.model.effects[-1].key in grew,
@@ -40,6 +40,6 @@ def test_a_feature_that_is_cleared_counts_where_nothing_closes_the_whole_gap():
         )
         return step and (step.added.effect.key, [tie.effect.key for tie in step.ties])
 
-    assert accepted([]) is None
-    assert accepted(keys[1:]) == (keys[1], [keys[2]])  # a tie of another feature is none
-    assert accepted(keys[1:], grew=[keys[1]]) == (keys[2], [keys[1]])
+    assert added([]) is None
+    assert added(keys[1:]) == (keys[1], [keys[2]])  # a tie of another feature is none
+    assert added(keys[1:], grew=[keys[1]]) == (keys[2], [keys[1]])
