@@ -2,6 +2,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from avobench.diagnosis.search.acceptance import accepted, shown
 from avobench.diagnosis.search.ranking import Ranked
 from avobench.diagnosis.search.tested import Step
 from avobench.effects.catalogue import catalogue
