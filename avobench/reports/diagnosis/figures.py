@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from avobench.diagnosis.answer.pictures import Maps, Spectrum
+from avobench.diagnosis.answer.pictures import Maps, Pictures, Spectrum
 from avobench.diagnosis.schema import Diagnosis, FoundEffect, Named
 from avobench.reports.style import PALETTE, STYLE, save
 from avobench.tasks import Task
@@ -38,16 +38,16 @@ class Drawn:
         return save(self.figure, self.table, folder, self.name)
 
 
-def draw(task: Task, diagnosis: Diagnosis) -> list[Drawn]:
+def draw(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> list[Drawn]:
     """All figures that the diagnosis has something to show in."""
     with matplotlib.rc_context(STYLE):
-        return list(_figures(task, diagnosis))
+        return list(_figures(task, diagnosis, pictures))
 
 
-def _figures(task: Task, diagnosis: Diagnosis) -> Iterator[Drawn]:
-    if diagnosis.pictures.maps is not None:
-        yield _maps(diagnosis.pictures.maps, diagnosis)
-    for number, spectrum in enumerate(diagnosis.pictures.spectra, start=1):
+def _figures(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> Iterator[Drawn]:
+    if pictures.maps is not None:
+        yield _maps(pictures.maps, diagnosis)
+    for number, spectrum in enumerate(pictures.spectra, start=1):
         yield _distribution(spectrum, diagnosis, f"distribution-{number}")
     yield _gap(diagnosis)
     yield _theta(task, diagnosis)

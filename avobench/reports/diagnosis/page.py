@@ -7,7 +7,8 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader
 
-from avobench.diagnosis.schema import Diagnosis, Verdict
+from avobench.diagnosis import Result
+from avobench.diagnosis.schema import Verdict
 from avobench.reports.diagnosis.figures import label
 from avobench.tasks import Task
 
@@ -37,12 +38,12 @@ class Shown:
         return int.from_bytes(self.png[16:20]) // 2  # where a PNG says it
 
 
-def render(task: Task, diagnosis: Diagnosis, figures: list[Shown], title: str) -> str:
+def render(task: Task, result: Result, figures: list[Shown], title: str) -> str:
     """The page as HTML; whatever comes from the user, such as the title, is shown as text."""
     template = Environment(
         loader=FileSystemLoader(Path(__file__).parent), autoescape=True, trim_blocks=True, lstrip_blocks=True
     ).get_template("page.html.jinja")
-    added = diagnosis.model.model.effects if diagnosis.model else ()
+    diagnosis, added = result.diagnosis, result.fit.model.effects
     return template.render(
         title=title,
         task=task,
