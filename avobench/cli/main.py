@@ -23,7 +23,8 @@ from avobench.cli.challenge import challenge
 from avobench.cli.diagnose import diagnose
 from avobench.cli.options import RESULTS, require_folder, write_file
 from avobench.cli.progress import ProgressView
-from avobench.cli.reports import COMMANDS, draw
+from avobench.cli.reports import COMMANDS
+from avobench.reports.figures import draw
 from avobench.tasks.errors import AvobenchError, UsageError
 
 

@@ -1,8 +1,6 @@
 """The commands `study`, `figure` and `report`, which `avobench` attaches."""
 
-import importlib
 from pathlib import Path
-from typing import Any
 
 import click
 import joblib
@@ -15,14 +13,12 @@ from avobench.bench.store import Store
 from avobench.cli import listing
 from avobench.cli.options import RESULTS, require_folder, write_file
 from avobench.cli.progress import ProgressView
+from avobench.reports.figures import FIGURES, STUDY_FIGURES, draw, records_for
 from avobench.studies import paper as study
-from avobench.tasks.errors import AvobenchError, StoreError, UsageError
+from avobench.tasks.errors import AvobenchError, UsageError
 
 OUT = click.option("--out", type=click.Path(path_type=Path), default=Path("reports"), show_default=True, help="Folder.")
-FIGURES = ("benchmark", "weinberg", "efficiency", "cost", "poisson", "alignment", "detector")
 STUDIES = ("poisson", "alignment", "detector", "summary", "ablation")
-STUDY_FIGURES = ("poisson", "alignment", "detector")
-"""Drawn from the records of the study of that name; the others from those of a benchmark."""
 
 
 @click.command("study")
@@ -98,20 +94,6 @@ def report(results: Path, studies: Path | None, out: Path) -> None:
     page = render(results, default if studies is None and default.exists() else studies)
     write_file(out / "index.html", page.encode())
     click.echo(out / "index.html")
-
-
-def draw(name: str, records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Draw one figure of FIGURES; raises StoreError when the files cannot be written."""
-    module = importlib.import_module(f"avobench.reports.{name}")  # here, because matplotlib takes a second to load
-    try:
-        return module.draw(records, folder)
-    except OSError as error:
-        raise StoreError(f"the figure could not be written to {folder}: {error.strerror or error}") from error
-
-
-def records_for(name: str, store: Store) -> list[dict[str, Any]]:
-    """What the figure `name` draws: the records of the store, or the one of the study `detector`. Raises StoreError."""
-    return [study.read_detector(store.path)] if name == "detector" else store.read_all()
 
 
 COMMANDS = (study_, figure, report)

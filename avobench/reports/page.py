@@ -14,9 +14,9 @@ from jinja2 import Environment, FileSystemLoader
 
 from avobench.bench.record import Status
 from avobench.bench.store import Store, labels, to_frame
-from avobench.cli.reports import STUDY_FIGURES, draw, records_for
 from avobench.reports.benchmark import numbers
 from avobench.reports.benchmark_claims import PRESETS
+from avobench.reports.figures import STUDY_FIGURES, draw, records_for
 from avobench.reports.quantities import comparable
 from avobench.reports.reproduction import CLAIMS, gather
 from avobench.reports.style import TASK_ORDER
