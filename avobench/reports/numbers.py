@@ -7,8 +7,6 @@ SMALLEST_P = 1e-300
 """A smaller p-value is told as smaller than this: near it floating-point numbers end, so that it may be kept as 0."""
 SCIENTIFIC_BELOW, SCIENTIFIC_FROM = 1e-3, 1e5
 """A column with a smaller or a larger number is printed in powers of ten."""
-WIDEST_RATIO = 1e3
-"""So is one whose numbers differ by more: with as many decimals for all, the large ones would be hard to read."""
 
 
 def number(value: float | None) -> str:
@@ -38,10 +36,10 @@ def column(values: Sequence[float | None]) -> list[str]:
     """
     known = [value for value in values if value is not None and not math.isnan(value)]
     if all(isinstance(value, int) for value in known):
-        return ["-" if value is None else str(value) for value in values]
+        return [str(value) if isinstance(value, int) else "-" for value in values]
     sizes = [abs(value) for value in known if value != 0 and math.isfinite(value)]
     low, high = min(sizes, default=1.0), max(sizes, default=1.0)
-    if low < SCIENTIFIC_BELOW or high >= SCIENTIFIC_FROM or high / low > WIDEST_RATIO:
+    if low < SCIENTIFIC_BELOW or high >= SCIENTIFIC_FROM:
         form = ".2e"
     else:
         form = f".{min(max(2 - math.floor(math.log10(low)), 0), 3)}f"

@@ -40,5 +40,5 @@ def test_the_numbers_of_a_column_have_as_many_decimals():
     assert column([0.25, -12.0]) == ["0.250", "-12.000"]
     assert column([150.0, 27.5]) == ["150.0", "27.5"]
     assert column([8.4e-6, 0.0564, 0.0]) == ["8.40e-06", "5.64e-02", "0.00e+00"]
-    assert column([1.0, 2_000.0]) == ["1.00e+00", "2.00e+03"]
+    assert column([1.5, 100_000.0]) == ["1.50e+00", "1.00e+05"]
     assert column([math.inf, 2.0]) == ["inf", "2.00"]
