@@ -155,7 +155,9 @@ def provenance(records: list[dict[str, Any]]) -> pd.DataFrame:
 def _table(id: str, title: str, text: str, frame: pd.DataFrame, full: pd.DataFrame | None = None) -> html.Table:
     """A table of the page with the content of `frame`; its download holds `full`, where that is more."""
     content = (frame if full is None else full).to_csv(index=False).encode()
-    shown = frame.assign(**{name: frame[name].map(plain) for name, plain in PLAIN.items() if name in frame})
+    shown = frame.assign(
+        **{name: frame[name].map(plain, na_action="ignore") for name, plain in PLAIN.items() if name in frame}
+    )
     columns = {name: html.column(shown[name]) for name in shown}
     return html.Table.of(id, title, text, columns, html.address("text/csv", content))
 
