@@ -17,7 +17,7 @@ from avobench.bench.status import Status
 from avobench.cli import listing
 from avobench.cli.options import RESULTS
 from avobench.cli.progress import ProgressView
-from avobench.reports.draw import draw
+from avobench.reports.figures import draw
 
 
 @click.command()

@@ -63,6 +63,12 @@ def panels(titles: list[str], columns: int = 2, size: tuple[float, float] = PANE
     return figure, list(axes[: len(titles)])
 
 
+def note(axis: Axes, text: str) -> None:
+    """Say in the middle of a panel why nothing is drawn in it."""
+    axis.text(0.5, 0.5, text, ha="center", va="center", transform=axis.transAxes)
+    axis.set(xticks=[], yticks=[])
+
+
 def save(figure: Figure, table: pd.DataFrame, folder: Path, name: str) -> list[Path]:
     """Write `name`.pdf, .png and, with the numbers drawn, .csv to `folder`, each whole or not at all."""
     paths = []

@@ -28,7 +28,7 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
     """
     shown = [record for record in records if (record["task"], record["status"]) == ("weinberg", Status.OK)]
     if not shown:
-        raise StoreError("there are no records of weinberg to draw")
+        raise StoreError("there are no records of weinberg with an estimate to draw")
     cells = labelled(shown)
     cells = comparable(cells[cells["repetition"] == 0])
     with matplotlib.rc_context(STYLE):

@@ -149,6 +149,13 @@ class Task(ABC):
         that knows the likelihood.
         """
 
+    def determined(self, theta: NDArray[np.float64]) -> NDArray[np.float64] | None:
+        """The one quantity that the events determine, where they do not determine theta itself: (n, p) -> (n,).
+
+        None where they determine theta.
+        """
+        return None
+
     def targets(self, n: int = NUM_TARGETS) -> NDArray[np.float64]:
         """Target parameters, drawn from the prior with a seed that belongs to the task's name: (n, p)."""
         return self.prior.sample(n, np.random.default_rng(stable_hash("targets", self.name)))

@@ -55,6 +55,10 @@ class Weinberg(Task):
         """The coefficient c of the density: theta (n, 2) -> (n,)."""
         return 2 * np.tanh(10 * (2 * theta[:, 0] - M_Z) / M_Z) * theta[:, 1]
 
+    def determined(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The asymmetry: theta (n, 2) -> (n,)."""
+        return self.asymmetry(theta)
+
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
         """One event per row: theta (n, 2) -> x (n, 1). Raises ValueError outside the support, or where |c| > 2."""
         self.require_support(theta)

@@ -1,11 +1,15 @@
 """The figures and the page of a diagnosis, the page in a real browser."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 import pytest
 
+from avobench.diagnosis import Result
 from avobench.diagnosis.answer.pictures import Maps, Pictures, Spectrum
 from avobench.diagnosis.schema import Diagnosis, Verdict
+from avobench.effects.model import Model
 from avobench.reports.diagnosis import write
 from avobench.tasks import Box, Task
 from avobench.tasks.poisson import Poisson
@@ -58,9 +62,9 @@ def diagnosis(task, verdict=Verdict.NAMED, **changes):
         "seed": 0,
         "versions": {"avobench": "0.1.0"},
     }
-    result = Diagnosis.model_validate({**content, **changes})
-    result._pictures = Pictures((spectrum(task, named),), maps(named) if task.event_shape else None)
-    return result
+    pictures = Pictures((spectrum(task, named),), maps(named) if task.event_shape else None)
+    fit = SimpleNamespace(model=Model(task))
+    return Result(task, Diagnosis.model_validate({**content, **changes}), fit, pictures, None)
 
 
 class Images(Task):
@@ -122,7 +126,7 @@ def test_every_verdict_has_a_page_also_where_there_is_nothing_to_show(browser, t
     row = {"feature": "row", "low": -0.5, "high": 1.5, "kind": "deficit", "z": -9.0, "p_global": 0.0005}
     regions = [row, {**row, "feature": "column"}] if verdict == Verdict.REDUCED else []
     content = diagnosis(task, verdict, regions=regions, candidates=[], identifiability=[], notes=[])
-    named = content.theta_after is not None
+    named = content.diagnosis.theta_after is not None
     write(Poisson(), diagnosis(Poisson()), tmp_path, "of other data, with other figures")
     (tmp_path / "distribution-mine.csv").write_text("not of a diagnosis")
     paths = write(task, content, tmp_path, "images")

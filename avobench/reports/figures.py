@@ -1,11 +1,11 @@
-"""Any figure by its name, from the records that it shows."""
+"""The figures that are drawn from records: their names, what each reads, and how one is drawn by its name."""
 
 import importlib
 from pathlib import Path
 from typing import Any
 
 from avobench.bench.store import Store
-from avobench.studies import paper
+from avobench.studies import paper as study
 from avobench.tasks.errors import StoreError
 
 FIGURES = ("benchmark", "weinberg", "efficiency", "cost", "poisson", "alignment", "detector")
@@ -14,7 +14,7 @@ STUDY_FIGURES = ("poisson", "alignment", "detector")
 
 
 def draw(name: str, records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Draw one figure of FIGURES; raises StoreError when the files cannot be written."""
+    """Draw one figure of FIGURES; raises StoreError when there is nothing to draw or the files cannot be written."""
     module = importlib.import_module(f"avobench.reports.{name}")  # here, because matplotlib takes a second to load
     try:
         return module.draw(records, folder)
@@ -24,4 +24,4 @@ def draw(name: str, records: list[dict[str, Any]], folder: Path) -> list[Path]:
 
 def records_for(name: str, store: Store) -> list[dict[str, Any]]:
     """What the figure `name` draws: the records of the store, or the one of the study `detector`. Raises StoreError."""
-    return [paper.read_detector(store.path)] if name == "detector" else store.read_all()
+    return [study.read_detector(store.path)] if name == "detector" else store.read_all()
