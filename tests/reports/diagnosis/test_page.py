@@ -132,7 +132,7 @@ def folder(tmp_path_factory):
     task, folder = Poisson(), tmp_path_factory.mktemp("edge")
     content = diagnosis(task, p_value_before=0.0, regions=[{**NARROW, "low": 0.99, "high": 1.0}])
     content.candidates[2].p_value = content.gates["summary"].p_value = 0.0
-    content._pictures = Pictures((edge(12.0),))
+    content = replace(content, pictures=Pictures((edge(12.0),)))
     write(task, content, folder, "an excess at the edge")
     return folder
 
@@ -235,7 +235,7 @@ def test_pulls_before_and_after_have_one_scale(pull, scale):
 def test_a_figure_that_cannot_be_drawn_is_a_sentence_and_the_rest_is_there(browser, tmp_path):
     task, content = Poisson(), diagnosis(Poisson())
     good = spectrum(task, after=True)
-    content._pictures = Pictures((replace(good, before=good.before[:5]), good))
+    content = replace(content, pictures=Pictures((replace(good, before=good.before[:5]), good)))
     names = {path.name for path in write(task, content, tmp_path, "a spectrum without one of its bins")}
     assert "distribution-1.png" not in names
     assert {"distribution-2.png", "theta.png", "report.html"} <= names
