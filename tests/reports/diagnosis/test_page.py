@@ -131,7 +131,8 @@ def folder(tmp_path_factory):
     """The files of a diagnosis with p-values of 0 and an excess at the very edge of a feature."""
     task, folder = Poisson(), tmp_path_factory.mktemp("edge")
     content = diagnosis(task, p_value_before=0.0, regions=[{**NARROW, "low": 0.99, "high": 1.0}])
-    content.candidates[2].p_value = content.gates["summary"].p_value = 0.0
+    told = content.diagnosis
+    told.candidates[2].p_value = told.gates["summary"].p_value = 0.0
     content = replace(content, pictures=Pictures((edge(12.0),)))
     write(task, content, folder, "an excess at the edge")
     return folder
