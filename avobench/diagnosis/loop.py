@@ -25,7 +25,7 @@ from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.effects.catalogue import catalogue, domain
 from avobench.effects.model import Model
-from avobench.effects.pool import Counted, Pool, TwoStage
+from avobench.effects.pool import Counted, Pool
 from avobench.methods import Estimate
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
@@ -124,7 +124,7 @@ def diagnose(
 
     effort = effort_for(task, domain(task), num_simulations)
     events: Counted | Pool = Counted(task)
-    if isinstance(task, TwoStage):
+    if task.generates:
         events = Pool(task, int(max(effort.generated * len(seen), effort.least)), rng.spawn(1)[0])
     model, centre, estimate, spent = Model(task, events=events), None, None, 0
     if fit != "surrogate":
