@@ -132,9 +132,9 @@ class Task(ABC):
 
     @property
     def parts(self) -> tuple[object, ...]:
-        """Functions, classes and objects beside its class and settings that decide what it does.
+        """Functions, classes, other tasks, effects and texts beside its class and settings that decide what it does.
 
-        Their source is part of what identifies a result, as that of the class is, where they are not of this project.
+        Texts, and the source of the others where they are not of this project, are part of what identifies a result.
         """
         return ()
 

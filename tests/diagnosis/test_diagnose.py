@@ -9,6 +9,7 @@ from pydantic.errors import PydanticSchemaGenerationError
 from avobench.bench import registry
 from avobench.cli.diagnose import tried
 from avobench.diagnosis import Diagnosis, diagnose
+from avobench.diagnosis.answer.model_file import describe, kept
 from avobench.diagnosis.answer.quoted import scaled_std
 from avobench.diagnosis.effort import effort_for
 from avobench.diagnosis.fit.fit import refine
@@ -24,7 +25,7 @@ from avobench.diagnosis.summary.bins import bins_of
 from avobench.effects import Effect, Parameter
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
-from avobench.effects.model_file import AugmentedTask, describe, kept
+from avobench.effects.model_file import AugmentedTask
 from avobench.effects.pool import Counted
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
@@ -191,7 +192,7 @@ def test_a_model_file_keeps_what_the_data_decided_of_an_effect(task, tmp_path):
             fit = SimpleNamespace(model=model, params=model.from_unit(np.full(model.dim, 0.5)))
             path = tmp_path / "model.json"
             path.write_text(describe(fit, np.full(model.dim, 0.1), task.name, {}).model_dump_json())
-            assert AugmentedTask.read(path).model.effects == (shape,)
+            assert registry.read_model(str(path)).model.effects == (shape,)
 
 
 def test_a_model_file_of_an_effect_that_does_not_exist_is_refused(tmp_path):
