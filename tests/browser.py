@@ -103,7 +103,7 @@ class Browser:
         )
 
     def contrasts(self):
-        """Of every text, the contrast with what is behind it, from 1, unseen, to 21, and its words; the faintest first."""
+        """Of every text, its contrast with what is behind it, 1 (unseen) to 21, and its words; the faintest first."""
         return sorted((contrast(rgb(colour), rgb(behind)), text) for text, colour, behind in self.run(TEXTS))
 
     def complaints(self):

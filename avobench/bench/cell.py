@@ -15,7 +15,8 @@ from avobench.tasks.errors import UsageError
 class Cell:
     """One inference: a task's target, a method, a repetition, under one budget and seed.
 
-    `task` and `method` are names or `module:Class`. `identity` holds everything that determines the result.
+    `task` and `method` are names, `module:Class` or `file.py:Class`. `identity` holds everything that determines the
+    result.
     """
 
     task: str
@@ -30,6 +31,8 @@ class Cell:
     identity: dict[str, Any] = field(init=False)
 
     def __post_init__(self) -> None:
+        for kind in ("task", "method"):  # a worker may have another working folder
+            object.__setattr__(self, kind, registry.absolute(getattr(self, kind)))
         task, method = self.build_task(), self.build_method()
         identity = {
             **registry.identity("task", self.task, task),

@@ -1,10 +1,10 @@
-"""Tasks and methods by name (entry points) or as `module:Class`, with their settings checked."""
+"""Tasks, methods and effects by name, as `module:Class` or as `file.py:Class`, with their settings checked."""
 
 import dataclasses
 import difflib
-import hashlib
 import importlib
 import inspect
+import os
 import re
 import sys
 from collections.abc import Callable
@@ -16,48 +16,78 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
+from avobench.bench import user_files
+from avobench.bench.source import source_hash
+from avobench.effects.catalogue import GROUP, families
 from avobench.effects.contract import Effect
+from avobench.effects.model_file import AugmentedTask
 from avobench.methods import Method
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
+from avobench.tasks.function import NAME
 
-BASES = {"task": Task, "method": Method}  # of what has a name in an entry point
-GROUPS = {"task": "avobench.tasks", "method": "avobench.methods"}
+BASES = {"task": Task, "method": Method, "effect": Effect}
+GROUPS = {"task": "avobench.tasks", "method": "avobench.methods", "effect": GROUP}
 REQUIRED = {
     "task": ("name", "parameter_names", "parameter_units", "source", "prior", "support", "num_features"),
     "method": ("name", "source"),
+    "effect": ("name", "parameters", "sentence", "source"),
 }
+NAMES = {
+    "task": (NAME, "letters, digits, dots and dashes"),
+    "method": (NAME, "letters, digits, dots and dashes"),
+    "effect": (r"[A-Za-z0-9_]+", "letters, digits and underscores"),
+}
+"""What a name may be, which becomes a part of file names and of other names; and how that is said."""
+
+
+class Trusted(str):
+    """The path of a model file that may name code beside it; see `trusted`."""
+
+    __slots__ = ()
+
+
+def trusted(spec: str) -> str:
+    """`spec`, marked as a file that the user trusts: reading a model then runs the code that the file names.
+
+    Without the mark a model may name installed tasks and effects only. The mark stays with the text wherever it is
+    sent, to worker processes too.
+    """
+    return Trusted(spec)
+
+
+def absolute(spec: str) -> str:
+    """`spec` as it is to be understood in a process with another working folder: paths of files are made absolute."""
+    place, colon, name = spec.rpartition(":")
+    if colon and place.endswith(".py"):
+        return f"{os.path.abspath(place)}:{name}"
+    return type(spec)(os.path.abspath(spec)) if is_model("task", spec) else spec
 
 
 def names(kind: str) -> list[str]:
-    """Registered names of tasks or methods, sorted."""
-    return sorted({point.name for point in _points(kind)})
+    """Registered names of tasks, methods or effects, sorted."""
+    return sorted(families()) if kind == "effect" else sorted({point.name for point in _points(kind)})
 
 
-def load(kind: str, spec: str) -> type:
-    """The class that `spec` names: a registered name or `module:Class`. Raises UsageError in one line."""
+def load(kind: str, spec: str) -> Any:
+    """What `spec` names: a class, or an instance that a user's module or file has ready-made.
+
+    It is a registered name, `module:Class`, `file.py:Class`, or the file of a model. Raises UsageError in one line.
+    """
     if is_model(kind, spec):
-        from avobench.effects.model_file import AugmentedTask  # here, because a diagnosis builds on this module
-
         return AugmentedTask
-    if ":" in spec:
-        cls = _import(kind, spec)
-    else:
-        points = [point for point in _points(kind) if point.name == spec]
-        if not points:
-            known = names(kind)
-            nearest = difflib.get_close_matches(spec, known, n=1, cutoff=0.4)
-            hint = f"did you mean {nearest[0]}?" if nearest else f"known: {', '.join(known)}, or module:Class"
-            raise UsageError(f"there is no {kind} named '{spec}'; {hint}")
-        cls = blamed(points[0].load, f"{kind} '{spec}'")
-    if not (inspect.isclass(cls) and issubclass(cls, BASES[kind])):
-        raise UsageError(f"'{spec}' is not a subclass of avobench.{kind}s.{BASES[kind].__name__}")
-    missing = [name for name in REQUIRED[kind] if not hasattr(cls, name)] + sorted(cls.__abstractmethods__)
+    found = _import(kind, spec) if ":" in spec else _registered(kind, spec)
+    base = BASES[kind]
+    if not (isinstance(found, base) or (inspect.isclass(found) and issubclass(found, base))):
+        raise UsageError(f"'{spec}' is not a subclass of avobench.{kind}s.{base.__name__}, nor an instance of one")
+    missing = [name for name in REQUIRED[kind] if not hasattr(found, name)]
+    missing += sorted(found.__abstractmethods__) if inspect.isclass(found) else []
     if missing:
         raise UsageError(f"{kind} '{spec}' does not define {', '.join(missing)}")
-    if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9.-]*", cls.name):
-        raise UsageError(f"the name of {kind} '{spec}' must be letters, digits, dots and dashes, got '{cls.name}'")
-    return cls
+    pattern, said = NAMES[kind]
+    if not re.fullmatch(pattern, found.name):
+        raise UsageError(f"the name of {kind} '{spec}' must be {said}, got '{found.name}'")
+    return found
 
 
 def is_model(kind: str, spec: str) -> bool:
@@ -67,45 +97,81 @@ def is_model(kind: str, spec: str) -> bool:
 
 def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
     """An instance of the task or method `spec` with `settings`, values as text or typed. Raises UsageError."""
-    cls = load(kind, spec)
+    found = load(kind, spec)
     if is_model(kind, spec):
         if settings:
             raise UsageError(f"{spec} is a model; its settings are in the file")
-        return cls.read(Path(spec))
-    known = [f.name for f in dataclasses.fields(cls) if f.init] if dataclasses.is_dataclass(cls) else []
+        return read_model(spec)
+    if not inspect.isclass(found):
+        if settings:
+            raise UsageError(f"{kind} '{spec}' is ready-made; its settings are in {spec.rpartition(':')[0]}")
+        return found
+    known = [f.name for f in dataclasses.fields(found) if f.init] if dataclasses.is_dataclass(found) else []
     for name in settings:
         if name not in known:
             nearest = difflib.get_close_matches(name, known, n=1)
             hint = f"did you mean {nearest[0]}?" if nearest else f"it has: {', '.join(known) or 'none'}"
-            raise UsageError(f"{kind} {cls.name} has no setting '{name}'; {hint}")
+            raise UsageError(f"{kind} {found.name} has no setting '{name}'; {hint}")
     try:
-        return blamed(lambda: TypeAdapter(cls).validate_python(settings) if known else cls(), f"{kind} '{spec}'")
+        return blamed(lambda: TypeAdapter(found).validate_python(settings) if known else found(), f"{kind} '{spec}'")
     except ValidationError as error:
         first = error.errors()[0]
         where = f" {'.'.join(map(str, first['loc']))}" if first["loc"] else ""
         reason = first["msg"].removeprefix("Value error, ")
-        raise UsageError(f"setting{where} of {kind} {cls.name}: {reason}") from error
+        raise UsageError(f"setting{where} of {kind} {found.name}: {reason}") from error
+
+
+def read_model(spec: str) -> AugmentedTask:
+    """The task of the file of a model. Raises UsageError for code that it names and the user has not trusted."""
+
+    def named(kind: str, name: str) -> None:
+        if ":" in name and isinstance(spec, Trusted):
+            return
+        if ":" in name:
+            raise UsageError(
+                f"{spec} names {kind} '{name}', and reading it would run that code: only a file that is trusted "
+                "(--trust) may name what is not installed"
+            )
+        if name not in names(kind):
+            raise UsageError(f"{spec} names {kind} '{name}', which is not installed")
+
+    def task(name: str, settings: dict[str, Any]) -> Task:
+        named("task", name)
+        return build("task", name, settings)
+
+    def own_effect(name: str) -> Effect:
+        named("effect", name)
+        return effect(name)
+
+    return AugmentedTask.read(Path(spec), task, own_effect)
 
 
 def effect(spec: str) -> Effect:
-    """The effect of a user's `module:Class`. Raises UsageError in one line."""
+    """The effect of a user's `module:Class` or `file.py:Class`. Raises UsageError in one line."""
     if ":" not in spec:
         raise UsageError(f"--effect takes module:Class, got '{spec}'; --effects chooses from the catalogue")
-    cls = _import("effect", spec)
-    if not (inspect.isclass(cls) and issubclass(cls, Effect)):
-        raise UsageError(f"'{spec}' is not a subclass of avobench.effects.Effect")
-    missing = [name for name in ("name", "parameters", "sentence", "source") if not hasattr(cls, name)]
-    missing += sorted(cls.__abstractmethods__)
-    if missing:
-        raise UsageError(f"effect '{spec}' does not define {', '.join(missing)}")
-    return blamed(cls, f"effect '{spec}'")
+    found = load("effect", spec)
+    return blamed(found, f"effect '{spec}'") if inspect.isclass(found) else found
+
+
+def effect_families(name: str) -> list[type[Effect]]:
+    """The installed effects of a name, which several domains may have, or of an entry point. Raises UsageError."""
+    points = families()
+    found = [family for point, family in points.items() if name in (point, point.rpartition(".")[2])]
+    if not found:
+        known = points if "." in name else {point.rpartition(".")[2] for point in points}
+        near = difflib.get_close_matches(name, sorted(known), n=3, cutoff=0.5)
+        hint = f"did you mean {' or '.join(near)}? " if near else ""
+        raise UsageError(f"there is no effect '{name}'; {hint}`avobench list effects` shows all")
+    return found
 
 
 def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:
     """What determines the behaviour of a task or method: name, version, settings, and the source if it is not ours.
 
-    The source is that of the modules of the class and its bases; what else they import is not followed. A setting with
-    the metadata `{"identifies": "unless default"}` is left out at its default, so one added later keeps old results.
+    The source is that of the class, its bases and its `parts`, and what they use of their modules; see `source`. A
+    setting with the metadata `{"identifies": "unless default"}` is left out at its default, so one added later keeps
+    old results.
     """
     fields = [f for f in dataclasses.fields(instance) if f.init] if dataclasses.is_dataclass(instance) else []
     parts = {
@@ -117,13 +183,15 @@ def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:
             if not (f.metadata.get("identifies") == "unless default" and getattr(instance, f.name) == f.default)
         },
     }
-    modules = dict.fromkeys(base.__module__ for base in type(instance).__mro__ if base is not object)
-    theirs = [name for name in modules if not name.startswith("avobench.") and name not in sys.stdlib_module_names]
-    if theirs:
-        sources = [blamed(partial(inspect.getsource, sys.modules[name]), f"{kind} '{spec}'") for name in theirs]
-        source = "\0".join([type(instance).__qualname__, *sources])
-        parts[f"{kind}_source_sha256"] = hashlib.sha256(source.encode()).hexdigest()
+    if source := blamed(partial(source_hash, _made_of(instance)), f"{kind} '{spec}'"):
+        parts[f"{kind}_source_sha256"] = source
     return parts
+
+
+def _made_of(instance: Any) -> list[Any]:
+    """The class of a task or method, and the parts of a task, with those of tasks among them."""
+    parts = [one for part in instance.parts for one in _made_of(part)] if isinstance(instance, Task) else []
+    return [type(instance) if isinstance(instance, Task | Method | Effect) else instance, *parts]
 
 
 def require_packages(kind: str, instance: Any) -> None:
@@ -152,19 +220,37 @@ def _points(kind: str) -> tuple[EntryPoint, ...]:
     return tuple(entry_points(group=GROUPS[kind]))
 
 
+def _registered(kind: str, name: str) -> Any:
+    """What an entry point names."""
+    known = names(kind)
+    if name not in known:
+        nearest = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
+        near = f"did you mean {nearest[0]}?" if nearest else f"known: {', '.join(known)}, module:Class or file.py:Class"
+        raise UsageError(f"there is no {kind} named '{name}'; {near}")
+    if kind == "effect":
+        return families()[name]
+    return blamed(next(point for point in _points(kind) if point.name == name).load, f"{kind} '{name}'")
+
+
 def _import(kind: str, spec: str) -> Any:
-    module_name, _, class_name = spec.partition(":")
-    if (here := str(Path.cwd())) not in sys.path:
-        sys.path.insert(0, here)  # `my_module:MyTask` is looked for beside the user first
+    """What a module or a file holds by that name. `my_module:MyTask` is looked for beside the user first."""
+    place, _, name = spec.rpartition(":")
+    module_name = place
+    if place.endswith(".py"):
+        if not Path(place).is_file():
+            raise UsageError(f"there is no file '{place}', for {kind} '{spec}'")
+        module_name = user_files.module_name(place)
+    elif (here := str(Path.cwd())) not in sys.path:
+        sys.path.insert(0, here)
     try:
         module = importlib.import_module(module_name)
     except ModuleNotFoundError as error:
         if error.name != module_name:
             raise UsageError(f"{kind} '{spec}' needs {error.name}, which is not installed") from error
-        raise UsageError(f"there is no module '{module_name}' here or installed, for {kind} '{spec}'") from error
+        raise UsageError(f"there is no module '{place}' here or installed, for {kind} '{spec}'") from error
     except (Exception, SystemExit) as error:
-        raise UsageError(f"{module_name} of {kind} '{spec}' raised {type(error).__name__}: {error}") from error
-    if not hasattr(module, class_name):
-        nearest = difflib.get_close_matches(class_name, dir(module), n=1)
-        raise UsageError(f"{module_name} has no '{class_name}'" + (f"; did you mean {nearest[0]}?" if nearest else ""))
-    return getattr(module, class_name)
+        raise UsageError(f"{place} of {kind} '{spec}' raised {type(error).__name__}: {error}") from error
+    if not hasattr(module, name):
+        nearest = difflib.get_close_matches(name, dir(module), n=1)
+        raise UsageError(f"{place} has no '{name}'" + (f"; did you mean {nearest[0]}?" if nearest else ""))
+    return getattr(module, name)

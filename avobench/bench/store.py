@@ -141,17 +141,20 @@ class Store:
                 sound[entry.path.name] = entry.record
         return [sound[name] for name in sorted(sound)], {path: damaged[path] for path in sorted(damaged)}
 
-    def read_all(self) -> list[dict[str, Any]]:
-        """All sound records, ordered by file name, with a warning DamagedRecord for each other one.
-
-        Raises StoreError when there are none.
-        """
+    def read_sound(self) -> list[dict[str, Any]]:
+        """All sound records, ordered by file name, maybe none, with a warning DamagedRecord for each other one."""
         sound, damaged = self.read()
         for path, fault in damaged.items():
-            warnings.warn(f"{path} {fault}; {self.remedy(path)}", DamagedRecord, stacklevel=2)
+            warnings.warn(f"{path} {fault}; {self.remedy(path)}", DamagedRecord, stacklevel=3)
+        return sound
+
+    def read_all(self) -> list[dict[str, Any]]:
+        """The same; raises StoreError when there are none."""
+        sound = self.read_sound()
         if not sound:
-            what = "sound records" if damaged else "records"
-            raise StoreError(f"there are no {what} in {self.path}; `avobench run --results {self.path}` makes them")
+            raise StoreError(
+                f"there are no sound records in {self.path}; `avobench run --results {self.path}` makes them"
+            )
         return sound
 
     def remedy(self, path: Path) -> str:

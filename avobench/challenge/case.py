@@ -15,6 +15,10 @@ VISIBLE = 0.9
 """Power from which an effect counts as visible: nine of ten times the best test would see it."""
 
 
+DERIVATIVE_STEP = 1e-4
+"""Of the prior's width: small against what bends, large against rounding."""
+
+
 @dataclass(frozen=True)
 class Case:
     """A case with its answer and its diagnosis, as they stand in their files."""
@@ -63,24 +67,22 @@ class Case:
         return effect["name"], effect["feature"] if choose else None
 
     def bias(self, when: str) -> float | None:
-        """|theta - truth| in widths of the prior, mean over parameters; or of the one quantity that is determined.
+        """How far what the events determine of theta is from the truth, mean over its parts. `when`: theta_...
 
-        `when`: theta_before or theta_after.
+        In widths of the prior, or in what else a task tells it in.
         """
         estimate = self._theta(when)
         if estimate is None:
             return None
-        truth = np.array(self.answer["theta"])
-        if (only := self.task.determined(np.stack([estimate, truth]))) is not None:
-            return float(abs(np.subtract(*only)))
-        return float((np.abs(estimate - truth) / self.task.prior.width).mean())
+        known, true = self.task.identifiable(np.stack([estimate, self.answer["theta"]]))
+        return float((np.abs(known - true) / self.task.identifiable_scale).mean())
 
     def pull(self, when: str) -> float | None:
         """How far theta is from the truth, in quoted errors, at most; None where the data determine nothing of it.
 
-        `when`: before or after. Of the combinations of theta that the diagnosis says are determined. Where the task
-        knows the one quantity that is determined, of that, which need be no straight line, with the error that the
-        combinations give it.
+        `when`: before or after. Of the combinations of theta that the diagnosis says are determined; where the events
+        determine fewer quantities than theta has, of those, which need be no straight lines, with the errors that the
+        combinations give them.
         """
         known, estimate, truth = (
             self.diagnosis[f"identified_{when}"],
@@ -92,15 +94,17 @@ class Case:
         names = self.task.parameter_names
         rows = np.array([[each["coefficients"][name] for name in names] for each in known])
         std = np.array([each["std"] for each in known])
-        step = 1e-4 * self.task.prior.width
-        only = self.task.determined(np.stack([estimate, truth, *(estimate + change for change in np.diag(step))]))
-        if only is None:
+        step = DERIVATIVE_STEP * self.task.prior.width
+        at = np.stack([estimate, truth, *(estimate + change for change in np.diag(step))])
+        quantities = self.task.identifiable(at)
+        if quantities.shape[1] == len(names):
             return float(np.abs(rows @ (estimate - truth) / std).max())
-        c, c_true, *moved = only
+        found, true, *moved = quantities
         # A combination moves theta along its own coefficients, in units of the range, by its error.
         width = np.subtract(self.task.support.high, self.task.support.low)
-        slopes = (rows * width) @ ((np.array(moved) - c) / step * width)
-        return float(abs(c - c_true) / np.sqrt((slopes**2) @ std**2))
+        slopes = [(rows * width) @ (change / step * width) for change in (np.array(moved) - found).T]
+        errors = [np.sqrt((slope**2) @ std**2) for slope in slopes]
+        return float(np.max(np.abs(found - true) / errors))
 
     def _theta(self, when: str) -> np.ndarray | None:
         theta = self.diagnosis[when]

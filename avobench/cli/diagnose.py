@@ -35,7 +35,7 @@ TRIED = 50
     "--fit", default="surrogate", show_default=True, metavar="NAME", help="Method that looks for theta first."
 )
 @click.option("--effects", default=None, metavar="A,B,...", help="Effects of the catalogue to try.  [all that apply]")
-@click.option("--effect", "own", multiple=True, metavar="module:Class", help="An effect of your own; repeatable.")
+@click.option("--effect", "own", multiple=True, metavar="EFFECT", help="module:Class or file.py:Class; repeatable.")
 @click.option("--jobs", "-j", type=click.IntRange(1), default=1, show_default=True, help="Worker processes.")
 def diagnose(
     spec: str,
@@ -60,14 +60,15 @@ def diagnose(
     from avobench.bench.events import check_events, read_events
     from avobench.diagnosis import loop
     from avobench.diagnosis.answer import quoted as values
-    from avobench.effects.catalogue import catalogue
-    from avobench.effects.model_file import describe, kept
+    from avobench.diagnosis.answer.model_file import describe, kept
+    from avobench.effects.catalogue import catalogue, chosen
     from avobench.reports import diagnosis as report
 
     task = registry.build("task", spec, {})
     registry.require_packages("task", task)
     known = registry.blamed(lambda: catalogue(task), f"task '{spec}'")
-    chosen = chosen_effects(known, effects)
+    wanted = {effect.name for effect in known} if effects is None else [name.strip() for name in effects.split(",")]
+    selected = chosen(known, wanted, spec)
     theirs: dict[str, tuple[str, Effect]] = {}
     for name in own:
         effect = registry.effect(name)
@@ -75,7 +76,7 @@ def diagnose(
             raise UsageError(f"effect '{name}': there is another effect named {effect.name}; give it another name")
         tried(name, effect, task)
         theirs[effect.name] = name, effect
-        chosen.append(effect)
+        selected.append(effect)
     x, warnings = check_events(
         task, read_events(data, [c.strip() for c in columns.split(",")] if columns else None), drop_invalid=drop_invalid
     )
@@ -92,7 +93,7 @@ def diagnose(
         max_effects=max_effects,
         num_simulations=simulations,
         fit=fit,
-        effects=chosen,
+        effects=selected,
         jobs=jobs,
     )
     diagnosis = result.diagnosis
@@ -112,18 +113,6 @@ def diagnose(
     # Last, so that a folder with a diagnosis has all that belongs to it.
     write_atomically(out / "diagnosis.json", (json.dumps(diagnosis.model_dump(mode="json"), indent=1) + "\n").encode())
     click.echo(summary(diagnosis))
-
-
-def chosen_effects(known: list, names: str | None) -> list:
-    """The effects of `known` that are named, all where none is. Raises UsageError for one that is not there."""
-    if names is None:
-        return list(known)
-    wanted = [name.strip() for name in names.split(",")]
-    for name in wanted:
-        if name not in {effect.name for effect in known}:
-            there = ", ".join(dict.fromkeys(effect.name for effect in known))
-            raise UsageError(f"there is no effect '{name}' for this task; it has {there}")
-    return [effect for effect in known if effect.name in wanted]
 
 
 def tried(name: str, effect: "Effect", task: Task) -> None:

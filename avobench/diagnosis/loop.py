@@ -23,7 +23,7 @@ from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.effects.catalogue import catalogue, domain
 from avobench.effects.model import Model
-from avobench.effects.pool import Counted, Pool, TwoStage
+from avobench.effects.pool import Counted, Pool
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
@@ -59,7 +59,7 @@ def diagnose(
     seen, aside = x[order[:cut]], x[order[cut:]]
     effort = effort_for(task, domain(task), num_simulations)
     events: Counted | Pool = Counted(task)
-    if isinstance(task, TwoStage):
+    if task.generates:
         events = Pool(task, int(max(effort.generated * len(seen), effort.least)), rng.spawn(1)[0])
     model = Model(task, events=events)
 

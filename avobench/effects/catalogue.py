@@ -1,83 +1,72 @@
-"""All effects that apply to a task."""
+"""All effects that apply to a task: of each installed family, ours and those of other distributions, its entries."""
 
-from typing import Literal
+import difflib
+from collections.abc import Iterable
+from functools import cache
+from importlib.metadata import entry_points
 
-import numpy as np
 from numpy.typing import NDArray
 
-from avobench.effects.continuous.acceptance import DeadRegion, EdgeAcceptance, ForwardBackwardAcceptance
-from avobench.effects.continuous.background import FlatBackground, PeakBackground
-from avobench.effects.continuous.calibration import ChargeMisid, Crosstalk, Offset, Scale
-from avobench.effects.continuous.feature import ranges
-from avobench.effects.continuous.readout import Quantisation, Saturation
-from avobench.effects.continuous.smearing import Outliers, Resolution
 from avobench.effects.contract import Effect
-from avobench.effects.counts import exposure, recording
-from avobench.effects.images import cells, tracker
+from avobench.effects.site import Domain, Site, domain
 from avobench.tasks import Task
-from avobench.tasks.alignment import Alignment
 from avobench.tasks.errors import UsageError
 
-Domain = Literal["counts", "continuous", "images"]
+__all__ = ["catalogue", "chosen", "domain", "families", "of_domain"]
 
-CONTINUOUS = (
-    Resolution,
-    Offset,
-    Scale,
-    EdgeAcceptance,
-    ForwardBackwardAcceptance,
-    FlatBackground,
-    PeakBackground,
-    DeadRegion,
-    ChargeMisid,
-    Outliers,
-    Crosstalk,
-    Quantisation,
-    Saturation,
-)
-COUNTS = (
-    recording.ZeroInflation,
-    exposure.Overdispersion,
-    recording.DeadTime,
-    recording.ThresholdLoss,
-    recording.FlatBackground,
-    recording.DoubleCounting,
-    recording.ReadoutNoise,
-    recording.Quantisation,
-    exposure.PileUp,
-    exposure.Inefficiency,
-)
-IMAGES = (cells.DeadCells, cells.NoisyCells, cells.Inefficiency, cells.RandomNoise, cells.PileUp, cells.Threshold)
+GROUP = "avobench.effects"
+"""Of entry points. The name of one is its domain, a dot, and the name of the effect: `counts.dead_time`."""
 
 
-def domain(task: Task) -> Domain:
-    """What the events of a task are. Raises UsageError for several counts an event, for which there is no catalogue."""
-    if task.event_shape:
-        return "images"
-    if np.dtype(task.dtype).kind not in "iu":
-        return "continuous"
-    if task.num_features > 1:
-        raise UsageError(f"an event of {task.name} has {task.num_features} counts: effects are known of one count only")
-    return "counts"
+@cache
+def families() -> dict[str, type[Effect]]:
+    """The installed families by the names of their entry points. Raises UsageError for one that cannot be loaded.
+
+    Asked for once a process, since it looks into every installed distribution.
+    """
+    found = {}
+    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
+        try:
+            family = point.load()
+        except Exception as error:
+            raise UsageError(
+                f"effect '{point.name}' cannot be used, {point.value} raised {type(error).__name__}: {error}"
+            ) from error
+        if not (isinstance(family, type) and issubclass(family, Effect) and family.domains):
+            raise UsageError(f"effect '{point.name}': {point.value} is no subclass of Effect that states its domains")
+        found[point.name] = family
+    return found
+
+
+def of_domain(kind: Domain) -> list[type[Effect]]:
+    """The families for events of a kind, in the order of the catalogue."""
+    own = {family: None for family in families().values() if kind in family.domains}
+    return sorted(own, key=lambda family: (family.position is None, family.position or 0, family.name))
 
 
 def catalogue(task: Task, x: NDArray | None = None) -> list[Effect]:
     """Every effect that applies to `task`: one entry a name and feature, each in its plainest shape.
 
-    Ranges of features are those that events x (N, d) show, or those over the prior.
+    Ranges of features are those that events x (N, d) show, or those over the prior. Raises UsageError for a task whose
+    events are of no known domain.
     """
-    kind = domain(task)
-    if kind == "counts":
-        return [effect() for effect in COUNTS]
-    if kind == "images":
-        found = [effect(task.event_shape) for effect in IMAGES]
-        if not isinstance(task, Alignment):
-            return found
-        found[IMAGES.index(cells.Inefficiency)] = tracker.TrackInefficiency(task.event_shape)
-        return [*found, tracker.TransverseOffset(task.event_shape, task.radius), tracker.AxialTilt(task.event_shape)]
-    spans = ranges(task)
-    if x is not None:
-        spans = tuple(span.shown(x[:, j]) for j, span in enumerate(spans))
-    features = [0] if len(spans) == 1 else [*range(len(spans)), "all"]
-    effects = [effect(feature, spans) for effect in CONTINUOUS for feature in features]
-    return [e for e in effects if len(spans) > 1 or e.name != "crosstalk"]
+    site = Site(task, x)
+    return [entry for family in of_domain(site.domain) for entry in family.entries(site)]
+
+
+def chosen(effects: Iterable[Effect], names: Iterable[str], task: str) -> list[Effect]:
+    """The effects of these names, in their own order. Raises UsageError for a name that none of them has.
+
+    `task` is what the user calls the task, for the message. A name may be that of an entry point, `counts.dead_time`.
+    """
+    effects = list(effects)
+    known = dict.fromkeys(effect.name for effect in effects)
+    wanted = {name.rpartition(".")[2]: name for name in names}
+    for name, given in wanted.items():
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
+            hint = f"did you mean {' or '.join(near)}? " if near else ""
+            raise UsageError(
+                f"there is no effect '{given}' for {task}; {hint}`avobench list effects --task {task}` shows all"
+            )
+    return [effect for effect in effects if effect.name in wanted]

@@ -1,15 +1,13 @@
 """The contract of an effect: something that a simulator may lack, written as a change of that simulator."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-MAX_ROUNDS = 200
-"""Of rejection: of a detector that records one event in ten, all but 1e-9 have been recorded by then."""
+from avobench.effects.site import Domain, Site
 
 
 class Simulate(Protocol):
@@ -69,6 +67,20 @@ class Effect(ABC):
     sentence: ClassVar[str]
     """What it is, for a person."""
     source: ClassVar[str]
+    domains: ClassVar[tuple[Domain, ...]] = ()
+    """For which kinds of events it stands in the catalogue. An effect that is only ever asked for by `--effect` needs
+    to say nothing; one with an entry point must."""
+    position: ClassVar[int | None] = None
+    """Its place in the catalogue, lowest first; effects without one follow by name. A search draws its random numbers
+    in this order: effects that take part get a place once and keep it."""
+
+    @classmethod
+    def entries(cls, site: Site) -> list["Effect"]:
+        """Its entries in the catalogue of a task, each in its plainest shape: none where it does not apply.
+
+        Asked for tasks of its `domains` only. One with default settings unless a family says otherwise.
+        """
+        return [cls()]
 
     @abstractmethod
     def apply(
@@ -123,34 +135,3 @@ class Family(Effect):
 
     def shapes(self) -> tuple[Effect, ...]:
         return tuple(replace(self, shape=shape) for shape in self.SHAPES)
-
-
-def accepted(
-    simulate: Simulate,
-    theta: NDArray[np.float64],
-    keep: Callable[[NDArray, NDArray[np.intp]], NDArray[np.float64]],
-    rng: np.random.Generator,
-) -> NDArray:
-    """Events that a detector records: drawn anew, row by row, until recorded: theta (n, p) -> (n, d).
-
-    `keep(x, rows)` is the chance that the events x, of these rows of theta, are recorded. What a detector never records
-    cannot be waited for: the event of the last round stays, recorded or not.
-    """
-    x = simulate(theta, rng)
-    rows = np.arange(len(theta))
-    for _ in range(MAX_ROUNDS):
-        rows = rows[rng.random(len(rows)) >= keep(x[rows], rows)]
-        if len(rows) == 0:
-            break
-        x[rows] = simulate(theta[rows], rng)
-    return x
-
-
-def skewed_noise(skewness: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
-    """Noise of mean 0 and standard deviation 1, from a mirrored exponential over a Gaussian to an exponential: (n,).
-
-    A Gaussian and a share s of an exponential have the skewness 2 s^3. It, and not s, is the parameter: a fit that
-    begins at a Gaussian sees its slope.
-    """
-    s, n = np.cbrt(skewness / 2), len(skewness)
-    return np.sqrt(1 - s**2) * rng.standard_normal(n) + s * (rng.standard_exponential(n) - 1)

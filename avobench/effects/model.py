@@ -19,7 +19,7 @@ LEAST_STRENGTH = 0.003
 AT_ONCE = 100_000
 """Events simulated at a time, to bound memory."""
 Events = Callable[..., NDArray]
-"""theta (n, p), rng and, of a two-stage task, what alters generated events -> (n, d)"""
+"""theta (n, p), rng and, of a task that generates something first, what alters that -> (n, d)"""
 
 
 @dataclass(frozen=True)

@@ -1,35 +1,41 @@
-"""The new model: a task with effects added, kept as `model.json`, and accepted wherever a task is."""
+"""The file of a model, `model.json`: a task with effects added, which is accepted wherever a task is."""
 
 import hashlib
-from dataclasses import dataclass, fields, is_dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Literal, Union
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
-from avobench.bench import registry
-from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.schema import Strict
 from avobench.effects import Effect
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.tasks import Box, Task
 from avobench.tasks.errors import UsageError
 
-PRIOR_SIGMAS = 5.0
-"""The prior of an effect's parameter reaches so many standard errors to either side of the fit."""
-LEAST_PRIOR = 0.01
-"""The same at least, as a share of the parameter's range."""
+NAME = r"^[A-Za-z0-9][A-Za-z0-9.-]*$"
+"""Of a model, as of any task: it becomes a part of file names."""
+EFFECT_NAME = r"^[A-Za-z0-9_]+$"
+
+FindTask = Callable[[str, dict[str, Any]], Task]
+"""The task of a name, or of a module and class, with settings. Raises UsageError for one that may not be used."""
+FindEffect = Callable[[str], Effect]
+"""The effect of a module and class. Raises UsageError for one that may not be used."""
+
+
+class Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid")
 
 
 class AddedEffect(Strict):
-    name: str
+    name: str = Field(pattern=EFFECT_NAME)
     feature: int | Literal["all"] | None
     shape: str
     source: str | None
-    """module:Class of an effect of the user's own."""
+    """module:Class or file.py:Class of an effect of the user's own."""
     settings: dict[str, Any] = Field(default_factory=dict)
     """What the data decided of it, such as which cells are dead."""
 
@@ -48,57 +54,13 @@ class ModelFile(Strict):
 
     kind: Literal["avobench-model"] = "avobench-model"
     schema_version: Literal[1] = 1
-    name: str
+    name: str = Field(pattern=NAME)
     task: Union[str, "ModelFile"]
-    """A name or module:Class; or the model that the effects were added to, if it is one."""
+    """A name, module:Class or file.py:Class; or the model that the effects were added to, if it is one."""
     task_settings: dict[str, Any]
     effects: list[AddedEffect]
     parameters: list[Parameter]
     """Those of the task, then those of each effect in turn."""
-
-
-def describe(fit: Fit, std: NDArray[np.float64], task_spec: str, own_effects: dict[str, str]) -> ModelFile:
-    """What `model.json` says of a fitted model.
-
-    `std` (P,) are its standard errors. `own_effects` gives module:Class of the user's effects by name.
-    """
-    model = fit.model
-    theta = model.num_theta
-    base = model.task
-    inner = isinstance(base, AugmentedTask)
-    names = list(base.parameter_names)
-    units = list(base.parameter_units)
-    for effect in model.effects:
-        prefix = effect.name if effect.feature is None else f"{effect.name}_{_feature(base, effect)}"
-        again = sum(name.startswith(f"{prefix}_") for name in base.parameter_names)  # by a model that was found before
-        names += [f"{prefix}{'_again' if again else ''}_{p.name}" for p in effect.parameters]
-        units += [p.unit for p in effect.parameters]
-    margin = np.maximum(PRIOR_SIGMAS * std, LEAST_PRIOR * (model.high - model.low))
-    low = np.maximum(model.low, fit.params - margin)
-    high = np.minimum(model.high, fit.params + margin)
-    low[:theta] = np.minimum(low[:theta], base.prior.low)
-    high[:theta] = np.maximum(high[:theta], base.prior.high)
-    return ModelFile(
-        name="-".join([base.name, *(e.name.replace("_", "-") for e in model.effects)]),
-        task=base.content if inner else task_spec,
-        task_settings={} if inner else registry.identity("task", task_spec, base)["task_settings"],
-        effects=[kept(effect, base, own_effects.get(effect.name)) for effect in model.effects],
-        parameters=[
-            Parameter(
-                name=names[i],
-                unit=units[i],
-                value=float(fit.params[i]),
-                std=float(std[i]),
-                prior=(float(low[i]), float(high[i])),
-                support=(float(model.low[i]), float(model.high[i])),
-            )
-            for i in range(model.dim)
-        ],
-    )
-
-
-def _feature(task: Task, effect: Effect) -> str:
-    return "all" if effect.feature == "all" else task.labels[effect.feature]
 
 
 @dataclass(frozen=True)
@@ -112,39 +74,58 @@ class AugmentedTask(Task):
     source = "a task of avobench with the effects that a diagnosis added"
 
     @classmethod
-    def read(cls, path: Path) -> "AugmentedTask":
-        """The task that a `model.json` describes. Raises UsageError if it describes none."""
+    def read(cls, path: Path, find_task: FindTask, find_effect: FindEffect) -> "AugmentedTask":
+        """The task that a `model.json` describes. Raises UsageError if it describes none.
+
+        A file may come from anywhere, and what it names would be imported: `find_task` and `find_effect` decide what
+        may be.
+        """
         try:
             text = path.read_bytes()
             content = ModelFile.model_validate_json(text)
         except OSError as error:
             raise UsageError(f"{path} cannot be read: {error.strerror or error}") from error
         except ValidationError as error:
-            raise UsageError(f"{path} is not a model: {error.errors()[0]['msg']}") from error
-        return cls._of(content, hashlib.sha256(text).hexdigest(), path)
+            raise UsageError(f"{path} is not a model: {_fault(error)}") from error
+        return cls._of(content, hashlib.sha256(text).hexdigest(), path, find_task, find_effect)
 
     @classmethod
-    def _of(cls, content: ModelFile, sha256: str, path: Path) -> "AugmentedTask":
+    def _of(
+        cls, content: ModelFile, sha256: str, path: Path, find_task: FindTask, find_effect: FindEffect
+    ) -> "AugmentedTask":
         if isinstance(content.task, ModelFile):
-            base = cls._of(content.task, sha256, path)
+            base = cls._of(content.task, sha256, path, find_task, find_effect)
         else:
-            base = registry.build("task", content.task, content.task_settings)
-        effects = tuple(_effect(added, base, path) for added in content.effects)
-        task = cls(sha256)
+            base = find_task(content.task, content.task_settings)
+        effects = tuple(_effect(added, base, path, find_effect) for added in content.effects)
+        model, task = Model(base, effects), cls(sha256)
+        if len(content.parameters) != model.dim:
+            raise UsageError(f"{path} gives {len(content.parameters)} parameters to a model of {model.dim}")
+        try:
+            prior, support = (
+                Box(*zip(*(getattr(p, box) for p in content.parameters), strict=True)) for box in ("prior", "support")
+            )
+        except ValueError as error:
+            raise UsageError(f"{path} is not a model: {error}") from error
         own = {
             "content": content,
-            "model": Model(base, effects),
+            "model": model,
             "name": content.name,
             "parameter_names": tuple(p.name for p in content.parameters),
             "parameter_units": tuple(p.unit for p in content.parameters),
-            "prior": Box(*zip(*(p.prior for p in content.parameters), strict=True)),
-            "support": Box(*zip(*(p.support for p in content.parameters), strict=True)),
+            "prior": prior,
+            "support": support,
         }
         same = ("num_features", "feature_names", "event_shape", "cyclic_axes", "dtype", "discriminator")
         own |= {name: getattr(base, name) for name in (*same, "packages", "extra")}
         for name, value in own.items():
             object.__setattr__(task, name, value)
         return task
+
+    @property
+    def parts(self) -> tuple[object, ...]:
+        """The task without effects, and the effects."""
+        return (self.model.task, *self.model.effects)
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """One event per row: theta (n, P) -> (n, d). Raises ValueError outside the support."""
@@ -160,29 +141,22 @@ class AugmentedTask(Task):
         return np.nan
 
 
-def _plain(base: Task, name: str, feature: int | str | None, source: str | None) -> Effect | None:
+def plain_effect(
+    base: Task, name: str, feature: int | str | None, source: str | None, find_effect: FindEffect
+) -> Effect | None:
     """An effect as it is before it sees data; None if it does not apply to the task."""
     if source is not None:
-        return registry.effect(source)
+        return find_effect(source)
     return next((effect for effect in catalogue(base) if effect.key == (name, feature)), None)
 
 
-def kept(effect: Effect, base: Task, source: str | None) -> AddedEffect:
-    """What a file keeps of an effect on a task; `source` is module:Class of one of the user's own."""
-    plain, settings = _plain(base, effect.name, effect.feature, source), {}
-    if is_dataclass(effect):
-        changed = {n for n, value in _fields(effect).items() if n != "shape" and not np.all(value == getattr(plain, n))}
-        settings = TypeAdapter(type(effect)).dump_python(effect, mode="json", include=changed) if changed else {}
-    return AddedEffect(name=effect.name, feature=effect.feature, shape=effect.shape, source=source, settings=settings)
-
-
-def _effect(added: AddedEffect, base: Task, path: Path) -> Effect:
-    """The inverse of `kept`. Raises UsageError if there is no such effect."""
-    plain = _plain(base, added.name, added.feature, added.source)
+def _effect(added: AddedEffect, base: Task, path: Path, find_effect: FindEffect) -> Effect:
+    """The effect that a file keeps, with what the data decided of it. Raises UsageError if there is none."""
+    plain = plain_effect(base, added.name, added.feature, added.source, find_effect)
     try:
         if added.settings:
             loose = replace(plain, **added.settings)  # of lists and dicts; refuses what is no setting
-            plain = TypeAdapter(type(loose)).validate_python(_fields(loose))
+            plain = TypeAdapter(type(loose)).validate_python(settings_of(loose))
         return next(shape for shape in plain.shapes() if shape.shape == added.shape)
     except (AttributeError, TypeError, ValidationError, StopIteration) as error:
         raise UsageError(
@@ -190,5 +164,13 @@ def _effect(added: AddedEffect, base: Task, path: Path) -> Effect:
         ) from error
 
 
-def _fields(effect: Effect) -> dict[str, Any]:
+def settings_of(effect: Effect) -> dict[str, Any]:
+    """What the data may decide of an effect that is a dataclass."""
     return {field.name: getattr(effect, field.name) for field in fields(effect) if field.init}
+
+
+def _fault(error: ValidationError) -> str:
+    """What is wrong with the content of a file, and where."""
+    first = error.errors()[0]
+    where = ".".join(str(each) for each in first["loc"])
+    return f"{first['msg']}{f' at {where}' if where else ''}"

@@ -1,7 +1,7 @@
 """Events of a slow generator, made once and used for every theta: what differs between thetas acts after it."""
 
 from collections.abc import Callable, Iterator
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,8 @@ Alter = Callable[[Any, slice], Any]
 """What happens to generated events before they are detected, and in which rows of theta they are."""
 
 
-@runtime_checkable
-class TwoStage(Protocol):
-    """A task whose `simulate` is a generator that does not know theta, and a detector that does."""
+class Generating(Protocol):
+    """A task that says what it `generates`: its simulator is a generator that does not know theta, and a detector."""
 
     def generate(self, num_events: int, rng: np.random.Generator) -> Iterator[Any]: ...
 
@@ -36,12 +35,12 @@ class Counted:
 
 
 class Pool:
-    """Generated events of a two-stage task, handed out from a random place on, again and again.
+    """Generated events of a task, handed out from a random place on, again and again.
 
     Within one request no event comes twice as long as it asks for no more than the pool holds.
     """
 
-    def __init__(self, task: TwoStage, num_events: int, rng: np.random.Generator) -> None:
+    def __init__(self, task: Generating, num_events: int, rng: np.random.Generator) -> None:
         self.task, self.used = task, num_events
         self._pieces = list(task.generate(num_events, rng))
         self._starts = np.cumsum([0, *(len(piece) for piece in self._pieces)])

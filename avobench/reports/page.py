@@ -72,7 +72,7 @@ def _figures(store: Store, studies: Store | None) -> Iterator[tuple[str, Callabl
     names = [name for name in CAPTIONS if name not in STUDY_FIGURES and (name != "weinberg" or has_weinberg)]
     sources = [(name, store) for name in names]
     if studies is not None:
-        tasks = {record["task"] for record in studies.read()[0]}
+        tasks = {record["task"] for record in studies.read_sound()}
         there = {name: f"{name}-example" in tasks for name in ("poisson", "alignment")}
         there["detector"] = (studies.path / DETECTOR_FILE).exists()
         sources += [(name, studies) for name in STUDY_FIGURES if there[name]]

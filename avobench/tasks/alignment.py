@@ -121,6 +121,7 @@ class Alignment(Task):
     prior = Box((-1.5,), (1.5,))
     num_features = NUM_ROWS * NUM_COLUMNS
     floor_shares = (1.0,)
+    generates = "particles"
     event_shape, cyclic_axes = (NUM_ROWS, NUM_COLUMNS), (1,)  # beams along z: nothing depends on the azimuth
     discriminator = Discriminator((600,) * 9, standardise=False)  # most cells of an image are zero, the others one
 

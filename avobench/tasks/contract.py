@@ -112,6 +112,15 @@ class Task(ABC):
     to 1: they tell the median of its squared error; () where they are not, or not known."""
     dtype: ClassVar[DTypeLike] = np.float64
     discriminator: ClassVar[Discriminator] = Discriminator()
+    generates: ClassVar[str] = ""
+    """What it makes in a first step that does not know theta, such as "particles"; "" where it simulates in one step.
+
+    A task that says so defines `generate(num_events, rng)`, which yields pieces of `len(piece)` events that have
+    `events(start, stop)`, and `detect(piece, theta)`, which makes their events; its `simulate` takes a third argument,
+    `alter(piece, rows)`, which changes what was generated before it is detected. A diagnosis then generates once and
+    detects for every theta. "particles" are those of `avobench.tasks.alignment`, and the task has the `radius` of the
+    tracker that they cross [mm]; effects on particles apply to it.
+    """
     packages: ClassVar[tuple[str, ...]] = ()
     """Modules that must be importable, checked before a sweep begins; `extra` is the extra that installs them."""
     extra: ClassVar[str] = ""
@@ -120,6 +129,23 @@ class Task(ABC):
     def labels(self) -> tuple[str, ...]:
         """What to call each feature: its name, or x1, x2, ... where they have none: (d,)"""
         return self.feature_names or tuple(f"x{j + 1}" for j in range(self.num_features))
+
+    @property
+    def parts(self) -> tuple[object, ...]:
+        """Functions, classes, other tasks, effects and texts beside its class and settings that decide what it does.
+
+        Texts, and the source of the others where they are not of this project, are part of what identifies a result.
+        """
+        return ()
+
+    def identifiable(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What the events determine of theta: (n, p) -> (n, k), with k < p, or theta itself."""
+        return theta
+
+    @property
+    def identifiable_scale(self) -> NDArray[np.float64]:
+        """In what differences of `identifiable` are told when several are averaged: (k,), the prior's widths."""
+        return self.prior.width
 
     def require_support(self, theta: NDArray[np.float64]) -> None:
         """Raise ValueError unless all rows of theta (n, p) lie within the support."""
@@ -148,13 +174,6 @@ class Task(ABC):
         With `num_simulations`, for a method that knows the model only through that many events; with None, for one
         that knows the likelihood.
         """
-
-    def determined(self, theta: NDArray[np.float64]) -> NDArray[np.float64] | None:
-        """The one quantity that the events determine, where they do not determine theta itself: (n, p) -> (n,).
-
-        None where they determine theta.
-        """
-        return None
 
     def targets(self, n: int = NUM_TARGETS) -> NDArray[np.float64]:
         """Target parameters, drawn from the prior with a seed that belongs to the task's name: (n, p)."""

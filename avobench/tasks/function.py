@@ -48,6 +48,12 @@ class FunctionTask(Task):
         self.num_features, self.dtype = x.shape[1], x.dtype
         self.feature_names = tuple(feature_names)
 
+    @property
+    def parts(self) -> tuple[object, ...]:
+        """The function, and what was said of its parameters and events."""
+        said = (self.prior, self.support, self.parameter_names, self.parameter_units, self.feature_names)
+        return (self.function, repr(said))
+
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """One event per row: theta (n, p) -> (n, d). Raises ValueError outside the support."""
         self.require_support(theta)

@@ -55,9 +55,14 @@ class Weinberg(Task):
         """The coefficient c of the density: theta (n, 2) -> (n,)."""
         return 2 * np.tanh(10 * (2 * theta[:, 0] - M_Z) / M_Z) * theta[:, 1]
 
-    def determined(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The asymmetry: theta (n, 2) -> (n,)."""
-        return self.asymmetry(theta)
+    def identifiable(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The coefficient c alone: theta (n, 2) -> (n, 1)."""
+        return self.asymmetry(theta)[:, None]
+
+    @property
+    def identifiable_scale(self) -> NDArray[np.float64]:
+        """Differences of c are told as they are: (1,)."""
+        return np.ones(1)
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
         """One event per row: theta (n, 2) -> x (n, 1). Raises ValueError outside the support, or where |c| > 2."""

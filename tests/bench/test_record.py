@@ -4,7 +4,7 @@ import copy
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from sound_records import sound_records
 
@@ -18,6 +18,7 @@ EXAMPLE = Store(ROOT / "results" / "bolfi-gpy").read_all()[0]
 ok_records = sound_records([Status.OK])
 known_records = sound_records([status for status in Status if status != Status.CRASHED])
 negative = st.floats(max_value=0, exclude_max=True, allow_infinity=False)
+patient = settings(deadline=None, max_examples=60)
 lists = ("theta_true", "theta_hat", "mean", "std", "parameter_names")
 
 
@@ -30,6 +31,7 @@ def refused(record):
         decode_record(encode(record))
 
 
+@patient
 @given(sound_records())
 def test_what_a_cell_may_leave_behind_comes_back_as_it_was(record):
     assert decode_record(encode(record)) == record
@@ -45,6 +47,7 @@ def test_the_committed_records_make_sense():
         assert not damaged
 
 
+@patient
 @given(sound_records(), st.data())
 def test_a_field_of_another_type_or_a_missing_one_is_refused(record, data):
     name = data.draw(st.sampled_from(sorted(record)))
@@ -61,6 +64,7 @@ def test_a_field_of_another_type_or_a_missing_one_is_refused(record, data):
         check(record)
 
 
+@patient
 @given(sound_records(), st.data())
 def test_a_field_that_does_not_exist_is_refused(record, data):
     name = data.draw(
@@ -70,18 +74,21 @@ def test_a_field_that_does_not_exist_is_refused(record, data):
         check({**record, name: None})
 
 
+@patient
 @given(ok_records, st.data())
 def test_a_squared_error_other_than_the_distance_is_refused(record, data):
     other = data.draw(negative | st.just(record["squared_error"] * 1.000001 + 1e-300) | st.none())
     refused({**record, "squared_error": other})
 
 
+@patient
 @given(sound_records(), st.text(max_size=9).filter(lambda text: text not in list(Status)))
 def test_an_unknown_status_is_refused(record, status):
     with pytest.raises(ValueError, match=r"makes no sense: status"):
         check({**record, "status": status})
 
 
+@patient
 @given(sound_records(), st.sampled_from(list(Status)))
 def test_another_status_that_contradicts_the_estimate_is_refused(record, status):
     same = {"ok": record["status"] == "ok", "crashed": record["status"] == "crashed"}
@@ -89,6 +96,7 @@ def test_another_status_that_contradicts_the_estimate_is_refused(record, status)
         refused({**record, "status": str(status)})
 
 
+@patient
 @given(
     known_records, st.integers(1, 2**40), st.sampled_from(["requested", "used", "discarded", "refused"]), st.booleans()
 )
@@ -101,6 +109,7 @@ def test_numbers_of_simulations_that_do_not_add_up_are_refused(record, more, wha
     refused({**record, name: -more})
 
 
+@patient
 @given(known_records, st.integers(1, 2**40))
 def test_more_simulations_than_the_budget_are_refused(record, more):
     used = record["budget"] + more
@@ -108,12 +117,14 @@ def test_more_simulations_than_the_budget_are_refused(record, more):
     refused(record | counts)
 
 
+@patient
 @given(ok_records, st.sampled_from(lists), st.booleans())
 def test_another_number_of_parameters_is_refused(record, name, more):
     record[name] = [*record[name], record[name][0]] if more else record[name][1:]
     refused(identified(record))
 
 
+@patient
 @given(ok_records, st.sampled_from(["theta", "std"]), st.booleans())
 def test_another_number_of_parameters_in_the_trace_is_refused(record, name, more):
     p = len(record["theta_true"]) + (1 if more else -1)
@@ -121,6 +132,7 @@ def test_another_number_of_parameters_in_the_trace_is_refused(record, name, more
     refused({**record, "trace": [point]})
 
 
+@patient
 @given(ok_records, st.integers(1, 2**40))
 def test_a_trace_out_of_order_or_beyond_the_simulations_used_is_refused(record, more):
     point = {"theta": record["theta_hat"], "std": None}
@@ -131,6 +143,7 @@ def test_a_trace_out_of_order_or_beyond_the_simulations_used_is_refused(record, 
         refused({**record, "trace": [{**point, "simulations": number} for number in numbers]})
 
 
+@patient
 @given(
     sound_records(),
     st.sampled_from(["floor", "floor_likelihood", "peak_memory_mib", "harness_seconds", "simulator_seconds"]),
@@ -140,6 +153,7 @@ def test_what_cannot_be_negative_is_refused_where_it_is(record, name, value):
     refused({**record, name: value})
 
 
+@patient
 @given(sound_records(), st.sampled_from(IDENTITY), st.data())
 def test_another_identity_than_that_of_the_id_is_refused(record, name, data):
     other = data.draw(sound_records())
@@ -159,11 +173,13 @@ def test_a_number_that_is_not_finite_is_refused(number):
         decode_record(content.encode())
 
 
+@patient
 @given(sound_records(), st.sampled_from(["yesterday", "2026-11-21T20:40:54", "", "32"]))
 def test_a_time_that_is_none_or_has_no_zone_is_refused(record, started):
     refused({**record, "started": started})
 
 
+@patient
 @given(st.binary())
 def test_bytes_that_are_no_record_are_refused(content):
     with pytest.raises(ValueError, match=r"truncated|schema version"):

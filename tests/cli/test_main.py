@@ -101,7 +101,7 @@ def test_an_empty_store_has_no_figure_and_no_table(avobench, tmp_path):
         code, out, err = avobench(*arguments, "--results", tmp_path / "empty")
         assert code == 1
         assert err.count("\n") == 1
-        assert "there are no records" in err
+        assert "there are no sound records" in err
         assert not out
 
 

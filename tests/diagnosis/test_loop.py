@@ -7,11 +7,12 @@ from measurements import with_effect
 from avobench.bench import registry
 from avobench.cli.diagnose import tried
 from avobench.diagnosis import Diagnosis, diagnose
+from avobench.diagnosis.answer.model_file import describe
 from avobench.diagnosis.answer.quoted import scaled_std
 from avobench.diagnosis.schema import Verdict
 from avobench.effects import Effect, Parameter
 from avobench.effects.catalogue import catalogue
-from avobench.effects.model_file import AugmentedTask, describe
+from avobench.effects.model_file import AugmentedTask
 from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg

@@ -9,11 +9,13 @@ from scipy.stats import poisson
 
 from avobench.bench import conformance as check
 from avobench.effects.catalogue import catalogue
-from avobench.effects.continuous.feature import Range, ranges
-from avobench.effects.continuous.readout import Comb
-from avobench.effects.contract import Parameter, accepted, skewed_noise
+from avobench.effects.continuous.comb import Comb
+from avobench.effects.contract import Parameter
 from avobench.effects.counts.exposure import exposed
 from avobench.effects.images.grid import odd_cells
+from avobench.effects.noise import skewed_noise
+from avobench.effects.ranges import Range, ranges
+from avobench.effects.rejection import accepted
 from avobench.tasks.carl import Carl
 from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson

@@ -106,14 +106,14 @@ def test_what_acts_on_particles_composes_and_comes_first():
 
 
 class Plain:
-    """A two-stage task whose particles nothing can alter, as a user may write one."""
+    """A task whose particles nothing can alter, as a user may write one."""
 
     def __init__(self, task):
         self.generate, self.detect = task.generate, task.detect
         self.simulate = lambda theta, rng: task.simulate(theta, rng)
 
 
-def test_a_two_stage_task_need_not_let_its_particles_be_altered():
+def test_a_task_that_generates_first_need_not_let_its_particles_be_altered():
     task, at = Alignment(), np.zeros((20, 1))
     pool = Pool(Plain(task), 50, np.random.default_rng(0))
     np.testing.assert_array_equal(pool.fresh(at, np.random.default_rng(1)), task.simulate(at, np.random.default_rng(1)))

@@ -243,6 +243,20 @@ def test_a_figure_or_table_that_fails_leaves_the_rest(monkeypatch, store):
     assert 'id="cells-title"' in page
 
 
+def test_a_damaged_record_of_the_studies_is_named_and_the_page_has_the_rest(avobench, make_record, tmp_path):
+    stores = {name: Store(tmp_path / name, create=True) for name in ("results", "studies")}
+    for store in stores.values():
+        path = store.write(make_record("poisson", "bolfi", 0, 0.1))
+    path.write_bytes(path.read_bytes()[:-9])
+    folders = [part for name, store in stores.items() for part in (f"--{name}", store.path)]
+    code, out, err = avobench("report", *folders, "--out", tmp_path / "page")
+    assert code == 1
+    assert out.strip().endswith("index.html")
+    assert err.count("\n") == 1
+    assert f"{path} is truncated" in err
+    assert (tmp_path / "page" / "index.html").exists()
+
+
 def test_the_command_writes_one_file(avobench, make_record, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # where there is no results/studies
     store = Store(tmp_path / "results", create=True)

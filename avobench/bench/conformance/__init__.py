@@ -1,6 +1,6 @@
 """The conformance suite: does a task, method or effect, ours or a user's, keep its contract?
 
-Checks come in stages. Seeds are fixed, so a verdict is repeatable.
+Checks come in rounds. Seeds are fixed, so a verdict is repeatable.
 """
 
 from collections.abc import Callable, Iterator
@@ -11,7 +11,7 @@ from avobench.bench.conformance import effects, methods, tasks
 from avobench.bench.conformance.promises import BrokenPromise
 from avobench.tasks.errors import SimulatorError
 
-STAGES = {"task": tasks.stages, "method": methods.stages, "effect": effects.stages}
+ROUNDS = {"task": tasks.rounds, "method": methods.rounds, "effect": effects.rounds}
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Result:
 def run(kind: str, name: str) -> Iterator[Result]:
     """Check the task, method or effect `name`, registered or `module:Class`, by default settings; results as they come.
 
-    A stage is tried only if all checks of the one before passed, so that one fault is told once. Whatever the checked
+    A round is tried only if all checks of the one before passed, so that one fault is told once. Whatever the checked
     object raises is a result. Only UsageError leaves this function: there is no such object, it cannot be made with its
     default settings, or a package that it needs is not installed.
     """
@@ -37,9 +37,9 @@ def run(kind: str, name: str) -> Iterator[Result]:
     else:
         subject = registry.build(kind, name, {})
         registry.require_packages(kind, subject)
-    for stage in STAGES[kind](name, subject):
+    for checks in ROUNDS[kind](name, subject):
         passed = True
-        for what, check in stage:
+        for what, check in checks:
             result = _result(what, check)
             passed &= result.passed
             yield result

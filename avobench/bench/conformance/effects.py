@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 from scipy.stats import chi2_contingency
 
 from avobench.bench import registry
-from avobench.bench.conformance.promises import Stage, expect, global_seeds, is_text, state_kept
+from avobench.bench.conformance.promises import Round, expect, global_seeds, is_text, state_kept
+from avobench.effects.catalogue import of_domain
 from avobench.effects.contract import Effect, Parameter
+from avobench.effects.site import Site
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
@@ -21,28 +23,27 @@ TASKS = {"counts": "poisson", "continuous": "carl", "images": "alignment"}
 
 
 def subjects(name: str) -> list[tuple[Task, Effect]]:
-    """The effect `name` on each task of ours to which it applies, its first entry in each catalogue; or module:Class.
+    """The effect `name` on each task of ours to which it applies, its first entry in each catalogue.
 
-    A user's effect is tried on all tasks on which it runs, without those whose events it makes into others if there are
-    more. Raises UsageError if there is no such effect.
+    The name of an effect, `quantisation`, of an entry point, `counts.quantisation`, or a user's module:Class. A user's
+    effect is tried on all tasks on which it runs, without those whose events it makes into others if there are more.
+    Raises UsageError if there is no such effect.
     """
-    from avobench.effects.catalogue import catalogue
-
     found = []
-    for spec in TASKS.values():
+    families = [] if ":" in name else registry.effect_families(name)
+    for kind, spec in TASKS.items():
         task = registry.build("task", spec, {})
         if ":" in name:
             effect = registry.effect(name)
             found.append((task, effect, _made(task, effect)))
-        else:
-            found += [(task, effect, np.dtype(task.dtype)) for effect in catalogue(task) if effect.name == name][:1]
+            continue
+        entries = [entry for family in of_domain(kind) if family in families for entry in family.entries(Site(task))]
+        found += [(task, effect, np.dtype(task.dtype)) for effect in entries[:1]]
     found = [(task, effect) for task, effect, made in found if made == np.dtype(task.dtype)] or [
         (task, effect) for task, effect, made in found if made is not None
     ]
     if not found:
-        raise UsageError(
-            f"there is no effect '{name}'" if ":" not in name else f"effect '{name}' runs on no task of ours"
-        )
+        raise UsageError(f"effect '{name}' runs on no task of ours")
     return found
 
 
@@ -55,7 +56,7 @@ def _made(task: Task, effect: Effect) -> np.dtype | None:
     return x.dtype if isinstance(x, np.ndarray) and x.shape == (10, task.num_features) else None
 
 
-def stages(name: str, pairs: list[tuple[Task, Effect]]) -> Iterator[Stage]:
+def rounds(name: str, pairs: list[tuple[Task, Effect]]) -> Iterator[Round]:
     yield [(f"says what it is ({task.name})", partial(_described, effect)) for task, effect in pairs]
     trials = [(f"{task.name}{', ' + s.shape if s.shape else ''}", task, s) for task, e in pairs for s in e.shapes()]
     yield [

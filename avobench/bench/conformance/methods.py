@@ -12,7 +12,7 @@ import numpy as np
 from avobench.bench import registry
 from avobench.bench.budget import MeteredSimulator, pose
 from avobench.bench.cell import Cell
-from avobench.bench.conformance.promises import BrokenPromise, Stage, expect, recordable, state_kept
+from avobench.bench.conformance.promises import BrokenPromise, Round, expect, recordable, state_kept
 from avobench.bench.status import Status
 from avobench.bench.streams import observe, stream
 from avobench.bench.trial import execute, execute_together
@@ -29,7 +29,7 @@ MAX_SHIFT = 0.1
 """Of an estimate made together with others, in units of the spread that the method states: what rounding may do."""
 
 
-def stages(name: str, method: Method) -> Iterator[Stage]:
+def rounds(name: str, method: Method) -> Iterator[Round]:
     yield [
         ("says what it is, in a form that a record can hold", partial(recordable, "method", name, method)),
         ("declares the smallest budget it can use", partial(_minimum, method)),

@@ -16,7 +16,7 @@ from avobench.methods import Method
 from avobench.methods.contract import global_seed
 from avobench.tasks import Task
 
-Stage = list[tuple[str, Callable[[], None]]]
+Round = list[tuple[str, Callable[[], None]]]
 """Checks by what they promise. Each raises when the promise is broken."""
 
 

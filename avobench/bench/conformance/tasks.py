@@ -5,6 +5,7 @@ import numbers
 import pickle
 from collections.abc import Iterator
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from scipy.stats import ks_2samp, norm, rankdata
 from avobench.bench.budget import checked_events
 from avobench.bench.conformance.promises import (
     BrokenPromise,
-    Stage,
+    Round,
     expect,
     global_seeds,
     is_text,
@@ -29,7 +30,7 @@ NUM_ALONE = 1000
 NUM_BATCHES = 5
 
 
-def stages(name: str, task: Task) -> Iterator[Stage]:
+def rounds(name: str, task: Task) -> Iterator[Round]:
     yield [
         ("says what it is, in a form that a record can hold", partial(recordable, "task", name, task)),
         ("names parameters, units, prior, support and features", partial(_described, task)),
@@ -37,6 +38,7 @@ def stages(name: str, task: Task) -> Iterator[Stage]:
     yield [
         (f"has {NUM_TARGETS} targets within its prior", partial(_targets, task)),
         ("simulates 1 and 1000 events of the promised shape and type", partial(_batch_sizes, task)),
+        ("says what its events determine of theta", partial(_identifiable, task)),
     ]
     statistics = _Statistics(task)
     yield [
@@ -53,6 +55,8 @@ def stages(name: str, task: Task) -> Iterator[Stage]:
         ("has a floor that more events do not raise", partial(_floor, task)),
         ("can be sent to a worker process", partial(_pickles, task)),
     ]
+    if task.generates:
+        yield [("detects what it generates, altered or not, as it simulates", partial(_generates, task))]
 
 
 def _described(task: Task) -> None:
@@ -75,6 +79,8 @@ def _described(task: Task) -> None:
     expect(not shape or np.prod(shape) == d, f"event_shape {shape} does not hold {d} features")
     expect(set(axes) <= set(range(len(shape))), f"cyclic_axes {axes} are not axes of event_shape {shape}")
     expect(np.dtype(task.dtype).kind in "biuf", f"dtype must be a type of real numbers, got {task.dtype!r}")
+    expect(isinstance(task.generates, str), f"generates must be a text, got {task.generates!r}")
+    expect(isinstance(task.parts, tuple), f"parts must be a tuple, got {task.parts!r}")
     expect(isinstance(task.discriminator, Discriminator), f"discriminator must be one, got {task.discriminator!r}")
 
 
@@ -90,6 +96,43 @@ def _batch_sizes(task: Task) -> None:
     rng = np.random.default_rng(0)
     for n in (1, 1000):
         checked_events(task, task.prior.sample(n, rng), rng)
+
+
+def _identifiable(task: Task) -> None:
+    p, theta = task.prior.dim, task.prior.sample(10, np.random.default_rng(0))
+    known, scale = task.identifiable(theta), np.asarray(task.identifiable_scale)
+    sound = isinstance(known, np.ndarray) and known.ndim == 2 and len(known) == 10 and 1 <= known.shape[1] <= p
+    expect(sound, f"identifiable must make an array (10, k) of theta (10, {p}), k from 1 to {p}, got {known!r:.200}")
+    itself = known.shape[1] < p or np.array_equal(known, theta)
+    expect(itself, "identifiable must return theta itself where it returns as many numbers as theta has")
+    sound = scale.shape == known.shape[1:] and bool((scale > 0).all())
+    expect(sound, f"identifiable_scale must be {known.shape[1]} positive numbers, got {scale!r}")
+    alone = np.concatenate([task.identifiable(row[None]) for row in theta])
+    expect(np.allclose(known, alone), "identifiable gives a row another value where other rows are beside it")
+
+
+def _generates(task: Task) -> None:
+    theta, seen = task.prior.sample(30, np.random.default_rng(0)), []
+
+    def alter(generated: Any, rows: slice) -> Any:
+        seen.append((len(generated), rows))
+        return generated
+
+    simulated = task.simulate(theta, np.random.default_rng(1))
+    altered = task.simulate(theta, np.random.default_rng(1), alter)
+    expect(np.array_equal(simulated, altered), "events are others where `alter` changes nothing")
+    sound = sum(n for n, _ in seen) == 30 and all(rows.stop - rows.start == n for n, rows in seen)
+    expect(sound, f"`alter` is given {[n for n, _ in seen]} generated events for rows {[rows for _, rows in seen]}")
+    pieces = list(task.generate(30, np.random.default_rng(1)))
+    starts = np.cumsum([0, *(len(piece) for piece in pieces)])
+    expect(starts[-1] == 30, f"generate made {starts[-1]} events where 30 were asked for")
+    whole, parts = [], []
+    for piece, start in zip(pieces, starts, strict=False):
+        at, half = theta[start : start + len(piece)], len(piece) // 2
+        whole.append(task.detect(piece, at))
+        parts += [task.detect(piece.events(0, half), at[:half]), task.detect(piece.events(half, len(piece)), at[half:])]
+    expect(np.array_equal(np.concatenate(whole), simulated), "detecting what was generated makes other events")
+    expect(np.array_equal(np.concatenate(parts), simulated), "a part of what was generated is detected otherwise")
 
 
 def _corners(task: Task) -> None:

@@ -1,4 +1,4 @@
-"""What effects on real features share: the range of each feature, and the columns to act on."""
+"""What effects on real features share: the columns to act on, and three ways to act on them."""
 
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -6,80 +6,15 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.effects.contract import Effect, Parameter, accepted
-from avobench.tasks import Task
+from avobench.effects.contract import Effect, Parameter
+from avobench.effects.ranges import Range
+from avobench.effects.rejection import accepted
+from avobench.effects.site import Site
 
-REFERENCE_EVENTS = 20_000
-
-
-@dataclass(frozen=True)
-class Range:
-    """Where a feature lies: over the whole prior of a simulator, or as events show it."""
-
-    low: float
-    high: float
-    bounded: bool
-    """Whether it ends sharply at both ends, as a cosine does."""
-
-    @property
-    def centre(self) -> float:
-        return (self.low + self.high) / 2
-
-    @property
-    def half(self) -> float:
-        return (self.high - self.low) / 2
-
-    def relative(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """x in units of the largest magnitude in the range."""
-        return x / max(abs(self.low), abs(self.high))
-
-    def unit(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """x in units where the range is [-1, 1]."""
-        return (x - self.centre) / self.half
-
-    def angle(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The angle whose cosine is `unit(x)`: the natural variable of a bounded feature. [0, pi]"""
-        return np.arccos(np.clip(self.unit(x), -1, 1))
-
-    def cosine(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The feature at an angle."""
-        return self.centre + self.half * np.cos(angle)
-
-    def shown(self, column: NDArray[np.float64]) -> "Range":
-        """The range that values (n,) show: its own where it ends sharply, else that of all but one in a hundred."""
-        low, high = np.quantile(column, [0.005, 0.995]).tolist()
-        return self if self.bounded or low == high else Range(low, high, False)
-
-    def reflect(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """x folded back into the range."""
-        return self.low + 2 * self.half * (1 - np.abs((x - self.low) / (2 * self.half) % 2 - 1))
-
-
-def ranges(task: Task) -> tuple[Range, ...]:
-    """The range of each feature, from events over the prior: exact ends if they are sharp, 3.5 deviations else.
-
-    An end is sharp if the outermost hundredth of the range holds at least a fifth of an even share of the events.
-    """
-    rng = np.random.default_rng(0)
-    x = task.simulate(task.prior.sample(REFERENCE_EVENTS, rng), rng)
-    found = []
-    for column in x.T.astype(float):
-        low, high = column.min(), column.max()
-        margin = 0.01 * (high - low)
-        share = min(np.mean(column < low + margin), np.mean(column > high - margin))
-        if share > 0.002:
-            low, high = _round_out(low, high)
-            found.append(Range(low, high, True))
-        else:
-            centre, spread = np.median(column), column.std()
-            found.append(Range(centre - 3.5 * spread, centre + 3.5 * spread, False))
-    return tuple(found)
-
-
-def _round_out(low: float, high: float) -> tuple[float, float]:
-    """The nearest round numbers outside the smallest and the largest of many events."""
-    step = 10.0 ** np.floor(np.log10((high - low) / 100))
-    return float(np.floor(low / step) * step), float(np.ceil(high / step) * step)
+REPEATED = 5
+"""So many equal values of a continuous feature are no chance."""
+KNOWN = 1e-9
+"""Relative error of a step or a limit that is read off the data."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +24,13 @@ class FeatureEffect(Effect):
     feature: int | Literal["all"] = 0
     ranges: tuple[Range, ...] = ()
     shape: str = ""
+
+    domains = ("continuous",)
+
+    @classmethod
+    def entries(cls, site: Site) -> list[Effect]:
+        """One a feature, and one that acts on all of them where there are several."""
+        return [cls(feature, site.ranges) for feature in site.features]
 
     @property
     def columns(self) -> range:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.effects.contract import Effect
+from avobench.effects.site import Site
 
 PATTERN = 20190417
 """Seed of the order in which cells are taken where no measurement says which are faulty."""
@@ -16,6 +17,12 @@ class ImageEffect(Effect):
     """An effect on images of `grid` rows and columns, flattened row by row."""
 
     grid: tuple[int, int] = (32, 32)
+
+    domains = ("images",)
+
+    @classmethod
+    def entries(cls, site: Site) -> list[Effect]:
+        return [cls(site.task.event_shape)]
 
     @property
     def num_cells(self) -> int:

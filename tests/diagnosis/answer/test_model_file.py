@@ -6,10 +6,11 @@ import pytest
 from pydantic.errors import PydanticSchemaGenerationError
 
 from avobench.bench import registry
+from avobench.diagnosis.answer.model_file import describe, kept
 from avobench.effects import Effect, Parameter
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
-from avobench.effects.model_file import AugmentedTask, describe, kept
+from avobench.effects.model_file import AugmentedTask
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
 from avobench.tasks.errors import UsageError

@@ -22,7 +22,7 @@ class ParticleInjection(Injection):
 
     @classmethod
     def suits(cls, place: Place) -> bool:
-        return isinstance(place.task, Alignment)
+        return place.task.generates == "particles"
 
     def measure(self, simulate: Simulate, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         task, images = self.place.task, []

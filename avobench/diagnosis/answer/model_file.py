@@ -1,0 +1,81 @@
+"""The model that a diagnosis leaves, as the content of `model.json`."""
+
+from dataclasses import is_dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import TypeAdapter
+
+from avobench.bench import registry
+from avobench.diagnosis.fit.fit import Fit
+from avobench.effects import Effect
+from avobench.effects.model_file import (
+    AddedEffect,
+    AugmentedTask,
+    ModelFile,
+    Parameter,
+    plain_effect,
+    settings_of,
+)
+from avobench.tasks import Task
+
+PRIOR_SIGMAS = 5.0
+"""The prior of an effect's parameter reaches so many standard errors to either side of the fit."""
+LEAST_PRIOR = 0.01
+"""The same at least, as a share of the parameter's range."""
+
+
+def describe(fit: Fit, std: NDArray[np.float64], task_spec: str, own_effects: dict[str, str]) -> ModelFile:
+    """What `model.json` says of a fitted model.
+
+    `std` (P,) are its standard errors. `own_effects` gives module:Class of the user's effects by name.
+    """
+    model = fit.model
+    theta = model.num_theta
+    base = model.task
+    inner = isinstance(base, AugmentedTask)
+    names = list(base.parameter_names)
+    units = list(base.parameter_units)
+    for effect in model.effects:
+        prefix = effect.name if effect.feature is None else f"{effect.name}_{_feature(base, effect)}"
+        again = sum(name.startswith(f"{prefix}_") for name in base.parameter_names)  # by a model that was found before
+        names += [f"{prefix}{'_again' if again else ''}_{p.name}" for p in effect.parameters]
+        units += [p.unit for p in effect.parameters]
+    margin = np.maximum(PRIOR_SIGMAS * std, LEAST_PRIOR * (model.high - model.low))
+    low = np.maximum(model.low, fit.params - margin)
+    high = np.minimum(model.high, fit.params + margin)
+    low[:theta] = np.minimum(low[:theta], base.prior.low)
+    high[:theta] = np.maximum(high[:theta], base.prior.high)
+    return ModelFile(
+        name="-".join([base.name, *(e.name.replace("_", "-") for e in model.effects)]),
+        task=base.content if inner else registry.absolute(task_spec),
+        task_settings={} if inner else registry.identity("task", task_spec, base)["task_settings"],
+        effects=[kept(effect, base, own_effects.get(effect.name)) for effect in model.effects],
+        parameters=[
+            Parameter(
+                name=names[i],
+                unit=units[i],
+                value=float(fit.params[i]),
+                std=float(std[i]),
+                prior=(float(low[i]), float(high[i])),
+                support=(float(model.low[i]), float(model.high[i])),
+            )
+            for i in range(model.dim)
+        ],
+    )
+
+
+def _feature(task: Task, effect: Effect) -> str:
+    return "all" if effect.feature == "all" else task.labels[effect.feature]
+
+
+def kept(effect: Effect, base: Task, source: str | None) -> AddedEffect:
+    """What a file keeps of an effect on a task; `source` is module:Class or file.py:Class of one of the user's own."""
+    source = source and registry.absolute(source)
+    plain, settings = plain_effect(base, effect.name, effect.feature, source, registry.effect), {}
+    if is_dataclass(effect):
+        changed = {
+            n for n, value in settings_of(effect).items() if n != "shape" and not np.all(value == getattr(plain, n))
+        }
+        settings = TypeAdapter(type(effect)).dump_python(effect, mode="json", include=changed) if changed else {}
+    return AddedEffect(name=effect.name, feature=effect.feature, shape=effect.shape, source=source, settings=settings)

@@ -1,0 +1,154 @@
+"""Quantisation: a value is recorded in steps, or as the middle of the bin that it falls in."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.effects.continuous.comb import Comb
+from avobench.effects.continuous.feature import KNOWN, REPEATED, Change
+from avobench.effects.contract import Parameter
+
+LEAST_LEVELS = 4
+"""Fewer repeated values are no bins."""
+MOST_LEVELS = 1000
+"""More repeated values are a fine rounding."""
+WITHIN = 5.0
+"""Standard errors within which the step of a comb is known."""
+MOSTLY = 0.98
+"""The largest share of values in steps that a fit begins at: at one there is no slope to follow."""
+NOISIEST = 0.3
+"""Noise of a comb in steps, at most: beyond, its steps run into one another."""
+
+ROUNDED = {"nearest": np.rint, "down": np.floor, "middle": lambda v: np.floor(v) + 0.5}
+"""By shape: values (n,) in steps, to those that are recorded."""
+
+
+@dataclass(frozen=True)
+class Quantisation(Change):
+    """A share of the values is known only in steps, or by the bin that it falls in."""
+
+    shape: str = "nearest"
+    steps: tuple[float, float] | None = None
+    """Those that the data show, in the feature and in the angle; 0 for none."""
+    levels: tuple[float, ...] = ()
+    """Values of one feature that repeat in the data: they may be the middles of bins, even or not."""
+    combs: tuple[Comb, ...] = ()
+    """The blurred steps that the data show, of each feature; none where one shows none."""
+    stage = 4
+    name = "quantisation"
+    position = 12
+    sentence = "Values are recorded in coarse steps, as by a converter of few bits."
+    source = "W. R. Leo, Techniques for Nuclear and Particle Physics Experiments, 2nd ed. (1994), Section 14.9"
+
+    def strength(self) -> Parameter:
+        return Parameter("fraction", 0, 1, 0, "1")
+
+    def variants(self):
+        plain, angle = (self._step(in_angle) for in_angle in (False, True))
+        shapes = {shape: (plain,) for shape in ROUNDED}
+        if self.bounded:
+            shapes["angle"] = (angle,)
+        if len(self.levels) >= LEAST_LEVELS:
+            border = Parameter("border", 0, 1, None, "of the middle step")
+            shapes |= {"bins": (border,)} | ({"bins_in_angle": (border,)} if self.bounded else {})
+        if self.combs:
+            noise = Parameter("noise", 0, NOISIEST, None, "steps")
+            shapes |= {shape: (self._known_step(), noise) for shape in ("blurred", "blurred_down")}
+        return shapes
+
+    def _known_step(self) -> Parameter:
+        step = float(np.median([comb.step for comb in self.combs]))
+        off = WITHIN * min(comb.error for comb in self.combs)
+        return Parameter("step", (1 - off) * step, (1 + off) * step, None, "of the feature")
+
+    def _step(self, in_angle: bool) -> Parameter:
+        unit = "rad" if in_angle else "of the feature"
+        shown = self.steps[in_angle] if self.steps else 0
+        if shown > 0:  # known exactly: no value of another step lies where the measured ones do
+            return Parameter("step", (1 - KNOWN) * shown, (1 + KNOWN) * shown, None, unit)
+        high = np.pi / 2 if in_angle else self.half
+        return Parameter("step", 0.005 * high, high, None, unit)
+
+    def adapted(self, x):
+        adapted = super().adapted(x)
+        steps = (adapted._shown(x, False), adapted._shown(x, True) if adapted.bounded else 0.0)
+        columns = [np.unique(x[:, j], return_counts=True) for j in self.columns]
+        levels = [values[counts >= REPEATED].tolist() for values, counts in columns]
+        different = [values[counts < REPEATED] for values, counts in columns]
+        combs = [Comb.shown(values) for values in different if len(values) > len(x) / 2]
+        return replace(
+            adapted,
+            steps=steps,
+            levels=tuple(levels[0]) if len(levels) == 1 and len(levels[0]) <= MOST_LEVELS else (),
+            combs=tuple(comb for comb in combs if comb) if len(combs) == len(columns) and all(combs) else (),
+        )
+
+    def _shown(self, x, in_angle: bool) -> float:
+        """The typical distance of neighbouring values that repeat; 0 where none do."""
+        gaps = []
+        for j in self.columns:
+            values, counts = np.unique(self.ranges[j].angle(x[:, j]) if in_angle else x[:, j], return_counts=True)
+            apart = np.diff(values[counts >= REPEATED])
+            apart = apart[apart > 1e-6 * self.half]
+            gaps += [np.median(apart)] if len(apart) else []
+        step = float(np.median(gaps)) if gaps else 0.0
+        return step if step < self.half else 0.0
+
+    def guess(self, x):
+        """Nothing where no values repeat."""
+        if self.shape.startswith("bins"):
+            return None
+        if self.shape.startswith("blurred"):
+            comb, (_, step, noise) = self.combs[0], self.parameters
+            return np.array([[min(comb.share, MOSTLY), (step.low + step.high) / 2, min(comb.noise, noise.high)]])
+        shown = (self.steps or self.adapted(x).steps)[self.shape == "angle"]
+        return None if shown > 0 else np.empty((0, 2))
+
+    def apply(self, simulate, theta, phi, rng):
+        if not self.shape.startswith("blurred"):
+            return super().apply(simulate, theta, phi, rng)
+        x, known = simulate(theta, rng), self._known_step()
+        for j, comb in zip(self.columns, self.combs, strict=True):
+            step = comb.step * phi[:, 1] * 2 / (known.low + known.high)
+            at = (x[:, j] - comb.origin) / step
+            at = np.floor(at) if self.shape == "blurred_down" else np.rint(at)
+            read = comb.origin + step * (at + phi[:, 2] * rng.standard_normal(len(x)))
+            x[:, j] = np.where(rng.random(len(x)) < phi[:, 0], read, x[:, j])
+        return x
+
+    def changed(self, x, span, phi, rng):
+        step = phi[:, 1]
+        if self.shape.startswith("bins"):
+            y = self._middle(x, span, phi[:, 1])
+        elif self.shape == "angle":
+            y = span.cosine(np.rint(span.angle(x) / step) * step)
+        else:
+            y = step * ROUNDED[self.shape](x / step)
+        return np.where(rng.random(len(x)) < phi[:, 0], y, x)
+
+    def _middle(self, x, span, share):
+        """The middle of the bin of each value (n,), the border at the middle being a `share` (n,) of the step on."""
+        levels, y = np.array(self.levels), x
+        if self.shape == "bins_in_angle":
+            levels, y = np.sort(span.angle(levels)), span.angle(x)
+        at_0, per_share = _chain(levels)
+        below = np.clip(np.searchsorted(levels, y), 1, len(levels) - 1) - 1
+        border = np.clip(at_0[below] + per_share[below] * share, levels[below], levels[below + 1])
+        middle = levels[below + (y > border)]
+        return span.cosine(middle) if self.shape == "bins_in_angle" else middle
+
+
+def _chain(levels: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Borders (m - 1,) between bins whose middles are `levels` (m,): each follows from its neighbour, hence from one.
+
+    Where they are if the one at the middle is at the level below it, and how they move with it, its step being a unit.
+    From the middle, since bins at the ends of a range may be cut off.
+    """
+    at_0, middle = levels[:-1].copy(), (len(levels) - 1) // 2
+    for k in range(middle + 1, len(at_0)):
+        at_0[k] = 2 * levels[k] - at_0[k - 1]
+    for k in range(middle - 1, -1, -1):
+        at_0[k] = 2 * levels[k + 1] - at_0[k + 1]
+    sign = np.where((np.arange(len(at_0)) - middle) % 2, -1, 1)
+    return at_0, sign * (levels[middle + 1] - levels[middle])

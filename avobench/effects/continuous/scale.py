@@ -1,0 +1,34 @@
+"""A wrong scale: every value is recorded stretched."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from avobench.effects.continuous.feature import Change
+from avobench.effects.contract import Parameter
+
+CALIBRATED = 0.03
+"""A scale is known to some per cent as a rule; where the far ends of a range seem squeezed by more, they may be cut."""
+
+
+@dataclass(frozen=True)
+class Scale(Change):
+    """Every value is stretched: about zero, about the centre of the angle, or more the larger it is."""
+
+    shape: str = "linear"
+    name = "scale"
+    position = 3
+    sentence = "The unit of the scale is wrong."
+    source = "W. R. Leo, Techniques for Nuclear and Particle Physics Experiments, 2nd ed. (1994), Chapter 5"
+
+    def strength(self) -> Parameter:
+        return Parameter("stretch", -0.5, 0.5, 0, "1", usual=CALIBRATED)
+
+    def variants(self):
+        return {"linear": (), "cubic": ()} | ({"angle": ()} if self.bounded else {})
+
+    def changed(self, x, span, phi, rng):
+        if self.shape == "angle":
+            return span.cosine(np.pi / 2 + (1 + phi[:, 0]) * (span.angle(x) - np.pi / 2))
+        growth = span.relative(x) ** 2 if self.shape == "cubic" else 1
+        return x * (1 + phi[:, 0] * growth)

@@ -1,0 +1,91 @@
+"""Dead time: after each pulse that it counts, a counter is blind for a while."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.effects.contract import Family, Parameter
+
+
+@dataclass(frozen=True)
+class DeadTime(Family):
+    """Pulses arrive at random times of the window; after each that is counted the counter is blind for `tau`.
+
+    A pulse that it does not see prolongs this always (`paralysable`), never, or with some probability (`hybrid`). More
+    pulses than `overload`, with blind times longer than the window in all, are more than any counter in use receives:
+    nothing is counted.
+    """
+
+    shape: str = "non_paralysable"
+
+    highest: float = 1.0
+    """Of tau; a counter hardly records more than 1 / tau counts."""
+
+    name = "dead_time"
+    domains = ("counts",)
+    position = 3
+    SHAPES: ClassVar = {
+        "non_paralysable": (),
+        "paralysable": (),
+        "hybrid": (Parameter("prolonging", 0, 1, None, "1"),),
+    }
+    sentence: ClassVar = "After each count the counter is blind for a while, so high counts are reduced most."
+    source: ClassVar = (
+        "G. F. Knoll, Radiation Detection and Measurement, 4th ed. (2010), Section 4.VII; "
+        "G. E. Albert, L. Nelson, Ann. Math. Stat. 24 (1953) 9"
+    )
+
+    @property
+    def parameters(self):
+        return (Parameter("tau", 0, self.highest, 0, "of the window"), *self.SHAPES[self.shape])
+
+    @property
+    def overload(self) -> float:
+        """Ten times the most that a counter blind for `highest` records, and 200 at least.
+
+        What a counter does is followed pulse by pulse, and simulators may be asked for any number of these.
+        """
+        return max(200.0, 10 / self.highest)
+
+    def adapted(self, x):
+        return replace(self, highest=1 / max(float(np.median(x)), 1.0))
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        x[(x[:, 0] > self.overload) & (x[:, 0] * phi[:, 0] > 1), 0] = 0
+        prolonging = phi[:, 1] if self.shape == "hybrid" else np.full(len(x), float(self.shape == "paralysable"))
+        x[:, 0] = counted(x[:, 0].astype(int), phi[:, 0], prolonging, rng)
+        return x
+
+
+def counted(
+    n: NDArray[np.intp], tau: NDArray[np.float64], prolonging: NDArray[np.float64], rng: np.random.Generator
+) -> NDArray[np.intp]:
+    """How many of n pulses at random times in [0, 1] a counter sees that is blind for `tau` after each that it saw.
+
+    One that it did not see makes it blind for as long again with the probability `prolonging`. All are of shape (N,).
+    """
+    order = np.argsort(-n)  # events with many pulses come first, so that those that still have one are the first
+    n, tau, prolonging = n[order], tau[order].astype(np.float32), prolonging[order]
+    active = np.searchsorted(-n, -np.arange(n.max(initial=0)), side="left")  # how many have more than k pulses
+    # Times between pulses, in units that differ between events.
+    times = rng.standard_exponential(active.sum(), np.float32)
+    parts = [times[end - m : end] for m, end in zip(active, np.cumsum(active), strict=True)]
+    whole = rng.standard_exponential(len(n), np.float32)
+    for part in parts:
+        whole[: len(part)] += part
+    tau, prolongs = tau * whole, prolonging.any()
+    seen, time, blind_until = np.zeros(len(n), np.int32), np.zeros(len(n), np.float32), np.zeros(len(n), np.float32)
+    for m, part in zip(active, parts, strict=True):
+        now = time[:m]
+        now += part
+        blinds = now >= blind_until[:m]
+        seen[:m] += blinds
+        if prolongs:
+            blinds |= rng.random(m, np.float32) < prolonging[:m]
+        np.maximum(blind_until[:m], (now + tau[:m]) * blinds, out=blind_until[:m])
+    back = np.empty_like(seen)
+    back[order] = seen
+    return back

@@ -1,0 +1,34 @@
+"""A flat background: some events have nothing to do with the source."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from avobench.effects.contract import Family, Parameter
+
+
+@dataclass(frozen=True)
+class FlatBackground(Family):
+    """A share of the events has nothing to do with the source: counts are uniform, or exponential, up to `reach`."""
+
+    shape: str = "uniform"
+
+    stage = 4
+    name = "flat_background"
+    domains = ("counts",)
+    position = 5
+    STRENGTH = Parameter("fraction", 0, 1, 0, "1")
+    SHAPES: ClassVar = {
+        "uniform": (Parameter("reach", 2, 400, None, "counts"),),
+        "exponential": (Parameter("reach", 1, 200, None, "counts"),),
+    }
+    sentence: ClassVar = "Some events are background whose counts spread over the whole range."
+    source: ClassVar = "G. F. Knoll, Radiation Detection and Measurement, 4th ed. (2010), Section 20.II"
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
+        reach, u = phi[rows, 1], rng.random(len(rows))
+        x[rows, 0] = np.floor(u * (reach + 1)) if self.shape == "uniform" else np.floor(-reach * np.log1p(-u))
+        return x

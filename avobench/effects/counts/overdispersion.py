@@ -1,0 +1,81 @@
+"""Overdispersion: the rate is not the same in every event."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.effects.contract import Family, Parameter
+from avobench.effects.counts.exposure import exposed
+from avobench.effects.noise import skewed_noise
+
+LOWEST = 0.3
+"""Of two rates: below, it is a channel that is off now and then, another effect."""
+HIGHEST = 1.8
+"""Of two rates: above, it is two events in one, another effect."""
+LEAST_VARIANCE = 1e-12
+"""At the null value: a scatter of 1e-6 of the rate, which changes no count."""
+
+
+class Rates(NamedTuple):
+    """A distribution of rates of mean 1."""
+
+    highest: float
+    """The largest relative variance with which it keeps its form."""
+    parameters: tuple[Parameter, ...]
+    """Beside the variance."""
+    drawn: Callable[[NDArray, NDArray, np.random.Generator], NDArray[np.float64]]
+    """Relative variances (n,), phi (n, q) -> rates (n,)."""
+
+
+def _lognormal(variance, phi, rng):
+    s = np.sqrt(np.log1p(variance))
+    return np.exp(s * rng.standard_normal(len(phi)) - s**2 / 2)
+
+
+def _two_rates(variance, phi, rng):
+    """A share w of the events at the higher of two rates, of which neither is a channel that is off."""
+    w, s = phi[:, 1], np.sqrt(variance)
+    high = rng.random(len(phi)) < w
+    return np.clip(np.where(high, 1 + s * np.sqrt((1 - w) / w), 1 - s * np.sqrt(w / (1 - w))), LOWEST, HIGHEST)
+
+
+RATES = {
+    "gamma": Rates(4.0, (), lambda v, phi, rng: rng.gamma(1 / v) * v),
+    "lognormal": Rates(4.0, (), _lognormal),
+    "skewed": Rates(
+        0.5,
+        (Parameter("skewness", -2, 2, None, "1"),),
+        lambda v, phi, rng: np.maximum(1 + np.sqrt(v) * skewed_noise(phi[:, 1], rng), 0),
+    ),
+    # one period of a sine
+    "drift": Rates(0.5, (), lambda v, phi, rng: 1 + np.sqrt(2 * v) * np.sin(2 * np.pi * rng.random(len(phi)))),
+    "uniform": Rates(0.33, (), lambda v, phi, rng: 1 + np.sqrt(3 * v) * rng.uniform(-1, 1, len(phi))),
+    "two_rates": Rates(1.0, (Parameter("share", 0.1, 0.9, None, "1"),), _two_rates),
+}
+"""By shape."""
+
+
+@dataclass(frozen=True)
+class Overdispersion(Family):
+    """The rate differs from event to event, with mean 1 and relative variance `variance`."""
+
+    shape: str = "gamma"
+
+    stage = 1
+    name = "overdispersion"
+    domains = ("counts",)
+    position = 2
+    SHAPES: ClassVar = {shape: rates.parameters for shape, rates in RATES.items()}
+    sentence: ClassVar = "The rate is not the same in every event, so the counts scatter more than they should."
+    source: ClassVar = "M. Greenwood, G. U. Yule, J. R. Stat. Soc. 83 (1920) 255"
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        return (Parameter("variance", 0, RATES[self.shape].highest, 0, "1"), *self.SHAPES[self.shape])
+
+    def apply(self, simulate, theta, phi, rng):
+        rates = RATES[self.shape].drawn(np.maximum(phi[:, 0], LEAST_VARIANCE), phi, rng)
+        return exposed(simulate, theta, rates, rng)

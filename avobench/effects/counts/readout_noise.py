@@ -1,0 +1,32 @@
+"""Readout noise: the electronics adds an error of its own to each count."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from avobench.effects.contract import Family, Parameter
+
+
+@dataclass(frozen=True)
+class ReadoutNoise(Family):
+    """Noise of standard deviation `sigma` is added to each count, rounded, and cut at zero."""
+
+    shape: str = "gaussian"
+
+    stage = 4
+    name = "readout_noise"
+    domains = ("counts",)
+    position = 7
+    STRENGTH = Parameter("sigma", 0, 30, 0, "counts", soft=True)
+    SHAPES: ClassVar = {"gaussian": (), "laplace": (), "folded": ()}
+    sentence: ClassVar = "The electronics adds noise of its own to every reading."
+    source: ClassVar = "G. F. Knoll, Radiation Detection and Measurement, 4th ed. (2010), Section 17.III"
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        n = len(x)
+        noise = rng.laplace(0, np.sqrt(0.5), n) if self.shape == "laplace" else rng.standard_normal(n)
+        y = np.rint(x[:, 0] + phi[:, 0] * noise)
+        x[:, 0] = np.abs(y) if self.shape == "folded" else np.maximum(y, 0)
+        return x

@@ -1,0 +1,89 @@
+"""Where the features of events lie: over the whole prior of a simulator, or as measured events show it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.tasks import Task
+
+REFERENCE_EVENTS = 20_000
+"""Events over the prior, from which the range of each feature is read: enough that its ends are seen."""
+OUTERMOST = 0.01
+"""Share of the range, at either end, in which events are counted to tell whether it ends sharply."""
+SHARP = 0.002
+"""The least share of the events that the outermost hundredth of a sharp end holds: a fifth of an even share."""
+DEVIATIONS = 3.5
+"""To either side of the median: how far a feature without sharp ends is said to reach."""
+SHOWN = (0.005, 0.995)
+"""Quantiles of measured events between which a feature without sharp ends is said to lie."""
+
+
+@dataclass(frozen=True)
+class Range:
+    """Where a feature lies."""
+
+    low: float
+    high: float
+    bounded: bool
+    """Whether it ends sharply at both ends, as a cosine does."""
+
+    @property
+    def centre(self) -> float:
+        return (self.low + self.high) / 2
+
+    @property
+    def half(self) -> float:
+        return (self.high - self.low) / 2
+
+    def relative(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """x in units of the largest magnitude in the range."""
+        return x / max(abs(self.low), abs(self.high))
+
+    def unit(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """x in units where the range is [-1, 1]."""
+        return (x - self.centre) / self.half
+
+    def angle(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The angle whose cosine is `unit(x)`: the natural variable of a bounded feature. [0, pi]"""
+        return np.arccos(np.clip(self.unit(x), -1, 1))
+
+    def cosine(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The feature at an angle."""
+        return self.centre + self.half * np.cos(angle)
+
+    def shown(self, column: NDArray[np.float64]) -> "Range":
+        """The range that values (n,) show: its own where it ends sharply, else that of all but one in a hundred."""
+        low, high = np.quantile(column, SHOWN).tolist()
+        return self if self.bounded or low == high else Range(low, high, False)
+
+    def reflect(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """x folded back into the range."""
+        return self.low + 2 * self.half * (1 - np.abs((x - self.low) / (2 * self.half) % 2 - 1))
+
+
+def ranges(task: Task) -> tuple[Range, ...]:
+    """The range of each feature, from events over the prior: exact ends if they are sharp, 3.5 deviations else.
+
+    An end is sharp if the outermost hundredth of the range holds at least a fifth of an even share of the events.
+    """
+    rng = np.random.default_rng(0)
+    x = task.simulate(task.prior.sample(REFERENCE_EVENTS, rng), rng)
+    found = []
+    for column in x.T.astype(float):
+        low, high = column.min(), column.max()
+        margin = OUTERMOST * (high - low)
+        share = min(np.mean(column < low + margin), np.mean(column > high - margin))
+        if share > SHARP:
+            low, high = _round_out(low, high)
+            found.append(Range(low, high, True))
+        else:
+            centre, spread = np.median(column), column.std()
+            found.append(Range(centre - DEVIATIONS * spread, centre + DEVIATIONS * spread, False))
+    return tuple(found)
+
+
+def _round_out(low: float, high: float) -> tuple[float, float]:
+    """The nearest round numbers outside the smallest and the largest of many events."""
+    step = 10.0 ** np.floor(np.log10((high - low) / 100))
+    return float(np.floor(low / step) * step), float(np.ceil(high / step) * step)

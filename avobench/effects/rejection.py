@@ -1,0 +1,32 @@
+"""Events that a detector does not record: others are drawn in their place."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.effects.contract import Simulate
+
+MAX_ROUNDS = 200
+"""Of rejection: of a detector that records one event in ten, all but 1e-9 have been recorded by then."""
+
+
+def accepted(
+    simulate: Simulate,
+    theta: NDArray[np.float64],
+    keep: Callable[[NDArray, NDArray[np.intp]], NDArray[np.float64]],
+    rng: np.random.Generator,
+) -> NDArray:
+    """Events that a detector records: drawn anew, row by row, until recorded: theta (n, p) -> (n, d).
+
+    `keep(x, rows)` is the chance that the events x, of these rows of theta, are recorded. What a detector never records
+    cannot be waited for: the event of the last round stays, recorded or not.
+    """
+    x = simulate(theta, rng)
+    rows = np.arange(len(theta))
+    for _ in range(MAX_ROUNDS):
+        rows = rows[rng.random(len(rows)) >= keep(x[rows], rows)]
+        if len(rows) == 0:
+            break
+        x[rows] = simulate(theta[rows], rng)
+    return x
