@@ -36,9 +36,9 @@ def printed(cells):
 def test_a_simulator_of_ones_own_is_fitted_and_shows_its_uncertainty(run):
     cells = run("fit-your-own-simulator", "fitted.theta")
     theta = ast.literal_eval(shown(cells, "text/plain")[-1])
-    assert theta["lifetime"] == pytest.approx(2.2, rel=0.05)
-    assert theta["noise"] == pytest.approx(0.1, abs=0.02)
-    tables = [html for html in shown(cells, "text/html") if "lifetime" in html]
+    assert theta["asymmetry"] == pytest.approx(0.25, abs=0.05)
+    assert theta["steep"] == pytest.approx(0.4, abs=0.05)
+    tables = [html for html in shown(cells, "text/html") if "asymmetry" in html]
     assert len(tables) == 2  # of each method one
     assert len(shown(cells, "image/png")) == 1
 
