@@ -61,9 +61,14 @@ pages: venv  ## write into README, docs and examples what the commands and cells
 	$(BIN)/python -m avobench.reports.printed README.md docs/*.md docs/tables/*.md
 	OMP_NUM_THREADS=1 $(BIN)/jupyter execute --inplace examples/*.ipynb
 
-docs: venv  ## build the site into site/: a warning ends it, and the tutorial's code is run
+docs: venv docs/figures/effects/drawn  ## build the site into site/: a warning ends it, and the tutorial's code is run
 	OMP_NUM_THREADS=1 NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 	@echo "the site is site/index.html"
+
+# A picture of each effect, drawn again when what it shows may have changed.
+docs/figures/effects/drawn: .venv/ready avobench/reports/effects.py $(shell find avobench/effects -name '*.py')
+	OMP_NUM_THREADS=1 $(BIN)/avobench effects draw --task carl --task poisson --task alignment --out $(@D)
+	@touch $@
 
 demo-missing-effect: venv  ## hide one effect in simulated measurements, find and name it; page in reports/demo
 	@test -e results/demo/manifest.json || \

@@ -21,6 +21,8 @@ DOMAINS = {
     "Images": ("alignment", "Hits in the cells of a detector. Some of these effects act on the particles that make them."),
 }
 """Kinds of events, a task with a catalogue of each, and what they are."""
+PICTURES = "figures/effects"
+"""Where `make docs` has `avobench effects draw` put one for each family: the build warns of one that is not there."""
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
 FETCHED = re.compile(r"""<(?:script|img|iframe|source)[^>]+src=["']?https?:[^>]+|<link[^>]+href=["']?https?:[^>]+""")
 """What a browser fetches by itself: not a link, which somebody has to follow."""
@@ -61,13 +63,14 @@ def effects_page() -> str:
         "# Effects: what a simulator may lack",
         "This page is written from the catalogue that `avobench diagnose` tries. Each effect is a *family*: it has several "
         "shapes, since a real effect never has the exact shape of one, and a diagnosis takes the shape that fits best. "
-        "`avobench.list_effects(task)` gives the same as a table. If what you look for is not here, "
+        "The pictures show each shape at a middling strength, beside the events without the effect. "
+        "`avobench list effects --task NAME` gives the bounds for another task. If what you look for is not here, "
         "[add it](add-an-effect.md): it takes one class.",
     ]
     for title, (name, what) in DOMAINS.items():
         parts += [f"## {title}", what]
         for family, effects in families(name).items():
-            parts.append(f"### {family}\n\n{described(effects)}")
+            parts.append(f"### {family}\n\n{described(effects, name)}")
     return "\n\n".join(parts) + "\n"
 
 
@@ -79,8 +82,8 @@ def families(task: str) -> dict[str, list[Effect]]:
     return found
 
 
-def described(effects: list[Effect]) -> str:
-    """One family: its sentence, a table of its parameters with the shapes that have them, its source."""
+def described(effects: list[Effect], task: str) -> str:
+    """One family: its sentence, its picture, a table of its parameters with the shapes that have them, its source."""
     shapes = {shape.shape: shape for effect in effects for shape in effect.shapes()}
     parameters = {p.name: p for shape in shapes.values() for p in shape.parameters}
     rows = []
@@ -88,7 +91,9 @@ def described(effects: list[Effect]) -> str:
         having = [label for label, shape in shapes.items() if name in [p.name for p in shape.parameters]]
         where = "all" if len(having) == len(shapes) else ", ".join(having)
         rows.append(f"| {name} | {parameter.low:.3g} to {parameter.high:.3g} | {parameter.unit} | {where} |")
-    lines = [effects[0].sentence, ""]
+    name = effects[0].name
+    picture = f"{PICTURES}/{task}-{name.replace('_', '-')}.png"
+    lines = [effects[0].sentence, "", f"![Events of {task} without and with {name}]({picture})", ""]
     if len(shapes) > 1:
         lines += [f"Shapes: {', '.join(filter(None, shapes))}.", ""]
     lines += ["| parameter | range | unit | shapes |", "|---|---|---|---|", *rows, "", f"Source: {effects[0].source}."]

@@ -27,7 +27,7 @@ def test_the_page_of_effects_says_of_each_what_it_does_its_shapes_and_its_parame
     sections = dict(re.findall(r"^### (\w+)\n\n(.*?)(?=^##)", hooks.effects_page() + "\n## ", re.M | re.S))
     for effect in catalogue(registry.build("task", task, {})):
         assert effect.name in sections
-        own = hooks.described(hooks.families(task)[effect.name])
+        own = hooks.described(hooks.families(task)[effect.name], task)
         assert own in hooks.effects_page()
         assert effect.sentence in own
         for shape in effect.shapes():
