@@ -1,4 +1,4 @@
-"""What MkDocs asks when it builds the site: the page of effects, formulas as MathML, and no page that needs a network."""
+"""What MkDocs asks when it builds the site: the page of effects, formulas as MathML, no page that needs a network."""
 
 import re
 from pathlib import Path
@@ -18,7 +18,7 @@ FROM_THE_ROOT = {"changelog.md": "CHANGELOG.md", "contributing.md": "CONTRIBUTIN
 DOMAINS = {
     "Continuous features": ("carl", "Such as energies and angles. An effect acts on one feature, or on all alike."),
     "Counts": ("poisson", "One count an event, such as the pulses in an interval."),
-    "Images": ("alignment", "Hits in the cells of a detector. Some of these effects act on the particles that make them."),
+    "Images": ("alignment", "Hits in the cells of a detector. Some effects act on the particles that make them."),
 }
 """Kinds of events, a task with a catalogue of each, and what they are."""
 PICTURES = "figures/effects"
@@ -61,8 +61,8 @@ def effects_page() -> str:
     """The catalogue of effects as Markdown: of each what it does, its shapes and parameters, and its source."""
     parts = [
         "# Effects: what a simulator may lack",
-        "This page is written from the catalogue that `avobench diagnose` tries. Each effect is a *family*: it has several "
-        "shapes, since a real effect never has the exact shape of one, and a diagnosis takes the shape that fits best. "
+        "This page is written from the catalogue that `avobench diagnose` tries. Each effect is a *family*: it has "
+        "several shapes, since a real effect never has the exact shape of one, and a diagnosis takes the shape that fits best. "
         "The pictures show each shape at a middling strength, beside the events without the effect. "
         "`avobench list effects --task NAME` gives the bounds for another task. If what you look for is not here, "
         "[add it](add-an-effect.md): it takes one class.",
