@@ -4,10 +4,10 @@ import sys
 
 import click
 
-from avobench.cli import listing
 from avobench.cli.challenge import challenge
 from avobench.cli.check import check
 from avobench.cli.diagnose import diagnose
+from avobench.cli.effects import effects, list_
 from avobench.cli.infer import infer
 from avobench.cli.records import export, status
 from avobench.cli.reports import figure, report
@@ -25,13 +25,7 @@ def cli(context: click.Context, debug: bool) -> None:
     context.obj = debug
 
 
-@cli.command("list")
-def list_() -> None:
-    """Show the tasks and methods, with their settings."""
-    click.echo(listing.tasks_and_methods())
-
-
-for command in (infer, run, status, export, check, study, figure, report, diagnose, challenge):
+for command in (list_, infer, run, status, export, check, study, figure, report, diagnose, challenge, effects):
     cli.add_command(command)
 
 

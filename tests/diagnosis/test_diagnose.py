@@ -214,7 +214,7 @@ def test_the_model_of_a_model_makes_the_events_that_were_fitted(tmp_path):
         fit = SimpleNamespace(model=model, params=np.array(at))
         path = tmp_path / "model.json"
         path.write_text(describe(fit, np.full(model.dim, 0.1), "weinberg", {}).model_dump_json())
-        task = AugmentedTask.read(path)
+        task = registry.read_model(str(path))
     assert len(set(task.parameter_names)) == len(at)
     fitted, kept = (each.simulate(np.tile(at, (500, 1)), np.random.default_rng(0)) for each in (model, task))
     np.testing.assert_array_equal(fitted, kept)
