@@ -13,7 +13,7 @@ EFFECTS := own,foreign,two,withheld
 JOBS ?= 1
 
 .DEFAULT_GOAL := help
-.PHONY: help venv benchmark quick figures studies pages bench-avo bench-cost bench-diagnosis bench-scaling bench-speed challenge demo-missing-effect test browser lint clean
+.PHONY: help venv test-wheel benchmark quick figures studies pages bench-avo bench-cost bench-diagnosis bench-scaling bench-speed challenge demo-missing-effect test browser lint clean
 
 help:  ## show these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -79,6 +79,9 @@ challenge-%: venv
 
 test: venv browser  ## the test suite
 	$(BIN)/python -m pytest
+
+test-wheel: venv  ## the wheel in a new environment; AVOBENCH_WHEEL_PYTHON=python3.13 for another Python
+	$(BIN)/python -m pytest tests/test_wheel.py
 
 browser:  ## install the Chromium of the tests (Debian, as root); without it they skip what needs it
 	@if command -v chromium >/dev/null && command -v chromedriver >/dev/null; then :; \

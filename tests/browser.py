@@ -1,13 +1,47 @@
 """A real headless Chromium without network, for the tests of the pages that avobench writes."""
 
+import io
 import os
+import re
 import shutil
+from contextlib import contextmanager
 
+import numpy as np
 import pytest
+from PIL import Image
 from selenium import webdriver
 
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking")
 OFFLINE = "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"  # the driver talks to the browser by 127.0.0.1
+
+
+TEXTS = """
+const behind = element => {
+  for (; element; element = element.parentElement) {
+    const colour = getComputedStyle(element).backgroundColor;
+    if (colour !== "rgba(0, 0, 0, 0)") return colour;
+  }
+  return "rgb(255, 255, 255)";
+};
+const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT), found = [];
+while (texts.nextNode()) {
+  const words = texts.currentNode.textContent.trim(), element = texts.currentNode.parentElement;
+  if (words && element.checkVisibility()) found.push([words, getComputedStyle(element).color, behind(element)]);
+}
+return found;
+"""
+
+
+def rgb(colour):
+    """The parts of what a browser computes, such as `rgb(31, 35, 40)`, from 0 to 1."""
+    return np.array([int(part) for part in re.fullmatch(r"rgb\((\d+), (\d+), (\d+)\)", colour).groups()]) / 255
+
+
+def contrast(colour, behind):
+    """The ratio of the luminances of two colours as WCAG 2.2 defines it."""
+    linear = [np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4) for c in (colour, behind)]
+    darker, lighter = sorted(float(c @ [0.2126, 0.7152, 0.0722]) for c in linear)
+    return (lighter + 0.05) / (darker + 0.05)
 
 
 class Browser:
@@ -23,6 +57,54 @@ class Browser:
     def run(self, script, *arguments):
         """The value that JavaScript in the page returns."""
         return self.driver.execute_script(script, *arguments)
+
+    @contextmanager
+    def window(self, width, height=900, mobile=False):
+        """A window of so many pixels, or a phone's screen."""
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": mobile}
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        try:
+            yield
+        finally:
+            self.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+    @contextmanager
+    def scheme(self, name):
+        """A reader who prefers the colours "light" or "dark"."""
+        wanted = {"features": [{"name": "prefers-color-scheme", "value": name}]}
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", wanted)
+        try:
+            yield
+        finally:
+            self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+
+    @contextmanager
+    def without_scripts(self):
+        """A reader whose browser runs no script of the pages that are opened."""
+        self.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
+        try:
+            yield
+        finally:
+            self.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
+
+    def screenshot(self):
+        """What the window shows: (height, width, 3), from 0 to 255."""
+        return np.array(Image.open(io.BytesIO(self.driver.get_screenshot_as_png())).convert("RGB"))
+
+    def widest(self):
+        """Right end of the page in pixels, and the width of the window: the page scrolls where it is larger."""
+        return self.run("return [document.scrollingElement.scrollWidth, innerWidth]")
+
+    def scrolled_tables(self):
+        """Tables that are wider than the place that they have."""
+        return self.run(
+            "return [...document.querySelectorAll('section .scroll')]"
+            ".filter(box => box.scrollWidth > box.clientWidth).map(box => box.closest('section').id)"
+        )
+
+    def contrasts(self):
+        """Of every text, its contrast with what is behind it, 1 (unseen) to 21, and its words; the faintest first."""
+        return sorted((contrast(rgb(colour), rgb(behind)), text) for text, colour, behind in self.run(TEXTS))
 
     def complaints(self):
         """Errors and warnings in the console since the last call, and whatever was asked of any network."""

@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
+PYTHON = os.environ.get("AVOBENCH_WHEEL_PYTHON", sys.executable)
+"""Another version of Python to install the wheel into: `AVOBENCH_WHEEL_PYTHON=python3.13 make test-wheel`."""
 OWN_METHOD = ROOT / "docs" / "examples" / "nearest_summary.py"
 
 
@@ -24,7 +26,7 @@ def installed(tmp_path_factory):
     build = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", place / "dist", ROOT]
     done(*build, cwd=place)
     (wheel,) = (place / "dist").glob("avobench-*.whl")
-    done(sys.executable, "-m", "venv", place / "env")
+    done(PYTHON, "-m", "venv", place / "env")
     pip = [place / "env" / "bin" / "python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
     done(*pip, "--constraint", ROOT / "constraints.txt", wheel, cwd=place)
     return place

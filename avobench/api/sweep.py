@@ -11,7 +11,8 @@ from avobench.bench.backends.workers import Workers
 from avobench.bench.cell import Cell
 from avobench.bench.plan import on_device, plan
 from avobench.bench.runner import View
-from avobench.bench.store import Store, to_frame
+from avobench.bench.store import Store
+from avobench.bench.table import to_frame
 
 RESULTS = Path("results/local")
 """Where records are kept unless another folder is given."""

@@ -1,11 +1,11 @@
 """One cell of the sweep: the inference that it stands for, and all that identifies its result."""
 
-import hashlib
 import json
 from dataclasses import dataclass, field
 from typing import Any
 
 from avobench.bench import registry
+from avobench.bench.record import identity_hash
 from avobench.methods import Method
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
@@ -45,6 +45,9 @@ class Cell:
         except (TypeError, ValueError) as error:
             given = {**identity["task_settings"], **identity["method_settings"]}
             raise UsageError(f"settings must be finite numbers, texts or lists of them, got {given}") from error
+        names, theta = list(task.parameter_names), identity["theta_true"]
+        if not len(names) == len(set(names)) == len(theta):
+            raise UsageError(f"task '{self.task}' has targets of {len(theta)} parameters and the names {names}")
 
     def build_task(self) -> Task:
         return registry.build("task", self.task, self.task_settings)
@@ -54,7 +57,7 @@ class Cell:
 
     @property
     def id(self) -> str:
-        return hashlib.sha256(json.dumps(self.identity, sort_keys=True).encode()).hexdigest()[:16]
+        return identity_hash(self.identity)
 
     @property
     def label(self) -> str:

@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from avobench.bench.store import write_atomically
+from avobench.bench.atomic import write_atomically
 from avobench.tasks.errors import StoreError, UsageError
 
 

@@ -33,6 +33,8 @@ def plan(
     for name, value in (("budget", budget), ("observations", num_observations), ("repetitions", repetitions)):
         if value < 1:
             raise UsageError(f"--{name} must be at least 1, got {value}")
+        if value >= 2**63:
+            raise UsageError(f"--{name} must be below 2^63, got {value}")
     if not 0 <= seed < 2**63:
         raise UsageError(f"--seed must lie between 0 and 2^63 - 1, got {seed}")
     indices = parse_targets(targets)

@@ -11,9 +11,10 @@ from typing import Any
 
 from avobench.bench.backends.contract import Backend
 from avobench.bench.cell import Cell
-from avobench.bench.record import Status
+from avobench.bench.status import Status
 from avobench.bench.store import Store
 from avobench.bench.versions import versions
+from avobench.tasks.errors import StoreError
 
 TICK_SECONDS = 1.0
 """How often the display is drawn anew."""
@@ -82,12 +83,17 @@ def run(
 
     A damaged record is set aside and made again. With `retry_failed`, cells with a record that is not `ok` are made
     again too. KeyboardInterrupt, or a backend that fails, leaves the store as it is: what was finished stays, and the
-    next run goes on from there.
+    next run goes on from there. Raises UsageError for names that no file can have, StoreError when the table of packed
+    records is damaged.
     """
     with store.lock():
         store.remove_leftovers()
-        sound, damaged = store.read()
         wanted = {cell.id: cell for cell in cells}
+        for cell in cells:
+            store.place({**cell.identity, "id": cell.id})  # a name that is none is told before anything is made
+        sound, damaged = store.read()
+        if store.table in damaged:  # it is not known which records are lost, and they may have taken days
+            raise StoreError(f"{store.table} {damaged[store.table]}; {store.remedy(store.table)}")
         for path, reason in damaged.items():
             if path.stem.rpartition("_")[2] in wanted:
                 view.note(f"{path.name} {reason}: set aside in {store.set_aside(path).parent}, made again")

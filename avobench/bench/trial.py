@@ -18,8 +18,10 @@ from avobench.bench.budget import MeteredSimulator, pose
 from avobench.bench.cell import Cell
 from avobench.bench.estimates import require_recordable
 from avobench.bench.memory import peak_memory_mib, reset_peak_memory
-from avobench.bench.record import Status, blank_record
+from avobench.bench.record import SCHEMA_VERSION
+from avobench.bench.status import Status
 from avobench.bench.streams import observe, stream
+from avobench.bench.versions import versions
 from avobench.methods import Estimate, Problem
 from avobench.tasks import Task
 from avobench.tasks.errors import (
@@ -167,6 +169,38 @@ def told(error: BaseException) -> str:
     return f"{type(error).__name__}: {error}"
 
 
+def blank_record(cell: Cell, status: Status, message: str) -> dict[str, Any]:
+    """A record with every field of the schema, for a cell of which nothing more is known."""
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "id": cell.id,
+        **cell.identity,
+        "parameter_names": list(cell.build_task().parameter_names),
+        "status": str(status),
+        "message": message,
+        "theta_hat": None,
+        "squared_error": None,
+        "floor": None,
+        "floor_likelihood": None,
+        "how": None,
+        "spread_of": None,
+        "mean": None,
+        "std": None,
+        "trace": [],
+        "simulations_requested": None,
+        "simulations_used": None,
+        "simulations_discarded": None,
+        "simulations_refused": None,
+        "observation_seconds": 0.0,
+        "simulator_seconds": 0.0,
+        "method_seconds": 0.0,
+        "harness_seconds": 0.0,
+        "peak_memory_mib": None,
+        "started": None,
+        "versions": versions(),
+    }
+
+
 def _floors(task: Task, cell: Cell) -> dict[str, float | None]:
     floors = {}
     for name, num_simulations in (("floor", cell.budget), ("floor_likelihood", None)):
@@ -176,6 +210,8 @@ def _floors(task: Task, cell: Cell) -> dict[str, float | None]:
             raise SimulatorError(f"the floor of {task.name} raised {type(error).__name__}: {error}") from error
         if not isinstance(floor, numbers.Real):
             raise SimulatorError(f"the floor of {task.name} must be a number, got {floor!r:.100}")
+        if floor < 0:
+            raise SimulatorError(f"the floor of {task.name} must not be negative, got {floor!r:.100}")
         floors[name] = _number(floor)
     return floors
 

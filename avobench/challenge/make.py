@@ -1,117 +1,26 @@
-"""Measured data with hidden effects, and the answers in a file of their own."""
+"""A challenge: measured data with hidden effects, and the answers in a file of their own."""
 
 import io
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from avobench.bench import registry
-from avobench.bench.store import write_atomically
-from avobench.challenge.shapes import Injection, Place, Simulate, shapes
-from avobench.challenge.shapes.first.tracker import ParticleInjection
-from avobench.challenge.visibility import Visibility, visibility
-from avobench.effects.catalogue import catalogue
-from avobench.effects.contract import Effect
-from avobench.tasks import Task
+from avobench.bench.atomic import write_atomically
+from avobench.challenge.hide import hide
 from avobench.tasks.contract import stable_hash
 from avobench.tasks.errors import UsageError
 
 KINDS = ("none", "own", "foreign", "two", "withheld")
 """No effect; one in a shape of the catalogue's; one in a shape that is not; two; one that solving must do without."""
-LEAST_POWER, MOST_DISTANCE = 0.3, 50.0
-"""Strength and shape are drawn anew, up to MAX_DRAWS times, until the best test would see the effect with this power
-and a chi2/ndf - 1 of at most so much: below nobody could see it, above it is a toy. The last draw stays as it is,
-so that effects that theta absorbs are among those that are hidden."""
-MAX_DRAWS = 6
-OWN_RANGE = (0.003, 1.0)
-"""Strengths of the catalogue's own shapes are log-uniform between these shares of the way from null to the bound."""
-NUM_REFERENCE = 20_000
 MANIFEST = {"schema": "avobench-challenge", "version": 1}
-SETS = ("own", "foreign")
+
+"""What says that a file is the public part of a challenge, and of which version."""
 UNFINISHED = {"data", "answers.json"}
 """What an interrupted `make` leaves; the next one begins anew."""
-
-
-@dataclass(frozen=True)
-class OwnShape:
-    """An effect of the catalogue with its parameters fixed; what an `Injection` is for foreign shapes."""
-
-    effect: Effect
-    phi: NDArray[np.float64]
-    """(q,)"""
-
-    @classmethod
-    def draw(cls, effect: Effect, rng: np.random.Generator) -> "OwnShape":
-        """In any of its shapes; strength by OWN_RANGE, to either side where there are two, shape uniform."""
-        choices = effect.shapes()
-        chosen = choices[rng.integers(len(choices))]
-        phi = []
-        for k, parameter in enumerate(chosen.parameters):
-            low, high = parameter.low, parameter.high
-            if k == 0:
-                bound = rng.choice([end for end in (low, high) if end != parameter.null])
-                share = np.exp(rng.uniform(*np.log(OWN_RANGE)))
-                phi.append(parameter.null + share * (bound - parameter.null))
-            elif parameter.logarithmic:
-                phi.append(np.exp(rng.uniform(np.log(low), np.log(high))))
-            else:
-                phi.append(rng.uniform(low, high))
-        return cls(chosen, np.array(phi))
-
-    def stronger(self, factor: float) -> "OwnShape":
-        """The same with the strength, as far as the bounds let it, multiplied by a factor."""
-        p = self.effect.parameters[0]
-        strength = np.clip(p.null + factor * (self.phi[0] - p.null), p.low, p.high)
-        return replace(self, phi=np.r_[strength, self.phi[1:]])
-
-    @property
-    def name(self) -> str:
-        return self.effect.name
-
-    @property
-    def stage(self) -> int:
-        return self.effect.stage
-
-    @property
-    def settings(self) -> dict[str, float]:
-        return {parameter.name: float(v) for parameter, v in zip(self.effect.parameters, self.phi, strict=True)}
-
-    def measure(self, simulate: Simulate, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        return self.effect.apply(simulate, theta, np.tile(self.phi, (len(theta), 1)), rng)
-
-
-@dataclass(frozen=True)
-class Hidden:
-    """An injection and what is known of it."""
-
-    injection: Injection | OwnShape
-    feature: str | None
-    visibility: Visibility
-    """Alone."""
-    beside: float | None = None
-    """The power with which it is seen beside the other hidden effect, of which all but the strength were known; None if
-    it is alone."""
-
-    @property
-    def answer(self) -> dict[str, Any]:
-        """As the answers tell it."""
-        own = isinstance(self.injection, OwnShape)
-        return {
-            "name": self.injection.name,
-            "feature": self.feature,
-            "shape": self.injection.effect.shape if own else type(self.injection).__name__,
-            "series": None if own else self.injection.series,
-            "settings": self.injection.settings,
-            "distance": self.visibility.distance,
-            "power": self.visibility.power,
-            "beside": self.beside,
-        }
 
 
 def make(
@@ -154,113 +63,6 @@ def make(
     common = {**MANIFEST, "task": spec, "num_events": num_events}
     write_atomically(out / "answers.json", _json({**common, "seed": seed, "kinds": kinds, "cases": answers}))
     write_atomically(out / "manifest.json", _json({**common, "cases": public}))
-
-
-def hide(task: Task, kind: str, num_events: int, rng: np.random.Generator) -> tuple[NDArray, dict[str, Any]]:
-    """One data set of `kind` at a random theta of the prior, and the answer: (num_events, d), what was hidden.
-
-    The answer's `allowed` is the list of effects that solving may use, None for all of the catalogue.
-    """
-    theta = task.prior.sample(1, rng)[0]
-    at = np.tile(theta, (num_events, 1))
-    answer = {"kind": kind, "set": None, "theta": theta.tolist(), "effects": [], "allowed": None}
-    if kind == "none":
-        return task.simulate(at, rng), answer
-    source = kind if kind in SETS else str(rng.choice(SETS))
-    reference = task.simulate(at[:NUM_REFERENCE], rng)
-    hidden: list[Hidden] = []
-    while len(hidden) < (2 if kind == "two" else 1):
-        new = _draw(task, source, theta, num_events, reference, [each.injection.name for each in hidden], rng)
-        if sum(isinstance(each.injection, ParticleInjection) for each in (*hidden, new)) > 1:
-            continue  # each makes events of its own from what is generated, without the other
-        hidden.append(new)
-    hidden.sort(key=lambda each: each.injection.stage)
-    simulate = _chain(task, hidden)
-    if kind == "two":
-        streams = rng.spawn(2)
-        hidden = [
-            replace(one, beside=_beside(task, hidden, other, theta, num_events, stream))
-            for one, other, stream in zip(hidden, hidden[::-1], streams, strict=True)
-        ]
-    answer |= {"set": source, "effects": [each.answer for each in hidden]}
-    if kind == "withheld":
-        names = dict.fromkeys(effect.name for effect in catalogue(task))
-        answer["allowed"] = [name for name in names if name != hidden[0].injection.name]
-    return simulate(at, rng), answer
-
-
-def feature_label(task: Task, feature: int | Literal["all"] | None) -> str | None:
-    """As a diagnosis says it: a name, "all", or None where there is nothing to choose from."""
-    if not isinstance(feature, int):
-        return feature
-    return task.labels[feature]
-
-
-def _draw(
-    task: Task,
-    source: str,
-    theta: NDArray[np.float64],
-    num_events: int,
-    reference: NDArray,
-    without: list[str],
-    rng: np.random.Generator,
-) -> Hidden:
-    """A random effect of a family that is not in `without`, on events at theta (p,), visible but no toy if possible.
-
-    A family is drawn first, then its feature, then its shape, so that none is favoured for having many of them.
-    """
-    own = {(effect.name, effect.feature): effect for effect in catalogue(task, reference)}
-    foreign: dict[tuple[str, Any], list[type[Injection]]] = {}
-    for feature in dict.fromkeys(feature for _, feature in own):
-        for shape in shapes(Place(task, feature, reference)):
-            foreign.setdefault((shape.name, feature), []).append(shape)
-    keys = [key for key in (own if source == "own" else foreign) if key in own and key[0] not in without]
-    if not keys:
-        raise UsageError(f"there is no effect of {source} shape to hide in events of {task.name}")
-    at = np.tile(theta, (_tried(task, num_events), 1))
-    family = str(rng.choice(list(dict.fromkeys(name for name, _ in keys))))
-    features = [feature for name, feature in keys if name == family]
-    feature = features[rng.integers(len(features))]
-    for _ in range(MAX_DRAWS):
-        if source == "own":
-            injection = OwnShape.draw(own[family, feature], rng)
-        else:
-            choices = foreign[family, feature]
-            injection = choices[rng.integers(len(choices))].draw(Place(task, feature, reference), rng)
-        seen = visibility(task, injection.measure(task.simulate, at, rng), theta, num_events, rng)
-        if seen.power >= LEAST_POWER and seen.distance <= MOST_DISTANCE:
-            break
-    return Hidden(injection, feature_label(task, feature), seen)
-
-
-def _tried(task: Task, num_events: int) -> int:
-    """From how many events the visibility of an effect in `num_events` of them is computed."""
-    return num_events if task.event_shape or task.num_features > 1 else 2 * num_events
-
-
-def _beside(
-    task: Task,
-    hidden: list[Hidden],
-    other: Hidden,
-    theta: NDArray[np.float64],
-    num_events: int,
-    rng: np.random.Generator,
-) -> float:
-    """With which power events with both hidden effects tell that there is more than `other`, whatever its strength."""
-    x = _chain(task, hidden)(np.tile(theta, (_tried(task, num_events), 1)), rng)
-
-    def alone(factor: float) -> Simulate:
-        return partial(other.injection.stronger(factor).measure, task.simulate)
-
-    return visibility(task, x, theta, num_events, rng, alone).power
-
-
-def _chain(task: Task, hidden: list[Hidden]) -> Simulate:
-    """The task's simulator with hidden effects, one after the other."""
-    simulate: Simulate = task.simulate
-    for each in hidden:
-        simulate = partial(each.injection.measure, simulate)
-    return simulate
 
 
 def _json(content: dict[str, Any]) -> bytes:

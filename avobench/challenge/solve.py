@@ -9,14 +9,15 @@ from typing import Any
 import joblib
 
 from avobench.bench import registry
+from avobench.bench.atomic import write_atomically
 from avobench.bench.events import check_events, read_events
-from avobench.bench.store import write_atomically
 from avobench.challenge.make import MANIFEST
 from avobench.diagnosis import diagnose
 from avobench.effects.catalogue import catalogue
 from avobench.tasks.errors import AvobenchError, UsageError
 
 RESULTS = "results"
+"""The folder of a challenge that holds a file for each case that was tried."""
 
 
 def solve(
@@ -62,7 +63,7 @@ def _solve_case(spec: str, data: Path, number: int, case: dict, path: Path, opti
         x, warnings = check_events(task, read_events(str(data / f"{case['case']}.npz")))
         allowed = case["effects"]
         effects = None if allowed is None else [effect for effect in catalogue(task) if effect.name in allowed]
-        diagnosis = diagnose(task, x, seed=number, effects=effects, **options)
+        diagnosis = diagnose(task, x, seed=number, effects=effects, **options).diagnosis
         result = {**common, "warnings": warnings, "diagnosis": diagnosis.model_dump(mode="json")}
         line = str(diagnosis.verdict)
         json.dumps(result, allow_nan=False)  # a number that is none is a fault too

@@ -56,22 +56,24 @@ def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bo
 
     FOLDER may also be a file that --records wrote: one line of JSON a case, its answer and its diagnosis.
     """
-    from avobench.bench.store import write_atomically
-    from avobench.challenge import score as module
+    from avobench.bench.atomic import write_atomically
+    from avobench.challenge.records import read_records
+    from avobench.challenge.records import records as records_of
+    from avobench.challenge.score import score as score_all
     from avobench.challenge.table import as_text
-    from avobench.challenge.table import targets as wanted
+    from avobench.challenge.targets import targets as wanted
 
     if records is not None and len(places) > 1:
         raise UsageError("--records writes one challenge; give one folder")
     if targets and kind == "json":
         raise UsageError("--targets prints text; leave --format out")
-    challenges = [module.read_records(place) if place.is_file() else module.records(place) for place in places]
+    challenges = [read_records(place) if place.is_file() else records_of(place) for place in places]
     if records is not None:
         write_atomically(records, "".join(json.dumps(line, allow_nan=False) + "\n" for line in challenges[0]).encode())
     if targets:
         click.echo(wanted(*challenges))
         return
-    result = module.score(*challenges)
+    result = score_all(*challenges)
     click.echo(json.dumps(result, indent=1, allow_nan=False) if kind == "json" else as_text(result))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.bench import registry
-from avobench.bench.store import write_atomically
+from avobench.bench.atomic import write_atomically
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
@@ -96,22 +96,23 @@ def diagnose(
         effects=selected,
         jobs=jobs,
     )
-    result.notes[:0] = warnings
+    diagnosis = result.diagnosis
+    diagnosis.notes[:0] = warnings
     for name in ("diagnosis.json", "correction.npz"):  # of another run, to which what follows does not belong
         (out / name).unlink(missing_ok=True)
     report.write(task, result, out, f"{Path(data).name} against {spec}")
     sources = {name: source for name, (source, _) in theirs.items()}
-    std = values.scaled_std(result.model)
-    std[: result.model.model.num_theta] = [v.std for v in (result.theta_after or result.theta_before).values()]
-    model = describe(result.model, std, spec, sources)
+    std = values.scaled_std(result.fit)
+    std[: result.fit.model.num_theta] = [v.std for v in (diagnosis.theta_after or diagnosis.theta_before).values()]
+    model = describe(result.fit, std, spec, sources)
     write_atomically(out / "model.json", (model.model_dump_json(indent=1) + "\n").encode())
     if result.correction is not None:
         content = io.BytesIO()
         np.savez_compressed(content, x=result.correction.x, weights=result.correction.weights)
         write_atomically(out / "correction.npz", content.getvalue())
     # Last, so that a folder with a diagnosis has all that belongs to it.
-    write_atomically(out / "diagnosis.json", (json.dumps(result.model_dump(mode="json"), indent=1) + "\n").encode())
-    click.echo(summary(result))
+    write_atomically(out / "diagnosis.json", (json.dumps(diagnosis.model_dump(mode="json"), indent=1) + "\n").encode())
+    click.echo(summary(diagnosis))
 
 
 def tried(name: str, effect: "Effect", task: Task) -> None:

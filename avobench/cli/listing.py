@@ -8,8 +8,8 @@ from typing import Any
 import pandas as pd
 
 from avobench.bench import registry
-from avobench.bench.record import Status
-from avobench.bench.store import labels, to_frame
+from avobench.bench.status import Status
+from avobench.bench.table import labels, to_frame
 from avobench.effects import Effect, Parameter
 from avobench.effects.catalogue import catalogue
 

@@ -6,9 +6,11 @@ import click
 
 from avobench.cli.challenge import challenge
 from avobench.cli.check import check
+from avobench.cli.damaged import naming_damaged
 from avobench.cli.diagnose import diagnose
 from avobench.cli.effects import effects, list_
 from avobench.cli.infer import infer
+from avobench.cli.pack import pack
 from avobench.cli.records import export, status
 from avobench.cli.reports import figure, report
 from avobench.cli.run import run
@@ -25,7 +27,9 @@ def cli(context: click.Context, debug: bool) -> None:
     context.obj = debug
 
 
-for command in (list_, infer, run, status, export, check, study, figure, report, diagnose, challenge, effects):
+COMMANDS = (list_, infer, run, status, export, pack, check, study, figure, report, diagnose, challenge, effects)
+
+for command in COMMANDS:
     cli.add_command(command)
 
 
@@ -34,7 +38,7 @@ def main() -> None:
     arguments = [argument for argument in sys.argv[1:] if argument != "--debug"]
     debug = len(arguments) < len(sys.argv) - 1
     try:
-        sys.exit(cli.main(["--debug"] * debug + arguments, standalone_mode=False))
+        sys.exit(naming_damaged(lambda: cli.main(["--debug"] * debug + arguments, standalone_mode=False)))
     except (KeyboardInterrupt, click.Abort):
         click.echo("avobench: stopped; what was finished is kept, and the same command goes on from there", err=True)
         sys.exit(130)

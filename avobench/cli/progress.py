@@ -10,8 +10,8 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 
 from avobench.bench.cell import Cell
-from avobench.bench.record import Status, reason
 from avobench.bench.runner import Sweep, View
+from avobench.bench.status import Status, reason
 
 QUIET_SECONDS = 30.0
 """How often plain output tells how far the running cells are."""

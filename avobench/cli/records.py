@@ -1,13 +1,13 @@
 """`avobench status` and `avobench export`: what is in a results folder."""
 
-import sys
 from pathlib import Path
 
 import click
 
 from avobench.bench.files import require_folder, write_file
-from avobench.bench.record import Status, reason
-from avobench.bench.store import Store, to_frame
+from avobench.bench.status import Status, reason
+from avobench.bench.store import Store
+from avobench.bench.table import to_frame
 from avobench.cli import listing
 from avobench.cli.options import RESULTS
 from avobench.tasks.errors import UsageError
@@ -24,19 +24,12 @@ def status(results: Path, targets: bool) -> None:
 
         click.echo(format_table(store.read_all()))
         return
-    records, damaged = store.read()
-    if not records and not damaged:
-        store.read_all()
-    if records:
-        click.echo(listing.status_table(records))
+    records = store.read_all()
+    click.echo(listing.status_table(records))
     for record in records:
         if record["status"] != Status.OK:
             cell = "{task} {method} target {target} repetition {repetition}".format(**record)
             click.echo(f"{cell}: {reason(record)}")
-    for path, fault in damaged.items():
-        click.echo(f"{path} {fault}; `avobench run` sets it aside and makes it again, or delete it", err=True)
-    if damaged:
-        sys.exit(1)
 
 
 @click.command()

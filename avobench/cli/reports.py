@@ -7,7 +7,7 @@ import click
 from avobench.bench.files import require_folder, write_file
 from avobench.bench.store import Store
 from avobench.cli.options import RESULTS
-from avobench.reports.draw import FIGURES, STUDY_FIGURES, draw, records_for
+from avobench.reports.figures import FIGURES, STUDY_FIGURES, draw, records_for
 
 OUT = click.option("--out", type=click.Path(path_type=Path), default=Path("reports"), show_default=True, help="Folder.")
 

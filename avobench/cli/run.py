@@ -12,12 +12,12 @@ from avobench.api import sweep
 from avobench.bench.backends.workers import Workers
 from avobench.bench.cell import Cell
 from avobench.bench.files import require_folder
-from avobench.bench.record import Status
 from avobench.bench.runner import Sweep
+from avobench.bench.status import Status
 from avobench.cli import listing
 from avobench.cli.options import RESULTS
 from avobench.cli.progress import ProgressView
-from avobench.reports.draw import draw
+from avobench.reports.figures import draw
 
 
 @click.command()

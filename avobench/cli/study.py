@@ -6,8 +6,8 @@ import click
 from rich.console import Console
 
 from avobench.bench.backends.workers import Workers
-from avobench.bench.record import Status, reason
 from avobench.bench.runner import run
+from avobench.bench.status import Status, reason
 from avobench.bench.store import Store
 from avobench.cli import listing
 from avobench.cli.progress import ProgressView

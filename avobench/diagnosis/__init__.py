@@ -4,12 +4,17 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from avobench.diagnosis.answer.assemble import Result
     from avobench.diagnosis.loop import diagnose
     from avobench.diagnosis.schema import Diagnosis
 
-__all__ = ["Diagnosis", "diagnose"]
+__all__ = ["Diagnosis", "Result", "diagnose"]
 
-_HOMES = {"diagnose": "avobench.diagnosis.loop", "Diagnosis": "avobench.diagnosis.schema"}
+_HOMES = {
+    "diagnose": "avobench.diagnosis.loop",
+    "Diagnosis": "avobench.diagnosis.schema",
+    "Result": "avobench.diagnosis.answer.assemble",
+}
 
 
 def __getattr__(name: str) -> Any:

@@ -11,9 +11,9 @@ class Effort:
 
     rounds: float = 3
     """Of each round of the first fit, a measured one."""
-    polish: float = 12
+    sharpen: float = 12
     """Where a p-value is at stake, a measured one: simulation then adds a tenth to the variance."""
-    base: float = 24
+    known: float = 24
     """Of the model that candidates are added to, a measured one."""
     again: tuple[float, ...] = (3, 6)
     """Of the repeated fits of candidates that may be the best, a measured one."""
@@ -22,7 +22,7 @@ class Effort:
     few: int = 10_000
     """What fewer measured events count as in the last two: where simulation is cheap, its noise need not blur ties."""
     settle: tuple[float, ...] = (3, 9)
-    """Times a polish, for the last step of a fit, and to tell what the data say nothing about."""
+    """Times a sharpening, for the last step of a fit, and to tell what the data say nothing about."""
     least: int = 30_000
     """Of a round, at least."""
     fit: int = 25_000
@@ -53,8 +53,8 @@ class Effort:
         return replace(
             self,
             rounds=self.rounds * share,
-            polish=max(self.polish * share, 1),
-            base=max(self.base * share, 1),
+            sharpen=max(self.sharpen * share, 1),
+            known=max(self.known * share, 1),
             again=tuple(max(n * share, 0.5) for n in self.again),
             final=tuple(max(n * share, 1) for n in self.final),
             few=max(int(self.few * share), 1000),
@@ -71,8 +71,8 @@ class Effort:
 
 IMAGES = Effort(
     rounds=2,
-    polish=8,
-    base=12,
+    sharpen=8,
+    known=12,
     again=(4,),
     final=(8, 8),
     settle=(2,),
@@ -87,7 +87,8 @@ IMAGES = Effort(
     families_beside=4,
     starts=2,
 )
-MANY = Effort(base=12, final=(12, 12), screen=14_000, families=8, families_beside=8, starts=3)
+"""For images, which are slow to simulate and to summarise."""
+MANY = Effort(known=12, final=(12, 12), screen=14_000, families=8, families_beside=8, starts=3)
 """For several features, each of which has its own entries in the catalogue."""
 USUAL = {"counts": 4_000_000, "continuous": 12_000_000, "images": 1_500_000}
 """Simulated events that a diagnosis usually takes, by domain; a little more or less with what it finds."""

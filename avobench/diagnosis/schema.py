@@ -1,16 +1,12 @@
 """What a diagnosis says: the content of `diagnosis.json`, described in docs/diagnosis.md."""
 
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, PrivateAttr
-
-if TYPE_CHECKING:
-    from avobench.diagnosis.answer.pictures import Pictures
-    from avobench.diagnosis.fit.fit import Fit
-    from avobench.diagnosis.gates.classifier import Correction
+from pydantic import BaseModel, ConfigDict
 
 SCHEMA_VERSION = 1
+"""Raised when a field of `diagnosis.json` changes its meaning."""
 
 
 class Verdict(StrEnum):
@@ -127,22 +123,3 @@ class Diagnosis(Strict):
     seconds: float
     seed: int
     versions: dict[str, Any]
-
-    _pictures: Any = PrivateAttr(default=None)
-    _model: Any = PrivateAttr(default=None)
-    _correction: Any = PrivateAttr(default=None)
-
-    @property
-    def pictures(self) -> "Pictures":
-        """What figures are drawn from; not serialised."""
-        return self._pictures
-
-    @property
-    def model(self) -> "Fit":
-        """The fit of the final model, of which `model.json` is written; not serialised."""
-        return self._model
-
-    @property
-    def correction(self) -> "Correction | None":
-        """Weights for simulated events, where the catalogue does not explain all; not serialised."""
-        return self._correction

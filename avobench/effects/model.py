@@ -93,7 +93,7 @@ class Model:
             at += len(effect.parameters)
         return found
 
-    def from_unit(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+    def from_cube(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
         """Parameters from the unit cube, logarithmic where that is their scale: (n, P) -> (n, P)."""
         params = self.low + u * (self.high - self.low)
         columns = np.flatnonzero(self.logarithmic)
@@ -104,8 +104,8 @@ class Model:
             np.clip(params, self.low, self.high, out=params)
         return params
 
-    def to_unit(self, params: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The inverse of `from_unit`."""
+    def to_cube(self, params: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The inverse of `from_cube`."""
         u = (params - self.low) / (self.high - self.low)
         columns = np.flatnonzero(self.logarithmic)
         low, high = self.low[columns], self.high[columns]

@@ -1,4 +1,4 @@
-"""The discriminator d(x; phi) of AVO. The only module here that needs PyTorch as it loads."""
+"""The discriminator d(x; phi) of AVO: its network, and what it minimises. Needs PyTorch as it loads."""
 
 import numpy as np
 import torch
@@ -18,27 +18,20 @@ def mlp(num_inputs: int, hidden: tuple[int, ...], rng: np.random.Generator) -> S
         return Sequential(*layers, Linear(widths[-1], 1), Flatten(0))
 
 
-def penalised_cross_entropy(
-    network: Module, real: torch.Tensor, synthetic: torch.Tensor, r1: float, r1_of: str
-) -> torch.Tensor:
-    """U_d, plus r1 times the mean squared gradient of d, or of its logit, in the real inputs: a scalar.
+def cross_entropy(logit_real: torch.Tensor, logit_synthetic: torch.Tensor) -> torch.Tensor:
+    """U_d, the mean of -y log d - (1 - y) log(1 - d) over as much of either class (Equation 6): (n,), (m,) -> ()."""
+    return (softplus(-logit_real).mean() + softplus(logit_synthetic).mean()) / 2
 
-    Paper, Equation 6 and Algorithm 1; the gradient is in x, not in phi: Mescheder, Geiger, Nowozin 2018, Eq. 9.
+
+def input_gradient_penalty(logit_real: torch.Tensor, real: torch.Tensor, r1_of: str) -> torch.Tensor:
+    """R1, the mean squared gradient in the real inputs (n, k) of d, or of its logit (n,) with `r1_of="logit"`.
+
+    In x, not in phi as Algorithm 1 prints it: Mescheder, Geiger, Nowozin 2018, Equation 9. The result can be
+    differentiated in phi.
     """
-    real = real.requires_grad_(r1 > 0)
-    logit_real, logit_synthetic = network(real), network(synthetic)
-    loss = (softplus(-logit_real).mean() + softplus(logit_synthetic).mean()) / 2
-    if r1 > 0:
-        output = torch.sigmoid(logit_real) if r1_of == "probability" else logit_real
-        (gradient,) = torch.autograd.grad(output.sum(), real, create_graph=True)
-        loss = loss + r1 * gradient.square().sum(dim=1).mean()
-    return loss
-
-
-@torch.no_grad()
-def log_one_minus_d(network: Module, inputs: torch.Tensor) -> NDArray[np.float64]:
-    """f = log(1 - d), what the proposal minimises: inputs (n, k) -> (n,)."""
-    return logsigmoid(-network(inputs)).cpu().numpy().astype(np.float64)
+    output = torch.sigmoid(logit_real) if r1_of == "probability" else logit_real
+    (gradient,) = torch.autograd.grad(output.sum(), real, create_graph=True)
+    return gradient.square().sum(dim=1).mean()
 
 
 class Discriminator(Module):
@@ -64,10 +57,7 @@ class Discriminator(Module):
         """x as the network sees it: (n, d) of any dtype -> float32 (n, d)."""
         return torch.from_numpy((x.astype(np.float32) - self.shift) / self.scale).to(self.device)
 
-    def loss(self, x_real: NDArray, x_synthetic: NDArray, r1: float, r1_of: str) -> torch.Tensor:
-        """See `penalised_cross_entropy`; x of any dtype (n, d)."""
-        return penalised_cross_entropy(self.network, self.inputs(x_real), self.inputs(x_synthetic), r1, r1_of)
-
     def log_one_minus_d(self, x: NDArray) -> NDArray[np.float64]:
         """f(x) = log(1 - d(x)), what the proposal minimises: (n, d) -> (n,)."""
-        return log_one_minus_d(self.network, self.inputs(x))
+        with torch.no_grad():
+            return logsigmoid(-self.network(self.inputs(x))).cpu().numpy().astype(np.float64)

@@ -1,9 +1,9 @@
 """One update of AVO's discriminators without autograd: the same numbers to rounding, in less time.
 
 With z_l = W_l h_{l-1} + b_l and h_l = s_l z_l, where s_l is 1 for z_l > 0 and PReLU's slope otherwise, let t be the
-logit and y what R1 takes the input gradient of, d or t. Per observed event that gradient G follows the chain
+logit and d = d(t) the probability, of which R1 takes the input gradient. Per observed event that gradient G follows
 
-    e_L = y'(t) w,   u_l = s_l e_l,   e_{l-1} = W_l^T u_l,   G = e_0,
+    e_L = d'(t) w,   u_l = s_l e_l,   e_{l-1} = W_l^T u_l,   G = e_0,
 
 and the penalty's own derivative runs back up it with a_0 = 2 r1 G / n: the derivative in u_l is W_l a_{l-1}, and a_l is
 s_l times that. Events and chain then share one product a layer, the gradient in W_l is the sum of
@@ -14,15 +14,18 @@ matrices is one of T pairs of them.
 """
 
 from collections.abc import Sequence
-from typing import Literal
 
 import torch
 from torch import Tensor
 from torch.nn import Sequential
 
-BETAS = {"rmsprop": (0.0, 0.99), "adam": (0.5, 0.99)}
-"""Decay of the running means of the gradient and of its square. RMSProp's are PyTorch's defaults."""
+DECAY = 0.5
+"""Adam's, of the running mean of the gradient: less than the default, as is usual where two networks play against each
+other (Radford, Metz, Chintala 2016)."""
+DECAY_SQUARE = 0.99
+"""Adam's, of the running mean of its square: of about a hundred of the some 800 steps of a run."""
 EPS = 1e-8
+"""Adam's, PyTorch's default."""
 BLOCK = 1 << 15
 """Parameters updated at a time: the arrays of them take half a megabyte, which stays in the processor's cache."""
 
@@ -60,21 +63,14 @@ class Layer:
 class FusedStep:
     """Updates networks of one shape, made of Linear and PReLU layers with one logit, in place.
 
-    A step is what `penalised_cross_entropy`, `backward` and the optimiser do for each; only sums are in another order.
-    All buffers are kept, so nothing is allocated: fresh pages of memory cost as much as a product of small matrices.
-    The networks' parameters become parts of one vector, in which those of one layer follow each other.
+    A step is what the gradient of `cross_entropy` + r1 `input_gradient_penalty` (methods/discriminator.py) and Adam do
+    for each network; only sums are in another order. All buffers are kept, so nothing is allocated: fresh pages of
+    memory cost as much as a product of small matrices. The networks' parameters become parts of one vector, in which
+    those of one layer follow each other.
     """
 
-    def __init__(
-        self,
-        networks: Sequence[Sequential],
-        learning_rate: float,
-        r1: float,
-        r1_of: str,
-        optimiser: Literal["rmsprop", "adam"] = "rmsprop",
-    ) -> None:
-        self.learning_rate, self.r1, self.r1_of = learning_rate, r1, r1_of
-        self.betas, self.num_steps = BETAS[optimiser], 0
+    def __init__(self, networks: Sequence[Sequential], learning_rate: float, r1: float) -> None:
+        self.learning_rate, self.r1, self.num_steps = learning_rate, r1, 0
         each = list(zip(*(network.parameters() for network in networks), strict=True))
         self.flat = torch.cat([torch.stack(same).detach().flatten() for same in each])
         self.gradient, mean, square = (torch.zeros_like(self.flat) for _ in range(3))
@@ -93,46 +89,57 @@ class FusedStep:
     @torch.no_grad()
     def __call__(self, real: Tensor, synthetic: Tensor) -> None:
         """One update from observed and simulated events as the networks see them: (T, n, d) and (T, m, d)."""
-        n, m = real.shape[1], synthetic.shape[1]
-        if self.sizes != (n, m):
-            self._prepare(n, m)
-        layers, last = self.layers, self.last
+        if self.sizes != (real.shape[1], synthetic.shape[1]):
+            self._prepare(real.shape[1], synthetic.shape[1])
+        d = self._events_up(real, synthetic)
+        self._cross_entropy(d)
+        if self.r1:
+            self._penalty(d[:, : real.shape[1]])
+        else:
+            for layer in self.layers:
+                layer.slope_grad.zero_()
+        self._events_down()
+        self._adam()
 
-        # up: the events
+    def _events_up(self, real: Tensor, synthetic: Tensor) -> Tensor:
+        """Through the networks: d of the observed and the simulated events (T, n + m, 1)."""
+        layers, last = self.layers, self.last
         torch.cat([real, synthetic], dim=1, out=layers[0].x_events)
         for layer, above in zip(layers, [*layers[1:], last], strict=True):
             torch.baddbmm(layer.bias, layer.x_events, layer.weight_t, out=layer.z)
             torch.le(layer.z, 0, out=layer.negative)
             torch.mul(layer.negative, layer.slope - 1, out=layer.s).add_(1)
             torch.mul(layer.z, layer.s, out=above.x_events)
-        d = torch.sigmoid(torch.baddbmm(last.bias, last.x_events, last.weight_t))  # (T, n + m, 1)
-        t_bar = last.z_bar_events  # derivative of the loss in the logits
+        return torch.sigmoid(torch.baddbmm(last.bias, last.x_events, last.weight_t))
+
+    def _cross_entropy(self, d: Tensor) -> None:
+        """Derivative of U_d in the logits."""
+        (n, m), t_bar = self.sizes, self.last.z_bar_events
         torch.div(d, 2 * m, out=t_bar)
         torch.div(d[:, :n] - 1, 2 * n, out=t_bar[:, :n])
 
-        if self.r1:
-            # down the chain to G, and up again
-            first, second = torch.ones_like(d[:, :n]), torch.zeros_like(d[:, :n])  # derivatives of y in t
-            if self.r1_of == "probability":
-                first = d[:, :n] * (1 - d[:, :n])
-                second = first * (1 - 2 * d[:, :n])
-            torch.mul(first, last.weight, out=last.e)
-            for layer, above in zip(reversed(layers), [last, *reversed(layers[1:])], strict=True):
-                torch.mul(above.e, layer.s_real, out=layer.u)
-                torch.bmm(layer.u, layer.weight, out=layer.e)
-            torch.mul(layers[0].e, 2 * self.r1 / n, out=layers[0].a)
-            for layer, above in zip(layers, [*layers[1:], last], strict=True):
-                torch.bmm(layer.a, layer.weight_t, out=layer.u_bar)
-                torch.mul(layer.u_bar, layer.s_real, out=above.a)
-                layer.u_bar.mul_(layer.negative_real)
-                torch.bmm(layer.u_bar_flat, above.e_flat, out=layer.slope_grad)
-            t_bar[:, :n] += torch.bmm(last.a, last.weight_t) * second
-            last.u.copy_(first)
-        else:
-            for layer in layers:
-                layer.slope_grad.zero_()
+    def _penalty(self, d: Tensor) -> None:
+        """What R1 adds: from d of the observed events (T, n, 1) down the chain to G, and up again."""
+        (n, _), layers, last = self.sizes, self.layers, self.last
+        first = d * (1 - d)  # derivatives of d in the logit
+        second = first * (1 - 2 * d)
+        torch.mul(first, last.weight, out=last.e)
+        for layer, above in zip(reversed(layers), [last, *reversed(layers[1:])], strict=True):
+            torch.mul(above.e, layer.s_real, out=layer.u)
+            torch.bmm(layer.u, layer.weight, out=layer.e)
+        torch.mul(layers[0].e, 2 * self.r1 / n, out=layers[0].a)
+        for layer, above in zip(layers, [*layers[1:], last], strict=True):
+            torch.bmm(layer.a, layer.weight_t, out=layer.u_bar)
+            torch.mul(layer.u_bar, layer.s_real, out=above.a)
+            layer.u_bar.mul_(layer.negative_real)
+            torch.bmm(layer.u_bar_flat, above.e_flat, out=layer.slope_grad)
+        last.z_bar_events[:, :n] += torch.bmm(last.a, last.weight_t) * second
+        last.u.copy_(first)
 
-        # down: the events
+    def _events_down(self) -> None:
+        """From the derivatives in the logits to those in all parameters."""
+        layers, last = self.layers, self.last
+        t_bar = last.z_bar_events
         torch.bmm(last.z_bar_t, last.x, out=last.weight_grad)
         torch.sum(t_bar, dim=1, out=last.bias_grad)
         torch.mul(t_bar, last.weight, out=last.x_bar)
@@ -144,20 +151,16 @@ class FusedStep:
                 torch.bmm(layer.z_bar_events, layer.weight, out=layer.x_bar)
             torch.bmm(layer.z_bar_t, layer.x, out=layer.weight_grad)
             torch.sum(layer.z_bar_events, dim=1, out=layer.bias_grad)
-        self._update()
 
-    def _update(self) -> None:
-        """RMSProp, or Adam with its corrections for having begun at zero."""
-        decay, decay_square = self.betas
+    def _adam(self) -> None:
+        """Adam (Kingma, Ba 2015), with its corrections for having begun at zero."""
         self.num_steps += 1
-        rate, correction = self.learning_rate, 1.0
-        if decay:
-            rate /= 1 - decay**self.num_steps
-            correction -= decay_square**self.num_steps
+        rate = self.learning_rate / (1 - DECAY**self.num_steps)
+        correction = 1.0 - DECAY_SQUARE**self.num_steps
         for p, g, m, v, root in self.blocks:
-            v.mul_(decay_square).addcmul_(g, g, value=1 - decay_square)
+            v.mul_(DECAY_SQUARE).addcmul_(g, g, value=1 - DECAY_SQUARE)
             torch.sqrt(v, out=root).div_(correction**0.5).add_(EPS)
-            p.addcdiv_(m.lerp_(g, 1 - decay) if decay else g, root, value=-rate)
+            p.addcdiv_(m.lerp_(g, 1 - DECAY), root, value=-rate)
 
     @torch.no_grad()
     def logits(self, x: Tensor) -> Tensor:

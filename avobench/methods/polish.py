@@ -1,4 +1,4 @@
-"""The last stage of `avo`: discriminator and proposal brought to rest on the events already simulated."""
+"""The polish, a phase of `avo`: discriminator and proposal brought to rest on the events already simulated."""
 
 from dataclasses import dataclass
 
@@ -10,13 +10,16 @@ WIDTH = 1.25
 """Of the kernel over theta, in standard deviations of the proposal. A wider one takes in more events, which a quadratic
 describes less well: on poisson the answer moves by less than 0.1 standard errors up to 1.5, by several at 2."""
 REACH = 3.0
-"""Events beyond so many kernel widths are left out."""
+"""Events beyond so many kernel widths are left out: their weight is below 1.2 % of that of an event at the mean."""
+CONSTANT = 1e-6
+"""A feature that varies by less than this share of the one that varies most is constant to single precision."""
 RIDGE = 1e-4
 """Share of its variance that is added to each feature's, for features that are nearly copies of each other."""
 SIGNIFICANT = 3.0
 """Information along a combination of parameters counts where it is so many times what mere noise would show: noise
 itself is a chi-squared over its degrees of freedom, one a feature, and stays well below."""
 MAX_STEPS = 50
+"""Several times what it takes where it converges; where it does not, the estimate's message says so."""
 STANDS_STILL = 1e-3
 """The polish ends with a step below this share of the standard error, in 3 to 10 steps as a rule."""
 
@@ -44,7 +47,7 @@ class Fold:
 
     def __init__(self, real: NDArray[np.float32], synthetic: NDArray[np.float32], u: NDArray[np.float64]) -> None:
         scale = real.std(axis=0, dtype=float)
-        kept = scale > 1e-6 * scale.max()
+        kept = scale > CONSTANT * scale.max()
         self.kept, self.shift, self.scale = kept, real.mean(axis=0, dtype=float)[kept], scale[kept]
         real = self._standardised(real)
         covariance = (real.T @ real).astype(float) / len(real)

@@ -7,6 +7,7 @@ from scipy.special import ndtr, ndtri
 from avobench.tasks import Box
 
 SQRT_2PI = np.sqrt(2 * np.pi)
+"""Normalises the density of a standard Gaussian."""
 
 
 class TruncatedGaussian:

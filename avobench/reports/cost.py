@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from avobench.bench.record import Status
+from avobench.bench.status import Status
 from avobench.reports.quantities import comparable, labelled
-from avobench.reports.style import FLOOR, MARKERS, METHOD_ORDER, STYLE, TASK_ORDER, colours, ordered, panels, save
+from avobench.reports.style import FLOOR, MARKERS, METHOD_ORDER, STYLE, TASK_ORDER, colours, note, ordered, panels, save
 
 SHAPES = dict(zip(METHOD_ORDER, MARKERS, strict=False))
 """The mark of each of the paper's methods, whichever of them are shown."""
@@ -21,7 +21,7 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
     """Write cost.pdf, cost.png and cost.csv to `folder`, a panel a task.
 
     A small mark is a cell: the seconds it took in simulator and method, one thread, and its squared error. The large
-    mark is the median of both. The dashed line is the median floor.
+    mark is the median of both. The dashed line is the median floor. The panel of a task whose cells all failed says so.
     """
     frame = labelled(records)
     frame = pd.concat([comparable(cells) for _, cells in frame.groupby("task", sort=False)])
@@ -40,7 +40,11 @@ def _figure(frame: pd.DataFrame) -> Figure:
     tasks, methods = ordered(frame["task"], TASK_ORDER), ordered(frame["method"], METHOD_ORDER)
     figure, axes = panels(tasks)
     for axis, task in zip(axes, tasks, strict=True):
-        _panel(axis, frame[(frame["task"] == task) & (frame["status"] == Status.OK)], methods)
+        own = frame[(frame["task"] == task) & (frame["status"] == Status.OK)]
+        if own.empty:
+            note(axis, "no cell has an estimate")
+        else:
+            _panel(axis, own, methods)
     handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
     shown = [name for name in (*methods, "floor") if name in handles]
     figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(5, len(shown)))

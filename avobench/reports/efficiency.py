@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from avobench.reports.quantities import comparable, labelled, task_of
-from avobench.reports.style import FLOOR, METHOD_ORDER, STYLE, TASK_ORDER, colours, ordered, panels, save
+from avobench.reports.style import FLOOR, METHOD_ORDER, STYLE, TASK_ORDER, colours, note, ordered, panels, save
+from avobench.tasks.errors import StoreError
 
 NUM_POINTS = 24
 """Numbers of simulations at which the traces are read, from 1/160 of the budget to all of it."""
@@ -21,18 +22,22 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
     """Write efficiency.pdf, efficiency.png and efficiency.csv to `folder`, a panel a task.
 
     A line is the median over the cells of the squared error that the estimate of that moment has; the band is its
-    quartiles. It begins where all cells have an estimate. The dashed line is the floor with as many simulations.
+    quartiles. It begins where all cells have an estimate. The dashed line is the floor with as many simulations. The
+    panel of a task whose cells all failed says so. Raises StoreError where no cell has an estimate.
     """
     frame = labelled(records)
     table = pd.concat([numbers(comparable(cells)) for _, cells in frame.groupby("task", sort=False)])
+    if table.empty:
+        raise StoreError("no cell has an estimate to draw")
     with matplotlib.rc_context(STYLE):
-        return save(_figure(table), table, folder, "efficiency")
+        return save(_figure(table, ordered(frame["task"], TASK_ORDER)), table, folder, "efficiency")
 
 
 def numbers(cells: pd.DataFrame) -> pd.DataFrame:
     """Of the cells of one task, a row a method and number of simulations: quartiles of the squared error, the floor.
 
     The floor, with so many simulations and a median over targets, is missing for a task that is not registered here.
+    A method without any cell that is `ok` has no rows.
     """
     budget = cells["budget"].max()
     grid = np.unique(np.geomspace(budget / 160, budget, NUM_POINTS).round().astype(int))
@@ -47,12 +52,15 @@ def numbers(cells: pd.DataFrame) -> pd.DataFrame:
         names = ("lower_quartile", "median", "upper_quartile")
         numbers = {"simulations": grid[begun], **dict(zip(names, quartiles, strict=True)), "floor": floors[begun]}
         frames.append(pd.DataFrame({"task": own["task"].iloc[0], "method": method, "cells": len(errors), **numbers}))
-    return pd.concat(frames)
+    return pd.concat(frames) if frames else pd.DataFrame()
 
 
 def errors_at(record: dict[str, Any], simulations: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Squared error of the last estimate made with at most so many simulations, NaN before the first: (n,) -> (n,)."""
-    trace = record["trace"]
+    """Squared error of the last estimate made with at most so many simulations, NaN before the first: (n,) -> (n,).
+
+    A method that tells nothing of its way, as it may, has one estimate: the last.
+    """
+    trace = record["trace"] or [{"simulations": record["simulations_used"], "theta": record["theta_hat"]}]
     theta = np.array([point["theta"] for point in trace], float).reshape(len(trace), -1)
     errors = ((theta - record["theta_true"]) ** 2).sum(axis=1)
     last = np.searchsorted([point["simulations"] for point in trace], simulations, side="right")
@@ -67,11 +75,15 @@ def _floor(record: dict[str, Any], simulations: NDArray[np.int64]) -> NDArray[np
     return np.array([task.floor(theta, record["num_observations"], int(n)) for n in simulations])
 
 
-def _figure(table: pd.DataFrame) -> Figure:
-    tasks, methods = ordered(table["task"], TASK_ORDER), ordered(table["method"], METHOD_ORDER)
+def _figure(table: pd.DataFrame, tasks: list[str]) -> Figure:
+    methods = ordered(table["method"], METHOD_ORDER)
     figure, axes = panels(tasks)
     for axis, task in zip(axes, tasks, strict=True):
-        _panel(axis, table[table["task"] == task], methods)
+        own = table[table["task"] == task]
+        if own.empty:
+            note(axis, "no cell has an estimate")
+        else:
+            _panel(axis, own, methods)
     handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
     shown = [name for name in (*methods, "floor") if name in handles]
     figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(5, len(shown)))

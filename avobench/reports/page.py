@@ -1,22 +1,22 @@
 """One self-contained page of a results folder: figures, tables, and what stands behind each number."""
 
-import base64
 import json
-import math
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
-from jinja2 import Environment, FileSystemLoader
 
-from avobench.bench.record import Status
-from avobench.bench.store import Store, labels, to_frame
+from avobench.bench.status import Status
+from avobench.bench.store import Store
+from avobench.bench.table import labels, to_frame
+from avobench.reports import html
 from avobench.reports.benchmark import numbers
 from avobench.reports.benchmark_claims import PRESETS
-from avobench.reports.draw import STUDY_FIGURES, draw, records_for
+from avobench.reports.figures import STUDY_FIGURES, draw, records_for
 from avobench.reports.quantities import comparable
 from avobench.reports.reproduction import CLAIMS, gather
 from avobench.reports.style import TASK_ORDER
@@ -43,73 +43,103 @@ CAPTIONS = {
 def render(results: Path, studies: Path | None) -> str:
     """The page on the records in the folder `results`, and in `studies` where that is given.
 
-    Raises UsageError or StoreError when a folder cannot be read.
+    A figure or a table that cannot be made is a sentence in its place. Raises UsageError or StoreError when a folder
+    cannot be read.
     """
     store = Store(results)
     records = store.read_all()
     frame = to_frame(records)
-    figures = list(_figures(store, None if studies is None else Store(studies)))
     failed = int((frame["status"] != Status.OK).sum())
-    template = Environment(
-        loader=FileSystemLoader(Path(__file__).parent), autoescape=True, trim_blocks=True, lstrip_blocks=True
-    ).get_template("page.html.jinja")
-    return template.render(
+    facts = {
+        "cells": len(records),
+        "failed": failed,
+        "tasks": frame["task"].nunique(),
+        "methods": frame["method"].nunique(),
+    }
+    return html.page(
+        "page.html.jinja",
         title=f"records in {results}",
-        lead=f"{len(records)} cells, {failed} failed; {frame['task'].nunique()} tasks, "
-        f"{frame['method'].nunique()} methods. Squared errors are in the parameters' raw units; the floor is what the "
-        "best estimator could expect. Click a column's name to sort by it.",
-        figures=figures,
-        tables=list(_tables(store, records, studies)),
+        facts=facts,
+        lead="Squared errors are in the parameters' raw units; the floor is what the best estimator could expect.",
+        figures=[html.made(name, make) for name, make in _figures(store, None if studies is None else Store(studies))],
+        tables=[html.made(name, make) for name, make in _tables(store, records, studies)],
     )
 
 
-def _figures(store: Store, studies: Store | None) -> Iterator[dict[str, str]]:
-    """The figures that the records allow."""
-    has_weinberg = any((record["task"], record["status"]) == ("weinberg", Status.OK) for record in store.read_all())
+def _figures(store: Store, studies: Store | None) -> Iterator[tuple[str, Callable[[], html.Picture]]]:
+    """The figures that the records are there for, each with what draws it."""
+    has_weinberg = any(record["task"] == "weinberg" for record in store.read_all())
     names = [name for name in CAPTIONS if name not in STUDY_FIGURES and (name != "weinberg" or has_weinberg)]
     sources = [(name, store) for name in names]
     if studies is not None:
-        tasks = {record["task"] for record in studies.read()[0]}
-        made = {name: f"{name}-example" in tasks for name in ("poisson", "alignment")}
-        made["detector"] = (studies.path / DETECTOR_FILE).exists()
-        sources += [(name, studies) for name in STUDY_FIGURES if made[name]]
+        tasks = {record["task"] for record in studies.read_sound()}
+        there = {name: f"{name}-example" in tasks for name in ("poisson", "alignment")}
+        there["detector"] = (studies.path / DETECTOR_FILE).exists()
+        sources += [(name, studies) for name in STUDY_FIGURES if there[name]]
     for name, source in sources:
-        with tempfile.TemporaryDirectory() as folder:
-            _, png, csv = draw(name, records_for(name, source), Path(folder))
-            image, table = _data("image/png", png.read_bytes()), _data("text/csv", csv.read_bytes())
-        yield {"name": name, "caption": CAPTIONS[name], "image": image, "csv": table}
+        yield name, partial(_picture, name, source)
 
 
-def _tables(store: Store, records: list[dict[str, Any]], studies: Path | None) -> Iterator[dict[str, Any]]:
+def _picture(name: str, source: Store) -> html.Picture:
+    with tempfile.TemporaryDirectory() as folder:
+        _, png, csv = draw(name, records_for(name, source), Path(folder))
+        return html.Picture(name, CAPTIONS[name], png.read_bytes(), html.address("text/csv", csv.read_bytes()))
+
+
+def _tables(
+    store: Store, records: list[dict[str, Any]], studies: Path | None
+) -> Iterator[tuple[str, Callable[[], html.Table]]]:
+    """The tables that the records are there for, each with what makes it."""
     frame = to_frame(records)
     frame["task"], frame["method"] = labels(records)
-    compared = pd.concat([comparable(cells) for _, cells in frame.groupby("task", sort=False)])
-    text = "Over the targets that all methods of a task have; what the box plots show."
-    yield _table("summary", "Summary", text, numbers(compared))
+    yield "summary", partial(_summary, frame)
     if METHOD in set(frame["method"]):
-        text = "What avo should reach, beside what was measured of every method. Inefficiency is the median ratio of "
-        text += "squared error to floor over that of an efficient estimator: 1 is the best possible."
-        yield _table("targets", "Targets of avo", text, targets_table(records))
+        yield "targets", partial(_targets, records)
     wanted = product(TASK_ORDER, (PRESETS[0], *RIVALS))
     if studies is not None and {*wanted} <= {*zip(frame["task"], frame["method"], strict=True)}:
-        evidence = gather(store.path, studies)
-        found = [(claim.title, claim.where, claim.find(evidence)) for claim in CLAIMS]
-        rows = [(title, where, finding.verdict, finding.reading) for title, where, finding in found]
-        text = "What holds of the paper; docs/reproduction.md has the numbers."
-        yield _table("claims", "Claims", text, pd.DataFrame(rows, columns=["claim", "where", "verdict", "criterion"]))
+        yield "claims", partial(_claims, store.path, studies)
+    yield "cells", partial(_cells, frame)
+    yield "settings", partial(_settings, records)
+    sweeps = store.sweeps()
+    if sweeps:
+        yield "commands", partial(_commands, sweeps)
+
+
+def _summary(frame: pd.DataFrame) -> html.Table:
+    compared = pd.concat([comparable(cells) for _, cells in frame.groupby("task", sort=False)])
+    text = "Over the targets that all methods of a task have; what the box plots show."
+    return _table("summary", "Summary", text, numbers(compared))
+
+
+def _targets(records: list[dict[str, Any]]) -> html.Table:
+    text = "What avo should reach, beside what was measured of every method. Inefficiency is the median ratio of "
+    text += "squared error to floor over that of an efficient estimator: 1 is the best possible."
+    return _table("targets", "Targets of avo", text, targets_table(records))
+
+
+def _claims(results: Path, studies: Path) -> html.Table:
+    evidence = gather(results, studies)
+    found = [(claim.title, claim.where, claim.find(evidence)) for claim in CLAIMS]
+    rows = [(title, where, finding.verdict, finding.reading) for title, where, finding in found]
+    text = "What holds of the paper; docs/reproduction.md has the numbers."
+    return _table("claims", "Claims", text, pd.DataFrame(rows, columns=["claim", "where", "verdict", "criterion"]))
+
+
+def _cells(frame: pd.DataFrame) -> html.Table:
     columns = ["task", "method", "target", "repetition", "status", "squared_error", "floor", "simulations_used"]
     columns += ["simulator_seconds", "method_seconds", "started", "message", "id"]
-    yield _table("cells", "Cells", "A row an inference; the download has every field.", frame[columns], frame)
-    yield _table(
-        "settings",
-        "Settings, versions and commits",
-        "What made the cells of each task and method: every combination that occurs.",
-        provenance(records),
-    )
-    sweeps = pd.DataFrame(store.sweeps())
-    if len(sweeps):
-        sweeps["versions"] = sweeps["versions"].map(lambda versions: json.dumps(versions, sort_keys=True))
-        yield _table("commands", "Commands", "The runs that made the records, oldest first.", sweeps)
+    return _table("cells", "Cells", "A row an inference; the download has every field.", frame[columns], frame)
+
+
+def _settings(records: list[dict[str, Any]]) -> html.Table:
+    text = "What made the cells of each task and method: every combination that occurs."
+    return _table("settings", "Settings, versions and commits", text, provenance(records))
+
+
+def _commands(sweeps: list[dict[str, Any]]) -> html.Table:
+    frame = pd.DataFrame(sweeps)
+    frame["versions"] = frame["versions"].map(lambda versions: json.dumps(versions, sort_keys=True))
+    return _table("commands", "Commands", "The runs that made the records, oldest first.", frame)
 
 
 def provenance(records: list[dict[str, Any]]) -> pd.DataFrame:
@@ -123,29 +153,25 @@ def provenance(records: list[dict[str, Any]]) -> pd.DataFrame:
     return frame.value_counts(dropna=False, sort=False).rename("cells").reset_index()
 
 
-def _table(id: str, title: str, text: str, frame: pd.DataFrame, full: pd.DataFrame | None = None) -> dict[str, Any]:
-    """What the template shows of `frame`; its download holds `full`, where that is more."""
-    rows = [[_cell(value) for value in row] for row in frame.itertuples(index=False)]
+def _table(id: str, title: str, text: str, frame: pd.DataFrame, full: pd.DataFrame | None = None) -> html.Table:
+    """A table of the page with the content of `frame`; its download holds `full`, where that is more."""
     content = (frame if full is None else full).to_csv(index=False).encode()
-    return {
-        "id": id,
-        "title": title,
-        "text": text,
-        "columns": list(frame.columns),
-        "rows": rows,
-        "csv": _data("text/csv", content),
-    }
+    shown = frame.assign(
+        **{name: frame[name].map(plain, na_action="ignore") for name, plain in PLAIN.items() if name in frame}
+    )
+    columns = {name: html.column(shown[name]) for name in shown}
+    return html.Table.of(id, title, text, columns, html.address("text/csv", content))
 
 
-def _cell(value: Any) -> dict[str, Any]:
-    """A table's cell: the text shown, and the value by which it is sorted, empty where there is none."""
-    if pd.isna(value):
-        return {"text": "-", "value": "", "number": True}
-    if isinstance(value, str):
-        return {"text": value, "value": value, "number": False}
-    shown = f"{value:.3g}" if isinstance(value, float) and math.isfinite(value) else str(value)
-    return {"text": shown, "value": str(value).replace("inf", "Infinity"), "number": True}
+def _pairs(settings: str) -> str:
+    """Settings or versions, kept as JSON, as a person writes them: `radius=3.2, response="hit"`."""
+    return ", ".join(f"{name}={json.dumps(value)}" for name, value in json.loads(settings).items())
 
 
-def _data(kind: str, content: bytes) -> str:
-    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
+def _moment(started: str) -> str:
+    """When a record was begun, in UTC, to the minute: `2026-11-21 20:40`."""
+    return started[: len("2026-11-21T20:40")].replace("T", " ")
+
+
+PLAIN = {"task_settings": _pairs, "method_settings": _pairs, "versions": _pairs, "started": _moment}
+"""How the columns of these names are shown; the download has them as they are in the records."""

@@ -10,7 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from avobench.bench.store import write_atomically
+from avobench.bench.atomic import write_atomically
 
 BLOCK = re.compile(r"(^<!-- printed by: (.+?) -->\n\s*```\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)
 PROGRAMS = {"avobench": [sys.executable, "-m", "avobench"], "python": [sys.executable]}

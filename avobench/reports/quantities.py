@@ -9,8 +9,8 @@ from scipy.stats import chi2
 from scipy.stats.qmc import Sobol
 
 from avobench.bench import registry
-from avobench.bench.record import Status
-from avobench.bench.store import labels, to_frame
+from avobench.bench.status import Status
+from avobench.bench.table import labels, to_frame
 from avobench.tasks import Task
 
 

@@ -11,7 +11,7 @@ import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from avobench.bench.store import write_atomically
+from avobench.bench.atomic import write_atomically
 
 TASK_ORDER = ("poisson", "carl", "weinberg", "alignment")
 METHOD_ORDER = ("avo", "avo-paper", "abc-smc", "bolfi")
@@ -61,6 +61,12 @@ def panels(titles: list[str], columns: int = 2, size: tuple[float, float] = PANE
     for axis in axes[len(titles) :]:
         axis.set_visible(False)
     return figure, list(axes[: len(titles)])
+
+
+def note(axis: Axes, text: str) -> None:
+    """Say in the middle of a panel why nothing is drawn in it."""
+    axis.text(0.5, 0.5, text, ha="center", va="center", transform=axis.transAxes)
+    axis.set(xticks=[], yticks=[])
 
 
 def save(figure: Figure, table: pd.DataFrame, folder: Path, name: str) -> list[Path]:

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from avobench.bench.record import Status
+from avobench.bench.status import Status
 from avobench.bench.streams import observe
 from avobench.reports.quantities import comparable, labelled, task_of
 from avobench.reports.style import METHOD_ORDER, STYLE, TRUTH, colours, ordered, save
@@ -28,7 +28,7 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
     """
     shown = [record for record in records if (record["task"], record["status"]) == ("weinberg", Status.OK)]
     if not shown:
-        raise StoreError("there are no records of weinberg to draw")
+        raise StoreError("there are no records of weinberg with an estimate to draw")
     cells = labelled(shown)
     cells = comparable(cells[cells["repetition"] == 0])
     with matplotlib.rc_context(STYLE):

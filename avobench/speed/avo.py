@@ -1,14 +1,17 @@
 """How fast AVO's step is, beside what bounds it: `make bench-avo`.
 
-First the whole step against a plain implementation (`bench/plain_avo.py`), then the discriminator's update, by
-autograd and fused (`methods/fused_step.py`), against the matrix products in it alone and against the memory traffic of
-its optimiser. Everything is timed in turns, as processor time of this process with one thread, so that other work on
-the machine counts little; a number is the median over the rounds.
+First an iteration of `avo-paper` against a plain implementation (`plain_avo.py`). Then the discriminator's update as
+`avo` makes it, by hand (`methods/fused_step.py`), against what PyTorch differentiates (`discriminator_steps.py`), for
+the networks and batches of both methods, and against what bounds it: the matrix products in it alone and the memory
+traffic of its optimiser. Everything is timed in turns, as processor time of this process with one thread, so that other
+work on the machine counts little; a number is the median over the rounds.
 """
 
+import copy
 import time
 from collections.abc import Callable
 from functools import partial
+from typing import NamedTuple
 
 import click
 import numpy as np
@@ -20,17 +23,23 @@ from avobench.bench.budget import MeteredSimulator, pose
 from avobench.bench.registry import build, names
 from avobench.methods.avo import Avo
 from avobench.methods.avo_paper import AvoPaper
-from avobench.methods.discriminator import Discriminator
+from avobench.methods.discriminator import mlp
 from avobench.methods.fused_step import FusedStep
+from avobench.speed.discriminator_steps import AutogradStep, VmapStep
 from avobench.speed.plain_avo import PlainAvo
 from avobench.tasks import Task
 from avobench.tasks.errors import AvobenchError
 
-R1, RATE = 10.0, 1e-7
+R1 = 10.0
+"""The paper's. A step takes as long whatever it is, unless it is zero."""
+RATE = 1e-7
 """A rate that leaves the networks as they are: the plain one takes the logarithm of 1 - d, which a sure one makes 0."""
 NUM_OBSERVATIONS = 1000
+"""Events that batches are drawn from; a step takes as long whatever their number is."""
 LARGE = 1 << 24
 """Numbers that no cache holds: 64 MiB of them."""
+ADAM_ARRAYS = 7
+"""Of the size of the parameters, through memory in a step: parameters, gradient and two means in, all but one out."""
 
 
 class Noise(Task):
@@ -63,8 +72,8 @@ def milliseconds(works: list[Callable[[], object]], rounds: int) -> list[float]:
     return (1000 * np.median(times[1:], axis=0)).tolist()
 
 
-def whole_step(task: Task, batch_size: int, rounds: int) -> dict[str, float]:
-    """Milliseconds of an iteration, plain and as AvoPaper has it: M simulated events, one update of d and one of q."""
+def iteration(task: Task, batch_size: int, rounds: int) -> dict[str, float]:
+    """Milliseconds of one, plain and as AvoPaper has it: M simulated events, one update of d and one of q."""
     noise, rng = Noise(task), np.random.default_rng(0)
     x = rng.standard_normal((NUM_OBSERVATIONS, task.num_features))
     hidden, p = task.discriminator.hidden, task.prior.dim
@@ -72,73 +81,80 @@ def whole_step(task: Task, batch_size: int, rounds: int) -> dict[str, float]:
     few, many = 2, 7  # what remains of their difference is the iterations alone, without making the network
     rates = {"learning_rate": RATE, "proposal_learning_rate": RATE}
 
-    def infer(step: str, iterations: int) -> None:
+    def infer(iterations: int) -> None:
         simulate = MeteredSimulator(noise, iterations * batch_size, np.random.default_rng(0))
-        method = AvoPaper(schedule="shared", batch_size=batch_size, step=step, **rates)
+        method = AvoPaper(schedule="shared", batch_size=batch_size, **rates)
         method.infer(pose(noise, x, simulate), np.random.default_rng(0))
 
-    runs = [partial(infer, step, iterations) for step in ("autograd", "fused") for iterations in (few, many)]
-    times = milliseconds([plain.step, *runs], rounds)
-    autograd, fused = (times[2] - times[1]) / (many - few), (times[4] - times[3]) / (many - few)
-    measured = {"plain [ms]": times[0], "autograd [ms]": autograd, "fused [ms]": fused}
-    return measured | {"plain / autograd": times[0] / autograd, "plain / fused": times[0] / fused}
+    times = milliseconds([plain.step, partial(infer, few), partial(infer, many)], rounds)
+    ours = (times[2] - times[1]) / (many - few)
+    return {"plain [ms]": times[0], "avo-paper [ms]": ours, "plain / avo-paper": times[0] / ours}
 
 
-def discriminator_step(
-    task: Task, batch_size: int, rounds: int, hidden: tuple[int, ...] | None = None
-) -> dict[str, float]:
-    """Milliseconds of one update from M / 2 observed and M / 2 simulated events, and of what bounds it.
+class Update(NamedTuple):
+    """Which networks are updated, and with how many events."""
 
-    Of the task's network, or of one with the layers `hidden`.
-    """
+    of: str
+    networks: int
+    features: int
+    hidden: tuple[int, ...]
+    events: int
+    """Observed ones, and as many simulated ones, for each network."""
+
+
+def updates(problems: int = 15) -> list[Update]:
+    """Those of `avo` for one problem and for as many as the benchmark has targets, and of `avo-paper` at M = 32."""
+    avo, own = Avo(), {1: "poisson", 5: "carl", 32: "alignment, rows summed"}
+    cases = [Update(f"avo, {own[d]}", 2, d, avo.hidden, avo.batch_size) for d in own]
+    cases += [Update(f"avo, {own[d]}", 2 * problems, d, avo.hidden, avo.batch_size) for d in own]
+    for name in ("poisson", "weinberg"):
+        task, half = build("task", name, {}), AvoPaper().batch_size // 2
+        shape = (1, task.num_features, task.discriminator.hidden)
+        cases += [Update(f"avo-paper, {name}", *shape, events) for events in (half, 2 * half)]
+    return cases
+
+
+def discriminator_update(update: Update, rounds: int) -> dict[str, float]:
+    """Milliseconds by hand, how many times as long the other ways take, and the share of what bounds it."""
     rng = np.random.default_rng(0)
-    noise = Noise(task)
-    x = rng.standard_normal((NUM_OBSERVATIONS, task.num_features))
-    problem = pose(noise, x, MeteredSimulator(noise, 1, rng))
-    n, hidden = batch_size // 2, hidden or task.discriminator.hidden
-    real, synthetic = x[:n], x[n : 2 * n]
-    by_autograd, by_hand = (Discriminator(problem, hidden, np.random.default_rng(0)) for _ in range(2))
-    optimiser = torch.optim.RMSprop(by_autograd.parameters(), lr=RATE)
-    fused = FusedStep([by_hand.network], RATE, R1, "probability")
-
-    def autograd() -> None:
-        optimiser.zero_grad()
-        by_autograd.loss(real, synthetic, R1, "probability").backward()
-        optimiser.step()
-
-    works = [autograd, lambda: fused(by_hand.inputs(real)[None], by_hand.inputs(synthetic)[None]), products(by_hand, n)]
-    autograd_ms, fused_ms, products_ms = milliseconds(works, rounds)
-    parameters = sum(p.numel() for p in by_hand.parameters())
-    traffic = 5 * 4 * parameters / bandwidth()
+    networks = [mlp(update.features, update.hidden, rng) for _ in range(update.networks)]
+    real, synthetic = torch.randn(2, update.networks, update.events, update.features)
+    ways = {
+        "autograd, foreach": AutogradStep(copy.deepcopy(networks), RATE, R1, "foreach"),
+        "autograd, fused": AutogradStep(copy.deepcopy(networks), RATE, R1, "fused"),
+        "vmap, foreach": VmapStep(networks, RATE, R1, "foreach"),
+        "vmap, fused": VmapStep(networks, RATE, R1, "fused"),
+    }
+    by_hand = FusedStep(copy.deepcopy(networks), RATE, R1)
+    works = [partial(step, real, synthetic) for step in (by_hand, *ways.values())]
+    hand_ms, *others, products_ms = milliseconds([*works, products(by_hand, update.events)], rounds)
+    traffic = ADAM_ARRAYS * 4 * by_hand.flat.numel() / bandwidth()
     return {
-        "parameters": parameters,
-        "autograd [ms]": autograd_ms,
-        "fused [ms]": fused_ms,
-        "products [ms]": products_ms,
-        "share": products_ms / fused_ms,
-        "traffic [ms]": traffic,
-        "share of both": (products_ms + traffic) / fused_ms,
+        "by hand [ms]": hand_ms,
+        **{f"{name} / by hand": ms / hand_ms for name, ms in zip(ways, others, strict=True)},
+        "products / by hand": products_ms / hand_ms,
+        "with traffic": (products_ms + traffic) / hand_ms,
     }
 
 
-def products(discriminator: Discriminator, n: int) -> Callable[[], None]:
+def products(step: FusedStep, n: int) -> Callable[[], None]:
     """The matrix products of one update from n observed and n simulated events, into buffers that stand.
 
     A layer has five: events up, the chain of R1 down and up, events down (not below the first layer), and the gradient
     from all three sets of rows.
     """
-    weights = [p.detach() for p in discriminator.parameters() if p.ndim == 2][:-1]
+    weights = [tensor for tensor in step.tensors if tensor.ndim == 3][:-1]
     work = []
     for i, weight in enumerate(weights):
-        q, p = weight.shape
-        x, z = torch.randn(3 * n, p), torch.randn(3 * n, q)
-        work += [(x[: 2 * n], weight.T), (z[:n], weight), (x[:n], weight.T), (z.T, x)]
-        work += [(z[: 2 * n], weight)] if i else []
-    buffers = [torch.empty(len(a), b.shape[1]) for a, b in work]
+        t, q, p = weight.shape
+        x, z = torch.randn(t, 3 * n, p), torch.randn(t, 3 * n, q)
+        work += [(x[:, : 2 * n], weight.mT), (z[:, :n], weight), (x[:, :n], weight.mT), (z.mT, x)]
+        work += [(z[:, : 2 * n], weight)] if i else []
+    buffers = [torch.empty(len(a), a.shape[1], b.shape[2]) for a, b in work]
 
     def multiply() -> None:
         for (a, b), out in zip(work, buffers, strict=True):
-            torch.mm(a, b, out=out)
+            torch.bmm(a, b, out=out)
 
     return multiply
 
@@ -150,29 +166,31 @@ def bandwidth(rounds: int = 5) -> float:
     return 2 * 4 * LARGE / copy
 
 
+def show(title: str, rows: list[dict[str, object]]) -> None:
+    click.echo(title)
+    click.echo(pd.DataFrame(rows).to_string(index=False, float_format="{:.3g}".format) + "\n")
+
+
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
-@click.option("--task", "tasks", multiple=True, metavar="NAME", help="Whose network; repeatable.  [all]")
+@click.option(
+    "--task", "tasks", multiple=True, metavar="NAME", help="Whose iterations of avo-paper; repeatable.  [all]"
+)
 @click.option("--batch-size", "batch_sizes", multiple=True, type=int, default=(32, 256), show_default=True)
 @click.option("--rounds", default=9, show_default=True)
 def main(tasks: tuple[str, ...], batch_sizes: tuple[int, ...], rounds: int) -> None:
-    """Print AVO's time a step, beside a plain implementation, matrix products alone, and the optimiser's traffic."""
+    """Print AVO's time a step: beside a plain implementation, by hand beside PyTorch's, and beside what bounds it."""
     torch.set_num_threads(1)
     try:
         cases = [(build("task", name, {}), size) for size in batch_sizes for name in tasks or names("task")]
     except AvobenchError as error:
         raise click.ClickException(str(error)) from error
-    avo = Avo()
-    tuned = partial(discriminator_step, hidden=avo.hidden)
-    own = [(task, 2 * avo.batch_size) for task, size in cases if size == batch_sizes[0]]
-    tables = {
-        "whole step": (whole_step, cases),
-        "discriminator step": (discriminator_step, cases),
-        f"discriminator step with the network of avo, {'-'.join(map(str, avo.hidden))}": (tuned, own),
-    }
-    for title, (measure, sizes) in tables.items():
-        rows = [{"task": task.name, "M": size, **measure(task, size, rounds)} for task, size in sizes]
-        click.echo(f"{title}, median of {rounds} rounds")
-        click.echo(pd.DataFrame(rows).to_string(index=False, float_format="{:.3g}".format) + "\n")
+    rows = [{"task": task.name, "M": size, **iteration(task, size, rounds)} for task, size in cases]
+    show(f"an iteration of avo-paper, median of {rounds} rounds", rows)
+    rows = []
+    for update in updates():
+        hidden = "-".join(map(str, update.hidden))
+        rows.append({**update._asdict(), "hidden": hidden, **discriminator_update(update, rounds)})
+    show(f"an update of the discriminators with Adam and R1, median of {rounds} rounds", rows)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from scipy.stats import wilcoxon
 
 from avobench.bench.cell import Cell
 from avobench.bench.plan import parse_targets
-from avobench.bench.record import Status
+from avobench.bench.status import Status
 from avobench.bench.trial import execute
 from avobench.tasks.errors import AvobenchError
 

@@ -6,7 +6,8 @@ from typing import Any
 
 import pandas as pd
 
-from avobench.bench.store import Store, labels, to_frame
+from avobench.bench.store import Store
+from avobench.bench.table import labels, to_frame
 from avobench.tasks.contract import NUM_TARGETS
 
 LARGE = 100

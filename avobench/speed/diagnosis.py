@@ -34,7 +34,7 @@ def measure(task_name: str, num_events: int, share: float, seed: int = 0) -> dic
     params = np.tile([*theta, strength], (num_events, 1))
     x = Model(task, (chosen[0],)).simulate(params, rng)
     start = time.process_time()
-    found = diagnose(task, x, seed=seed, effects=chosen)
+    found = diagnose(task, x, seed=seed, effects=chosen).diagnosis
     seconds = time.process_time() - start
     named = ", ".join(effect.name for effect in found.effects) or "-"
     return {

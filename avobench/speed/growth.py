@@ -18,8 +18,8 @@ from avobench.bench.backends.local import LocalBackend
 from avobench.bench.cell import Cell
 from avobench.bench.memory import peak_memory_mib, reset_peak_memory
 from avobench.bench.plan import plan
-from avobench.bench.record import Status, reason
 from avobench.bench.runner import View, run
+from avobench.bench.status import Status, reason
 from avobench.bench.store import Store
 from avobench.bench.trial import execute
 from avobench.speed.cost import PARTS

@@ -7,9 +7,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from avobench.bench.atomic import write_atomically
 from avobench.bench.cell import Cell
-from avobench.bench.record import SCHEMA_VERSION
-from avobench.bench.store import decode, encode, write_atomically
+from avobench.bench.record import SCHEMA_VERSION, decode, encode
 from avobench.bench.streams import stream
 from avobench.bench.versions import versions
 from avobench.tasks.alignment import CHUNK, NUM_COLUMNS, NUM_ROWS, Alignment
@@ -34,8 +34,8 @@ ABLATION_REPETITIONS = 3
 ABLATION_TASKS = ("poisson", "carl", "weinberg", "alignment")
 CHEAP_TASKS = ABLATION_TASKS[:-1]
 ABLATIONS: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
-    "without the local stage": ({"local_share": 0.0}, ABLATION_TASKS),
-    "without polish and local stage": ({"polish": False}, ABLATION_TASKS),
+    "without the local phase": ({"local_share": 0.0}, ABLATION_TASKS),
+    "without polish and local phase": ({"polish": False}, ABLATION_TASKS),
     "each d used on its own events": ({"cross_fit": False}, ABLATION_TASKS),
     "images not summed": ({"symmetric": False}, ("alignment",)),
     "fresh events only": ({"replay": 160, "proposal_replay": 160}, CHEAP_TASKS),

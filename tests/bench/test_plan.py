@@ -82,6 +82,7 @@ def test_impossible_targets_are_refused(text):
         ({"tasks": ["toys:Moment"]}, "not a subclass"),
         ({"budget": 0}, "--budget must be at least 1"),
         ({"budget": -5}, "--budget must be at least 1"),
+        ({"budget": 2**63}, "--budget must be below 2^63"),
         ({"num_observations": 0}, "--observations must be at least 1"),
         ({"repetitions": 0}, "--repetitions must be at least 1"),
         ({"seed": -1}, "--seed must lie between"),

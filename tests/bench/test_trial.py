@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from avobench.bench.plan import plan
+from avobench.bench.record import check
 from avobench.bench.streams import observe
 from avobench.bench.trial import execute
 
@@ -34,11 +35,15 @@ def test_a_record_holds_the_estimate_its_score_and_what_it_took():
         ("moment.fault=outside", "invalid_estimate", "not within the support"),
         ("moment.fault=nothing", "invalid_estimate", "NoneType instead of an Estimate"),
         ("moment.fault=trace", "invalid_estimate", "the trace must be a list of TracePoint, got 1"),
+        ("moment.fault=backwards", "invalid_estimate", "the trace must go from 0 towards the 4000 used"),
+        ("moment.fault=beyond", "invalid_estimate", "the trace must go from 0 towards the 4000 used"),
+        ("moment.fault=spread", "invalid_estimate", "the std of the estimate is negative"),
         ("moment.fault=support", "outside_support", "theta = [100.0] lies outside"),
         ("normal.fault=raises", "simulator_error", "the simulator of normal raised RuntimeError"),
         ("normal.fault=nan", "simulator_error", "NaN or infinity"),
         ("normal.fault=exits", "simulator_error", "the simulator of normal raised SystemExit: 0"),
         ("normal.fault=floor", "simulator_error", "the floor of normal must be a number, got None"),
+        ("normal.fault=negative floor", "simulator_error", "the floor of normal must not be negative, got -1.0"),
         ("moment.fault=exits", "method_error", "SystemExit: 0"),
         ("moment.fault=usage", "method_error", "not like this"),
         ("moment.fault=cheats", "method_error", "AttributeError"),
@@ -52,6 +57,7 @@ def test_a_failure_is_a_record_with_its_reason(setting, status, message):
     assert record["theta_hat"] is None
     assert record["squared_error"] is None
     assert set(record) == set(execute(cell()))
+    check(record)
     assert record["simulations_used"] <= 4000
     assert record["simulations_requested"] == record["simulations_used"] + record["simulations_refused"]
 

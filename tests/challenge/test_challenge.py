@@ -2,18 +2,22 @@
 
 import json
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 from scipy.stats import kstest, poisson
 
-from avobench.challenge import make as making
+from avobench.challenge import hide as hiding
 from avobench.challenge import solve as solving
+from avobench.challenge.case import Case
 from avobench.challenge.make import KINDS, make
-from avobench.challenge.score import RECORDS, Case, rate, read_records, records, score
+from avobench.challenge.records import RECORDS, read_records, records
+from avobench.challenge.score import rate, score
 from avobench.challenge.solve import read_manifest, solve
-from avobench.challenge.table import as_text, targets
+from avobench.challenge.table import as_text
+from avobench.challenge.targets import targets
 from avobench.challenge.visibility import visibility
 from avobench.cli import main as cli
 from avobench.diagnosis.schema import Diagnosis
@@ -131,9 +135,9 @@ def test_what_cannot_be_made_is_refused_and_leaves_nothing(tmp_path):
 
 def test_an_effect_of_the_catalogue_is_drawn_within_its_bounds():
     rng = np.random.default_rng(0)
-    for effect in making.catalogue(Weinberg()):
+    for effect in hiding.catalogue(Weinberg()):
         for _ in range(20):
-            drawn = making.OwnShape.draw(effect, rng)
+            drawn = hiding.OwnShape.draw(effect, rng)
             for parameter, value in zip(drawn.effect.parameters, drawn.phi, strict=True):
                 assert parameter.low <= value <= parameter.high
             assert drawn.phi[0] != drawn.effect.parameters[0].null
@@ -142,14 +146,14 @@ def test_an_effect_of_the_catalogue_is_drawn_within_its_bounds():
 @pytest.mark.parametrize("task", [Poisson(), Weinberg()], ids=lambda task: task.name)
 def test_strengths_of_the_catalogue_s_own_shapes_are_log_uniform(task):
     rng = np.random.default_rng(0)
-    for effect in making.catalogue(task):
+    for effect in hiding.catalogue(task):
         shares = []
         for _ in range(200):
-            drawn = making.OwnShape.draw(effect, rng)
+            drawn = hiding.OwnShape.draw(effect, rng)
             strength = drawn.effect.parameters[0]
             bound = strength.high if drawn.phi[0] > strength.null else strength.low
             shares.append((drawn.phi[0] - strength.null) / (bound - strength.null))
-        low, high = np.log(making.OWN_RANGE)
+        low, high = np.log(hiding.OWN_RANGE)
         assert kstest((np.log(shares) - low) / (high - low), "uniform").pvalue > 1e-4
 
 
@@ -162,7 +166,7 @@ def test_solving_never_opens_the_answers_and_goes_on_from_where_it_stopped(fresh
         seen.append((seed, x.shape, effects and len(effects)))
         if len(seen) == 4:
             raise KeyboardInterrupt
-        return said()
+        return SimpleNamespace(diagnosis=said())
 
     monkeypatch.setattr(solving, "diagnose", diagnose)
     with pytest.raises(KeyboardInterrupt):
@@ -171,7 +175,7 @@ def test_solving_never_opens_the_answers_and_goes_on_from_where_it_stopped(fresh
     solve(folder)
     assert [number for number, _, _ in seen] == [0, 1, 2, 3, *range(3, 10)]
     assert {shape for _, shape, _ in seen} == {(1000, 1)}
-    assert sorted(len(list(making.catalogue(Poisson()))) - n for _, _, n in seen if n) == [1, 1]
+    assert sorted(len(list(hiding.catalogue(Poisson()))) - n for _, _, n in seen if n) == [1, 1]
     before = {path: path.stat().st_mtime_ns for path in (folder / "results").iterdir()}
     solve(folder)
     assert before == {path: path.stat().st_mtime_ns for path in (folder / "results").iterdir()}
@@ -187,7 +191,7 @@ def test_a_case_that_fails_is_a_row_and_is_tried_again(fresh, monkeypatch):
     def fails(task, x, *, seed, effects):
         if seed == 2:
             raise RuntimeError("lost the thread")
-        return said()
+        return SimpleNamespace(diagnosis=said())
 
     monkeypatch.setattr(solving, "diagnose", fails)
     solve(folder)
@@ -195,14 +199,16 @@ def test_a_case_that_fails_is_a_row_and_is_tried_again(fresh, monkeypatch):
     result = score(records(folder))
     assert result["failed"] == {"poisson 0002": "RuntimeError: lost the thread"}
     assert result["solved"] == 9
-    monkeypatch.setattr(solving, "diagnose", lambda task, x, *, seed, effects: said())
+    monkeypatch.setattr(solving, "diagnose", lambda task, x, *, seed, effects: SimpleNamespace(diagnosis=said()))
     solve(folder)
     assert score(records(folder))["failed"] == {}
 
 
 def test_results_of_other_options_are_not_mixed(fresh, monkeypatch):
     folder, _ = fresh
-    monkeypatch.setattr(solving, "diagnose", lambda task, x, *, seed, effects, alpha=0.05: said())
+    monkeypatch.setattr(
+        solving, "diagnose", lambda task, x, *, seed, effects, alpha=0.05: SimpleNamespace(diagnosis=said())
+    )
     solve(folder)
     with pytest.raises(UsageError, match="was made with"):
         solve(folder, options={"alpha": 0.01})
@@ -330,7 +336,9 @@ def test_intervals_are_those_of_clopper_and_pearson():
 
 def test_records_in_a_file_give_the_same_score(fresh, monkeypatch, tmp_path):
     folder, answers = fresh
-    monkeypatch.setattr(solving, "diagnose", lambda task, x, *, seed, effects: said(NAMED, [("pile_up", ())]))
+    monkeypatch.setattr(
+        solving, "diagnose", lambda task, x, *, seed, effects: SimpleNamespace(diagnosis=said(NAMED, [("pile_up", ())]))
+    )
     solve(folder)
     (folder / "answers.json").symlink_to(answers)
     lines = records(folder)

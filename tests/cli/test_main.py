@@ -6,6 +6,8 @@ import sys
 import pandas as pd
 import pytest
 
+from avobench.bench.store import Store
+
 QUICK = ("run", "--task", "toys:Normal", "--method", "toys:Moment", "--targets", "0-1", "--budget", 400)
 QUICK += ("--observations", 100, "--jobs", 1)
 
@@ -99,7 +101,7 @@ def test_an_empty_store_has_no_figure_and_no_table(avobench, tmp_path):
         code, out, err = avobench(*arguments, "--results", tmp_path / "empty")
         assert code == 1
         assert err.count("\n") == 1
-        assert "there are no records" in err
+        assert "there are no sound records" in err
         assert not out
 
 
@@ -117,20 +119,71 @@ def test_failed_cells_are_exit_code_1_and_named_by_status(avobench, tmp_path):
 def test_a_damaged_record_is_named_by_every_reader(avobench, results, tmp_path):
     damaged = sorted((results / "records").iterdir())[0]
     damaged.write_text(damaged.read_text().replace("normal", "norml"))
-    for arguments in (
-        ["status"],
-        ["export", "--format", "csv", "--out", tmp_path / "t.csv"],
-        ["figure", "benchmark", "--out", tmp_path],
+    for arguments, expected in (
+        (["status"], "normal"),
+        (["status", "--targets"], "no records"),  # of the paper's tasks
+        (["export", "--format", "csv", "--out", tmp_path / "t.csv"], "1 rows in"),
+        (["figure", "benchmark", "cost", "--out", tmp_path], "benchmark.csv"),
+        (["report", "--out", tmp_path], "index.html"),
     ):
-        code, _, err = avobench(*arguments, "--results", results)
+        code, out, err = avobench(*arguments, "--results", results)
         assert code == 1
+        assert expected in out
+        assert err.startswith("avobench: ")
         assert damaged.name in err
         assert "was changed after it was written" in err
         assert err.count("\n") == 1
-    assert not (tmp_path / "t.csv").exists()
+    assert pd.read_csv(tmp_path / "t.csv")["target"].tolist() == [1]
+    assert pd.read_csv(tmp_path / "benchmark.csv")["cells"].tolist() == [1]
     code, _, err = avobench(*QUICK, "--results", results)
     assert code == 0
     assert "set aside" in err
+
+
+def test_a_packed_folder_is_read_as_before_by_every_command(avobench, results, tmp_path):
+    readers = [
+        ["status"],
+        ["status", "--targets"],
+        ["export", "--format", "csv", "--out", tmp_path / "t.csv"],
+        ["figure", "benchmark", "cost", "efficiency", "--out", tmp_path],
+        ["report", "--out", tmp_path],
+    ]
+
+    def read():
+        printed = [avobench(*arguments, "--results", results) for arguments in readers]
+        assert [code for code, _, _ in printed] == [0] * len(readers)
+        return printed, {path.name: path.read_bytes() for path in tmp_path.glob("*.csv")}
+
+    before = read()
+    code, out, err = avobench("pack", "--results", results)
+    assert (code, err) == (0, "")
+    assert out == f"2 files packed, 2 records in {results / 'records.parquet'}\n"
+    assert not (results / "records").exists()
+    assert read() == before
+    code, out, err = avobench(*QUICK, "--results", results)
+    assert code == 0
+    assert "2 of 2 cells ok" in out
+    assert not (results / "records").exists()
+    code, out, _ = avobench("pack", "--results", results)
+    assert code == 0
+    assert out.startswith("0 files packed, 2 records")
+
+
+def test_packing_names_what_is_damaged_and_refuses_a_folder_in_use(avobench, results):
+    with Store(results).lock():
+        code, out, err = avobench("pack", "--results", results)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert "another avobench run is writing" in err
+    damaged = sorted((results / "records").iterdir())[0]
+    content = damaged.read_bytes()[:99]
+    damaged.write_bytes(content)
+    code, out, err = avobench("pack", "--results", results)
+    assert code == 1
+    assert out.startswith("1 files packed, 1 records")
+    assert damaged.name in err
+    assert err.count("\n") == 1
+    assert damaged.read_bytes() == content
 
 
 def test_debug_shows_where():

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from avobench.bench.plan import plan
 from avobench.bench.store import Store
-from avobench.reports.draw import FIGURES, STUDY_FIGURES, draw, records_for
+from avobench.reports.figures import FIGURES, STUDY_FIGURES, draw, records_for
 from avobench.reports.printed import filled
 from avobench.reports.reproduction import gather
 from avobench.reports.reproduction import page as claims

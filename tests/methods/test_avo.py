@@ -1,9 +1,12 @@
-"""The preset avo on problems whose best answer is known; see test_polish.py for its last stage."""
+"""The preset avo on problems whose best answer is known; see test_polish.py for the polish alone."""
 
 import numpy as np
 import pytest
+import torch
 
+from avobench.methods import stacked_discriminators
 from avobench.methods.avo import Avo, geometric
+from avobench.speed.discriminator_steps import AutogradStep
 from gaussian import GaussianMean, GaussianMeans, gaussian_problem
 
 FEW = {"iterations": 250, "hidden": (32, 32)}
@@ -37,7 +40,7 @@ def test_trace_counts_every_event_and_ends_with_the_estimate():
     assert (estimate.trace[-1].std < estimate.trace[0].std).all()
 
 
-def test_local_stage_brings_the_standard_error_near_that_of_all_events_at_the_right_place():
+def test_the_local_phase_brings_the_standard_error_near_that_of_all_events_at_the_right_place():
     quoted = {}
     for share in (0.0, 0.6):
         estimate = Avo(**FEW, local_share=share).infer(
@@ -61,6 +64,57 @@ def test_problems_solved_together_are_solved_as_each_by_itself():
     for a, b in zip(alone, together, strict=True):
         np.testing.assert_allclose(b.theta, a.theta, rtol=1e-4)
         assert [point.simulations for point in b.trace] == [point.simulations for point in a.trace]
+
+
+@pytest.mark.parametrize("cross_fit", [True, False])
+def test_problems_that_are_alike_do_not_learn_from_each_other(cross_fit):
+    """The same problem and stream twice in a stack with another one: the two answers are one."""
+    method = Avo(iterations=20, hidden=(8,), cross_fit=cross_fit)
+    means = [np.array([1.0, 12.5]), np.array([-1.0, 8.0]), np.array([1.0, 12.5])]
+    first, other, again = method.infer_together(
+        [gaussian_problem(GaussianMeans(), 2000, mean) for mean in means], [np.random.default_rng(7) for _ in means]
+    )
+    np.testing.assert_allclose(first.theta, again.theta, rtol=1e-4)
+    assert not np.allclose(first.theta, other.theta, rtol=1e-2)
+
+
+class ByAutograd(AutogradStep):
+    """In the place of FusedStep."""
+
+    def __init__(self, networks, learning_rate, r1):
+        super().__init__(networks, learning_rate, r1, "foreach")
+
+    @property
+    def learning_rate(self):
+        return self.optimiser.param_groups[0]["lr"]
+
+    @learning_rate.setter
+    def learning_rate(self, rate):
+        self.optimiser.param_groups[0]["lr"] = rate
+
+    @torch.no_grad()
+    def logits(self, x):
+        return torch.stack([network(events) for network, events in zip(self.networks, x, strict=True)])
+
+
+@pytest.mark.parametrize("r1", [0.0, 1.0])
+def test_the_update_by_hand_gives_the_estimate_of_autograd_to_rounding(r1, monkeypatch):
+    def infer():
+        given = gaussian_problem(GaussianMeans(), 3000, np.array([1.0, 12.5]))
+        return Avo(iterations=30, hidden=(16,), r1=r1).infer(given, np.random.default_rng(5)).theta
+
+    by_hand = infer()
+    monkeypatch.setattr(stacked_discriminators, "FusedStep", ByAutograd)
+    np.testing.assert_allclose(by_hand, infer(), rtol=1e-4)
+
+
+def test_estimates_are_those_that_they_were():
+    """What this gave when the records of results/reference were made, to the rounding of another machine."""
+    given = gaussian_problem(GaussianMeans(), 3000, np.array([1.0, 12.5]))
+    estimate = Avo(iterations=10, hidden=(8,)).infer(given, np.random.default_rng(5))
+    theta, adversarial = [0.972183446, 12.513174163], [0.215238081, 11.726384355]
+    np.testing.assert_allclose(estimate.theta, theta, rtol=1e-4)
+    np.testing.assert_allclose(estimate.trace[9].theta, adversarial, rtol=1e-4)
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,9 @@ import numpy as np
 import pytest
 
 from avobench.bench.cell import Cell
-from avobench.bench.record import Status, blank_record
+from avobench.bench.record import identity_hash
+from avobench.bench.status import Status
+from avobench.bench.trial import blank_record
 
 SECONDS = {"avo": 20.0, "avo-paper": 30.0, "abc-smc": 1.0, "bolfi": 10.0}
 
@@ -22,7 +24,8 @@ def make_record():
         counts = dict.fromkeys([f"simulations_{what}" for what in ("discarded", "refused")], 0)
         counts |= dict.fromkeys([f"simulations_{what}" for what in ("requested", "used")], budget)
         seconds = {"method_seconds": SECONDS[method] * (1 + target / 10), "simulator_seconds": 1.0}
-        record |= {"method": method, "id": f"{cell.id}-{method}", "floor": floor, **counts, **seconds}
+        id = identity_hash({**cell.identity, "method": method})
+        record |= {"method": method, "id": id, "floor": floor, **counts, **seconds}
         if offset is None:
             return record
         theta = (true + offset).tolist()

@@ -1,9 +1,12 @@
 """The table of the ablation compares like with like."""
 
+import math
+
 import pytest
 
-from avobench.bench.record import Status, blank_record
+from avobench.bench.status import Status
 from avobench.bench.store import Store
+from avobench.bench.trial import blank_record
 from avobench.reports.ablation import table
 from avobench.studies.paper import ABLATION_TASKS, ABLATIONS, ablation, cells
 
@@ -25,7 +28,11 @@ def test_a_target_that_lacks_a_record_of_any_row_is_in_none(tmp_path):
     for i, (label, settings) in enumerate(rows.items()):
         for cell in ablation("carl", settings):
             ratio = 1 + i if cell.target == 0 else 1000
-            scored = {"squared_error": 1e-4 * ratio, "floor": 1e-4, "theta_hat": [0.0, 0.0]}
+            true = cell.identity["theta_true"]
+            found = [true[0] + math.sqrt(1e-4 * ratio), true[1]]
+            scored = {"squared_error": (found[0] - true[0]) ** 2, "floor": 1e-4, "theta_hat": found}
+            scored |= {"how": "", "spread_of": "proposal", "mean": found, "std": [1.0, 1.0]}
+            scored |= {f"simulations_{what}": 0 for what in ("requested", "used", "discarded", "refused")}
             if cell.target == 0 or (cell.target == 1 and label != "fresh events only"):
                 store.write({**blank_record(cell, Status.OK, ""), **scored})
     shown = table((tmp_path,))

@@ -8,7 +8,7 @@ from avobench.bench.cell import Cell
 from avobench.bench.streams import observe
 from avobench.bench.trial import execute
 from avobench.reports import alignment, cost, detector, efficiency, poisson, weinberg
-from avobench.reports.draw import FIGURES
+from avobench.reports.figures import FIGURES
 from avobench.reports.style import METHOD_COLOURS, PALETTE, colours
 from avobench.studies import paper as study
 from avobench.tasks.errors import StoreError

@@ -3,14 +3,17 @@
 import base64
 import io
 
+import numpy as np
 import pandas as pd
 import pytest
+from selenium.webdriver import ActionChains, Keys
+from selenium.webdriver.support.ui import Select
 
 from avobench.bench.store import Store
 from avobench.reports.page import provenance, render
 
 HOSTILE = "<script>document.title = 'taken'</script> & \"quoted\" <b>bold</b>"
-CELLS = "#cells + p + .scroll table"
+CELLS = "#cells table"
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +44,7 @@ def test_it_opens_without_network_or_complaint_and_shows_its_figures(opened):
     sizes = opened.run("return [...document.images].map(image => [image.complete, image.naturalWidth, image.alt])")
     assert len(sizes) == 4
     assert all(complete and width > 500 and alt for complete, width, alt in sizes)
+    assert opened.run("return document.querySelectorAll('.missing').length") == 0
     links = opened.run(
         "return [...document.querySelectorAll('nav a')].map(a => document.querySelector(a.hash) !== null)"
     )
@@ -48,14 +52,39 @@ def test_it_opens_without_network_or_complaint_and_shows_its_figures(opened):
     assert all(links)
 
 
+@pytest.mark.parametrize("width", [1300, 800])
+def test_no_window_needs_a_horizontal_scrollbar(opened, width):
+    with opened.window(width):
+        end, window = opened.widest()
+        assert window == width
+        assert end <= window
+        assert width < 1300 or opened.scrolled_tables() == []
+        widths = opened.run("return [...document.querySelectorAll('main, figure')].map(part => part.clientWidth)")
+        assert widths[0] > 0.95 * width  # what there is of the window is used
+        assert max(widths[1:]) <= width
+
+
 def test_a_phone_scrolls_wide_tables_and_figures_not_the_page(opened):
-    size = {"width": 390, "height": 800, "deviceScaleFactor": 2, "mobile": True}
-    opened.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-    try:
-        assert opened.run("return document.documentElement.scrollWidth") <= 390
+    with opened.window(390, 800, mobile=True):
+        end, window = opened.widest()
+        assert end <= window == 390
         assert opened.run("return Math.min(...[...document.images].map(image => image.clientWidth))") > 390
-    finally:
-        opened.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def test_light_and_dark_show_the_same_legibly(opened):
+    shown = {}
+    for scheme in ("light", "dark"):
+        with opened.scheme(scheme):
+            faintest, words = opened.contrasts()[0]
+            assert faintest >= 4.5, words
+            shown[scheme] = opened.run("return document.body.innerText"), opened.screenshot()
+    (text, light), (same, dark) = shown["light"], shown["dark"]
+    assert text == same
+    assert np.median(light) > 240
+    assert np.median(dark[:200]) < 40
+    with opened.scheme("dark"):  # figures are drawn on white, and stay so
+        opened.run("document.querySelector('figure').scrollIntoView()")
+        assert (opened.screenshot() == 255).all(axis=2).mean() > 0.2
 
 
 def test_tables_sort_by_number_or_text_with_what_is_missing_last(opened):
@@ -76,6 +105,67 @@ def test_tables_sort_by_number_or_text_with_what_is_missing_last(opened):
         header = f"return document.querySelectorAll('{CELLS} th')[arguments[0]].getAttribute('aria-sort')"
         assert opened.run(header, column) == "descending"
     assert opened.complaints() == []
+
+
+def shown_cells(opened):
+    """The texts of the rows of cells that are not filtered out."""
+    rows = f"[...document.querySelector('{CELLS}').tBodies[0].rows].filter(row => row.checkVisibility())"
+    return opened.run(f"return {rows}.map(row => [...row.cells].map(cell => cell.textContent))")
+
+
+def test_cells_are_filtered_by_words_and_by_choices(opened, store):
+    cells = opened.driver.find_element("id", "cells")
+    words = cells.find_element("css selector", "input[type=search]")
+    choices = {label.text.split()[0]: label for label in cells.find_elements("css selector", "label:has(select)")}
+    assert set(choices) == {"task", "method", "status"}
+    everything = shown_cells(opened)
+    assert len(everything) == len(store.read_all())
+
+    choose = {name: Select(label.find_element("tag name", "select")) for name, label in choices.items()}
+    choose["method"].select_by_visible_text("avo")
+    assert shown_cells(opened) == [row for row in everything if row[1] == "avo"]
+    choose["task"].select_by_visible_text("weinberg")
+    chosen = [row for row in everything if row[:2] == ["weinberg", "avo"]]
+    assert shown_cells(opened) == chosen
+    assert cells.find_element("tag name", "output").text == f"{len(chosen)} of {len(everything)} rows"
+    choose["status"].select_by_visible_text("method_error")
+    assert shown_cells(opened) == []
+    for select in choose.values():
+        select.select_by_visible_text("all")
+    assert shown_cells(opened) == everything
+
+    words.send_keys("POISSON title")  # in any order and case, in any column: the message of the cell that failed
+    assert [row[4] for row in shown_cells(opened)] == ["method_error"]
+    words.clear()
+    words.send_keys("poissonavo")  # words do not reach from one cell into the next
+    assert shown_cells(opened) == []
+    assert opened.complaints() == []
+
+
+def test_columns_are_sorted_from_the_keyboard(opened):
+    header = f"document.querySelector('{CELLS} th:nth-child(3)')"
+    opened.run(f"{header}.querySelector('button').focus()")
+    for key, order in ((Keys.ENTER, "ascending"), (Keys.SPACE, "descending")):
+        ActionChains(opened.driver).send_keys(key).perform()
+        assert opened.run(f"return {header}.getAttribute('aria-sort')") == order
+        targets = [int(row[2]) for row in shown_cells(opened)]
+        assert targets == sorted(targets, reverse=order == "descending")
+    assert opened.run(f"return document.querySelectorAll('{CELLS} th[aria-sort]').length") == 1
+
+
+def test_without_scripts_everything_is_there_and_nothing_that_does_not_work(opened, store):
+    with opened.without_scripts():
+        opened.driver.refresh()
+        assert len(opened.driver.find_elements("css selector", f"{CELLS} tbody tr")) == len(store.read_all())
+        assert opened.driver.find_elements("css selector", "button, input, select") == []
+
+
+def test_only_the_script_of_the_page_itself_may_run(browser, page, tmp_path):
+    taken = "<script>document.title = 'taken'</script>"
+    (tmp_path / "index.html").write_text(page.replace("</main>", f"{taken}</main>"))
+    browser.open(tmp_path / "index.html")
+    assert browser.driver.title != "taken"
+    assert any("Content Security Policy" in line for line in browser.complaints())
 
 
 def test_what_users_wrote_is_shown_not_run(opened):
@@ -103,6 +193,68 @@ def test_each_number_has_its_settings_versions_and_commit(benchmark):
     own = table[(table["task"] == "poisson") & (table["method"] == "avo")]
     assert sorted(own["cells"]) == [1, 4]
     assert "numpy" in own["versions"].iloc[0]
+
+
+BAD = {
+    "a method without traces": lambda ok, make: [*ok[:4], *({**record, "trace": []} for record in ok[4:8])],
+    "no method with traces": lambda ok, make: [{**record, "trace": []} for record in ok[:8]],
+    "a task of which all failed": lambda ok, make: [*ok[:8], *(make("weinberg", "avo", n, None) for n in range(2))],
+}
+"""Stores that no figure may fail at."""
+
+
+@pytest.mark.parametrize("bad", BAD)
+def test_bad_cells_do_not_take_the_figures(avobench, benchmark, make_record, tmp_path, bad):
+    store = Store(tmp_path / "results", create=True)
+    for record in BAD[bad](benchmark, make_record):
+        store.write(record)
+    code, _, err = avobench("figure", "benchmark", "efficiency", "cost", "--results", store.path, "--out", tmp_path)
+    assert (code, err) == (0, "")
+    page = render(store.path, None)
+    assert all(f'<figure id="figure-{name}"' in page for name in ("benchmark", "efficiency", "cost"))
+
+
+def test_where_no_cell_has_an_estimate_a_sentence_says_so(avobench, make_record, opened, tmp_path):
+    store = Store(tmp_path / "results", create=True)
+    for target in range(2):
+        store.write(make_record("weinberg", "avo", target, None))
+    code, _, err = avobench("figure", "efficiency", "--results", store.path, "--out", tmp_path)
+    assert (code, "no cell has an estimate" in err, len(err.splitlines())) == (1, True, 1)
+    (tmp_path / "index.html").write_text(render(store.path, None))
+    opened.open(tmp_path / "index.html")
+    for name in ("efficiency", "weinberg"):
+        text = opened.run(f"return document.querySelector('#figure-{name}').textContent")
+        assert text.startswith(f"The figure “{name}” could not be drawn: ")
+    assert len(shown_cells(opened)) == 2
+    assert opened.complaints() == []
+
+
+def test_a_figure_or_table_that_fails_leaves_the_rest(monkeypatch, store):
+    def fails(*_):
+        raise ZeroDivisionError("a user's <b>floor</b>")
+
+    monkeypatch.setattr("avobench.reports.cost.numbers", fails)
+    monkeypatch.setattr("avobench.reports.page.targets_table", fails)
+    page = render(store.path, None)
+    told = "ZeroDivisionError: a user&#39;s &lt;b&gt;floor&lt;/b&gt;"
+    assert f"The figure “cost” could not be drawn: {told}" in page
+    assert f"The table “targets” could not be made: {told}" in page
+    assert page.count("<figure ") == 3
+    assert 'id="cells-title"' in page
+
+
+def test_a_damaged_record_of_the_studies_is_named_and_the_page_has_the_rest(avobench, make_record, tmp_path):
+    stores = {name: Store(tmp_path / name, create=True) for name in ("results", "studies")}
+    for store in stores.values():
+        path = store.write(make_record("poisson", "bolfi", 0, 0.1))
+    path.write_bytes(path.read_bytes()[:-9])
+    folders = [part for name, store in stores.items() for part in (f"--{name}", store.path)]
+    code, out, err = avobench("report", *folders, "--out", tmp_path / "page")
+    assert code == 1
+    assert out.strip().endswith("index.html")
+    assert err.count("\n") == 1
+    assert f"{path} is truncated" in err
+    assert (tmp_path / "page" / "index.html").exists()
 
 
 def test_the_command_writes_one_file(avobench, make_record, tmp_path, monkeypatch):

@@ -4,8 +4,8 @@ import pytest
 
 from avobench.bench.backends.local import LocalBackend
 from avobench.bench.plan import plan
-from avobench.bench.record import Status
 from avobench.bench.runner import View, run
+from avobench.bench.status import Status
 from avobench.bench.store import Store
 from avobench.speed.cost import PARTS, cost_table, harness_share
 

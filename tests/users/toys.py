@@ -43,6 +43,8 @@ class Normal(Task):
     def floor(self, theta, num_observations, num_simulations):
         if self.fault == "floor":
             return None
+        if self.fault == "negative floor":
+            return -1.0
         return self.scale**2 * (1 / num_observations + (1 / num_simulations if num_simulations else 0))
 
 
@@ -90,9 +92,13 @@ class Moment(Method):
             return None
         if self.fault == "trace":
             trace = [1, 2]
+        if self.fault == "backwards":
+            trace = trace[::-1]
+        if self.fault == "beyond":
+            trace[-1] = trace[-1]._replace(simulations=problem.simulate.used + 1)
         if self.fault == "dies":
             os.kill(os.getpid(), signal.SIGKILL)
-        std = np.full(1, problem.simulate.used**-0.5)
+        std = np.full(1, problem.simulate.used**-0.5) * (-1 if self.fault == "spread" else 1)
         return Estimate(theta, "last step", "posterior", theta, std, trace)
 
 

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 from avobench.bench.backends.contract import Backend
 from avobench.bench.cell import Cell
-from avobench.bench.record import Status, blank_record
-from avobench.bench.trial import execute
+from avobench.bench.status import Status
+from avobench.bench.trial import blank_record, execute
 from avobench.bench.versions import versions
 from avobench.tasks.errors import AvobenchError, UsageError
 

@@ -14,11 +14,11 @@ from typing import Any
 from joblib import Parallel, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
+from avobench.bench.atomic import write_atomically
 from avobench.bench.backends.contract import Backend
 from avobench.bench.cell import Cell
-from avobench.bench.record import Status, blank_record
-from avobench.bench.store import write_atomically
-from avobench.bench.trial import execute, execute_together, told
+from avobench.bench.status import Status
+from avobench.bench.trial import blank_record, execute, execute_together, told
 from avobench.tasks.errors import AvobenchError
 
 HEARTBEAT_SECONDS = 1.0

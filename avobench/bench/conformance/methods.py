@@ -13,7 +13,7 @@ from avobench.bench import registry
 from avobench.bench.budget import MeteredSimulator, pose
 from avobench.bench.cell import Cell
 from avobench.bench.conformance.promises import BrokenPromise, Round, expect, recordable, state_kept
-from avobench.bench.record import Status
+from avobench.bench.status import Status
 from avobench.bench.streams import observe, stream
 from avobench.bench.trial import execute, execute_together
 from avobench.methods import Method

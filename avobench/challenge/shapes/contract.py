@@ -63,7 +63,7 @@ class Place:
         names = self.task.feature_names
         return isinstance(self.feature, int) and bool(names) and names[self.feature].startswith("cos")
 
-    def unit(self, x: NDArray) -> NDArray[np.float64]:
+    def scaled(self, x: NDArray) -> NDArray[np.float64]:
         """The columns on the scale where the range is [-1, 1]: (n, d) -> (n, k)."""
         return (x[:, self.columns] - self.centre) / self.half_range
 
@@ -91,8 +91,9 @@ class Injection(ABC):
     name: ClassVar[str]
     """Of the family in the catalogue."""
     source: ClassVar[str]
-    stage: ClassVar[int] = 1
-    """In the chain: 0 before the detector, 1 measurement, 2 selection, 3 what is added or read out after it."""
+    stage: ClassVar[int] = 2
+    """Of the chain, as that of an effect of the catalogue: 0 generated particles, 1 source, 2 measurement, 3 selection,
+    4 what is added or read out."""
     series: ClassVar[int] = 1
     """2 in the package `second`: shapes of the second were written when those of the first had been developed on."""
 
@@ -150,7 +151,7 @@ class Change(Injection):
 class Selection(Injection):
     """An injection that loses events. Others take their place, so that their number stays."""
 
-    stage = 2
+    stage = 3
 
     @abstractmethod
     def efficiency(self, x: NDArray) -> NDArray[np.float64]:
@@ -170,7 +171,7 @@ class Selection(Injection):
 class Replacement(Injection):
     """An injection that puts events of another origin in the place of a share `strength` of the events."""
 
-    stage = 3
+    stage = 4
     strength: float
 
     @abstractmethod

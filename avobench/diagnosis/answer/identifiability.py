@@ -14,6 +14,7 @@ from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 
 POWER = 0.9
+"""With which the smallest strength is seen that the card quotes."""
 SHOWN = 3.0
 """Times the scatter of the simulated events, from which a difference is one."""
 ALIKE = 0.95
@@ -76,7 +77,7 @@ def _row(
     points = np.column_stack(
         [strength.null + np.sign(side - strength.null) * size, *(np.full(len(size), m) for m in middle)]
     )
-    fit, target = sample.base, sample.target
+    fit, target = sample.fit, sample.target
     change, scatter = sample.changes(effect, points, events, rng)
     free = change @ fit.projector()
     whole = (change**2).sum(axis=1) - scatter
@@ -95,6 +96,6 @@ def _row(
     else:
         found = np.exp(np.interp(np.log(need), np.log(kept[i - 1 : i + 1]), np.log(size[i - 1 : i + 1])))
     shift = fit.follow(change[i] * found / size[i])
-    bias = fit.model.from_unit(np.clip(fit.unit + shift, 0, 1)) - fit.params
+    bias = fit.model.from_cube(np.clip(fit.point + shift, 0, 1)) - fit.params
     detectable = float(strength.null + np.sign(side - strength.null) * found)
     return Row(effect, retained, detectable, bias[: fit.model.num_theta]), direction

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.diagnosis.fit.fit import IDENTIFIED, Fit, settled
+from avobench.diagnosis.fit.fit import IDENTIFIED, Fit
+from avobench.diagnosis.fit.sharpening import settled
 from avobench.diagnosis.schema import Combination, EffectValue, FoundEffect, Named, Value
 from avobench.diagnosis.search.ranking import Ranked, shape_parameters
 from avobench.diagnosis.summary.target import Target
@@ -42,14 +43,16 @@ def ambiguity(
     two values may mean nothing where they are not determined.
     """
     p, seed, model = last.model.num_theta, int(rng.integers(2**63)), chosen.fit.model
-    known = _known(last)[1]
+    known = _determined(last)[1]
 
     def settle(fit: Fit) -> Fit:
         return settled(fit, target, rng, num_events, (1, 3))
 
     def worse(fit: Fit, than: Fit) -> float:
         shapes = shape_parameters(fit.model.effects[-1]) - shape_parameters(than.model.effects[-1])
-        return max(fit.gap + shapes - than.gap - np.hypot(fit.gap_error, than.gap_error), 0.0)
+        return max(
+            fit.noiseless_q + shapes - than.noiseless_q - np.hypot(fit.noiseless_q_error, than.noiseless_q_error), 0.0
+        )
 
     def mean(fit: Fit) -> NDArray[np.float64]:
         params = np.concatenate([fit.params[:p], chosen.fit.params[p:]])
@@ -71,7 +74,7 @@ def ambiguity(
         fit = settle(rivals[k])
         if (by := worse(fit, best)) < ALLOWED:
             there = along @ fit.jacobian[:, :p]
-            moves.append(Move(along @ (mean(fit) - here), by, there @ fit.unit_covariance[:p, :p] @ there.T))
+            moves.append(Move(along @ (mean(fit) - here), by, there @ fit.point_covariance[:p, :p] @ there.T))
     return moves
 
 
@@ -117,7 +120,7 @@ def identified(fit: Fit, moves: Sequence[Move] = ()) -> list[Combination]:
     """
     p, model = fit.model.num_theta, fit.model
     width = (model.high - model.low)[:p]
-    variances, directions = _known(fit)
+    variances, directions = _determined(fit)
     std = scale(fit) * np.sqrt(variances)
     std = covering(std, directions, moves)
     return [
@@ -130,10 +133,10 @@ def identified(fit: Fit, moves: Sequence[Move] = ()) -> list[Combination]:
     ]
 
 
-def _known(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _determined(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The directions of theta in the unit cube that the data determine, with the variance along each: (k,), (p, k)."""
     p = fit.model.num_theta
-    variances, directions = np.linalg.eigh(fit.unit_covariance[:p, :p])
+    variances, directions = np.linalg.eigh(fit.point_covariance[:p, :p])
     known = variances < 1 / IDENTIFIED**2 / 12
     return variances[known], directions[:, known]
 

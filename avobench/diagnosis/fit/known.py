@@ -9,24 +9,27 @@ from avobench.diagnosis.fit.surrogate import COMPARED, Design, Surrogate, basis,
 from avobench.diagnosis.summary.target import Vectors
 from avobench.effects.model import Model
 
-BEYOND, NEAR, LEAST_ROOM = 0.25, 0.5, 0.05
-"""Of where the model is known: the share by which that may be left, and the share that a larger model's first design
-takes up; and the share of a design that must lie within."""
+BEYOND = 0.25
+"""Share of where the model is known by which a design may reach beyond that: a quadratic goes on being one a little."""
+NEAR = 0.5
+"""Share of where the model is known that a larger model's first design takes up, so that its next ones stay within."""
+LEAST_ROOM = 0.05
+"""Share of a design that must lie within: narrowed to less, it would see no slope."""
 
 
 @dataclass(frozen=True)
-class Base:
+class KnownModel:
     """A model that is well known around a fit, to which an effect is to be added.
 
     What the effect changes is seen event by event: only those that it changes add to the noise.
     """
 
     model: Model
-    known: Surrogate
+    surrogate: Surrogate
 
     def design(self, start: NDArray[np.float64], half: NDArray[np.float64]) -> Design:
         """A design for the larger model from `start` (P,): a box of half-widths `half` (P,), or what of it is known."""
-        p, known = self.model.dim, self.known.design
+        p, known = self.model.dim, self.surrogate.design
         inside = np.abs(known.to_t(start[:p])).max() < 1 - NEAR
         if not inside:
             return Design.box(start, half)
@@ -37,7 +40,7 @@ class Base:
 
     def within(self, design: Design) -> Design | None:
         """The design, narrowed to where this model is known; None where that leaves next to nothing."""
-        p, known = self.model.dim, self.known.design
+        p, known = self.model.dim, self.surrogate.design
         room = 1 + BEYOND - np.abs(known.to_t(design.centre[:p]))
         extent = np.abs(np.linalg.inv(known.axes) @ design.axes[:p]) * len(design.axes)
         factor = np.minimum((room[:, None] / np.maximum(extent, 1e-12)).min(axis=0), 1)
@@ -59,7 +62,7 @@ class Base:
             u = design.to_u(rng.uniform(-1, 1, (n, model.dim)))
             u[: n // 2] = design.centre
             b = basis(design.to_t(u))
-            x, y = with_and_without(self.model, model, model.from_unit(u), rng)
+            x, y = with_and_without(self.model, model, model.from_cube(u), rng)
             some = slice(None, None, max(n // COMPARED, 1))
             moved = float(vectors.moved(x[some], y[some]).mean())
             if left == num_events and moved > 1:
@@ -76,10 +79,10 @@ class Base:
         inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
         # The known polynomial in the coordinates of this design, by its values at as many points as it has terms.
         t = np.random.default_rng(0).uniform(-1, 1, (2 * k, model.dim))
-        there = basis(self.known.design.to_t((design.centre + t @ design.axes.T)[:, :p]))
+        there = basis(self.surrogate.design.to_t((design.centre + t @ design.axes.T)[:, :p]))
         translate = np.linalg.lstsq(basis(t), there, rcond=None)[0]
-        coefficients = inverse @ change + translate @ self.known.coefficients
-        noise = unlike * inverse + translate @ self.known.inverse @ translate.T
+        coefficients = inverse @ change + translate @ self.surrogate.coefficients
+        noise = unlike * inverse + translate @ self.surrogate.inverse @ translate.T
         constant = np.eye(k)[0]
         alone = np.linalg.pinv(normal - num_centre * np.outer(constant, constant), rcond=1e-12, hermitian=True)
         bend = alone[0] @ (change - np.outer(constant, change_there)) - change_there / num_centre

@@ -10,12 +10,16 @@ from avobench.diagnosis.summary.target import Target, Vectors
 from avobench.effects.model import Model
 
 COMPARED = 10_000
-"""Of these, compared one by one with what the same seed makes elsewhere."""
+"""Events that are compared one by one with what the same seed makes elsewhere."""
 SHRINK = 3.0
 """How much narrower a design may be than the one before."""
-BENT, NARROWER, FALLS = 0.1, 3, 0.5
-"""Share of the gap that a surrogate may lack for being no better polynomial; how often its design is narrowed, and what
-that must leave of the lack, at most."""
+BENT = 0.1
+"""Share of Q that a surrogate may lack for being no better polynomial: less than that hardly moves the minimum.
+Chosen by trial."""
+NARROWER = 3
+"""How often a design is narrowed by SHRINK, at most: to a twenty-seventh."""
+FALLS = 0.5
+"""Share of the lack that a narrower design may leave, at most. A cubic term falls to a ninth; noise or a jump stays."""
 CLEAR = 3.0
 """Standard errors by simulation from which a squared slope is one, and a point is worse than another."""
 
@@ -56,7 +60,7 @@ class Surrogate:
     bend_variance: float
     """In units of that of one event."""
 
-    def gap_at_centre(self, target: Target) -> tuple[float, float]:
+    def noiseless_q_at_centre(self, target: Target) -> tuple[float, float]:
         """Q at the centre of the design, without what simulation adds on average, and its standard error."""
         return _without_noise(target, target.mean - self.coefficients[0], float(self.inverse[0, 0]))
 
@@ -67,7 +71,7 @@ class Surrogate:
     def bends(self, target: Target) -> bool:
         """Whether E[s] is plainly no quadratic over the design."""
         lack, error = self.lack(target)
-        return lack > max(CLEAR * error, BENT * self.gap_at_centre(target)[0])
+        return lack > max(CLEAR * error, BENT * self.noiseless_q_at_centre(target)[0])
 
     def at(self, u: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Mean summary at u (P,) and its derivative: (K,), (P, K)."""
@@ -124,8 +128,8 @@ def surrogate(model: Model, vectors: Vectors, design: Design, num_events: int, r
         u = design.to_u(places.uniform(-1, 1, (n, model.dim)))
         b = basis(design.to_t(u))
         seed = int(happenings.integers(2**63))
-        twins = model.simulate(model.from_unit(np.tile(design.centre, (n, 1))), np.random.default_rng(seed))
-        x = model.simulate(model.from_unit(u), np.random.default_rng(seed))
+        twins = model.simulate(model.from_cube(np.tile(design.centre, (n, 1))), np.random.default_rng(seed))
+        x = model.simulate(model.from_cube(u), np.random.default_rng(seed))
         normal += b.T @ b
         at_centre = at_centre + vectors.moments(twins, b)
         spread = spread + vectors.moments(x, b)

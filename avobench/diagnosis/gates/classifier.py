@@ -1,4 +1,4 @@
-"""What binned summaries cannot see: a classifier between measured and simulated events, its test, its correction."""
+"""What binned summaries cannot see: a classifier between measured and simulated events, and its test."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -19,7 +19,10 @@ from avobench.effects.pool import Pool
 if TYPE_CHECKING:
     from sklearn.ensemble import HistGradientBoostingClassifier
 
-TREES, LEAVES = 60, 12
+TREES = 60
+"""Boosted one after the other. Chosen by trial."""
+LEAVES = 12
+"""Of a tree, at most: more than three splits deep, for correlations of three features, which no summary sees."""
 CHECK_EVENTS = 4
 """Simulated events a measured one, from which the classifier's expectation is taken."""
 GRAIN = 1e-6
@@ -90,7 +93,7 @@ def classifier_gate(fit: Fit, target: Target, x: NDArray, rng: np.random.Generat
         model = replace(model, events=model.events.fresh)
     score = Score(trained(seen(learn), seen(model.simulate(at[:half], rng)), int(rng.integers(2**31))), seen)
     expected = surrogate(fit.model, score, fit.design, CHECK_EVENTS * len(x), rng)
-    at_fit, slope = expected.at(fit.unit)
+    at_fit, slope = expected.at(fit.point)
     g = score.of(judge)
     # Where theta moves if the summary of one event is added, in the directions that the data identify.
     inverse = np.linalg.pinv(fit.information[0] * (1 + fit.noise), hermitian=True)
@@ -99,30 +102,7 @@ def classifier_gate(fit: Fit, target: Target, x: NDArray, rng: np.random.Generat
     share = len(judge) / len(x)
     influence = -(s - s.mean())
     influence[half:] += (g - g.mean()) / share
-    simulation = expected.variance_at(fit.unit) * g.var()
+    simulation = expected.variance_at(fit.point) * g.var()
     error = np.sqrt(influence.var() / len(x) + simulation)
     t = float((g.mean() - at_fit[0]) / max(error, 1e-12))  # no error where all events are alike
     return Gate(statistic=t, dof=None, p_value=float(norm.sf(t)))
-
-
-@dataclass(frozen=True)
-class Correction:
-    """Simulated events of the final model and weights that make them look like measured ones.
-
-    A description of the disagreement, and not a cause.
-    """
-
-    x: NDArray
-    """(n, d)"""
-    weights: NDArray[np.float64]
-    """(n,), of mean 1."""
-
-
-def correction(fit: Fit, target: Target, x: NDArray, rng: np.random.Generator) -> Correction:
-    """Odds of a classifier between measured events x (N, d) and as many simulated ones, for as many others."""
-    simulated = fit.model.simulate(np.tile(fit.params, (2 * len(x), 1)), rng)
-    learn, use = simulated[: len(x)], simulated[len(x) :]
-    seen = features_of(target)
-    trees = trained(seen(x), seen(learn), int(rng.integers(2**31)))
-    odds = np.exp(np.clip(trees.decision_function(seen(use)), -10, 10))
-    return Correction(use, odds / odds.mean())

@@ -7,12 +7,15 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.schema import Region
-from avobench.diagnosis.summary.bins import Bins, Summary, closed
+from avobench.diagnosis.summary.bins import Bins, closed
+from avobench.diagnosis.summary.contract import Summary
 from avobench.diagnosis.summary.pixels import Pixels
 from avobench.diagnosis.summary.target import Target
 
 DRAWS = 2000
+"""Of data without any disagreement: the smallest global p-value that they can tell is 1/2001."""
 MOST = 6
+"""Regions that are told, at most: more of them say that the whole feature disagrees."""
 
 
 @dataclass(frozen=True)

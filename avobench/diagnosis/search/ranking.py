@@ -35,35 +35,37 @@ def shape_parameters(effect: Effect) -> int:
 def prices(fit: Fit) -> list[float]:
     """What each effect of a fit costs, in chi-squared: its shape parameters, and a strength that is unusual."""
     found = []
-    for effect, at in zip(fit.model.effects, fit.model.strengths(fit.unit), strict=True):
+    for effect, at in zip(fit.model.effects, fit.model.strengths(fit.point), strict=True):
         strength = effect.parameters[0]
         unusual = float((fit.params[at] - strength.null) / strength.usual)
         found.append(SHAPE_PRICE * shape_parameters(effect) + 2 * np.log1p(unusual**2))  # as of a Cauchy distribution
     return found
 
 
-def unit_of(left: float, gap_without: float) -> float:
+def yardstick_of(left: float, q_without: float) -> float:
     """What differences of chi-squared count in, where the best fit leaves so much beyond noise."""
-    return 1 + max(left, MODEL_ERROR**2 * gap_without, 0) / INDEPENDENT
+    return 1 + max(left, MODEL_ERROR**2 * q_without, 0) / INDEPENDENT
 
 
-def likely(fit: Fit, best: Fit, gap_without: float) -> bool:
+def likely(fit: Fit, best: Fit, q_without: float) -> bool:
     """Whether with more events a fit may turn out to be tied with the one that seems best."""
-    unit = unit_of(best.gap + best.gap_error - best.dof, gap_without)
-    return fit.gap - 2 * fit.gap_error < best.gap + 2 * best.gap_error + unit * (TIE + 2 * SHAPE_PRICE)
+    yardstick = yardstick_of(best.noiseless_q + best.noiseless_q_error - best.dof, q_without)
+    return fit.noiseless_q - 2 * fit.noiseless_q_error < best.noiseless_q + 2 * best.noiseless_q_error + yardstick * (
+        TIE + 2 * SHAPE_PRICE
+    )
 
 
 def left(fit: Fit) -> float:
     """What a fit leaves, at most: one that is known badly must not win by chance. Below noise nothing is better."""
-    return max(fit.gap + fit.gap_error, fit.dof - 2 * np.sqrt(2 * fit.dof))
+    return max(fit.noiseless_q + fit.noiseless_q_error, fit.dof - 2 * np.sqrt(2 * fit.dof))
 
 
-def cost(fit: Fit, unit: float = 1.0) -> float:
-    """What a fit leaves, in such units, and the prices of all its effects."""
-    return left(fit) / unit + sum(prices(fit))
+def cost(fit: Fit, yardstick: float = 1.0) -> float:
+    """What a fit leaves, measured by the yardstick, and the prices of all its effects."""
+    return left(fit) / yardstick + sum(prices(fit))
 
 
-def ranking(fits: list[Fit], gap_without: float) -> list[Ranked]:
+def ranking(fits: list[Fit], q_without: float) -> list[Ranked]:
     """The best shape of each family, best family first; the score of the first is 0.
 
     A score is a difference of chi-squared, in units of what the best fit itself leaves beyond noise. Where it leaves
@@ -73,20 +75,20 @@ def ranking(fits: list[Fit], gap_without: float) -> list[Ranked]:
     """
     if not fits:
         return []
-    unit = 1.0
-    for _ in range(len(fits)):  # the best depends on the unit, and the unit on the best
-        best = min(fits, key=lambda fit: left(fit) + unit * prices(fit)[-1])
-        last, unit = unit, unit_of(left(best) - best.dof, gap_without)
-        if unit == last:
+    yardstick = 1.0
+    for _ in range(len(fits)):  # the best depends on the yardstick, and the yardstick on the best
+        best = min(fits, key=lambda fit: left(fit) + yardstick * prices(fit)[-1])
+        last, yardstick = yardstick, yardstick_of(left(best) - best.dof, q_without)
+        if yardstick == last:
             break
     families: dict[tuple, Ranked] = {}
     for fit in fits:
         effect = fit.model.effects[-1]
-        entry = Ranked(effect, fit, (left(fit) - left(best)) / unit + prices(fit)[-1] - prices(best)[-1])
+        entry = Ranked(effect, fit, (left(fit) - left(best)) / yardstick + prices(fit)[-1] - prices(best)[-1])
         if effect.key not in families or entry.score < families[effect.key].score:
             families[effect.key] = entry
     ranks = sorted(families.values(), key=lambda entry: entry.score)
-    by_gap = sorted(fits, key=lambda fit: fit.gap)
+    by_gap = sorted(fits, key=lambda fit: fit.noiseless_q)
     return [
         replace(entry, others=tuple(f for f in by_gap if f.model.effects[-1].key == key and f is not entry.fit))
         for entry in ranks

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit.fit import Fit, scan
+from avobench.diagnosis.fit.fit import Fit
+from avobench.diagnosis.fit.scan import scan
 from avobench.diagnosis.gates.regions import spots
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect, Parameter
@@ -17,32 +18,48 @@ STRENGTHS = (0.001, 0.005, 0.02, 0.08, 0.25, 0.7)
 """Of the range of a strength; between them the effect is taken as linear."""
 MOVED_EVENTS = 200
 """Of each point, from which the share of events that change bins is taken."""
-LOCATIONS, SHAPES, WIDTHS = 12, 5, 3
-"""Grid points of a location, of a single shape parameter, of a width beside a location."""
-FINALISTS, FINAL_EVENTS = 8, 8
-"""Points of the grid that are looked at again, and with how many times the events."""
-ABSORBED, NEAR, FAR, MODES = 0.3, np.array([0.05, 0.1]), np.linspace(0.1, 1, 10), 2
-"""Share of an effect's signal below which theta hides it, so that it is also looked for where it is strong; where that
-is found out, and how strong, as shares of its range; and in how many places, at most."""
-COARSE, FOLLOWED = 10, 2
-"""Points of theta a parameter, in each search for it beside a strength, and steps that follow."""
-ROUGH, GUESSED = 0.5, 0.003
-"""How far a strength from a grid, or one that is read off the data, may be off, as a share of it."""
+LOCATIONS = 12
+"""Grid points of a location: what is narrower than a twelfth of the range is found by `Sample.places`."""
+SHAPES = 5
+"""Grid points of a single shape parameter."""
+WIDTHS = 3
+"""Grid points of a width beside a location: narrow, middling and wide."""
+FINALISTS = 8
+"""Points of the grid that are looked at again, with more events: the first look is too noisy to choose one."""
+FINAL_EVENTS = 8
+"""Times the events of the first look, for the second: as many again in all, since a grid has some 100 points."""
+ABSORBED = 0.3
+"""Share of an effect's signal below which theta hides it, so that it is also looked for where it is strong. Chosen
+by trial."""
+NEAR = np.array([0.05, 0.1])
+"""Strengths, as shares of the range, at which it is found out whether theta hides an effect: weak, but above noise."""
+FAR = np.linspace(0.1, 1, 10)
+"""Strengths, as shares of the range, at which an effect that theta hides is looked for: the rest of the range."""
+MODES = 2
+"""Places at which a fit begins that were found in this way, at most, to either side."""
+COARSE = 10
+"""Points of theta a parameter, in each search for it beside a strength; the last strength's theta is not far."""
+FOLLOWED = 2
+"""Linear steps of theta that follow such a search."""
+ROUGH = 0.5
+"""How far a strength from a grid may be off, as a share of it: the steps of STRENGTHS are factors of three to five."""
+GUESSED = 0.003
+"""How far a strength that is read off the data may be off, as a share of it: an edge, known to about one event."""
 GAIN = 3.0
-"""How far a strength may be moved from its grid point by that linearity."""
+"""How far a strength may be moved from its grid point by linearity: to about the next point of STRENGTHS."""
 
 
 @dataclass(frozen=True)
 class Start:
-    """Where to begin a fit: a shape, its unit coordinates with theta, and the Q that screening expects there."""
+    """Where to begin a fit: a shape, its cube coordinates with theta, and the Q that screening expects there."""
 
     model: Model
-    unit: NDArray[np.float64]
+    point: NDArray[np.float64]
     expected: float
     near: float
-    """How far the strength may be off, in unit coordinates."""
+    """How far the strength may be off, in cube coordinates."""
     along: NDArray[np.float64] | float = 0.0
-    """How the base's parameters move, in unit coordinates (P,), with that of the strength."""
+    """How the fit's parameters move, in cube coordinates (P,), with that of the strength."""
 
 
 def grid(effect: Effect) -> NDArray[np.float64]:
@@ -66,9 +83,9 @@ class Sample:
     Only what an effect changes counts, so that the events' own scatter cancels.
     """
 
-    def __init__(self, base: Fit, target: Target, num_events: int, rng: np.random.Generator) -> None:
-        self.base, self.target = base, target
-        self.x = base.model.simulate(np.tile(base.params, (num_events, 1)), rng)
+    def __init__(self, fit: Fit, target: Target, num_events: int, rng: np.random.Generator) -> None:
+        self.fit, self.target = fit, target
+        self.x = fit.model.simulate(np.tile(fit.params, (num_events, 1)), rng)
         self._means: dict[tuple[int, int], NDArray[np.float64]] = {}
 
     def changes(
@@ -79,12 +96,12 @@ class Sample:
         Also the square (m,) that the scatter of its few events adds, which makes an effect look stronger than it is.
         """
         m = len(points)
-        params = np.tile(self.base.params, (m * events, 1))
+        params = np.tile(self.fit.params, (m * events, 1))
         phi = np.repeat(points, events, axis=0)
-        model = self.base.model.plus(effect)
+        model = self.fit.model.plus(effect)
         if not model.newest_acts_last:  # events from one seed are the next best
             seed = rng.integers(2**63)
-            untouched = self.base.model.simulate(params, np.random.default_rng(seed))
+            untouched = self.fit.model.simulate(params, np.random.default_rng(seed))
             changed = model.simulate(np.hstack([params, phi]), np.random.default_rng(seed))
             return self._change(untouched, changed, m, self.target.summary.mean(untouched, m))
         first = True
@@ -92,7 +109,7 @@ class Sample:
         def simulate(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
             nonlocal first
             if not np.array_equal(theta, params[: len(theta)]):
-                return self.base.model.simulate(theta, rng)
+                return self.fit.model.simulate(theta, rng)
             rows = np.arange(m * events) % len(self.x) if first else rng.integers(len(self.x), size=len(theta))
             first = False
             return self.x[rows]
@@ -118,7 +135,7 @@ class Sample:
         strength, *shape = effect.parameters
         strong = strength.null + STRENGTHS[-1] * (strength.high - strength.null)
         low, high = [p.low for p in shape], [p.high for p in shape]
-        inside = [effect.within(*spot) for spot in spots(self.base, self.target, self.x, effect.feature)]
+        inside = [effect.within(*spot) for spot in spots(self.fit, self.target, self.x, effect.feature)]
         rows = [np.r_[strong, np.clip(values, low, high)] for values in inside if values is not None]
         return np.array(rows).reshape(-1, 1 + len(shape))
 
@@ -128,8 +145,8 @@ def screen(sample: Sample, effect: Effect, x: NDArray, rng: np.random.Generator,
 
     Theta follows linearly, and the strength is moved to where a linear effect would fit best.
     """
-    base = sample.base
-    model = base.model.plus(effect)
+    fit = sample.fit
+    model = fit.model.plus(effect)
     guesses = effect.guess(x)
     if guesses is not None and len(guesses) == 0:
         return []
@@ -137,8 +154,8 @@ def screen(sample: Sample, effect: Effect, x: NDArray, rng: np.random.Generator,
     q = points.shape[1]
     strength = effect.parameters[0]
     events = max(effort.screen // len(points), effort.screen // 50)
-    free = base.projector()
-    left = base.residual @ free
+    free = fit.projector()
+    left = fit.residual @ free
     for number in (events, FINAL_EVENTS * events):
         change, scatter = sample.changes(effect, points, number, rng)
         moved = change @ free
@@ -161,24 +178,24 @@ def screen(sample: Sample, effect: Effect, x: NDArray, rng: np.random.Generator,
     for i in chosen:
         phi = points[i].copy()
         phi[0] = strength.null + max(gain[i], 0.05) * (phi[0] - strength.null)
-        shift = base.follow(base.residual - gain[i] * change[i])
-        theta = np.clip(base.unit + np.clip(shift, -0.1, 0.1), 0, 1)
-        unit = np.concatenate([theta, model.to_unit(np.concatenate([base.params, phi]))[base.model.dim :]])
+        shift = fit.follow(fit.residual - gain[i] * change[i])
+        theta = np.clip(fit.point + np.clip(shift, -0.1, 0.1), 0, 1)
+        point = np.concatenate([theta, model.to_cube(np.concatenate([fit.params, phi]))[fit.model.dim :]])
         step = (points[i, 0] - strength.null) / (strength.high - strength.low)
-        along = -base.follow(change[i]) / step
+        along = -fit.follow(change[i]) / step
         off = ROUGH if guesses is None else GUESSED
-        starts.append(Start(model, unit, float(expected[i]), off * model.strengths(unit)[base.model.dim], along))
+        starts.append(Start(model, point, float(expected[i]), off * model.strengths(point)[fit.model.dim], along))
     return starts
 
 
-def searched(base: Fit, target: Target, effect: Effect, rng: np.random.Generator, effort: Effort) -> Start:
+def searched(fit: Fit, target: Target, effect: Effect, rng: np.random.Generator, effort: Effort) -> Start:
     """A start from a search over theta and all parameters of an effect, wherever the fit without it may have gone."""
-    model = base.model.plus(effect)
-    unit, _ = scan(model, target, rng, size=(effort.scan[0] // 2, effort.scan[1] // 2))
-    x = model.simulate(np.tile(model.from_unit(unit), (effort.fit // 5, 1)), rng)
+    model = fit.model.plus(effect)
+    point, _ = scan(model, target, rng, size=(effort.scan[0] // 2, effort.scan[1] // 2))
+    x = model.simulate(np.tile(model.from_cube(point), (effort.fit // 5, 1)), rng)
     left = target.whiten(target.mean - target.summary.mean(x)[0])
     scatter = target.num_events / len(x) * target.rank
-    return Start(model, unit, float(left @ left) - scatter, ROUGH * model.strengths(unit)[base.model.dim])
+    return Start(model, point, float(left @ left) - scatter, ROUGH * model.strengths(point)[fit.model.dim])
 
 
 def hidden(sample: Sample, start: Start, rng: np.random.Generator, effort: Effort) -> list[Start]:
@@ -187,10 +204,10 @@ def hidden(sample: Sample, start: Start, rng: np.random.Generator, effort: Effor
     Theta is searched for at each of a row of strengths, near where it was at the one before; where it then fits better
     than beside it, a fit may begin.
     """
-    base, target, effect = sample.base, sample.target, start.model.effects[-1]
-    strength, p = effect.parameters[0], base.model.dim
-    of_theta, _ = np.linalg.qr(base.jacobian[:, : base.model.num_theta])
-    free, shape = base.projector(), start.model.from_unit(start.unit)[p + 1 :]
+    fit, target, effect = sample.fit, sample.target, start.model.effects[-1]
+    strength, p = effect.parameters[0], fit.model.dim
+    of_theta, _ = np.linalg.qr(fit.jacobian[:, : fit.model.num_theta])
+    free, shape = fit.projector(), start.model.from_cube(start.point)[p + 1 :]
     starts = []
     for side in [side for side in (strength.high, strength.low) if side != strength.null]:
         near, points = (
@@ -203,20 +220,20 @@ def hidden(sample: Sample, start: Start, rng: np.random.Generator, effort: Effor
         seen = whole > 3 * scatter * np.sqrt(2 / target.rank)
         if not (seen & (kept < ABSORBED * whole)).any():
             continue
-        row, size, theta = [], (min(COARSE**p, effort.scan[0] // 4), effort.scan[1]), base.unit
-        for point in points:
-            phi = start.model.to_unit(np.concatenate([base.params, point]))[p:]
-            unit, _ = scan(start.model, target, rng, fixed=phi, around=theta, size=size)
+        row, size, theta = [], (min(COARSE**p, effort.scan[0] // 4), effort.scan[1]), fit.point
+        for values in points:
+            phi = start.model.to_cube(np.concatenate([fit.params, values]))[p:]
+            point, _ = scan(start.model, target, rng, fixed=phi, around=theta, size=size)
             for _ in range(FOLLOWED):
-                x = start.model.simulate(np.tile(start.model.from_unit(unit), (effort.fit // FOLLOWED, 1)), rng)
+                x = start.model.simulate(np.tile(start.model.from_cube(point), (effort.fit // FOLLOWED, 1)), rng)
                 left = target.whiten(target.mean - target.summary.mean(x)[0])
-                theta = unit[:p] = np.clip(unit[:p] + np.clip(base.follow(left), -0.1, 0.1), 0, 1)
+                theta = point[:p] = np.clip(point[:p] + np.clip(fit.follow(left), -0.1, 0.1), 0, 1)
             noise = target.num_events / len(x) * target.rank
-            row.append((unit, float(((left @ free) ** 2).sum()) - noise))
-        units, expected = np.array([unit for unit, _ in row]), np.array([value for _, value in row])
-        along = np.gradient(units[:, :p], units[:, p], axis=0)
-        between = np.abs(np.diff(units[:, p])).mean()
+            row.append((point, float(((left @ free) ** 2).sum()) - noise))
+        places, expected = np.array([point for point, _ in row]), np.array([value for _, value in row])
+        along = np.gradient(places[:, :p], places[:, p], axis=0)
+        between = np.abs(np.diff(places[:, p])).mean()
         beside = np.minimum(np.r_[np.inf, expected[:-1]], np.r_[expected[1:], np.inf])
         lowest = [i for i in np.argsort(expected) if expected[i] < beside[i]]
-        starts += [Start(start.model, units[i], expected[i], between, along[i]) for i in lowest[:MODES]]
+        starts += [Start(start.model, places[i], expected[i], between, along[i]) for i in lowest[:MODES]]
     return starts

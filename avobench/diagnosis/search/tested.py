@@ -7,16 +7,18 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.fit.known import Base
+from avobench.diagnosis.fit.known import KnownModel
+from avobench.diagnosis.gates.cells import cell_gate
 from avobench.diagnosis.gates.classifier import classifier_gate
-from avobench.diagnosis.gates.summary import cell_gate, summary_gate
+from avobench.diagnosis.gates.summary import summary_gate
 from avobench.diagnosis.schema import Gate
 from avobench.diagnosis.search.ranking import Ranked, tied
 from avobench.diagnosis.summary.target import Target
 
 SHARES = {"summary": 0.8, "classifier": 0.2}
+"""Each gate's share of the false alarms. Most effects show in the summary, so that it has most of them."""
 IMAGE_SHARES = {"summary": 0.6, "cells": 0.2, "classifier": 0.2}
-"""Each gate's share of the false alarms. Most effects show in the summary."""
+"""The same where events are images."""
 
 
 @dataclass(frozen=True)
@@ -36,10 +38,16 @@ class Step:
 
     @classmethod
     def of(
-        cls, fit: Fit, target: Target, x: NDArray, rng: np.random.Generator, effort: Effort, base: Base | None = None
+        cls,
+        fit: Fit,
+        target: Target,
+        x: NDArray,
+        rng: np.random.Generator,
+        effort: Effort,
+        known: KnownModel | None = None,
     ) -> "Step":
-        """A fitted model before the gates. `base` is the model without its last effect, if that is known well."""
-        gate, own, own_target = summary_gate(fit, target, rng, effort, base)
+        """A fitted model before the gates. `known` is the model without its last effect, if that is known well."""
+        gate, own, own_target = summary_gate(fit, target, rng, effort, known)
         gates = {"summary": gate}
         if fit.model.task.event_shape:
             gates["cells"] = cell_gate(own, x, rng, effort)

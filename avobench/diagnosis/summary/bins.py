@@ -1,6 +1,5 @@
-"""The summary of a set of events: shares of bins whose edges follow the data, whitened by their covariance."""
+"""The summary of events with features: shares of bins whose edges follow the data."""
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -9,35 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from avobench.diagnosis.summary.contract import Summary
+
 LEAST_IN_BIN = 12
 """Measured and simulated events together, each counted half."""
-RANK_TOLERANCE = 1e-7
-
-
-class Summary(ABC):
-    """A vector s(x) of fixed length K for each event; a set of events is summarised by its mean."""
-
-    size: int
-
-    @abstractmethod
-    def mean(self, x: NDArray, pieces: int = 1) -> NDArray[np.float64]:
-        """Mean vector of each of so many equal, consecutive pieces of the events: (n, d) -> (pieces, K)."""
-
-    @abstractmethod
-    def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
-        """weights^T s(x): (n, d), (n, b) -> (b, K)."""
-
-    @abstractmethod
-    def project(self, x: NDArray, direction: NDArray[np.float64]) -> NDArray[np.float64]:
-        """s(x) along a direction (K,), or several (K, r): (n, d) -> (n,), (n, r)."""
-
-    @abstractmethod
-    def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
-        """About how far each event's vector went, as a variance in units of that of one event: (n, d) twice -> (n,)."""
-
-    @abstractmethod
-    def covariance(self, x: NDArray) -> NDArray[np.float64]:
-        """Covariance of the vectors of events (n, d) -> (K, K)."""
 
 
 @dataclass(frozen=True)
@@ -153,16 +127,3 @@ def closed(inner: NDArray[np.float64], values: NDArray) -> NDArray[np.float64]:
     low = low if low < first else first - width[0]
     high = high if high > last else last + width[-1]
     return np.concatenate([[low], inner, [high]])
-
-
-def whitening(cov: NDArray[np.float64]) -> NDArray[np.float64]:
-    """W (K, r) with W^T cov W = 1, r the rank of cov: one less for each block of bins that sums to one."""
-    seen = np.flatnonzero(np.diag(cov) > 0)  # a cell of a pair may be empty
-    if not len(seen):
-        return np.zeros((len(cov), 0))
-    scale = np.sqrt(np.diag(cov)[seen])
-    values, vectors = np.linalg.eigh(cov[np.ix_(seen, seen)] / np.outer(scale, scale))
-    keep = values > RANK_TOLERANCE * values[-1]
-    w = np.zeros((len(cov), int(keep.sum())))
-    w[seen] = vectors[:, keep] / np.sqrt(values[keep]) / scale[:, None]
-    return w

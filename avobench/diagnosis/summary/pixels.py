@@ -6,11 +6,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.diagnosis.summary.bins import Summary, inner_edges
+from avobench.diagnosis.summary.bins import inner_edges
+from avobench.diagnosis.summary.contract import Summary
 
 BLOCKS = 8
 """Along each axis, at most."""
 FULLNESS_BINS = 12
+"""Of the number of hits, at most: as many as a feature has where there are several."""
 LEAST_HITS = 40
 """In all images together, for a part of the summary to count: fewer scatter unlike a Gaussian."""
 

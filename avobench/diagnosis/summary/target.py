@@ -1,4 +1,4 @@
-"""What is fitted: the mean summary of the measured events, where its covariance is 1."""
+"""What is fitted: the mean summary of the measured events, in coordinates where its covariance is 1."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -6,10 +6,17 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.diagnosis.summary.bins import Summary, whitening
+from avobench.diagnosis.summary.bins import bins_of
+from avobench.diagnosis.summary.contract import Summary
+from avobench.diagnosis.summary.pixels import pixels_of
+from avobench.tasks import Task
 
+MIXED_IN = 0.1
+"""Share of the simulated events in the covariance: where nothing was measured, what was expected still counts."""
 LOOKED_AT = 500
 """Events whose vectors are looked at, for what moving them adds to the noise."""
+RANK_TOLERANCE = 1e-7
+"""Share of the largest eigenvalue of a correlation matrix below which one is rounding: bins sum to one."""
 
 
 class Vectors(Protocol):
@@ -63,3 +70,27 @@ class Target:
             return share
         before, after = (self.summary.project(x[some], self.whitening) for x in (before, after))
         return share * ((before - after) ** 2).sum() / (self.rank * share[some].sum())
+
+
+def whitening(cov: NDArray[np.float64]) -> NDArray[np.float64]:
+    """W (K, r) with W^T cov W = 1, r the rank of cov: one less for each block of bins that sums to one."""
+    seen = np.flatnonzero(np.diag(cov) > 0)  # a cell of a pair may be empty
+    if not len(seen):
+        return np.zeros((len(cov), 0))
+    scale = np.sqrt(np.diag(cov)[seen])
+    values, vectors = np.linalg.eigh(cov[np.ix_(seen, seen)] / np.outer(scale, scale))
+    keep = values > RANK_TOLERANCE * values[-1]
+    w = np.zeros((len(cov), int(keep.sum())))
+    w[seen] = vectors[:, keep] / np.sqrt(values[keep]) / scale[:, None]
+    return w
+
+
+def summary_of(task: Task, x: NDArray, simulated: NDArray) -> Summary:
+    """The summary that suits these measured and simulated events."""
+    return pixels_of(x, simulated, task.event_shape) if task.event_shape else bins_of(x, simulated)
+
+
+def target_of(x: NDArray, summary: Summary, simulated: NDArray) -> Target:
+    """What to fit to the measured events x (N, d), whitened with their covariance and a little of the simulated."""
+    cov = (1 - MIXED_IN) * summary.covariance(x) + MIXED_IN * summary.covariance(simulated)
+    return Target.of(summary, summary.mean(x)[0], len(x), cov)

@@ -1,30 +1,48 @@
 """A diagnosis for the eye: figures, and one page that holds them and every number."""
 
 from pathlib import Path
+from typing import NamedTuple
 
-from avobench.bench.store import write_atomically
-from avobench.diagnosis.schema import Diagnosis
-from avobench.reports.diagnosis.figures import FIGURE, draw
-from avobench.reports.diagnosis.page import Shown, render
+from avobench.bench.atomic import write_atomically
+from avobench.diagnosis import Result
+from avobench.reports.diagnosis.drawn import Drawn
+from avobench.reports.diagnosis.figures import FIGURE, drawings
+from avobench.reports.diagnosis.page import render
+from avobench.reports.html import Missing, Picture, made
 from avobench.tasks import Task
 
 __all__ = ["write"]
 
 
-def write(task: Task, diagnosis: Diagnosis, folder: Path, title: str) -> list[Path]:
+def write(task: Task, result: Result, folder: Path, title: str) -> list[Path]:
     """Write the figures and `report.html` to the folder, each file whole or not at all; the page comes last.
 
-    Figures of another diagnosis that this one does not have are removed from the folder. `diagnosis` is as `diagnose`
-    returns it, with its pictures; `title` may be any text.
+    Figures of another diagnosis that this one does not have are removed from the folder, and a figure that cannot be
+    drawn is a sentence in its place. `result` is as `diagnose` returns it; `title` may be any text.
     """
     paths, shown = [], []
-    for figure in draw(task, diagnosis):
-        saved = figure.save(folder)
-        paths += saved
-        (png,) = (path for path in saved if path.suffix == ".png")
-        shown.append(Shown(figure.name, figure.caption, png.read_bytes()))
+    for name, drawing in drawings(task, result.diagnosis, result.pictures):
+        saved = made(name, lambda drawing=drawing: _saved(drawing(), folder))
+        if isinstance(saved, Missing):
+            shown.append(saved)
+        else:
+            paths += saved.paths
+            shown.append(saved.picture)
     for path in folder.iterdir():
         if FIGURE.fullmatch(path.name) and path not in paths:
             path.unlink()
-    page = render(task, diagnosis, shown, title)
+    page = render(task, result, shown, title)
     return [*paths, write_atomically(folder / "report.html", page.encode())]
+
+
+class _Saved(NamedTuple):
+    """The files of a figure, and what the page shows of it."""
+
+    paths: list[Path]
+    picture: Picture
+
+
+def _saved(figure: Drawn, folder: Path) -> _Saved:
+    paths = figure.save(folder)
+    (png,) = (path for path in paths if path.suffix == ".png")
+    return _Saved(paths, Picture(figure.name, figure.caption, png.read_bytes()))

@@ -1,58 +1,45 @@
 """The figures of a diagnosis. Distinctions by colour are repeated in line style, marker or position."""
 
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import matplotlib
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from avobench.diagnosis.answer.pictures import Maps, Spectrum
-from avobench.diagnosis.schema import Diagnosis, FoundEffect, Named
-from avobench.reports.style import PALETTE, STYLE, save
+from avobench.diagnosis.answer.pictures import Maps, Pictures
+from avobench.diagnosis.schema import Diagnosis, FoundEffect, Named, Region
+from avobench.reports.diagnosis.distribution import distribution
+from avobench.reports.diagnosis.drawn import AFTER, BEFORE, REGION, Drawn, sigma
+from avobench.reports.style import PALETTE, STYLE
 from avobench.tasks import Task
 
 FIGURE = re.compile(r"(maps|distribution-\d+|gap|theta|candidates)\.(pdf|png|csv)")
 """The file of a figure."""
-BEFORE, AFTER, REGION = PALETTE[1], PALETTE[0], {"excess": PALETTE[2], "deficit": PALETTE[4]}
-HATCH = {"excess": "//", "deficit": "\\\\"}
 MOST_CANDIDATES = 20
-STEEP = 5.0
-"""A density whose highest bin is so many times the middle one is drawn on a logarithmic axis."""
 
 
-@dataclass(frozen=True, eq=False)
-class Drawn:
-    """A figure, the numbers that it shows, and what a reader is told about it."""
-
-    name: str
-    caption: str
-    figure: Figure
-    table: pd.DataFrame
-
-    def save(self, folder: Path) -> list[Path]:
-        """As .pdf, .png and .csv."""
-        return save(self.figure, self.table, folder, self.name)
-
-
-def draw(task: Task, diagnosis: Diagnosis) -> list[Drawn]:
+def draw(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> list[Drawn]:
     """All figures that the diagnosis has something to show in."""
-    with matplotlib.rc_context(STYLE):
-        return list(_figures(task, diagnosis))
+    return [drawing() for _, drawing in drawings(task, diagnosis, pictures)]
 
 
-def _figures(task: Task, diagnosis: Diagnosis) -> Iterator[Drawn]:
-    if diagnosis.pictures.maps is not None:
-        yield _maps(diagnosis.pictures.maps, diagnosis)
-    for number, spectrum in enumerate(diagnosis.pictures.spectra, start=1):
-        yield _distribution(spectrum, diagnosis, f"distribution-{number}")
-    yield _gap(diagnosis)
-    yield _theta(task, diagnosis)
+def drawings(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> Iterator[tuple[str, Callable[[], Drawn]]]:
+    """The figures that the diagnosis has something to show in: the name of each, and what draws it."""
+    found: list[tuple[str, Callable[[], Drawn]]] = []
+    if pictures.maps is not None:
+        found.append(("maps", partial(_maps, pictures.maps, diagnosis.regions)))
+    for number, spectrum in enumerate(pictures.spectra, start=1):
+        name = f"distribution-{number}"
+        found.append((name, partial(distribution, spectrum, diagnosis.regions, name)))
+    found += [("gap", partial(_gap, diagnosis)), ("theta", partial(_theta, task, diagnosis))]
     if diagnosis.candidates:
-        yield _candidates(diagnosis)
+        found.append(("candidates", partial(_candidates, diagnosis)))
+    for name, drawing in found:
+        yield name, matplotlib.rc_context(STYLE)(drawing)
 
 
 def label(effect: Named) -> str:
@@ -60,51 +47,7 @@ def label(effect: Named) -> str:
     return effect.name if effect.feature is None else f"{effect.name} of {effect.feature}"
 
 
-def _distribution(spectrum: Spectrum, diagnosis: Diagnosis, name: str) -> Drawn:
-    models = [("before", BEFORE, "--", spectrum.before)]
-    if spectrum.after is not None:
-        models.append(("after", AFTER, "-", spectrum.after))
-    figure = Figure(figsize=(6.4, 3.2 + 1.1 * len(models)), layout="constrained")
-    top, *below = figure.subplots(1 + len(models), 1, sharex=True, height_ratios=[3] + [1] * len(models))
-    edges, width = spectrum.edges, np.diff(spectrum.edges)
-    for when, colour, style, share in models:
-        top.stairs(share / width, edges, color=colour, ls=style, lw=1.4, label=f"simulated, {when}")
-    measured, error = spectrum.measured / width, spectrum.error / width
-    centres = (edges[1:] + edges[:-1]) / 2
-    top.errorbar(centres, measured, error, fmt="o", color="black", ms=2.5, lw=0.8, label="measured")
-    top.set_ylabel("probability density")
-    if measured.max() > STEEP * np.median(measured):
-        top.set_yscale("log", nonpositive="mask")
-    else:
-        top.set_ylim(bottom=0)
-    for region in diagnosis.regions:
-        if region.feature in (spectrum.feature, None):
-            for axis in (top, below[0]):
-                colour, own = REGION[region.kind], {"hatch": HATCH[region.kind], "label": region.kind, "lw": 0}
-                axis.axvspan(region.low, region.high, fc=(*colour, 0.15), ec=(*colour, 0.5), **own)
-    for axis, (when, colour, _, share) in zip(below, models, strict=True):
-        pulls = spectrum.pulls(share)
-        axis.axhspan(-2, 2, color="0.85", lw=0)
-        axis.stairs(pulls, edges, baseline=0, fill=True, color=colour, alpha=0.8)
-        axis.set_ylabel(f"pull\n{when}")
-        limit = max(4, 1.1 * np.abs(pulls).max())
-        axis.set_ylim(-limit, limit)
-    below[-1].set_xlabel(spectrum.feature)
-    top.set_xlim(edges[0], edges[-1])
-    handles, labels = top.get_legend_handles_labels()
-    once = dict(zip(labels, handles, strict=True))  # several regions of a kind are one entry
-    top.legend(once.values(), once.keys())
-    columns = {"low": edges[:-1], "high": edges[1:], "measured": spectrum.measured, "error": spectrum.error}
-    for when, _, _, share in models:
-        columns |= {f"simulated_{when}": share, f"pull_{when}": spectrum.pulls(share)}
-    caption = (
-        f"Measured and simulated {spectrum.feature}. Pulls are differences in standard errors, the band spans 2. "
-        "Hatched: regions that stand out though all were looked at."
-    )
-    return Drawn(name, caption, figure, pd.DataFrame(columns))
-
-
-def _maps(maps: Maps, diagnosis: Diagnosis) -> Drawn:
+def _maps(maps: Maps, regions: Sequence[Region]) -> Drawn:
     models = [("before", maps.before)]
     if maps.after is not None:
         models.append(("after", maps.after))
@@ -113,16 +56,17 @@ def _maps(maps: Maps, diagnosis: Diagnosis) -> Drawn:
     image = first.imshow(maps.measured, cmap="cividis", origin="lower", aspect="auto")
     figure.colorbar(image, ax=first, label="mean of a cell", location="bottom")
     first.set_title("measured")
-    limit = max(4.0, float(np.abs(maps.pulls(maps.before)).max()))
+    limit = max(4.0, *(float(np.abs(maps.pulls(simulated)).max()) for _, simulated in models))
     for axis, (when, simulated) in zip(others, models, strict=True):
         style = {"cmap": "PuOr", "vmin": -limit, "vmax": limit, "origin": "lower", "aspect": "auto"}
         image = axis.imshow(maps.pulls(simulated), **style)
         axis.set_title(f"pulls {when}")
         figure.colorbar(image, ax=axis, label="pull", location="bottom")
-    for region in diagnosis.regions:
+    for region in regions:
         if span := {"row": others[0].axhspan, "column": others[0].axvspan}.get(region.feature or ""):
-            style = {"fill": False, "lw": 1.5, "ec": REGION[region.kind]}
-            span(region.low, region.high, **style)
+            # Not clipped, so that the frame of a row at the edge is as thick as any.
+            span(region.low, region.high, fill=False, lw=1.5, ec=REGION[region.kind], clip_on=False)
+            _beside(others[0], region)
     for axis in (first, *others):
         axis.set_xlabel("column")
         axis.set_ylabel("row")
@@ -133,9 +77,18 @@ def _maps(maps: Maps, diagnosis: Diagnosis) -> Drawn:
         table |= {f"simulated_{when}": simulated, f"pull_{when}": maps.pulls(simulated)}
     caption = (
         "Mean of the measured images, and cell by cell its difference from the simulated one in standard errors. "
-        "Framed: rows and columns that stand out though all were looked at."
+        "Framed: rows and columns that stand out though all were looked at, each with its significance."
     )
     return Drawn("maps", caption, figure, pd.DataFrame({name: values.ravel() for name, values in table.items()}))
+
+
+def _beside(axis: Axes, region: Region) -> None:
+    """Write at the end of a row, or above a column, how much it stands out."""
+    middle, of_row = (region.low + region.high) / 2, region.feature == "row"
+    at, coordinates = ((1, middle), axis.get_yaxis_transform()) if of_row else ((middle, 1), axis.get_xaxis_transform())
+    look = {"ha": "left", "va": "center"} if of_row else {"ha": "center", "va": "bottom"}
+    offset = {"textcoords": "offset points", "annotation_clip": False, "fontsize": "small"}
+    axis.annotate(sigma(region), at, (3, 0) if of_row else (0, 3), xycoords=coordinates, **look, **offset)
 
 
 def _gap(diagnosis: Diagnosis) -> Drawn:

@@ -1,14 +1,12 @@
-"""The page of a diagnosis: one file that needs no network and runs no script."""
+"""The page of a diagnosis: one file that needs no network."""
 
-import base64
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from collections.abc import Iterator
 
-from jinja2 import Environment, FileSystemLoader
-
-from avobench.diagnosis.schema import Diagnosis, Verdict
+from avobench.diagnosis import Result
+from avobench.diagnosis.schema import Diagnosis, EffectValue, Named, Value, Verdict
+from avobench.reports import html
 from avobench.reports.diagnosis.figures import label
+from avobench.reports.numbers import number, p_equals, with_error
 from avobench.tasks import Task
 
 MEANING = {
@@ -17,50 +15,121 @@ MEANING = {
     Verdict.REDUCED: "The effect below closes a part of the gap; what is left is still significant.",
     Verdict.UNEXPLAINED: "Simulation and measurement disagree, and no effect of the catalogue says why.",
 }
+PARAMETERS = "θ as fitted to the simulator as it is, and with the effects that were added."
+SIZE = (
+    " The error of an effect's parameter holds if nature's effect has the very shape of the catalogue's. Where it has "
+    "another one, such as longer tails, the fitted size stands in for that shape as well, and may lie many errors from "
+    "the size of nature's."
+)
 
 
-@dataclass(frozen=True)
-class Shown:
-    """A figure of the page, shown at half its pixels so that it is sharp."""
-
-    name: str
-    caption: str
-    png: bytes
-
-    @property
-    def image(self) -> str:
-        """As the address of an image that needs no file."""
-        return "data:image/png;base64," + base64.b64encode(self.png).decode()
-
-    @property
-    def width(self) -> int:
-        return int.from_bytes(self.png[16:20]) // 2  # where a PNG says it
-
-
-def render(task: Task, diagnosis: Diagnosis, figures: list[Shown], title: str) -> str:
+def render(task: Task, result: Result, figures: list[html.Picture | html.Missing], title: str) -> str:
     """The page as HTML; whatever comes from the user, such as the title, is shown as text."""
-    template = Environment(
-        loader=FileSystemLoader(Path(__file__).parent), autoescape=True, trim_blocks=True, lstrip_blocks=True
-    ).get_template("page.html.jinja")
-    added = diagnosis.model.model.effects if diagnosis.model else ()
-    return template.render(
+    diagnosis, added = result.diagnosis, result.fit.model.effects
+    return html.page(
+        "diagnosis/page.html.jinja",
         title=title,
         task=task,
         diagnosis=diagnosis,
         meaning=MEANING[diagnosis.verdict],
         figures=figures,
+        tables=list(_tables(task, diagnosis)),
         sentences={effect.name: effect.sentence for effect in added},
-        candidates=sorted(diagnosis.candidates, key=lambda candidate: candidate.score),
         label=label,
-        number=_number,
-        value=_value,
+        number=number,
+        p_equals=p_equals,
     )
 
 
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3g}"
+def _tables(task: Task, diagnosis: Diagnosis) -> Iterator[html.Table]:
+    yield _parameters(task, diagnosis)
+    yield _tests(diagnosis)
+    yield _regions(diagnosis)
+    if diagnosis.candidates:
+        yield _candidates(diagnosis)
+    if diagnosis.identifiability:
+        yield _identifiability(diagnosis)
 
 
-def _value(fitted: Any) -> str:
-    """A value with its error, as far as one is known."""
-    return _number(fitted.value) if fitted.std is None else f"{fitted.value:.4g} ± {fitted.std:.2g}"
+def _parameters(task: Task, diagnosis: Diagnosis) -> html.Table:
+    after = diagnosis.theta_after or {}
+    units = dict(zip(task.parameter_names, task.parameter_units, strict=True))
+    rows = []
+    for name, before in diagnosis.theta_before.items():
+        title, unit = html.texts([name, units.get(name, "1")])
+        rows.append((title, _value(before), _value(after.get(name)), unit))
+    for effect in diagnosis.effects:
+        for name, parameter in effect.parameters.items():
+            title, unit = html.texts([f"{label(effect)}: {name}", parameter.unit])
+            null = html.Cell(number(parameter.null), html.key(parameter.null), True)
+            rows.append((title, null, _value(parameter), unit))
+    text = PARAMETERS + SIZE * bool(diagnosis.effects)
+    return html.Table("theta", "Parameters", text, ["parameter", "before", "after", "unit"], rows)
+
+
+def _value(fitted: Value | EffectValue | None) -> html.Cell:
+    """A value with its error; a dash where nothing was fitted."""
+    if fitted is None:
+        return html.Cell("-", "", True)
+    return html.Cell(with_error(fitted.value, fitted.std), html.key(fitted.value), True)
+
+
+def _tests(diagnosis: Diagnosis) -> html.Table:
+    gates = diagnosis.gates.values()
+    columns = {
+        "gate": html.texts(diagnosis.gates),
+        "statistic": html.figures([gate.statistic for gate in gates]),
+        "degrees of freedom": html.figures([gate.dof for gate in gates]),
+        "p": html.p_values([gate.p_value for gate in gates]),
+    }
+    return html.Table.of("tests", "Tests", "The simulator as it is against the measurement.", columns)
+
+
+def _regions(diagnosis: Diagnosis) -> html.Table:
+    regions = diagnosis.regions
+    columns = {
+        "feature": html.texts([region.feature or "-" for region in regions]),
+        "from": html.figures([region.low for region in regions], _each),
+        "to": html.figures([region.high for region in regions], _each),
+        "kind": html.texts([region.kind for region in regions]),
+        "sigma": html.figures([region.z for region in regions], lambda values: [f"{value:+.1f}" for value in values]),
+        "global p": html.p_values([region.p_global for region in regions]),
+    }
+    text = "Where they differ, by the p of the largest such difference anywhere."
+    return html.Table.of("regions", "Where", text if regions else "No region stands out.", columns)
+
+
+def _each(values: list[float]) -> list[str]:
+    """Limits of regions, each with its own decimals: those near an edge differ from it in the fourth."""
+    return [f"{value:.5g}" for value in values]
+
+
+def _candidates(diagnosis: Diagnosis) -> html.Table:
+    candidates = sorted(diagnosis.candidates, key=lambda candidate: candidate.score)
+    columns = {
+        "effect": html.texts([label(candidate) for candidate in candidates]),
+        "score": html.figures([candidate.score for candidate in candidates]),
+        "p": html.p_values([candidate.p_value for candidate in candidates]),
+        "held-out χ²/ndf": html.figures([candidate.held_out_gap for candidate in candidates]),
+    }
+    text = "Each added alone to the simulator; a lower score is better."
+    return html.Table.of("candidates", "Effects that were tried", text, columns)
+
+
+def _identifiability(diagnosis: Diagnosis) -> html.Table:
+    card = diagnosis.identifiability
+    columns = {
+        "effect": html.texts([label(row) for row in card]),
+        "signal left once θ is fitted": html.figures([row.retained for row in card]),
+        "smallest strength seen": html.figures([row.minimum_detectable for row in card]),
+        "change of θ if it is there unseen": html.texts(
+            [", ".join(f"{name} {number(bias)}" for name, bias in row.theta_bias.items()) for row in card]
+        ),
+        "cannot be told from": html.texts([_listed(row.rivals) for row in card]),
+    }
+    text = "The smallest strength of each effect that these data would have shown."
+    return html.Table.of("identifiability", "What these data could not have shown", text, columns)
+
+
+def _listed(effects: list[Named]) -> str:
+    return ", ".join(label(effect) for effect in effects)

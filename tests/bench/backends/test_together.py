@@ -13,8 +13,8 @@ import pytest
 from avobench.bench.backends.local import LocalBackend
 from avobench.bench.backends.together import TogetherBackend
 from avobench.bench.plan import plan
-from avobench.bench.record import Status
 from avobench.bench.runner import View, run, seconds
+from avobench.bench.status import Status
 from avobench.bench.store import Store
 from avobench.bench.trial import execute
 

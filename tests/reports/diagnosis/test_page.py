@@ -1,12 +1,19 @@
 """The figures and the page of a diagnosis, the page in a real browser."""
 
+import itertools
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 import pytest
 
+from avobench.diagnosis import Result
 from avobench.diagnosis.answer.pictures import Maps, Pictures, Spectrum
-from avobench.diagnosis.schema import Diagnosis, Verdict
+from avobench.diagnosis.schema import Diagnosis, Region, Verdict
+from avobench.effects.model import Model
 from avobench.reports.diagnosis import write
+from avobench.reports.diagnosis.distribution import distribution
 from avobench.tasks import Box, Task
 from avobench.tasks.poisson import Poisson
 
@@ -58,9 +65,9 @@ def diagnosis(task, verdict=Verdict.NAMED, **changes):
         "seed": 0,
         "versions": {"avobench": "0.1.0"},
     }
-    result = Diagnosis.model_validate({**content, **changes})
-    result._pictures = Pictures((spectrum(task, named),), maps(named) if task.event_shape else None)
-    return result
+    pictures = Pictures((spectrum(task, named),), maps(named) if task.event_shape else None)
+    fit = SimpleNamespace(model=Model(task))
+    return Result(task, Diagnosis.model_validate({**content, **changes}), fit, pictures, None)
 
 
 class Images(Task):
@@ -109,11 +116,135 @@ def test_the_page_opens_without_network_shows_its_figures_and_escapes(browser, t
     assert browser.driver.title.startswith("<script>document.title")
     assert browser.run("return document.querySelector('h1').textContent") == HOSTILE
     assert browser.run("return document.querySelector('#notes li').textContent") == HOSTILE
-    assert browser.run("return document.scripts.length") == 0
+    assert browser.run("return document.scripts.length") == 1  # the page's own
     assert browser.run("return document.querySelector('#verdict').textContent") == "missing effect named"
     text = browser.run("return document.body.innerText")
     for expected in ("zero_inflation", "cannot tell it from dead_time", "0.04 ± 0.002", "deficit", "log_rate 0.01"):
         assert expected in text
+
+
+NARROW = {"feature": None, "kind": "excess", "z": 12.1, "p_global": 0.0005}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """The files of a diagnosis with p-values of 0 and an excess at the very edge of a feature."""
+    task, folder = Poisson(), tmp_path_factory.mktemp("edge")
+    content = diagnosis(task, p_value_before=0.0, regions=[{**NARROW, "low": 0.99, "high": 1.0}])
+    told = content.diagnosis
+    told.candidates[2].p_value = told.gates["summary"].p_value = 0.0
+    content = replace(content, pictures=Pictures((edge(12.0),)))
+    write(task, content, folder, "an excess at the edge")
+    return folder
+
+
+@pytest.fixture
+def opened(folder, browser):
+    browser.open(folder / "report.html")
+    return browser
+
+
+def edge(pull):
+    """A flat feature of 100 bins from 0 to 1, with a measurement that exceeds it in the last one."""
+    before, error = np.full(100, 0.01), np.full(100, 1e-3)
+    measured = before + pull * error * np.eye(100)[-1]
+    return Spectrum("angle", np.linspace(0, 1, 101), measured, error, before, measured - error)
+
+
+def test_no_p_value_is_told_as_zero(opened):
+    assert opened.run("return document.body.innerText").count("p < 1e-300") == 1
+    assert [cell.text for cell in opened.driver.find_elements("css selector", "#tests td")][-1] == "< 1e-300"
+    column = [cell.text for cell in opened.driver.find_elements("css selector", "#candidates td:nth-child(3)")]
+    assert column == ["0.4", "0.3", "< 1e-300"]
+
+
+@pytest.mark.parametrize("width", [1300, 800, 390])
+def test_no_window_needs_a_horizontal_scrollbar(opened, width):
+    with opened.window(width, mobile=width < 400):
+        end, window = opened.widest()
+        assert end <= window == width
+        assert width < 1300 or opened.scrolled_tables() == []
+        assert opened.run("return document.querySelector('main').clientWidth") > 0.95 * width
+
+
+def test_light_and_dark_show_the_same_legibly(opened):
+    texts, brightness = [], []
+    for scheme in ("light", "dark"):
+        with opened.scheme(scheme):
+            faintest, words = opened.contrasts()[0]
+            assert faintest >= 4.5, words
+            texts.append(opened.run("return document.body.innerText"))
+            brightness.append(np.median(opened.screenshot()[:300]))
+    assert texts[0] == texts[1]
+    assert brightness[0] > 230
+    assert brightness[1] < 60
+
+
+def test_candidates_are_sorted_by_what_a_reader_clicks(opened):
+    def effects():
+        return [cell.text for cell in opened.driver.find_elements("css selector", "#candidates td:first-child")]
+
+    assert effects() == ["zero_inflation", "dead_time", "pile_up"]  # by score
+    opened.run("document.querySelectorAll('#candidates th button')[2].click()")
+    assert effects() == ["pile_up", "dead_time", "zero_inflation"]  # by p, of which one is 0
+    assert opened.complaints() == []
+
+
+def test_the_page_says_what_the_error_of_a_size_does_not_cover(opened):
+    assert "may lie many errors from the size of nature's" in opened.run(
+        "return document.querySelector('#theta').textContent"
+    )
+
+
+def hatched(axis):
+    """The limits with which the one excess is drawn."""
+    (span,) = (patch for patch in axis.patches if patch.get_label() == "excess")
+    return tuple(span.get_extents().transformed(axis.transData.inverted()).intervalx)
+
+
+def test_a_narrow_region_at_the_edge_is_seen_labelled_and_enlarged():
+    region = Region.model_validate({**NARROW, "low": 0.995, "high": 1.0})
+    main, enlarged = distribution(edge(12.0), [region], "distribution-1").figure.axes[:2]
+    assert hatched(main) == pytest.approx((1 - 0.012, 1))
+    assert [text.get_text() for text in main.texts] == [r"$+12.1\,\sigma$"]
+    assert enlarged.get_xlim() == pytest.approx((0.99, 1))
+    assert hatched(enlarged) == pytest.approx((0.995, 1))
+    wide = distribution(edge(12.0), [region.model_copy(update={"low": 0.5})], "distribution-1")
+    assert len(wide.figure.axes) == 3  # nothing to enlarge
+
+
+def test_labels_of_near_regions_do_not_stand_on_each_other():
+    near = ((0.5, 5), (0.56, 6), (0.62, 7), (0.9, 8))
+    regions = [Region.model_validate({**NARROW, "low": low, "high": low + 0.05, "z": z}) for low, z in near]
+    figure = distribution(edge(12.0), regions, "distribution-1").figure
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in figure.axes[0].texts]
+    assert len(boxes) == 4
+    assert not any(one.overlaps(other) for one, other in itertools.combinations(boxes, 2))
+
+
+@pytest.mark.parametrize(("pull", "scale"), [(3.0, "linear"), (12.0, "linear"), (80.0, "symlog")])
+def test_pulls_before_and_after_have_one_scale(pull, scale):
+    drawn = distribution(edge(pull), [], "distribution-1")
+    _, before, after = drawn.figure.axes
+    assert before.get_ylim() == after.get_ylim()
+    assert before.get_ylim()[1] >= pull
+    assert before.get_yscale() == after.get_yscale() == scale
+    assert ("logarithmic" in drawn.caption) == (scale == "symlog")
+
+
+def test_a_figure_that_cannot_be_drawn_is_a_sentence_and_the_rest_is_there(browser, tmp_path):
+    task, content = Poisson(), diagnosis(Poisson())
+    good = spectrum(task, after=True)
+    content = replace(content, pictures=Pictures((replace(good, before=good.before[:5]), good)))
+    names = {path.name for path in write(task, content, tmp_path, "a spectrum without one of its bins")}
+    assert "distribution-1.png" not in names
+    assert {"distribution-2.png", "theta.png", "report.html"} <= names
+    browser.open(tmp_path / "report.html")
+    text = browser.run("return document.querySelector('#figure-distribution-1').textContent")
+    assert text.startswith("The figure “distribution-1” could not be drawn: ValueError")
+    assert browser.run("return document.images.length") == 4
+    assert browser.complaints() == []
 
 
 @pytest.mark.parametrize("verdict", [Verdict.NOTHING, Verdict.REDUCED], ids=lambda verdict: verdict.name.lower())
@@ -122,7 +253,7 @@ def test_every_verdict_has_a_page_also_where_there_is_nothing_to_show(browser, t
     row = {"feature": "row", "low": -0.5, "high": 1.5, "kind": "deficit", "z": -9.0, "p_global": 0.0005}
     regions = [row, {**row, "feature": "column"}] if verdict == Verdict.REDUCED else []
     content = diagnosis(task, verdict, regions=regions, candidates=[], identifiability=[], notes=[])
-    named = content.theta_after is not None
+    named = content.diagnosis.theta_after is not None
     write(Poisson(), diagnosis(Poisson()), tmp_path, "of other data, with other figures")
     (tmp_path / "distribution-mine.csv").write_text("not of a diagnosis")
     paths = write(task, content, tmp_path, "images")

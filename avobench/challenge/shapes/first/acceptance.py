@@ -21,7 +21,7 @@ class ErfTurnOn(Selection):
     width: float = drawn(0.03, 0.12, "half ranges")
 
     def efficiency(self, x: NDArray) -> NDArray[np.float64]:
-        distance = (self.begin - np.abs(self.place.unit(x))) / self.width
+        distance = (self.begin - np.abs(self.place.scaled(x))) / self.width
         return (1 - self.strength * erfc(distance / np.sqrt(2)) / 2).prod(axis=1)
 
 
@@ -57,7 +57,7 @@ class RimLoss(Selection):
         return not place.cosine
 
     def efficiency(self, x: NDArray) -> NDArray[np.float64]:
-        distance = np.clip(1 - np.abs(self.place.unit(x)), 0, None)
+        distance = np.clip(1 - np.abs(self.place.scaled(x)), 0, None)
         return (1 - self.strength * np.exp(-distance / self.depth)).prod(axis=1)
 
 
@@ -71,7 +71,7 @@ class TwoHalves(Selection):
     width: float = drawn(0.02, 0.15, "half ranges")
 
     def efficiency(self, x: NDArray) -> NDArray[np.float64]:
-        return (1 - abs(self.strength) * ndtr(np.sign(self.strength) * self.place.unit(x) / self.width)).prod(axis=1)
+        return (1 - abs(self.strength) * ndtr(np.sign(self.strength) * self.place.scaled(x) / self.width)).prod(axis=1)
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class FadingSide(Selection):
     width: float = drawn(0.4, 1.5, "half ranges")
 
     def efficiency(self, x: NDArray) -> NDArray[np.float64]:
-        return (1 - abs(self.strength) * expit(4 * np.sign(self.strength) * self.place.unit(x) / self.width)).prod(
+        return (1 - abs(self.strength) * expit(4 * np.sign(self.strength) * self.place.scaled(x) / self.width)).prod(
             axis=1
         )
 
@@ -101,6 +101,6 @@ class SoftGap(Selection):
     residual: float = drawn(0, 0.4)
 
     def efficiency(self, x: NDArray) -> NDArray[np.float64]:
-        u = (self.place.unit(x) - self.location) / self.strength
+        u = (self.place.scaled(x) - self.location) / self.strength
         inside = ndtr((u + 1) / self.side) * ndtr((1 - u) / self.side)
         return (1 - (1 - self.residual) * inside).prod(axis=1)

@@ -16,7 +16,7 @@ class LandauNoise(Change):
 
     name: ClassVar = "readout_noise"
     source: ClassVar = "Moyal, Philosophical Magazine 46 (1955) 263, for Landau's distribution"
-    stage: ClassVar = 3
+    stage: ClassVar = 4
     strength: float = strength(0.1, 1.5, "standard deviations")
     tail_share: float = drawn(0.1, 0.4, "of the intervals with a Landau-like disturbance")
 
@@ -32,7 +32,7 @@ class LaplaceNoise(Change):
 
     name: ClassVar = "readout_noise"
     source: ClassVar = "noise of electronics with rare large excursions"
-    stage: ClassVar = 3
+    stage: ClassVar = 4
     strength: float = strength(0.1, 1.5, "standard deviations")
 
     def change(self, x: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
@@ -45,7 +45,7 @@ class StuckBit(Change):
 
     name: ClassVar = "quantisation"
     source: ClassVar = "stuck bits of converters and scalers"
-    stage: ClassVar = 3
+    stage: ClassVar = 4
     strength: float = strength(0.02, 1, "share of the intervals")
     bit: float = drawn(0, 2, "which bit, rounded down")
 
@@ -61,7 +61,7 @@ class CoarseRange(Change):
 
     name: ClassVar = "quantisation"
     source: ClassVar = "dual-range converters"
-    stage: ClassVar = 3
+    stage: ClassVar = 4
     strength: float = strength(0.05, 1, "share of the intervals in the coarse range")
     step: float = drawn(2, 5, "counts, rounded down")
 

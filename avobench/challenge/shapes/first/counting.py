@@ -83,7 +83,7 @@ class UnevenPileUp(Change):
 
     name: ClassVar = "pile_up"
     source: ClassVar = "beam-related background whose rate follows the beam"
-    stage: ClassVar = 0
+    stage: ClassVar = 1
     strength: float = strength(0.005, 0.3, "of the mean count")
     variation: float = drawn(0, 0.1)
 
@@ -98,7 +98,7 @@ class UnevenInefficiency(Change):
 
     name: ClassVar = "inefficiency"
     source: ClassVar = "efficiency of a counter whose high voltage drifts"
-    stage: ClassVar = 0
+    stage: ClassVar = 1
     strength: float = strength(0.005, 0.3)
     variation: float = drawn(0, 0.1)
 

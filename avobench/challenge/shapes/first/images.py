@@ -13,7 +13,7 @@ from avobench.challenge.shapes.contract import Injection, Place, Selection, Simu
 class ImageInjection(Injection):
     """An injection that changes images once they are made."""
 
-    stage = 3
+    stage = 4
 
     def measure(self, simulate: Simulate, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         return self.change(simulate(theta, rng).copy(), rng)
@@ -128,7 +128,7 @@ class PileUp(Injection):
     """An injection by which other collisions, `strength` of them an event on average, are seen in the same image."""
 
     name = "pile_up"
-    stage = 1
+    stage = 2
     strength: float
 
     def others(self, simulate: Simulate, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:

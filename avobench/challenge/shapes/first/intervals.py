@@ -53,7 +53,7 @@ class Discharges(Change):
 class RateVariation(Injection):
     """The rate differs from interval to interval, by a factor of mean 1 and relative standard deviation `strength`."""
 
-    stage = 0
+    stage = 1
     strength: float
 
     def factor(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:

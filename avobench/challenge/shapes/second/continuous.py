@@ -106,7 +106,7 @@ class LayersMissed(Selection):
     layers: float = drawn(2, 6, "rounded down")
 
     def efficiency(self, x: NDArray) -> NDArray[np.float64]:
-        beyond = np.clip((np.abs(self.place.unit(x)) - self.begin) / (1 - self.begin), 0, 1)
+        beyond = np.clip((np.abs(self.place.scaled(x)) - self.begin) / (1 - self.begin), 0, 1)
         return (1 - self.strength * np.ceil(int(self.layers) * beyond) / int(self.layers)).prod(axis=1)
 
 
@@ -120,7 +120,7 @@ class AttenuatedLight(Selection):
     length: float = drawn(0.5, 2, "half ranges")
 
     def efficiency(self, x: NDArray) -> NDArray[np.float64]:
-        near = 1 - np.clip(np.sign(self.strength) * self.place.unit(x), -1, 1)
+        near = 1 - np.clip(np.sign(self.strength) * self.place.scaled(x), -1, 1)
         return (1 - abs(self.strength) * np.exp(-near / self.length)).prod(axis=1)
 
 
@@ -167,7 +167,7 @@ class TaperedGap(Selection):
     depth: float = drawn(0.6, 1, "share lost in the middle")
 
     def efficiency(self, x: NDArray) -> NDArray[np.float64]:
-        distance = np.abs(self.place.unit(x) - self.location) / self.strength
+        distance = np.abs(self.place.scaled(x) - self.location) / self.strength
         return (1 - self.depth * np.clip(1 - distance, 0, 1)).prod(axis=1)
 
 

@@ -128,7 +128,7 @@ class MainsHum(Change):
 
     name: ClassVar = "readout_noise"
     source: ClassVar = "pick-up of a sine at random phase: arcsine-distributed noise"
-    stage: ClassVar = 3
+    stage: ClassVar = 4
     strength: float = strength(0.1, 1.5, "standard deviations")
     hum: float = drawn(0.5, 1, "share of the variance")
 
@@ -144,7 +144,7 @@ class PrescaledScaler(Change):
 
     name: ClassVar = "quantisation"
     source: ClassVar = "prescaled scalers"
-    stage: ClassVar = 3
+    stage: ClassVar = 4
     strength: float = strength(0.02, 1, "share of the intervals")
     step: float = drawn(2, 6, "pulses, rounded down")
 
@@ -160,7 +160,7 @@ class PulsedBeam(Change):
 
     name: ClassVar = "pile_up"
     source: ClassVar = "duty cycle of pulsed accelerators"
-    stage: ClassVar = 0
+    stage: ClassVar = 1
     strength: float = strength(0.005, 0.3, "of the mean count")
     duty: float = drawn(0.6, 0.95, "share of the intervals with beam")
 
@@ -175,7 +175,7 @@ class ChannelsOff(Change):
 
     name: ClassVar = "inefficiency"
     source: ClassVar = "masked and recovering channels of segmented counters"
-    stage: ClassVar = 0
+    stage: ClassVar = 1
     strength: float = strength(0.005, 0.3)
     channels: float = drawn(20, 100, "rounded down")
 

@@ -1,0 +1,27 @@
+"""How a cell ends: the outcomes that there are, each with a sentence, and the reason of a failure."""
+
+from enum import StrEnum
+from typing import Any
+
+
+class Status(StrEnum):
+    """Outcome of a cell; `ok` exactly when an estimate was made within the budget."""
+
+    OK = "ok"
+    BUDGET_EXHAUSTED = "budget_exhausted"
+    """The method asked for more events than the budget holds before it had an estimate."""
+    SIMULATOR_ERROR = "simulator_error"
+    """The task's simulator, summary or floor raised, or returned something of the wrong shape, type or value."""
+    OUTSIDE_SUPPORT = "outside_support"
+    """The method asked for events at parameters where the simulator is not defined."""
+    METHOD_ERROR = "method_error"
+    """The method raised."""
+    INVALID_ESTIMATE = "invalid_estimate"
+    """The method returned something that is not a finite estimate within the support."""
+    CRASHED = "crashed"
+    """The worker process died twice in this cell."""
+
+
+def reason(record: dict[str, Any]) -> str:
+    """Status and message of a cell that failed, in a line."""
+    return f"{record['status']}: {' '.join(record['message'].split()) or 'no message'}"

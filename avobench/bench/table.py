@@ -1,0 +1,64 @@
+"""Records as a table, for pandas, and the labels that keep unlike records apart in it."""
+
+import json
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import pandas as pd
+
+
+def to_frame(records: Iterable[dict[str, Any]]) -> pd.DataFrame:
+    """One row a cell; lists over parameters become columns `theta_true_0`, `theta_true_1`, ...; no trace."""
+    rows = []
+    for record in records:
+        row = dict(record)
+        for name in ("theta_true", "theta_hat", "mean", "std"):
+            values = row.pop(name) or [None] * len(record["theta_true"])
+            row |= {f"{name}_{i}": value for i, value in enumerate(values)}
+        for name in ("task_settings", "method_settings", "versions"):
+            row[name] = json.dumps(row[name], sort_keys=True)
+        row["parameter_names"] = " ".join(row["parameter_names"])
+        row.pop("trace", None)  # a sweep keeps none
+        rows.append(row)
+    frame = pd.DataFrame(rows)
+    per_parameter = frame.columns[frame.columns.str.fullmatch(r"(theta_true|theta_hat|mean|std)_\d+")]
+    numbers = [*per_parameter, "squared_error", "floor", "floor_likelihood", "peak_memory_mib"]
+    frame[numbers] = frame[numbers].astype(float)
+    counts = [f"simulations_{what}" for what in ("requested", "used", "discarded", "refused")]
+    frame[counts] = frame[counts].astype("Int64")
+    leading = ["task", "method", "target", "repetition", "seed", "status", "message", *sorted(per_parameter)]
+    leading += ["squared_error", "floor", "num_observations", "budget", "simulations_used"]
+    leading += ["simulator_seconds", "method_seconds"]
+    return frame[leading + [name for name in frame.columns if name not in leading]]
+
+
+def labels(records: list[dict[str, Any]]) -> tuple[list[str], list[str]]:
+    """A label for the task and for the method of each record: its name, and whatever else tells like-named ones apart.
+
+    So records of two settings, versions, budgets or numbers of observations are never pooled. Settings and versions
+    are told where they differ within a method, budget and observations where they differ within a task.
+    """
+    common = ("budget", "num_observations")
+    tasks = _labels(records, "task", lambda record: record["task"], common)
+    return tasks, _labels(records, "method", lambda record: (record["task"], record["method"]), ())
+
+
+def _labels(
+    records: list[dict[str, Any]], kind: str, group: Callable[[dict[str, Any]], Any], common: tuple[str, ...]
+) -> list[str]:
+    parts = [
+        {"version": record[f"{kind}_version"], "source": record.get(f"{kind}_source_sha256", "built-in")[:8]}
+        | {name: record[name] for name in common}
+        | record[f"{kind}_settings"]
+        for record in records
+    ]
+    seen: dict[Any, dict[str, set[str]]] = {}
+    for record, part in zip(records, parts, strict=True):
+        for name, value in part.items():
+            seen.setdefault(group(record), {}).setdefault(name, set()).add(json.dumps(value))
+    result = []
+    for record, part in zip(records, parts, strict=True):
+        values = seen[group(record)]
+        extra = [f"{name}={value}".replace(" ", "") for name, value in part.items() if len(values[name]) > 1]
+        result.append(" ".join([record[kind], *extra]))
+    return result

@@ -1,0 +1,27 @@
+"""What every command that reads records does about damaged ones: it goes on, names each, and ends with exit code 1."""
+
+import warnings
+from collections.abc import Callable
+
+import click
+
+from avobench.bench.store import DamagedRecord
+
+
+def naming_damaged(command: Callable[[], int | None]) -> int:
+    """The exit code of `command`, or 1 where it left a damaged record out; each is named once on standard error."""
+    named: set[str] = set()
+    show = warnings.showwarning
+
+    def name(message: Warning | str, category: type[Warning], *where: object, **more: object) -> None:
+        if not issubclass(category, DamagedRecord):
+            show(message, category, *where, **more)
+        elif str(message) not in named:
+            named.add(str(message))
+            click.echo(f"avobench: {' '.join(str(message).split())}", err=True)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", DamagedRecord)
+        warnings.showwarning = name
+        code = command() or 0
+    return code or (1 if named else 0)

@@ -1,0 +1,166 @@
+"""The figure of one feature: measured and simulated, their pulls, and the regions that stand out."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, MaxNLocator, NullFormatter, NullLocator, ScalarFormatter
+from numpy.typing import NDArray
+
+from avobench.diagnosis.answer.pictures import Spectrum
+from avobench.diagnosis.schema import Region
+from avobench.reports.diagnosis.drawn import AFTER, BEFORE, HATCH, REGION, Drawn, sigma
+
+STEEP = 5.0
+"""A density whose highest bin is so many times the middle one is drawn on a logarithmic axis."""
+NARROW = 0.04
+"""A region that takes less of the axis is shown enlarged as well."""
+LEAST_SEEN = 0.012
+"""The least width of the axis that a region is drawn with, about three of a reader's pixels a side."""
+LEAST_ENLARGED = 0.002
+"""The least width of the axis on either side of an enlarged region, lest a single value fill the panel."""
+MOST_ENLARGED = 2
+MOST_LABELS = 8
+"""Regions beyond so many have no label, but stand in the table."""
+LABEL_WIDTH = 0.1
+"""Of the axis; labels that would be nearer to each other stand above each other."""
+LEAST_PULLS = 4.0
+"""The scale of pulls reaches at least so far."""
+LINEAR_PULLS = 5.0
+"""Up to here a scale of pulls is linear; beyond, logarithmic, if it has to reach much farther."""
+FAR_PULLS = 15.0
+"""A linear scale up to here still shows pulls of one standard error."""
+
+Model = tuple[str, Any, str, NDArray[np.float64]]
+"""When, colour, line style, shares of the bins."""
+
+
+def distribution(spectrum: Spectrum, regions: Sequence[Region], name: str) -> Drawn:
+    """Measured and simulated densities of a feature, and below them the pulls of each simulation on one scale."""
+    models: list[Model] = [("before", BEFORE, "--", spectrum.before)]
+    if spectrum.after is not None:
+        models.append(("after", AFTER, "-", spectrum.after))
+    own = sorted((each for each in regions if each.feature in (spectrum.feature, None)), key=lambda each: -abs(each.z))
+    axis_range = (spectrum.edges[0], spectrum.edges[-1])
+    enlarged = _enlarged(own, *axis_range)
+    figure = Figure(figsize=(6.4 + 1.7 * len(enlarged), 3.4 + 1.1 * len(models)), layout="constrained")
+    shape = {"width_ratios": [4] + [1] * len(enlarged), "height_ratios": [3] + [1] * len(models)}
+    axes = figure.subplots(1 + len(models), 1 + len(enlarged), sharex="col", sharey="row", squeeze=False, **shape)
+    for (top, *below), span in zip(axes.T, [axis_range, *enlarged], strict=True):
+        _densities(top, spectrum, models)
+        for axis, model in zip(below, models, strict=True):
+            _pulls(axis, spectrum, model)
+        _regions((top, below[0]), own, span)
+        top.set_xlim(*span)
+    for *_, below in axes.T[1:]:
+        below.set_xlabel("enlarged")
+        below.xaxis.set_major_locator(MaxNLocator(2))
+    far = _one_scale(axes[1:], [spectrum.pulls(share) for *_, share in models])
+    _words(axes, spectrum, models)
+    caption = (
+        f"Measured and simulated {spectrum.feature}. Pulls are differences in standard errors, the band spans 2, and "
+        "all panels of pulls have one scale"
+        + (f", linear up to {LINEAR_PULLS:g} and logarithmic beyond. " if far else ". ")
+        + "Hatched: regions that stand out though all were looked at, each with its significance"
+        + ("; what is too narrow to be seen is drawn wider, and enlarged beside it." if enlarged else ".")
+    )
+    return Drawn(name, caption, figure, _table(spectrum, models))
+
+
+def _enlarged(regions: Sequence[Region], low: float, high: float) -> list[tuple[float, float]]:
+    """What is drawn enlarged, from left to right: the strongest narrow regions, with as much on either side."""
+    spans: list[tuple[float, float]] = []
+    for region in regions:
+        beside = max(region.high - region.low, LEAST_ENLARGED * (high - low))
+        seen = any(left <= region.low and region.high <= right for left, right in spans)
+        if region.high - region.low < NARROW * (high - low) and not seen and len(spans) < MOST_ENLARGED:
+            spans.append((max(low, region.low - beside), min(high, region.high + beside)))
+    return sorted(spans)
+
+
+def _densities(axis: Axes, spectrum: Spectrum, models: list[Model]) -> None:
+    width, centres = np.diff(spectrum.edges), (spectrum.edges[1:] + spectrum.edges[:-1]) / 2
+    for when, colour, style, share in models:
+        axis.stairs(share / width, spectrum.edges, color=colour, ls=style, lw=1.4, label=f"simulated, {when}")
+    measured, error = spectrum.measured / width, spectrum.error / width
+    axis.errorbar(centres, measured, error, fmt="o", color="black", ms=2.5, lw=0.8, label="measured")
+    if measured.max() > STEEP * np.median(measured):
+        axis.set_yscale("log", nonpositive="mask")
+    else:
+        axis.set_ylim(bottom=0)
+
+
+def _pulls(axis: Axes, spectrum: Spectrum, model: Model) -> None:
+    _, colour, _, share = model
+    axis.axhspan(-2, 2, color="0.85", lw=0, zorder=0.1)
+    axis.stairs(spectrum.pulls(share), spectrum.edges, baseline=0, fill=True, color=colour, alpha=0.8)
+
+
+def _regions(axes: Sequence[Axes], regions: Sequence[Region], span: tuple[float, float]) -> None:
+    """Hatch the regions, and write above the first panel how much each stands out, without one label on another."""
+    low, high = span
+    rows: list[list[float]] = []
+    labelled = regions[:MOST_LABELS]
+    for region in sorted(regions, key=lambda region: region.low + region.high):
+        left, right = _seen(max(region.low, low), min(region.high, high), low, high)
+        if region.low >= high or region.high <= low:
+            continue
+        colour = REGION[region.kind]
+        look = {"fc": (*colour, 0.15), "ec": (*colour, 0.4), "hatch": HATCH[region.kind], "lw": 0, "zorder": 0}
+        for axis in axes:
+            axis.axvspan(left, right, label=region.kind, **look)
+        if region not in labelled:
+            continue
+        place = ((left + right) / 2 - low) / (high - low)
+        width = LABEL_WIDTH * (4 if axes[0].get_subplotspec().colspan.start else 1)
+        row = next((k for k, row in enumerate(rows) if place - row[-1] >= width), len(rows))
+        rows[row : row + 1] = [[*(rows[row] if row < len(rows) else []), place]]
+        where = {"xycoords": "axes fraction", "textcoords": "offset points", "annotation_clip": False}
+        look = {"ha": "center", "color": "0.15", "fontsize": "small"}
+        axes[0].annotate(sigma(region), (place, 1), (0, 3 + 11 * row), **where, **look)
+
+
+def _seen(left: float, right: float, low: float, high: float) -> tuple[float, float]:
+    """The limits that a region is drawn with, which lie within the axis and are not too near to each other."""
+    least = LEAST_SEEN * (high - low)
+    if right - left >= least:
+        return left, right
+    middle = min(max((left + right) / 2, low + least / 2), high - least / 2)
+    return middle - least / 2, middle + least / 2
+
+
+def _one_scale(axes: NDArray, pulls: list[NDArray[np.float64]]) -> bool:
+    """Give all panels of pulls one scale, and say whether it is logarithmic where pulls are large."""
+    limit = max(LEAST_PULLS, *(1.1 * float(np.abs(each).max()) for each in pulls))
+    far = limit > FAR_PULLS
+    for axis in axes[:, 0]:  # the others of a row share its scale
+        if far:
+            axis.set_yscale("symlog", linthresh=LINEAR_PULLS, linscale=1)
+            largest = 10.0 ** np.floor(np.log10(limit))
+            axis.yaxis.set_major_locator(FixedLocator([-largest, -LINEAR_PULLS, 0, LINEAR_PULLS, largest]))
+            axis.yaxis.set_minor_locator(NullLocator())
+            axis.yaxis.set_major_formatter(ScalarFormatter())
+            axis.yaxis.set_minor_formatter(NullFormatter())
+        axis.set_ylim(-limit, limit)
+    return far
+
+
+def _words(axes: NDArray, spectrum: Spectrum, models: list[Model]) -> None:
+    axes[0, 0].set_ylabel("probability density")
+    for axis, (when, *_) in zip(axes[1:, 0], models, strict=True):
+        axis.set_ylabel(f"pull\n{when}")
+    axes[-1, 0].set_xlabel(spectrum.feature)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    once = dict(zip(labels, handles, strict=True))  # several regions of a kind are one entry
+    axes[0, 0].legend(once.values(), once.keys(), frameon=True, framealpha=0.9, edgecolor="none")
+
+
+def _table(spectrum: Spectrum, models: list[Model]) -> pd.DataFrame:
+    edges = spectrum.edges
+    columns = {"low": edges[:-1], "high": edges[1:], "measured": spectrum.measured, "error": spectrum.error}
+    for when, _, _, share in models:
+        columns |= {f"simulated_{when}": share, f"pull_{when}": spectrum.pulls(share)}
+    return pd.DataFrame(columns)

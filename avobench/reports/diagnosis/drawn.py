@@ -1,0 +1,33 @@
+"""What all figures of a diagnosis share: what a figure is, and its colours, each repeated in a style or a marker."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from avobench.diagnosis.schema import Region
+from avobench.reports.style import PALETTE, save
+
+BEFORE, AFTER = PALETTE[1], PALETTE[0]
+REGION = {"excess": PALETTE[2], "deficit": PALETTE[4]}
+HATCH = {"excess": "//", "deficit": "\\\\"}
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """A figure, the numbers that it shows, and what a reader is told about it."""
+
+    name: str
+    caption: str
+    figure: Figure
+    table: pd.DataFrame
+
+    def save(self, folder: Path) -> list[Path]:
+        """As .pdf, .png and .csv."""
+        return save(self.figure, self.table, folder, self.name)
+
+
+def sigma(region: Region) -> str:
+    """How much a region stands out: +12.1 sigma for an excess, -7.5 sigma for a deficit."""
+    return rf"${region.z:+.1f}\,\sigma$"

@@ -1,0 +1,46 @@
+"""How numbers are printed: on both pages, in the figures and by the command line."""
+
+import math
+from collections.abc import Sequence
+
+SMALLEST_P = 1e-300
+"""A smaller p-value is told as smaller than this: near it floating-point numbers end, so that it may be kept as 0."""
+SCIENTIFIC_BELOW, SCIENTIFIC_FROM = 1e-3, 1e5
+"""A column with a smaller or a larger number is printed in powers of ten."""
+
+
+def number(value: float | None) -> str:
+    """Three digits, or a dash where there is no number."""
+    return "-" if value is None or math.isnan(value) else f"{value:.3g}"
+
+
+def p_value(p: float | None) -> str:
+    """A p-value in a table: `0.212`, `6.07e-33`, or `< 1e-300` where it is too small to be told from 0."""
+    return f"< {SMALLEST_P:.0e}" if p is not None and p < SMALLEST_P else number(p)
+
+
+def p_equals(p: float) -> str:
+    """A p-value in a sentence: `p = 0.212`, or `p < 1e-300`."""
+    return f"p {p_value(p)}" if p < SMALLEST_P else f"p = {p_value(p)}"
+
+
+def with_error(value: float, std: float | None) -> str:
+    """A value with its error, as far as one is known: `45.55 ± 0.36`."""
+    return number(value) if std is None else f"{value:.4g} ± {std:.2g}"
+
+
+def column(values: Sequence[float | None]) -> list[str]:
+    """The numbers of a table's column, all with as many decimals, so that they can be compared from row to row.
+
+    The smallest of them has three digits, and at most three decimals. None and NaN are dashes.
+    """
+    known = [value for value in values if value is not None and not math.isnan(value)]
+    if all(isinstance(value, int) for value in known):
+        return [str(value) if isinstance(value, int) else "-" for value in values]
+    sizes = [abs(value) for value in known if value != 0 and math.isfinite(value)]
+    low, high = min(sizes, default=1.0), max(sizes, default=1.0)
+    if low < SCIENTIFIC_BELOW or high >= SCIENTIFIC_FROM:
+        form = ".2e"
+    else:
+        form = f".{min(max(2 - math.floor(math.log10(low)), 0), 3)}f"
+    return ["-" if value is None or math.isnan(value) else f"{value:{form}}" for value in values]

@@ -1,0 +1,90 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from measurements import LIGHT, measured
+
+from avobench.diagnosis.fit import surrogate as surrogate_module
+from avobench.diagnosis.fit.descent import minimise, refine
+from avobench.diagnosis.fit.null import fit_null
+from avobench.diagnosis.fit.sharpening import sharpen
+from avobench.diagnosis.fit.surrogate import Design, surrogate
+from avobench.diagnosis.summary.bins import bins_of
+from avobench.diagnosis.summary.target import target_of
+from avobench.effects.catalogue import catalogue
+from avobench.effects.model import Model
+from avobench.tasks.poisson import Poisson
+from avobench.tasks.weinberg import Weinberg
+
+
+@pytest.fixture(scope="module")
+def background():
+    """Counts with a background of 6 %, the fit of the simulator without it, and the simulator with it."""
+    effect = next(e for e in catalogue(Poisson()) if e.name == "flat_background")
+    rng = np.random.default_rng(6)
+    theta, phi = np.tile([1.0], (20_000, 1)), np.tile([0.06, 6.0], (20_000, 1))
+    x = effect.apply(Poisson().simulate, theta, phi, rng)
+    fit, target = fit_null(Model(Poisson()), x, rng, LIGHT, None)
+    return Model(Poisson(), (effect,)), fit, target
+
+
+def test_a_known_base_leaves_only_the_noise_of_what_the_effect_changes(background):
+    model, fit, target = background
+    rng = np.random.default_rng(0)
+    base = fit.known(target, 400_000, rng)
+    design = Design.box(model.to_cube(np.r_[fit.params, 0.03, 6.0]), np.array([1e-3, 0.01, 0.02]))
+    ours = base.extended(model, target, base.within(design), 40_000, rng)
+    plain = surrogate(model, target, design, 400_000, rng)
+    assert ours.inverse[0, 0] < 0.3 / 40_000 + 2 / 400_000
+    pull = (ours.coefficients[0] - plain.coefficients[0]) / np.sqrt(
+        (ours.inverse[0, 0] + plain.inverse[0, 0]) * np.diag(target.cov)
+    )
+    assert np.sqrt(np.mean(pull**2)) < 2
+    far = Design.box(model.to_cube(np.r_[fit.params + 0.5, 0.03, 6.0]), np.array([1e-3, 0.01, 0.02]))
+    assert base.within(far) is None
+
+
+@pytest.mark.parametrize("start", [(0.02, 5.0), (0.12, 5.0)])
+def test_a_fit_goes_to_the_optimum_from_far_off_and_with_few_events(background, start):
+    model, fit, target = background
+    base = fit.known(target, 400_000, np.random.default_rng(0))
+    unit, half = model.to_cube(np.r_[fit.params, start]), [0.02, 0.03, 0.08]
+    fits = [
+        refine(model, target, unit, half, np.random.default_rng(k), num_events=80_000, known=base) for k in range(3)
+    ]
+    for found in fits:
+        assert (
+            found.noiseless_q - 3 * found.noiseless_q_error < found.dof + 3 * np.sqrt(2 * found.dof) < fit.noiseless_q
+        )
+    assert (np.abs(np.median([found.params for found in fits], axis=0) - [1.0, 0.06, 6.0]) < [0.02, 0.03, 0.8]).all()
+
+
+def test_a_fit_is_not_held_back_by_the_noise_of_its_slopes():
+    """From few events and far off, a fit still goes to the optimum of its design."""
+    task = Weinberg()
+    x, rng = measured(task, [46.0, 1.2], 20_000, 4)
+    simulated, _ = measured(task, [46.0, 0.9], 20_000, 5)
+    target = target_of(x, bins_of(x, simulated), simulated)
+    model = Model(task)
+    design = Design.box(model.to_cube(np.array([46.0, 0.9])), np.array([1e-3, 0.2]))
+    fits = [minimise(model, surrogate(model, target, design, 10_000, rng), target).params[1] for _ in range(5)]
+    assert np.mean(fits) == pytest.approx(1.2, abs=0.06)
+
+
+def test_a_fit_of_hard_edges_goes_on_in_narrower_designs(monkeypatch):
+    """A scale moves the ends of the range: over a wide design the bins there are no polynomial of it."""
+    task, truth, start = Weinberg(), [45.0, 1.2, 0.08], [45.0, 1.2, 0.074]
+    scale = next(effect for effect in catalogue(task) if effect.name == "scale")
+    model = Model(task, (replace(scale, shape="linear"),))
+    gaps = {0: [], surrogate_module.NARROWER: []}
+    for seed in range(4):
+        x, rng = measured(model, truth, 60_000, seed)
+        target = target_of(x, bins_of(x, model.simulate(np.tile(truth, (len(x), 1)), rng)), x)
+        first = refine(model, target, model.to_cube(np.array(start)), 0.02, rng, num_events=30_000, max_rounds=1)
+        for times, found in gaps.items():
+            monkeypatch.setattr(surrogate_module, "NARROWER", times)
+            fit = sharpen(first, target, np.random.default_rng(2), 150_000, rounds=10)
+            found.append(fit.noiseless_q - fit.dof)
+    never, narrowed = gaps.values()
+    assert max(narrowed) < max(never) / 2  # one of those that never narrow is stuck
+    assert np.mean(narrowed) < np.mean(never)

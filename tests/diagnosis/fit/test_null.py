@@ -1,0 +1,44 @@
+import numpy as np
+import pytest
+from measurements import LIGHT, measured
+
+from avobench.diagnosis.effort import Effort
+from avobench.diagnosis.fit.null import best_null, fit_null
+from avobench.diagnosis.gates.summary import summary_gate
+from avobench.effects.model import Model
+from avobench.tasks.poisson import Poisson
+from avobench.tasks.weinberg import Weinberg
+
+
+def test_poisson_fit_attains_the_fisher_information():
+    task = Poisson()
+    pulls = []
+    for k in range(6):
+        x, rng = measured(task, [1.5], 4000, k)
+        fit, target = fit_null(Model(task), x, rng, LIGHT, None)
+        _, own, _ = summary_gate(fit, target, rng, LIGHT)
+        assert own.std[0] == pytest.approx(np.sqrt((1 + own.noise) / (4000 * np.exp(1.5))), rel=0.3)
+        pulls.append((own.params[0] - 1.5) / own.std[0])
+    assert np.sqrt(np.mean(np.square(pulls))) < 2
+
+
+def test_weinberg_identifies_one_direction():
+    task = Weinberg()
+    x, rng = measured(task, [46.3, 1.2], 8000, 3)
+    fit, target = fit_null(Model(task), x, rng, Effort(), None)
+    _gate, own, _ = summary_gate(fit, target, rng, Effort())
+    assert own.num_identified == 1
+    c = task.asymmetry(own.params[None])[0]
+    assert c == pytest.approx(task.asymmetry(np.array([[46.3, 1.2]]))[0], abs=5 * 2.2 / np.sqrt(8000))
+
+
+def test_a_fit_that_leaves_much_is_the_same_whatever_the_seed():
+    """Counts with a long tail, which no rate describes: a search that stops short would show in the gap."""
+    rng = np.random.default_rng(7)
+    x = rng.poisson(4 * rng.pareto(2.5, 8000) + 0.5)[:, None]
+    found = []
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        fit, target = fit_null(Model(Poisson()), x, rng, LIGHT, None)
+        found.append(best_null([fit], target, rng, LIGHT).params[0])
+    assert np.ptp(found) < 0.1

@@ -1,0 +1,38 @@
+import numpy as np
+import pytest
+from measurements import with_effect
+
+from avobench.diagnosis.effort import Effort, effort_for
+from avobench.diagnosis.fit.null import fit_null
+from avobench.diagnosis.search.joint import continued, joint
+from avobench.diagnosis.search.starts import Sample, hidden, screen
+from avobench.effects.catalogue import catalogue
+from avobench.effects.model import Model
+from avobench.tasks.weinberg import Weinberg
+
+
+def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
+    rng, effort = np.random.default_rng(3), Effort()
+    null = counter.null
+    sample = Sample(null, counter.target, effort.sample, rng)
+    starts = hidden(sample, screen(sample, counter.effect, counter.x, rng, effort)[0], rng, effort)
+    known = null.known(counter.target, int(effort.known * counter.target.num_events), rng)
+    fits = [joint(start, known, counter.target, rng, effort.fit // 2) for start in starts]
+    fits = [continued(fit, known, counter.target, rng, effort.fit, effort) for fit in fits]
+    strong = min(fits, key=lambda fit: abs(fit.params[1] - counter.truth.strong[1]))
+    # In a valley: a longer dead time at a higher rate.
+    np.testing.assert_allclose(strong.params, counter.truth.strong, atol=0.5)
+    assert strong.noiseless_q < strong.dof + 3 * np.sqrt(2 * strong.dof)
+
+
+def test_a_fit_begins_where_a_gap_is_that_is_narrower_than_any_grid():
+    task, at = Weinberg(), 0.795
+    x = with_effect(task, "dead_region", [45.5, 1.0], [0.8, at, 0.025], 20_000)
+    rng, effort = np.random.default_rng(1), effort_for(task, "continuous", None)
+    base, target = fit_null(Model(task), x, rng, effort, None)
+    effect = next(e for e in catalogue(task) if e.name == "dead_region")
+    (best, *_) = screen(Sample(base, target, effort.sample, rng), effect, x, rng, effort)
+    _, centre, width = best.model.from_cube(best.point)[-3:]
+    assert centre == pytest.approx(at, abs=0.03)
+    assert width < 0.1
+    assert best.expected < 0.8 * base.noiseless_q

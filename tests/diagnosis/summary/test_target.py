@@ -1,0 +1,40 @@
+import numpy as np
+import pytest
+from measurements import measured
+
+from avobench.diagnosis.summary.bins import bins_of
+from avobench.diagnosis.summary.target import target_of, whitening
+from avobench.effects.catalogue import catalogue
+from avobench.tasks.carl import Carl
+
+
+def test_covariance_is_that_of_the_vectors_and_whitens():
+    x, _rng = measured(Carl(), [0.5, -1.0], 4000, 1)
+    bins = bins_of(x, x)
+    rows = np.zeros((len(x), bins.size))
+    np.put_along_axis(rows, bins.indices(x), 1, axis=1)
+    cov = bins.covariance(x)
+    np.testing.assert_allclose(cov, np.cov(rows.T, bias=True), atol=1e-12)
+    w = whitening(cov)
+    np.testing.assert_allclose(w.T @ cov @ w, np.eye(w.shape[1]), atol=1e-6)
+    assert w.shape[1] == np.linalg.matrix_rank(cov, tol=1e-9)
+
+
+@pytest.mark.parametrize(("name", "strength"), [("offset", 0.1), ("scale", 0.02), ("flat_background", 0.1)])
+def test_the_noise_of_what_an_effect_changes_is_known(name, strength):
+    """The squared difference of the means with and without it, beyond what more events would leave."""
+    task, rng, n = Carl(), np.random.default_rng(0), 4000
+    theta = np.tile([0.1, -0.5], (n, 1))
+    x = task.simulate(theta, rng)
+    target = target_of(x, bins_of(x, x), x)
+    effect = next(e for e in catalogue(task, x) if e.key == (name, 4)).adapted(x)
+    phi = np.full((n, 1), strength)
+    steps, moved = [], []
+    for _ in range(60):
+        before = task.simulate(theta, rng)
+        after = effect.apply(lambda theta, rng, x=before: x.copy(), theta, phi, rng)
+        steps.append(target.whiten(target.summary.mean(after)[0] - target.summary.mean(before)[0]))
+        moved.append(target.moved(before, after).mean())
+    assert np.var(steps, axis=0, ddof=1).mean() == pytest.approx(np.mean(moved), rel=0.15)
+    apart = target.moved(task.simulate(theta, rng), task.simulate(theta, rng)).mean()
+    assert apart == pytest.approx(2, rel=0.1)

@@ -1,0 +1,10 @@
+from avobench.diagnosis.effort import Effort, effort_for
+from avobench.tasks.poisson import Poisson
+
+
+def test_effort_follows_the_number_of_simulations():
+    task = Poisson()
+    assert effort_for(task, "counts", None) == Effort()
+    less = effort_for(task, "counts", 400_000)
+    assert less.fit < Effort().fit
+    assert less.fit >= 3000

@@ -1,0 +1,89 @@
+"""Records as hypothesis makes them up: whatever a cell may leave behind, and nothing that it may not."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from hypothesis import strategies as st
+
+from avobench.bench.record import IDENTITY, identity_hash
+from avobench.bench.status import Status
+
+finite = st.floats(allow_nan=False, allow_infinity=False)
+moderate = st.floats(-1e150, 1e150)  # so that a squared distance is finite
+positive = st.floats(0, allow_infinity=False, exclude_min=True)
+text = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
+names = st.text("aZ09.-", min_size=1, max_size=20).map("x".__add__)
+counts = st.integers(0, 2**62)
+values = st.recursive(
+    st.none() | st.booleans() | st.integers() | finite | text, lambda inner: st.lists(inner), max_leaves=4
+)
+settings = st.dictionaries(text, values, max_size=3)
+sha256 = st.binary(min_size=32, max_size=32).map(bytes.hex)
+
+
+def vectors(p: int, of: st.SearchStrategy) -> st.SearchStrategy[list[Any]]:
+    return st.lists(of, min_size=p, max_size=p)
+
+
+@st.composite
+def sound_records(draw: st.DrawFn, statuses: Sequence[Status] = tuple(Status)) -> dict[str, Any]:
+    p, status = draw(st.integers(1, 3)), draw(st.sampled_from(statuses))
+    known, spread = finite | st.none(), st.floats(0, allow_infinity=False) | st.none()
+    budget = draw(st.integers(1, 2**62))
+    used, refused = draw(st.integers(0, budget)), draw(counts)
+    record = {
+        "schema_version": 1,
+        "id": "",
+        "task": draw(names),
+        "task_version": draw(text),
+        "task_settings": draw(settings),
+        "method": draw(names),
+        "method_version": draw(text),
+        "method_settings": draw(settings),
+        "theta_true": draw(vectors(p, moderate)),
+        "target": draw(st.integers(0, 200)),
+        "repetition": draw(st.integers(0, 200)),
+        "budget": budget,
+        "num_observations": draw(st.integers(1, 2**62)),
+        "seed": draw(st.integers(0, 2**63 - 1)),
+        "parameter_names": draw(st.lists(text, min_size=p, max_size=p, unique=True)),
+        "status": str(status),
+        "message": draw(text),
+        **dict.fromkeys(["theta_hat", "squared_error"]),
+        "floor": draw(spread),
+        "floor_likelihood": draw(spread),
+        **dict.fromkeys(["how", "spread_of", "mean", "std"]),
+        "trace": [],
+        "simulations_requested": used + refused,
+        "simulations_used": used,
+        "simulations_discarded": draw(st.integers(0, used)),
+        "simulations_refused": refused,
+        **{f"{part}_seconds": draw(st.floats(0, 1e9)) for part in ("observation", "simulator", "method", "harness")},
+        "peak_memory_mib": draw(positive | st.none()),
+        "started": draw(st.none() | st.just("2026-11-21T20:40:54+00:00")),
+        "versions": draw(st.dictionaries(text, text | st.none(), max_size=3)),
+    }
+    for kind in ("task", "method"):
+        if draw(st.booleans()):
+            record[f"{kind}_source_sha256"] = draw(sha256)
+    if status == Status.CRASHED:
+        record |= dict.fromkeys(name for name in record if name.startswith("simulations_"))
+    if status == Status.OK:
+        found = draw(vectors(p, moderate))
+        differences = [a - b for a, b in zip(found, record["theta_true"], strict=True)]
+        points = sorted(draw(st.lists(st.integers(0, used), max_size=3)))
+        record |= {
+            "theta_hat": found,
+            "squared_error": math.fsum(difference**2 for difference in differences),
+            "how": draw(text),
+            "spread_of": draw(text),
+            "mean": draw(vectors(p, known)),
+            "std": draw(vectors(p, spread)),
+            "trace": [
+                {"simulations": n, "theta": draw(vectors(p, known)), "std": draw(st.none() | vectors(p, spread))}
+                for n in points
+            ],
+        }
+    record["id"] = identity_hash({name: record[name] for name in IDENTITY if name in record})
+    return record
