@@ -25,6 +25,11 @@ def module_name(path: str | Path) -> str:
     return PREFIX + quote(os.path.abspath(path)).replace(".", "%2E")
 
 
+def file_of(module: str) -> str | None:
+    """The file of a module that `module_name` named; None of any other."""
+    return unquote(module.removeprefix(PREFIX)) if module.startswith(PREFIX) else None
+
+
 class _BesideTheFile(SourceFileLoader):
     """Runs a file with its folder on the path, so that it finds other files of the user's beside it."""
 
@@ -41,9 +46,9 @@ class _Finder(MetaPathFinder):
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        if not fullname.startswith(PREFIX):
+        file = file_of(fullname)
+        if file is None:
             return None
-        file = unquote(fullname.removeprefix(PREFIX))
         return spec_from_file_location(fullname, file, loader=_BesideTheFile(fullname, file))
 
 

@@ -1,6 +1,8 @@
 """Tables that the command line prints."""
 
 import dataclasses
+import textwrap
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import pandas as pd
@@ -8,10 +10,19 @@ import pandas as pd
 from avobench.bench import registry
 from avobench.bench.status import Status
 from avobench.bench.table import labels, to_frame
+from avobench.effects import Effect, Parameter
+from avobench.effects.catalogue import catalogue
+
+WIDTH = 110
+"""Columns that a line takes at most, as in the help of the commands."""
+NO_BREAK = "\u00a0"
+"""A blank within the name of a shape, at which no line ends."""
+EXAMPLES = {"counts": ("poisson",), "continuous": ("carl", "weinberg"), "images": ("alignment",)}
+"""Tasks for which the effects of each domain are listed where no task is given: together they show all shapes."""
 
 
-def tasks_and_methods() -> str:
-    """Every registered task and method, with what a user needs to run it."""
+def tasks() -> str:
+    """Every registered task, with its parameters and settings."""
     lines = ["tasks"]
     for name in registry.names("task"):
         task = registry.build("task", name, {})
@@ -19,15 +30,84 @@ def tasks_and_methods() -> str:
         for parameter, unit, low, high in zip(
             task.parameter_names, task.parameter_units, task.prior.low, task.prior.high, strict=True
         ):
-            lines.append(f"    {parameter} ~ U({low:g}, {high:g}){'' if unit == '1' else ' ' + unit}")
+            lines.append(f"    {parameter} ~ U({low:g}, {high:g}){_unit(unit)}")
         lines += _settings(task)
-    lines.append("methods")
+    return "\n".join(lines)
+
+
+def methods() -> str:
+    """Every registered method, with where it comes from and its settings."""
+    lines = ["methods"]
     for name in registry.names("method"):
         method = registry.build("method", name, {})
-        lines.append(f"  {name}: {method.source}")
+        lines += _wrapped(f"  {name}: {method.source}", 4)
         lines += _settings(method)
-    lines.append("settings are changed with --set NAME.SETTING=VALUE")
+    return "\n".join([*lines, "settings are changed with --set NAME.SETTING=VALUE"])
+
+
+def effects() -> str:
+    """Every installed effect by the kind of events that it is for: what it does, its shapes and their parameters."""
+    lines = ["effects that a simulator may lack, with their shapes and the parameters of these, the strength first"]
+    for kind, names in EXAMPLES.items():
+        lines.append(f"  on {_DOMAINS[kind]}")
+        entries = [effect for name in names for effect in catalogue(registry.build("task", name, {}))]
+        for name in dict.fromkeys(effect.name for effect in entries):
+            shapes = [shape for effect in entries if effect.name == name for shape in effect.shapes()]
+            lines += _effect(shapes, lambda parameter: parameter.name)
+    return "\n".join([*lines, "`avobench list effects --task NAME` shows the bounds of the parameters for a task"])
+
+
+def effects_of(spec: str) -> str:
+    """The effects that apply to a task: what each acts on, its shapes, and the bounds of their parameters."""
+    task = registry.build("task", spec, {})
+    entries = registry.blamed(lambda: catalogue(task), f"task '{spec}'")
+    lines = [f"effects on {spec}"]
+    features = [task.labels[e.feature] for e in entries if isinstance(e.feature, int) and e.name == entries[0].name]
+    if len(features) > 1:
+        where = f"each acts on one of {', '.join(features)}, or on all alike; bounds are those for {features[0]}"
+        lines += _wrapped(f"  {where}", 4)
+    for name in dict.fromkeys(effect.name for effect in entries):
+        first = next(effect for effect in entries if effect.name == name)
+        lines += _effect(first.shapes(), _bounds)
     return "\n".join(lines)
+
+
+_DOMAINS = {
+    "counts": "events that are one count each",
+    "continuous": "events of real numbers",
+    "images": "events that are images",
+}
+
+
+def _effect(shapes: Sequence[Effect], told: Callable[[Parameter], str]) -> list[str]:
+    """What an effect does, its source, and a line for all shapes with the same parameters."""
+    first = shapes[0]
+    lines = [*_wrapped(f"    {first.name}: {first.sentence}", 8)]
+    alike: dict[str, list[str]] = {}
+    for shape in shapes:
+        parameters = ", ".join(told(parameter) for parameter in shape.parameters)
+        named = alike.setdefault(parameters, [])
+        if shape.shape not in named:
+            named.append(shape.shape)
+    for parameters, names in alike.items():
+        words = ", ".join(name.replace(" ", NO_BREAK) for name in names)
+        lines += _wrapped(f"        {words + ': ' if words else ''}{parameters}", 12)
+    return lines
+
+
+def _bounds(parameter: Parameter) -> str:
+    absent = "" if parameter.null is None or parameter.null == parameter.low else f", absent at {parameter.null:g}"
+    return f"{parameter.name} from {parameter.low:.3g} to {parameter.high:.3g}{_unit(parameter.unit)}{absent}"
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else f" {unit}"
+
+
+def _wrapped(line: str, indent: int) -> list[str]:
+    options = {"break_long_words": False, "break_on_hyphens": False}
+    lines = textwrap.wrap(line, WIDTH, subsequent_indent=" " * indent, **options)
+    return [each.replace(NO_BREAK, " ") for each in lines]
 
 
 def status_table(records: list[dict[str, Any]]) -> str:
@@ -56,4 +136,4 @@ def _settings(instance: object) -> list[str]:
     if not dataclasses.is_dataclass(instance):
         return []
     settings = [f"{f.name}={getattr(instance, f.name)}" for f in dataclasses.fields(instance) if f.init]
-    return [f"    settings: {', '.join(settings)}"] if settings else []
+    return _wrapped(f"    settings: {', '.join(settings)}", 6) if settings else []

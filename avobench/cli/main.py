@@ -4,11 +4,11 @@ import sys
 
 import click
 
-from avobench.cli import listing
 from avobench.cli.challenge import challenge
 from avobench.cli.check import check
 from avobench.cli.damaged import naming_damaged
 from avobench.cli.diagnose import diagnose
+from avobench.cli.effects import effects, list_
 from avobench.cli.infer import infer
 from avobench.cli.pack import pack
 from avobench.cli.records import export, status
@@ -27,13 +27,9 @@ def cli(context: click.Context, debug: bool) -> None:
     context.obj = debug
 
 
-@cli.command("list")
-def list_() -> None:
-    """Show the tasks and methods, with their settings."""
-    click.echo(listing.tasks_and_methods())
+COMMANDS = (list_, infer, run, status, export, pack, check, study, figure, report, diagnose, challenge, effects)
 
-
-for command in (infer, run, status, export, pack, check, study, figure, report, diagnose, challenge):
+for command in COMMANDS:
     cli.add_command(command)
 
 

@@ -148,7 +148,7 @@ def test_a_faulty_method_fails_on_what_it_breaks(name, expected, why):
     assert all(reason and "\n" not in reason for reason in faults.values())
 
 
-def test_a_later_stage_is_tried_only_when_the_one_before_passed():
+def test_a_later_round_is_tried_only_when_the_one_before_passed():
     assert [result.what for result in check.run("task", "faulty:Burning")][-1] == SIMULATES
 
 

@@ -37,8 +37,8 @@ def rounds(name: str, task: Task) -> Iterator[Round]:
     ]
     yield [
         (f"has {NUM_TARGETS} targets within its prior", partial(_targets, task)),
-        ("simulates 1 and 1000 events of the promised shape and type", partial(_batch_sizes, task)),
         ("says what its events determine of theta", partial(_identifiable, task)),
+        ("simulates 1 and 1000 events of the promised shape and type", partial(_batch_sizes, task)),
     ]
     statistics = _Statistics(task)
     yield [
