@@ -62,7 +62,8 @@ def effects_page() -> str:
     parts = [
         "# Effects: what a simulator may lack",
         "This page is written from the catalogue that `avobench diagnose` tries. Each effect is a *family*: it has "
-        "several shapes, since a real effect never has the exact shape of one, and a diagnosis takes the shape that fits best. "
+        "several shapes, since a real effect never has the exact shape of one, and a diagnosis takes the shape "
+        "that fits best. "
         "The pictures show each shape at a middling strength, beside the events without the effect. "
         "`avobench list effects --task NAME` gives the bounds for another task. If what you look for is not here, "
         "[add it](add-an-effect.md): it takes one class.",
