@@ -59,7 +59,7 @@ bench-cost: venv  ## where the time goes, from results/reference
 
 pages: venv  ## write into README, docs and examples what the commands and cells there print
 	$(BIN)/python -m avobench.reports.printed README.md docs/*.md docs/tables/*.md
-	OMP_NUM_THREADS=1 $(BIN)/jupyter execute --inplace examples/*.ipynb
+	OMP_NUM_THREADS=1 $(BIN)/jupyter-execute --inplace --NotebookClient.record_timing=False examples/*.ipynb
 
 docs: venv docs/figures/effects/drawn  ## build the site into site/: a warning ends it, and the tutorial's code is run
 	OMP_NUM_THREADS=1 NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

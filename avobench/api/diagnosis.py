@@ -33,7 +33,7 @@ TRIED = 50
 """Events on which an effect of the user's is tried before anything is fitted."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Diagnosed:
     """What a simulator lacks, by measured events; shows itself in a notebook, and is kept by `save`."""
 
@@ -145,6 +145,9 @@ class Diagnosed:
         from avobench.reports.diagnosis.text import summary
 
         return summary(self.diagnosis)
+
+    def __repr__(self) -> str:
+        return str(self)  # what a prompt shows; of all fields it would be pages
 
     def _repr_html_(self) -> str:
         content = io.BytesIO()

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Inference:
     """What a method found for the parameters of a task behind a set of events; shows itself in a notebook."""
 
@@ -115,6 +115,9 @@ class Inference:
             f"{self.method.name} on {self.num_events} events: {self.estimate.how}, +- {self.std_of}; "
             f"{self.num_simulations} simulated events, {self.seconds:.1f} s"
         )
+
+    def __repr__(self) -> str:
+        return str(self)  # what a prompt shows; of all fields it would be pages
 
     def _repr_html_(self) -> str:
         table = self.to_frame().to_html(float_format=lambda value: f"{value:.5g}", border=0)

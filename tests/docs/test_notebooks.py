@@ -1,6 +1,7 @@
 """The notebooks of `examples/` run from top to bottom, and say what their text says they do."""
 
 import ast
+import re
 from pathlib import Path
 
 import nbformat
@@ -29,10 +30,6 @@ def shown(cells, kind):
     return [output["data"][kind] for output in outputs if kind in output.get("data", {})]
 
 
-def printed(cells):
-    return "".join(output["text"] for cell in cells for output in cell.get("outputs", []) if "text" in output)
-
-
 def test_a_simulator_of_ones_own_is_fitted_and_shows_its_uncertainty(run):
     cells = run("fit-your-own-simulator", "fitted.theta")
     theta = ast.literal_eval(shown(cells, "text/plain")[-1])
@@ -45,10 +42,9 @@ def test_a_simulator_of_ones_own_is_fitted_and_shows_its_uncertainty(run):
 
 def test_the_effect_that_a_simulator_lacks_is_named_and_with_it_the_rate_is_right(run):
     cells = run("find-what-is-missing", "{'misled': misled.theta['rate'], 'mended': mended.theta['rate']}")
-    text = printed(cells)
-    assert text.startswith("missing effect named")
-    assert "missing: zero_inflation: fraction = 0.06" in text
+    (text,) = [text for text in shown(cells, "text/plain") if text.startswith("missing effect named")]
+    assert re.search(r"^missing: dead_time .*tau = 0\.02", text, re.M)
     rate = ast.literal_eval(shown(cells, "text/plain")[-1])
-    assert abs(rate["misled"] - 12) > 0.3
-    assert rate["mended"] == pytest.approx(12, abs=0.1)
+    assert rate["misled"] < 10
+    assert rate["mended"] == pytest.approx(12, abs=0.3)
     assert len(shown(cells, "image/png")) == 1
