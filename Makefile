@@ -87,8 +87,8 @@ challenge-%: venv
 	@$(BIN)/avobench challenge solve $(PLACE) --jobs $(JOBS)
 	@$(BIN)/avobench challenge score $(PLACE) --records $(PLACE).jsonl
 
-test: venv browser  ## the test suite
-	$(BIN)/python -m pytest
+test: venv browser  ## the test suite, on all cores
+	$(BIN)/python -m pytest --numprocesses auto --dist loadfile
 
 test-wheel: venv  ## the wheel in a new environment; AVOBENCH_WHEEL_PYTHON=python3.13 for another Python
 	$(BIN)/python -m pytest tests/test_wheel.py
