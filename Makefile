@@ -13,7 +13,7 @@ EFFECTS := own,foreign,two,withheld
 JOBS ?= 1
 
 .DEFAULT_GOAL := help
-.PHONY: help venv test-wheel benchmark quick figures studies pages bench-avo bench-cost bench-diagnosis bench-scaling bench-speed challenge demo-missing-effect docs test browser lint clean
+.PHONY: help venv test-wheel benchmark quick figures studies pages bench-avo bench-cost bench-diagnosis bench-scaling bench-speed challenge demo demo-missing-effect docs test browser lint clean
 
 help:  ## show these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -70,11 +70,11 @@ docs/figures/effects/drawn: .venv/ready avobench/reports/effects.py $(shell find
 	OMP_NUM_THREADS=1 $(BIN)/avobench effects draw --task carl --task poisson --task alignment --out $(@D)
 	@touch $@
 
-demo-missing-effect: venv  ## hide one effect in simulated measurements, find and name it; page in reports/demo
-	@test -e results/demo/manifest.json || \
-	  $(BIN)/avobench challenge make --task weinberg --cases 1 --kinds foreign --seed 1 --out results/demo
-	$(BIN)/avobench diagnose --task weinberg --data results/demo/data/0000.npz --out reports/demo
-	@echo "the page is reports/demo/report.html; what was hidden stands in results/demo/answers.json"
+demo: venv  ## the example of the README: a simulator, measured data, what the simulator lacks; picture in reports/
+	@mkdir -p reports
+	cd reports && OMP_NUM_THREADS=1 ../$(BIN)/python ../examples/muon.py
+
+demo-missing-effect: demo  ## the same, by its old name
 
 challenge: $(patsubst %,challenge-%,$(if $(FULL),$(FULL_CHALLENGE),$(CHALLENGE)))  ## hide effects, find and score them; FULL=1 for all
 
@@ -87,8 +87,8 @@ challenge-%: venv
 	@$(BIN)/avobench challenge solve $(PLACE) --jobs $(JOBS)
 	@$(BIN)/avobench challenge score $(PLACE) --records $(PLACE).jsonl
 
-test: venv browser  ## the test suite
-	$(BIN)/python -m pytest
+test: venv browser  ## the test suite, on all cores
+	$(BIN)/python -m pytest --numprocesses auto --dist loadfile
 
 test-wheel: venv  ## the wheel in a new environment; AVOBENCH_WHEEL_PYTHON=python3.13 for another Python
 	$(BIN)/python -m pytest tests/test_wheel.py

@@ -5,8 +5,10 @@ from collections.abc import Sequence
 
 SMALLEST_P = 1e-300
 """A smaller p-value is told as smaller than this: near it floating-point numbers end, so that it may be kept as 0."""
-SCIENTIFIC_BELOW, SCIENTIFIC_FROM = 1e-3, 1e5
-"""A column with a smaller or a larger number is printed in powers of ten."""
+SCIENTIFIC_BELOW = 1e-3
+"""A column with a smaller number is printed in powers of ten: its digits would begin after too many zeros."""
+SCIENTIFIC_FROM = 1e5
+"""A column with a larger number is printed in powers of ten: it would have digits that say nothing."""
 
 
 def number(value: float | None) -> str:

@@ -147,8 +147,10 @@ def ablation(task: str, settings: dict[str, Any], seed: int = 0) -> list[Cell]:
 
 DETECTOR_FILE = "detector.json"
 DETECTOR_THETA = (0.0, 1.0)
-DETECTOR_EVENTS, SINGLE_EVENTS = 200_000, 3
-"""Events behind each average response, and events shown by themselves (paper, Figure 2)."""
+DETECTOR_EVENTS = 200_000
+"""Behind each average response (paper, Figure 2): a cell is then known to a few per cent."""
+SINGLE_EVENTS = 3
+"""Shown by themselves (paper, Figure 2)."""
 
 
 def detector(path: Path, seed: int = 0, num_events: int = DETECTOR_EVENTS) -> dict[str, Any]:

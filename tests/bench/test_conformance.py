@@ -28,7 +28,7 @@ PICKLE = "can be sent to a worker process"
 MINIMUM = "declares the smallest budget it can use"
 LEAST = ("makes an estimate on poisson from 100 events", "makes an estimate on carl from 100 events")
 AMPLE = ("makes an estimate on poisson from 3001 events", "makes an estimate on carl from 3001 events")
-TRACE = "traces its estimate against the events used"
+TRACE = "traces its estimate in finite numbers"
 LEFT_OVER = "says why where it leaves much of the budget"
 SAME_ESTIMATE = "repeats its estimate bit for bit for a seed, whatever the global seeds"
 OBSERVED = "leaves the observed events as they are"
@@ -122,8 +122,8 @@ def test_a_faulty_task_fails_on_what_it_breaks(name, expected, why):
         ("AsksOutside", {*LEAST, *AMPLE}, "outside_support: theta = [11.0] lies outside the support of poisson"),
         ("WritesPlainly", {*LEAST, *AMPLE}, "method_error: ValueError: assignment destination is read-only"),
         ("ForcesAWrite", {OBSERVED}, "infer changed the events in x_observed"),
-        ("TracesBackwards", {TRACE}, "goes from 100 to 50 events"),
-        ("TracesBeyond", {TRACE}, "goes from 0 to 101 events, of 100 used"),
+        ("TracesBackwards", {*LEAST, *AMPLE}, "the trace must go from 0 towards the"),
+        ("TracesBeyond", {*LEAST, *AMPLE}, "the trace must go from 0 towards the 100 used"),
         (
             "TracesTooMuch",
             {*LEAST, *AMPLE},

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from avobench.bench.plan import plan
 from avobench.bench.store import Store
 from avobench.reports.figures import FIGURES, STUDY_FIGURES, draw, records_for
-from avobench.reports.printed import filled
+from avobench.reports.printed import OUTPUT, filled, output
 from avobench.reports.reproduction import gather
 from avobench.reports.reproduction import page as claims
 
@@ -23,7 +23,7 @@ MARK = "<!-- printed by: "
 PAGES = [page.relative_to(ROOT).as_posix() for page in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))]
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if MARK in (ROOT / page).read_text()])
+@pytest.mark.parametrize("page", [page for page in PAGES if MARK in (ROOT / page).read_text() or page == "README.md"])
 def test_a_page_shows_what_its_commands_print(page, monkeypatch):
     monkeypatch.chdir(ROOT)
     text = (ROOT / page).read_text()
@@ -43,6 +43,22 @@ def test_what_the_page_on_cost_quotes_stands_among_the_timings():
     quoted = [line for block in re.findall(r"^```\n(.*?)^```$", unmarked, re.M | re.S) for line in block.splitlines()]
     assert len(quoted) > 10
     assert set(quoted) <= set(timings)
+
+
+def test_the_readme_shows_what_its_example_prints(tmp_path):
+    """Word by word; numbers within a hundredth of them, as another processor rounds, but for how long it took."""
+    text = (ROOT / "README.md").read_text()
+    (shown,) = [block[3] for block in OUTPUT.finditer(text)]
+    number = r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
+
+    def parts(told):
+        timed = re.sub(r"\d+ simulated events, [\d.]+ s", "so many simulated events", told)
+        return re.sub(number, "#", timed), [float(value) for value in re.findall(number, timed)]
+
+    words, numbers = parts(shown)
+    words_now, numbers_now = parts(output(ROOT / "examples" / "muon.py", tmp_path))
+    assert words_now == words
+    assert numbers_now == pytest.approx(numbers, rel=0.01)
 
 
 @pytest.mark.parametrize("name", FIGURES)

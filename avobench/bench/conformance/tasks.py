@@ -25,9 +25,11 @@ from avobench.tasks import Box, Discriminator, Task
 from avobench.tasks.contract import NUM_TARGETS
 
 ALPHA = 1e-6
+"""A sound task is blamed with a lower chance than that."""
 NUM_ALONE = 1000
 """Events simulated one at a time, which cannot know of each other, at each of two theta."""
 NUM_BATCHES = 5
+"""Of mixed rows: a random number that a batch shares differs between them."""
 
 
 def rounds(name: str, task: Task) -> Iterator[Round]:

@@ -23,6 +23,7 @@ LEAST_SEEN = 0.012
 LEAST_ENLARGED = 0.002
 """The least width of the axis on either side of an enlarged region, lest a single value fill the panel."""
 MOST_ENLARGED = 2
+"""Narrow regions that are shown enlarged; more would leave the figure itself no width."""
 MOST_LABELS = 8
 """Regions beyond so many have no label, but stand in the table."""
 LABEL_WIDTH = 0.1
