@@ -25,6 +25,11 @@ def module_name(path: str | Path) -> str:
     return PREFIX + quote(os.path.abspath(path)).replace(".", "%2E")
 
 
+def path_of(module: str) -> str:
+    """The file that a module of this package is."""
+    return unquote(module.removeprefix(PREFIX))
+
+
 class _BesideTheFile(SourceFileLoader):
     """Runs a file with its folder on the path, so that it finds other files of the user's beside it."""
 
@@ -43,7 +48,7 @@ class _Finder(MetaPathFinder):
     ) -> ModuleSpec | None:
         if not fullname.startswith(PREFIX):
             return None
-        file = unquote(fullname.removeprefix(PREFIX))
+        file = path_of(fullname)
         return spec_from_file_location(fullname, file, loader=_BesideTheFile(fullname, file))
 
 

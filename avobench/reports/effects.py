@@ -153,7 +153,7 @@ class View:
     def _at(self, model: Model, effect: Effect, place: float, share: float) -> Drawn:
         strength, start = effect.parameters[0], self.model.dim
         unit = np.full((1, model.dim), place)
-        phi = model.from_unit(unit)[0, start:]
+        phi = model.from_cube(unit)[0, start:]
         bound = strength.high if strength.high != strength.null else strength.low
         phi[0] = strength.null + share * (bound - strength.null)
         return Drawn(effect, phi, self._events(model, phi))

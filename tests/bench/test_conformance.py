@@ -11,6 +11,8 @@ from avobench.tasks.errors import UsageError
 RECORDABLE = "says what it is, in a form that a record can hold"
 DESCRIBED = "names parameters, units, prior, support and features"
 TARGETS = "has 15 targets within its prior"
+DETERMINES = "says what its events determine of theta"
+GENERATES = "detects what it generates, altered or not, as it simulates"
 SIMULATES = "simulates 1 and 1000 events of the promised shape and type"
 CORNERS = "simulates every corner of its prior and its support"
 OUTSIDE = "refuses theta outside its support"
@@ -47,7 +49,7 @@ def failed(kind, name):
     return {result.what: result.why for result in check.run(kind, name) if not result.passed}
 
 
-@pytest.mark.parametrize("name", ["poisson", "carl", "weinberg", "faulty:SoundTask"])
+@pytest.mark.parametrize("name", ["poisson", "carl", "weinberg", "faulty:SoundTask", "faulty:SoundGenerator"])
 def test_sound_tasks_pass_within_two_seconds(name):
     start = time.process_time()
     results = list(check.run("task", name))
@@ -96,6 +98,14 @@ def test_sound_methods_pass(name):
         ("RisingFloor", {FLOOR}, "more simulations raised the floor"),
         ("NoFloor", {FLOOR}, "must be a positive number, or NaN, got 0.0"),
         ("Unpicklable", {PICKLE}, "lambda"),
+        ("DeterminesMore", {DETERMINES}, "k from 1 to 1, got array"),
+        ("DeterminesAnother", {DETERMINES}, "must return theta itself where it returns as many numbers"),
+        ("DeterminesInNothing", {DETERMINES}, "identifiable_scale must be 1 positive numbers, got array([0.])"),
+        ("DeterminesTogether", {DETERMINES}, "another value where other rows are beside it"),
+        ("GeneratesNothing", {GENERATES}, "takes 3 positional arguments but 4 were given"),
+        ("DetectsAnew", {GENERATES}, "detecting what was generated makes other events"),
+        ("AltersNothing", {GENERATES}, "`alter` is given [] generated events"),
+        ("GeneratesMore", {GENERATES}, "generate made 31 events where 30 were asked for"),
     ],
 )
 def test_a_faulty_task_fails_on_what_it_breaks(name, expected, why):

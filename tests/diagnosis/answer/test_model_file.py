@@ -10,7 +10,6 @@ from avobench.diagnosis.answer.model_file import describe, kept
 from avobench.effects import Effect, Parameter
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
-from avobench.effects.model_file import AugmentedTask
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
 from avobench.tasks.errors import UsageError
@@ -36,7 +35,7 @@ def test_a_model_file_keeps_what_the_data_decided_of_an_effect(task, tmp_path):
             fit = SimpleNamespace(model=model, params=model.from_cube(np.full(model.dim, 0.5)))
             path = tmp_path / "model.json"
             path.write_text(describe(fit, np.full(model.dim, 0.1), task.name, {}).model_dump_json())
-            assert AugmentedTask.read(path).model.effects == (shape,)
+            assert registry.read_model(str(path)).model.effects == (shape,)
 
 
 def test_a_model_file_of_an_effect_that_does_not_exist_is_refused(tmp_path):
@@ -58,7 +57,7 @@ def test_the_model_of_a_model_makes_the_events_that_were_fitted(tmp_path):
         fit = SimpleNamespace(model=model, params=np.array(at))
         path = tmp_path / "model.json"
         path.write_text(describe(fit, np.full(model.dim, 0.1), "weinberg", {}).model_dump_json())
-        task = AugmentedTask.read(path)
+        task = registry.read_model(str(path))
     assert len(set(task.parameter_names)) == len(at)
     fitted, kept = (each.simulate(np.tile(at, (500, 1)), np.random.default_rng(0)) for each in (model, task))
     np.testing.assert_array_equal(fitted, kept)
