@@ -1,9 +1,11 @@
 """What `import avobench` offers. Each name is loaded when it is first asked for."""
 
+from .api.diagnosis import Diagnosed, diagnose
 from .api.inference import Inference, infer
 from .api.listing import list_effects, list_methods, list_tasks
 from .api.sweep import records, run
 from .bench.backends.workers import Workers
+from .bench.events import read_events
 from .effects.contract import Effect, Parameter
 from .methods.contract import Estimate, Method, TracePoint
 from .methods.problem import Problem
@@ -16,6 +18,7 @@ __version__: str
 __all__ = [
     "AvobenchError",
     "Box",
+    "Diagnosed",
     "Effect",
     "Estimate",
     "Inference",
@@ -27,10 +30,12 @@ __all__ = [
     "TracePoint",
     "UsageError",
     "Workers",
+    "diagnose",
     "infer",
     "list_effects",
     "list_methods",
     "list_tasks",
+    "read_events",
     "records",
     "run",
     "task",

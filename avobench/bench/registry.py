@@ -166,6 +166,27 @@ def effect_families(name: str) -> list[type[Effect]]:
     return found
 
 
+def spec_of(kind: str, instance: Any) -> str | None:
+    """How a task or effect is found again in another process; None where it cannot be, as in a notebook.
+
+    By its entry point; or as what its module, or that of the function that it is made of, calls it or its class.
+    """
+    if isinstance(instance, AugmentedTask):
+        return instance.name  # its file tells all that it is made of
+    cls = type(instance)
+    for point in _points(kind):
+        if point.value == f"{cls.__module__}:{cls.__qualname__}":
+            return point.name
+    functions = [part for part in getattr(instance, "parts", ()) if inspect.isfunction(part)]
+    wanted = [instance] if functions else [instance, cls]  # a class alone does not tell of which function it was made
+    homes = dict.fromkeys(thing.__module__ for thing in (cls, *functions))
+    for home in homes:
+        names = [name for one in wanted for name, value in vars(sys.modules[home]).items() if value is one]
+        if names and home != "__main__":
+            return f"{user_files.file_of(home) or home}:{names[0]}"
+    return None
+
+
 def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:
     """What determines the behaviour of a task or method: name, version, settings, and the source if it is not ours.
 

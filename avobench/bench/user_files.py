@@ -25,9 +25,9 @@ def module_name(path: str | Path) -> str:
     return PREFIX + quote(os.path.abspath(path)).replace(".", "%2E")
 
 
-def path_of(module: str) -> str:
-    """The file that a module of this package is."""
-    return unquote(module.removeprefix(PREFIX))
+def file_of(module: str) -> str | None:
+    """The file of a module that `module_name` named; None of any other."""
+    return unquote(module.removeprefix(PREFIX)) if module.startswith(PREFIX) else None
 
 
 class _BesideTheFile(SourceFileLoader):
@@ -46,9 +46,9 @@ class _Finder(MetaPathFinder):
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        if not fullname.startswith(PREFIX):
+        file = file_of(fullname)
+        if file is None:
             return None
-        file = path_of(fullname)
         return spec_from_file_location(fullname, file, loader=_BesideTheFile(fullname, file))
 
 

@@ -68,6 +68,8 @@ class Named(Strict):
 
 
 class FoundEffect(Named):
+    shape: str = ""
+    """Which of its shapes was fitted; empty where it has one."""
     parameters: dict[str, EffectValue]
     tied_with: list[Named]
 

@@ -14,8 +14,9 @@ from avobench.effects.pool import Alter, Pool
 from avobench.tasks import Task
 
 WIDEST = 0.1
+"""Share of a parameter's range over which the mean of events is about quadratic, at most."""
 LEAST_STRENGTH = 0.003
-"""Both of a parameter's range, for `Model.reach`."""
+"""The same at least, of a strength that is next to none: below, a step is lost in the noise of the simulation."""
 AT_ONCE = 100_000
 """Events simulated at a time, to bound memory."""
 Events = Callable[..., NDArray]

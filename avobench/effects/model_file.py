@@ -87,14 +87,20 @@ class AugmentedTask(Task):
             raise UsageError(f"{path} cannot be read: {error.strerror or error}") from error
         except ValidationError as error:
             raise UsageError(f"{path} is not a model: {_fault(error)}") from error
-        return cls._of(content, hashlib.sha256(text).hexdigest(), path, find_task, find_effect)
+        return cls.of(content, find_task, find_effect, hashlib.sha256(text).hexdigest(), str(path))
 
     @classmethod
-    def _of(
-        cls, content: ModelFile, sha256: str, path: Path, find_task: FindTask, find_effect: FindEffect
+    def of(
+        cls,
+        content: ModelFile,
+        find_task: FindTask,
+        find_effect: FindEffect,
+        sha256: str = "",
+        path: str = "the model",
     ) -> "AugmentedTask":
+        """The task of a file's content. Raises UsageError if there is none, naming `path`."""
         if isinstance(content.task, ModelFile):
-            base = cls._of(content.task, sha256, path, find_task, find_effect)
+            base = cls.of(content.task, find_task, find_effect, sha256, path)
         else:
             base = find_task(content.task, content.task_settings)
         effects = tuple(_effect(added, base, path, find_effect) for added in content.effects)
@@ -141,18 +147,12 @@ class AugmentedTask(Task):
         return np.nan
 
 
-def plain_effect(
-    base: Task, name: str, feature: int | str | None, source: str | None, find_effect: FindEffect
-) -> Effect | None:
-    """An effect as it is before it sees data; None if it does not apply to the task."""
-    if source is not None:
-        return find_effect(source)
-    return next((effect for effect in catalogue(base) if effect.key == (name, feature)), None)
-
-
-def _effect(added: AddedEffect, base: Task, path: Path, find_effect: FindEffect) -> Effect:
+def _effect(added: AddedEffect, base: Task, path: str, find_effect: FindEffect) -> Effect:
     """The effect that a file keeps, with what the data decided of it. Raises UsageError if there is none."""
-    plain = plain_effect(base, added.name, added.feature, added.source, find_effect)
+    if added.source is not None:
+        plain = find_effect(added.source)
+    else:
+        plain = next((effect for effect in catalogue(base) if effect.key == (added.name, added.feature)), None)
     try:
         if added.settings:
             loose = replace(plain, **added.settings)  # of lists and dicts; refuses what is no setting

@@ -11,7 +11,7 @@ and is told what they make of its events. How many problems' networks are traine
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
@@ -96,9 +96,10 @@ class Inference:
             answer = self.polish(folds, answer.mean, std)
 
         state = "converged" if answer.converged else "did not converge"
-        error = ", ".join(f"{e:.3g}" for e in answer.error * self.proposal.scale)
-        comment = f"; the polish {state} in {answer.num_steps} steps, with a standard error of {error}"
-        return self.estimate(answer.mean, std, "mean of the proposal after the polish", comment)
+        error = answer.error * self.proposal.scale
+        told = ", ".join(f"{e:.3g}" for e in error)
+        comment = f"; the polish {state} in {answer.num_steps} steps, with a standard error of {told}"
+        return replace(self.estimate(answer.mean, std, "mean of the proposal after the polish", comment), error=error)
 
     def simulate(self, u: NDArray[np.float64]) -> NDArray[np.float32]:
         """Events at u (n, p), as the discriminators see them: (n, k)."""

@@ -132,8 +132,8 @@ def test_a_faulty_task_fails_on_what_it_breaks(name, expected, why):
         ("AsksOutside", {*LEAST, *AMPLE}, "outside_support: theta = [11.0] lies outside the support of poisson"),
         ("WritesPlainly", {*LEAST, *AMPLE}, "method_error: ValueError: assignment destination is read-only"),
         ("ForcesAWrite", {OBSERVED}, "infer changed the events in x_observed"),
-        ("TracesBackwards", {TRACE}, "goes from 100 to 50 events"),
-        ("TracesBeyond", {TRACE}, "goes from 0 to 101 events, of 100 used"),
+        ("TracesBackwards", {*LEAST, *AMPLE}, "the trace must go from 0 towards the 100 used, got [100, 50]"),
+        ("TracesBeyond", {*LEAST, *AMPLE}, "the trace must go from 0 towards the 100 used, got [101]"),
         (
             "TracesTooMuch",
             {*LEAST, *AMPLE},

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+import avobench
 from avobench.bench import registry, user_files
 from avobench.bench.cell import Cell
 from avobench.bench.store import Store
@@ -165,6 +166,22 @@ def test_what_is_not_there_is_said_in_a_line(file, spec, said):
     assert "\n" not in str(raised.value)
 
 
+@pytest.mark.parametrize(
+    ("kind", "name"), [("task", "First"), ("task", "made"), ("effect", "Extra"), ("effect", "extra")]
+)
+def test_an_object_of_a_file_tells_where_it_is_found(file, kind, name):
+    spec = f"{file}:{name}"
+    instance = registry.effect(spec) if kind == "effect" else registry.build(kind, spec, {})
+    assert registry.spec_of(kind, instance) == spec
+    assert registry.spec_of("task", registry.build("task", "poisson", {})) == "poisson"
+
+
+def test_a_task_of_a_function_that_no_module_holds_is_found_nowhere():
+    assert (
+        registry.spec_of("task", avobench.task(lambda theta, rng: theta[:, 0], prior={"a": (0, 1)}, name="a")) is None
+    )
+
+
 def _events(pickled):
     task = pickle.loads(pickled)
     return task.simulate(np.zeros((3, 1)), np.random.default_rng(0))
@@ -194,7 +211,8 @@ def test_a_module_s_name_tells_its_path(name):
     path = f"/some where/{name}.py"
     module = user_files.module_name(path)
     assert "." not in module.removeprefix(user_files.PREFIX)
-    assert user_files.path_of(module) == path
+    assert user_files.file_of(module) == path
+    assert user_files.file_of("avobench.bench.registry") is None
 
 
 def test_specs_are_made_absolute_as_far_as_they_are_paths(file, monkeypatch):

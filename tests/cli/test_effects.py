@@ -54,7 +54,7 @@ def test_list_shows_one_kind_or_all(avobench):
         (("effects", "draw", "--task", "poison"), "did you mean poisson?"),
         (("effects", "draw", "--out", "toys.py"), "is not a folder"),
         (("check", "effect", "dead_tme"), "did you mean dead_time"),
-        (("check", "effect", "images.dead_time"), "did you mean counts.dead_time"),
+        (("check", "effect", "images.dead_time"), "or counts.dead_time"),
     ],
 )
 def test_wrong_usage_is_said_in_a_line(avobench, arguments, said):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from measurements import with_effect
 
+from avobench.api.diagnosis import require_events
 from avobench.bench import registry
-from avobench.cli.diagnose import tried
 from avobench.diagnosis import Diagnosis, diagnose
 from avobench.diagnosis.answer.model_file import describe
 from avobench.diagnosis.answer.quoted import scaled_std
@@ -208,12 +208,12 @@ class Own(Effect):
 
 
 def test_an_effect_of_the_users_is_tried_before_anything_is_fitted():
-    tried("mod:Own", Own(lambda x: x), Weinberg())
+    require_events(Own(lambda x: x), Weinberg())
     with pytest.raises(UsageError, match="'mod:Own' cannot be used, it raised ZeroDivisionError"):
-        tried("mod:Own", Own(lambda x: 1 / 0), Weinberg())
+        require_events(Own(lambda x: 1 / 0), Weinberg())
     with pytest.raises(UsageError, match=r"'mod:Own' makes events of shape \(50,\), not \(50, 1\)"):
-        tried("mod:Own", Own(lambda x: x[:, 0]), Weinberg())
+        require_events(Own(lambda x: x[:, 0]), Weinberg())
     with pytest.raises(UsageError, match="must make finite events of float64, and makes float64: "):
-        tried("mod:Own", Own(lambda x: x * np.nan), Weinberg())
+        require_events(Own(lambda x: x * np.nan), Weinberg())
     with pytest.raises(UsageError, match="must make finite events of int64, and makes float64: "):
-        tried("mod:Own", Own(lambda x: x / 2), Poisson())
+        require_events(Own(lambda x: x / 2), Poisson())

@@ -17,7 +17,9 @@ from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
 ALPHA = 1e-6
+"""Chance that a statistical check blames a sound effect: a suite runs hundreds of them."""
 NUM_EVENTS = 4000
+"""Of each statistical check: a tenth of the events too many in one bin of ten is then seen."""
 TASKS = {"counts": "poisson", "continuous": "carl", "images": "alignment"}
 """A task for each domain of the catalogue."""
 

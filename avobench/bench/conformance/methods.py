@@ -22,9 +22,11 @@ from avobench.tasks.errors import SimulatorError
 
 METHOD_TASKS = ("poisson", "carl")
 NUM_OBSERVATIONS = 1000
+"""Enough to infer something from; the checks are not about how good an estimate is."""
 MODEST_BUDGET = 3001
 """Events of the larger of the two budgets, where twice the method's minimum is not more. Odd on purpose."""
 MAX_LEFT_WITHOUT_REASON = 0.1
+"""Share of the budget that a method may leave without a word, as its contract says."""
 MAX_SHIFT = 0.1
 """Of an estimate made together with others, in units of the spread that the method states: what rounding may do."""
 
@@ -83,13 +85,10 @@ class _Trial:
         expect(all(value is None or value >= 0 for value in std), f"std of the estimate is negative: {std}")
 
     def trace(self) -> None:
-        last, used = 0, self.record["simulations_used"]
+        """The order of its points is told with the estimate; a NaN, which a trace may hold, is None in a record."""
         for point in self.record["trace"]:
             simulations, theta = point["simulations"], point["theta"]
-            expect(last <= simulations <= used, f"goes from {last} to {simulations} events, of {used} used")
-            # A trace may hold a NaN, where a record has None; an estimate may not.
             expect(None not in theta, f"has theta = {theta} after {simulations} events, where finite numbers are due")
-            last = simulations
 
     def left_over(self) -> None:
         left = self.cell.budget - self.record["simulations_used"]

@@ -1,5 +1,6 @@
 """The model that a diagnosis leaves, as the content of `model.json`."""
 
+from collections.abc import Mapping
 from dataclasses import is_dataclass
 
 import numpy as np
@@ -9,12 +10,12 @@ from pydantic import TypeAdapter
 from avobench.bench import registry
 from avobench.diagnosis.fit.fit import Fit
 from avobench.effects import Effect
+from avobench.effects.catalogue import catalogue
 from avobench.effects.model_file import (
     AddedEffect,
     AugmentedTask,
     ModelFile,
     Parameter,
-    plain_effect,
     settings_of,
 )
 from avobench.tasks import Task
@@ -25,10 +26,13 @@ LEAST_PRIOR = 0.01
 """The same at least, as a share of the parameter's range."""
 
 
-def describe(fit: Fit, std: NDArray[np.float64], task_spec: str, own_effects: dict[str, str]) -> ModelFile:
+def describe(
+    fit: Fit, std: NDArray[np.float64], task_spec: str, own: Mapping[str, tuple[str | None, Effect]]
+) -> ModelFile:
     """What `model.json` says of a fitted model.
 
-    `std` (P,) are its standard errors. `own_effects` gives module:Class of the user's effects by name.
+    `std` (P,) are its standard errors. `own` gives of the user's effects by name how each is found again, if it is,
+    and the effect as it is before it sees data.
     """
     model = fit.model
     theta = model.num_theta
@@ -50,7 +54,7 @@ def describe(fit: Fit, std: NDArray[np.float64], task_spec: str, own_effects: di
         name="-".join([base.name, *(e.name.replace("_", "-") for e in model.effects)]),
         task=base.content if inner else registry.absolute(task_spec),
         task_settings={} if inner else registry.identity("task", task_spec, base)["task_settings"],
-        effects=[kept(effect, base, own_effects.get(effect.name)) for effect in model.effects],
+        effects=[kept(effect, base, *own.get(effect.name, (None, None))) for effect in model.effects],
         parameters=[
             Parameter(
                 name=names[i],
@@ -69,10 +73,17 @@ def _feature(task: Task, effect: Effect) -> str:
     return "all" if effect.feature == "all" else task.labels[effect.feature]
 
 
-def kept(effect: Effect, base: Task, source: str | None) -> AddedEffect:
-    """What a file keeps of an effect on a task; `source` is module:Class or file.py:Class of one of the user's own."""
-    source = source and registry.absolute(source)
-    plain, settings = plain_effect(base, effect.name, effect.feature, source, registry.effect), {}
+def kept(effect: Effect, base: Task, source: str | None = None, own: Effect | None = None) -> AddedEffect:
+    """What a file keeps of an effect on a task.
+
+    Of one of the user's `own` that is as it is before it sees data, and `source` how it is found again: module:Class or
+    file.py:Class; its name where it is not.
+    """
+    if own is None:
+        plain = next((entry for entry in catalogue(base) if entry.key == effect.key), None)
+    else:
+        plain, source = own, registry.absolute(source or effect.name)
+    settings = {}
     if is_dataclass(effect):
         changed = {
             n for n, value in settings_of(effect).items() if n != "shape" and not np.all(value == getattr(plain, n))

@@ -156,5 +156,8 @@ def found_effect(fit: Fit, k: int, ties: list[Ranked], names: tuple[str, ...]) -
         for i, p in enumerate(effect.parameters)
     }
     return FoundEffect(
-        **named(effect, names).model_dump(), parameters=parameters, tied_with=[named(t.effect, names) for t in ties]
+        **named(effect, names).model_dump(),
+        shape=effect.shape,
+        parameters=parameters,
+        tied_with=[named(tie.effect, names) for tie in ties],
     )

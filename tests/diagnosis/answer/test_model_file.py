@@ -93,6 +93,6 @@ class Table(Own):
 
 def test_a_file_keeps_what_follows_the_data_or_says_that_it_cannot(monkeypatch):
     monkeypatch.setattr(registry, "effect", lambda source: Table())
-    assert kept(Table(), Poisson(), "mod:Table").settings == {}
+    assert kept(Table(), Poisson(), "mod:Table", Table()).settings == {}
     with pytest.raises(PydanticSchemaGenerationError, match="ndarray"):
-        kept(Table(np.ones(3)), Poisson(), "mod:Table")
+        kept(Table(np.ones(3)), Poisson(), "mod:Table", Table())
