@@ -13,7 +13,7 @@ EFFECTS := own,foreign,two,withheld
 JOBS ?= 1
 
 .DEFAULT_GOAL := help
-.PHONY: help venv test-wheel benchmark quick figures studies pages bench-avo bench-cost bench-diagnosis bench-scaling bench-speed challenge demo-missing-effect test browser lint clean
+.PHONY: help venv test-wheel benchmark quick figures studies pages bench-avo bench-cost bench-diagnosis bench-scaling bench-speed challenge demo-missing-effect docs test browser lint clean
 
 help:  ## show these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -57,8 +57,18 @@ bench-diagnosis: venv  ## seconds of a diagnosis against measured events and aga
 bench-cost: venv  ## where the time goes, from results/reference
 	$(BIN)/python -m avobench.speed.cost results/reference
 
-pages: venv  ## write into README and docs what the commands named there print
-	$(BIN)/python -m avobench.reports.printed README.md docs/performance.md docs/methods.md docs/challenge.md
+pages: venv  ## write into README, docs and examples what the commands and cells there print
+	$(BIN)/python -m avobench.reports.printed README.md docs/*.md docs/tables/*.md
+	OMP_NUM_THREADS=1 $(BIN)/jupyter execute --inplace examples/*.ipynb
+
+docs: venv docs/figures/effects/drawn  ## build the site into site/: a warning ends it, and the tutorial's code is run
+	OMP_NUM_THREADS=1 NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo "the site is site/index.html"
+
+# A picture of each effect, drawn again when what it shows may have changed.
+docs/figures/effects/drawn: .venv/ready avobench/reports/effects.py $(shell find avobench/effects -name '*.py')
+	OMP_NUM_THREADS=1 $(BIN)/avobench effects draw --task carl --task poisson --task alignment --out $(@D)
+	@touch $@
 
 demo-missing-effect: venv  ## hide one effect in simulated measurements, find and name it; page in reports/demo
 	@test -e results/demo/manifest.json || \

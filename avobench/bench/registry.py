@@ -179,9 +179,9 @@ def spec_of(kind: str, instance: Any) -> str | None:
             return point.name
     functions = [part for part in getattr(instance, "parts", ()) if inspect.isfunction(part)]
     wanted = [instance] if functions else [instance, cls]  # a class alone does not tell of which function it was made
-    homes = dict.fromkeys(thing.__module__ for thing in (cls, *functions))
-    for home in homes:
-        names = [name for one in wanted for name, value in vars(sys.modules[home]).items() if value is one]
+    for home in dict.fromkeys(thing.__module__ for thing in (cls, *functions)):
+        known = vars(sys.modules[home]) if home in sys.modules else {}
+        names = [name for one in wanted for name, value in known.items() if value is one]
         if names and home != "__main__":
             return f"{user_files.file_of(home) or home}:{names[0]}"
     return None
@@ -194,19 +194,20 @@ def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:
     setting with the metadata `{"identifies": "unless default"}` is left out at its default, so one added later keeps
     old results.
     """
-    fields = [f for f in dataclasses.fields(instance) if f.init] if dataclasses.is_dataclass(instance) else []
-    parts = {
-        kind: instance.name,
-        f"{kind}_version": instance.version,
-        f"{kind}_settings": {
-            f.name: getattr(instance, f.name)
-            for f in fields
-            if not (f.metadata.get("identifies") == "unless default" and getattr(instance, f.name) == f.default)
-        },
-    }
+    parts = {kind: instance.name, f"{kind}_version": instance.version, f"{kind}_settings": settings_of(instance)}
     if source := blamed(partial(source_hash, _made_of(instance)), f"{kind} '{spec}'"):
         parts[f"{kind}_source_sha256"] = source
     return parts
+
+
+def settings_of(instance: Any) -> dict[str, Any]:
+    """Its settings by name, as they identify it."""
+    fields = [f for f in dataclasses.fields(instance) if f.init] if dataclasses.is_dataclass(instance) else []
+    return {
+        f.name: getattr(instance, f.name)
+        for f in fields
+        if not (f.metadata.get("identifies") == "unless default" and getattr(instance, f.name) == f.default)
+    }
 
 
 def _made_of(instance: Any) -> list[Any]:

@@ -498,7 +498,7 @@ def test_registered_tasks_have_injections_for_their_events():
 
 
 def test_the_page_on_the_challenge_lists_every_shape_with_its_strengths():
-    page = (Path(__file__).parents[2] / "docs" / "challenge.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "tables" / "challenge-shapes.md").read_text()
     for shape in (shape for family in FAMILIES.values() for shape in family):
         (drawn,) = (each.metadata for each in fields(shape) if each.name == "strength")
         sign, unit = "± " * drawn["sign"], "" if drawn["unit"] == "1" else f" {drawn['unit']}"

@@ -53,7 +53,7 @@ def describe(
     return ModelFile(
         name="-".join([base.name, *(e.name.replace("_", "-") for e in model.effects)]),
         task=base.content if inner else registry.absolute(task_spec),
-        task_settings={} if inner else registry.identity("task", task_spec, base)["task_settings"],
+        task_settings={} if inner else registry.settings_of(base),
         effects=[kept(effect, base, *own.get(effect.name, (None, None))) for effect in model.effects],
         parameters=[
             Parameter(

@@ -1,0 +1,80 @@
+"""What the site adds to its pages when it is built. `make docs` builds it whole, in `.ci/run`."""
+
+import importlib.util
+import re
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from mkdocs.exceptions import PluginError
+
+from avobench.bench import registry
+from avobench.effects.catalogue import catalogue
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def hooks():
+    spec = importlib.util.spec_from_file_location("hooks", ROOT / "docs" / "hooks.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize("task", ["carl", "poisson", "alignment"])
+def test_the_page_of_effects_says_of_each_what_it_does_its_shapes_and_its_parameters(hooks, task):
+    sections = dict(re.findall(r"^### (\w+)\n\n(.*?)(?=^##)", hooks.effects_page() + "\n## ", re.M | re.S))
+    for effect in catalogue(registry.build("task", task, {})):
+        assert effect.name in sections
+        own = hooks.described(hooks.families(task)[effect.name], task)
+        assert own in hooks.effects_page()
+        assert effect.sentence in own
+        for shape in effect.shapes():
+            assert len(effect.shapes()) == 1 or re.search(rf"^Shapes: .*\b{shape.shape}[,.]", own, re.M)
+            assert all(f"| {parameter.name} |" in own for parameter in shape.parameters)
+
+
+def test_formulas_become_mathml_in_the_line_and_by_themselves(hooks):
+    inline = hooks.on_page_content('of <span class="arithmatex">\\(\\theta\\)</span> is')
+    assert re.fullmatch(r'of <math [^>]*display="inline">.*<mi>&#x003B8;</mi>.*</math> is', inline)
+    block = hooks.on_page_content('<div class="arithmatex">\\[\n\\frac{a}{b}\n\\]</div>')
+    assert re.fullmatch(r'<math [^>]*display="block">.*<mfrac>.*</math>', block)
+
+
+@pytest.mark.parametrize(
+    "tag",
+    [
+        '<script src="https://example.org/a.js"></script>',
+        '<link rel="stylesheet" href="https://example.org/a.css">',
+        '<img alt="" src=http://example.org/a.png>',
+    ],
+)
+def test_a_page_that_would_fetch_something_from_a_network_ends_the_build(hooks, tag):
+    page = SimpleNamespace(file=SimpleNamespace(src_uri="page.md"))
+    with pytest.raises(PluginError, match=r"page\.md needs a network"):
+        hooks.on_post_page(f"<html>{tag}</html>", page)
+
+
+def test_a_page_may_link_to_the_network_and_load_what_stands_beside_it(hooks):
+    page = SimpleNamespace(file=SimpleNamespace(src_uri="page.md"))
+    html = '<a href="https://example.org">there</a><link rel="stylesheet" href="style.css"><img src="figure.png">'
+    assert hooks.on_post_page(html, page) == html
+
+
+def test_every_page_of_the_folder_is_in_the_navigation():
+    """MkDocs only remarks on one that is not."""
+    nav = (ROOT / "mkdocs.yml").read_text()
+    pages = [page.relative_to(ROOT / "docs").as_posix() for page in (ROOT / "docs").rglob("*.md")]
+    assert [page for page in pages if not re.search(rf"(- |: ){re.escape(page)}$", nav, re.M)] == []
+
+
+def test_contributing_answers_five_questions_with_places_that_exist():
+    text = (ROOT / "CONTRIBUTING.md").read_text()
+    section = text.split("## Where does this change belong?")[1].split("\n## ")[0]
+    assert len(re.findall(r"^\*\*.+?\*\*", section, re.M)) == 5
+    folders = re.findall(r"^\| `(\w+/)` \|", text, re.M)
+    package = {f"{path.name}/" for path in (ROOT / "avobench").iterdir() if (path / "__init__.py").exists()}
+    assert set(folders) == package
+    named = re.findall(r"`(avobench/[\w/]+(?:\.py|/))`", text)
+    assert [path for path in named if not (ROOT / path).exists()] == []
