@@ -177,11 +177,11 @@ def spec_of(kind: str, instance: Any) -> str | None:
     for point in _points(kind):
         if point.value == f"{cls.__module__}:{cls.__qualname__}":
             return point.name
-    made_of = [cls, *(part for part in getattr(instance, "parts", ()) if inspect.isfunction(part))]
-    alone = len(made_of) == 1  # else the class would have to be told of the functions
-    for home in dict.fromkeys(thing.__module__ for thing in made_of):
+    functions = [part for part in getattr(instance, "parts", ()) if inspect.isfunction(part)]
+    wanted = [instance] if functions else [instance, cls]  # a class alone does not tell of which function it was made
+    for home in dict.fromkeys(thing.__module__ for thing in (cls, *functions)):
         known = vars(sys.modules[home]) if home in sys.modules else {}
-        names = [name for name, value in known.items() if value is instance or (alone and value is cls)]
+        names = [name for one in wanted for name, value in known.items() if value is one]
         if names and home != "__main__":
             return f"{user_files.file_of(home) or home}:{names[0]}"
     return None

@@ -14,9 +14,9 @@ from avobench.effects.pool import Alter, Pool
 from avobench.tasks import Task
 
 WIDEST = 0.1
-"""Of a parameter's range: how far the mean of events is taken for quadratic at most. Chosen by trial."""
+"""Share of a parameter's range over which the mean of events is about quadratic, at most."""
 LEAST_STRENGTH = 0.003
-"""Of a strength's range: how far it reaches at least, lest a fit that begins at the null value stay there."""
+"""The same at least, of a strength that is next to none: below, a step is lost in the noise of the simulation."""
 AT_ONCE = 100_000
 """Events simulated at a time, to bound memory."""
 Events = Callable[..., NDArray]

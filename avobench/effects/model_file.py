@@ -170,7 +170,7 @@ def settings_of(effect: Effect) -> dict[str, Any]:
 
 
 def _fault(error: ValidationError) -> str:
-    """What is wrong with the content of a file, and where."""
-    first = error.errors()[0]
+    """What is wrong with the content of a file, and where: of a model within a model what lies deepest."""
+    first = max(error.errors(), key=lambda each: len(each["loc"]))
     where = ".".join(str(each) for each in first["loc"])
     return f"{first['msg']}{f' at {where}' if where else ''}"

@@ -11,6 +11,8 @@ from avobench.tasks.errors import UsageError
 RECORDABLE = "says what it is, in a form that a record can hold"
 DESCRIBED = "names parameters, units, prior, support and features"
 TARGETS = "has 15 targets within its prior"
+DETERMINES = "says what its events determine of theta"
+GENERATES = "detects what it generates, altered or not, as it simulates"
 SIMULATES = "simulates 1 and 1000 events of the promised shape and type"
 CORNERS = "simulates every corner of its prior and its support"
 OUTSIDE = "refuses theta outside its support"
@@ -28,7 +30,7 @@ PICKLE = "can be sent to a worker process"
 MINIMUM = "declares the smallest budget it can use"
 LEAST = ("makes an estimate on poisson from 100 events", "makes an estimate on carl from 100 events")
 AMPLE = ("makes an estimate on poisson from 3001 events", "makes an estimate on carl from 3001 events")
-TRACE = "traces its estimate in finite numbers"
+TRACE = "traces its estimate against the events used"
 LEFT_OVER = "says why where it leaves much of the budget"
 SAME_ESTIMATE = "repeats its estimate bit for bit for a seed, whatever the global seeds"
 OBSERVED = "leaves the observed events as they are"
@@ -47,7 +49,7 @@ def failed(kind, name):
     return {result.what: result.why for result in check.run(kind, name) if not result.passed}
 
 
-@pytest.mark.parametrize("name", ["poisson", "carl", "weinberg", "faulty:SoundTask"])
+@pytest.mark.parametrize("name", ["poisson", "carl", "weinberg", "faulty:SoundTask", "faulty:SoundGenerator"])
 def test_sound_tasks_pass_within_two_seconds(name):
     start = time.process_time()
     results = list(check.run("task", name))
@@ -96,6 +98,14 @@ def test_sound_methods_pass(name):
         ("RisingFloor", {FLOOR}, "more simulations raised the floor"),
         ("NoFloor", {FLOOR}, "must be a positive number, or NaN, got 0.0"),
         ("Unpicklable", {PICKLE}, "lambda"),
+        ("DeterminesMore", {DETERMINES}, "k from 1 to 1, got array"),
+        ("DeterminesAnother", {DETERMINES}, "must return theta itself where it returns as many numbers"),
+        ("DeterminesInNothing", {DETERMINES}, "identifiable_scale must be 1 positive numbers, got array([0.])"),
+        ("DeterminesTogether", {DETERMINES}, "another value where other rows are beside it"),
+        ("GeneratesNothing", {GENERATES}, "takes 3 positional arguments but 4 were given"),
+        ("DetectsAnew", {GENERATES}, "detecting what was generated makes other events"),
+        ("AltersNothing", {GENERATES}, "`alter` is given [] generated events"),
+        ("GeneratesMore", {GENERATES}, "generate made 31 events where 30 were asked for"),
     ],
 )
 def test_a_faulty_task_fails_on_what_it_breaks(name, expected, why):
@@ -122,8 +132,8 @@ def test_a_faulty_task_fails_on_what_it_breaks(name, expected, why):
         ("AsksOutside", {*LEAST, *AMPLE}, "outside_support: theta = [11.0] lies outside the support of poisson"),
         ("WritesPlainly", {*LEAST, *AMPLE}, "method_error: ValueError: assignment destination is read-only"),
         ("ForcesAWrite", {OBSERVED}, "infer changed the events in x_observed"),
-        ("TracesBackwards", {*LEAST, *AMPLE}, "the trace must go from 0 towards the"),
-        ("TracesBeyond", {*LEAST, *AMPLE}, "the trace must go from 0 towards the 100 used"),
+        ("TracesBackwards", {*LEAST, *AMPLE}, "the trace must go from 0 towards the 100 used, got [100, 50]"),
+        ("TracesBeyond", {*LEAST, *AMPLE}, "the trace must go from 0 towards the 100 used, got [101]"),
         (
             "TracesTooMuch",
             {*LEAST, *AMPLE},

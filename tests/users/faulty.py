@@ -184,6 +184,84 @@ class Unpicklable(SoundTask):
         self.trick = lambda: None
 
 
+class DeterminesMore(SoundTask):
+    def identifiable(self, theta):
+        return np.hstack([theta, theta**2])
+
+
+class DeterminesAnother(SoundTask):
+    def identifiable(self, theta):
+        return 2 * theta
+
+
+class DeterminesInNothing(SoundTask):
+    identifiable_scale = np.zeros(1)
+
+
+class DeterminesTogether(SoundTask):
+    """Two parameters, of which the sum counts."""
+
+    parameter_names = ("location", "shift")
+    parameter_units = ("1", "1")
+    prior = Box((-1, -1), (1, 1))
+    support = Box((-9, -9), (9, 9))
+    identifiable_scale = np.ones(1)
+
+    def identifiable(self, theta):
+        return theta.sum(axis=1, keepdims=True) - theta.mean()
+
+    def events(self, theta, rng):
+        return rng.normal(theta.sum(axis=1, keepdims=True))
+
+
+class Noise(np.ndarray):
+    """What SoundGenerator makes first: noise (n, 1)."""
+
+    def events(self, start, stop):
+        return self[start:stop]
+
+
+class SoundGenerator(SoundTask):
+    """Noise, to which theta is added."""
+
+    generates = "noise"
+
+    def generate(self, num_events, rng):
+        yield rng.normal(size=(num_events, 1)).view(Noise)
+
+    def detect(self, generated, theta):
+        return np.asarray(generated) + theta
+
+    def simulate(self, theta, rng, alter=None):
+        self.require_support(theta)
+        (noise,) = self.generate(len(theta), rng)
+        return self.detect(alter(noise, slice(0, len(noise))) if alter else noise, theta)
+
+
+class GeneratesNothing(SoundTask):
+    generates = "noise"
+
+
+class DetectsAnew(SoundGenerator):
+    def simulate(self, theta, rng, alter=None):
+        return super().simulate(theta, rng, alter) + 1
+
+
+class AltersNothing(SoundGenerator):
+    def simulate(self, theta, rng, alter=None):
+        return super().simulate(theta, rng)
+
+
+class GeneratesMore(SoundGenerator):
+    def generate(self, num_events, rng):
+        yield from super().generate(num_events + (num_events == 30), rng)
+
+    def simulate(self, theta, rng, alter=None):
+        self.require_support(theta)
+        (noise,) = SoundGenerator.generate(self, len(theta), rng)
+        return self.detect(alter(noise, slice(0, len(noise))) if alter else noise, theta)
+
+
 class FailsWhenMade(SoundTask):
     def __init__(self):
         raise RuntimeError("no detector")

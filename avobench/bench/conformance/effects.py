@@ -17,9 +17,9 @@ from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
 ALPHA = 1e-6
-"""A sound effect is blamed with a lower chance than that, in each of some hundred comparisons."""
+"""Chance that a statistical check blames a sound effect: a suite runs hundreds of them."""
 NUM_EVENTS = 4000
-"""Of each comparison; a shift by a fifth of a standard deviation is then seen at ALPHA."""
+"""Of each statistical check: a tenth of the events too many in one bin of ten is then seen."""
 TASKS = {"counts": "poisson", "continuous": "carl", "images": "alignment"}
 """A task for each domain of the catalogue."""
 

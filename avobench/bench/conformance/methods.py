@@ -22,11 +22,11 @@ from avobench.tasks.errors import SimulatorError
 
 METHOD_TASKS = ("poisson", "carl")
 NUM_OBSERVATIONS = 1000
-"""Of each trial: few, since it is the contract that is tried and not the estimate."""
+"""Enough to infer something from; the checks are not about how good an estimate is."""
 MODEST_BUDGET = 3001
 """Events of the larger of the two budgets, where twice the method's minimum is not more. Odd on purpose."""
 MAX_LEFT_WITHOUT_REASON = 0.1
-"""Share of the budget; less than one more iteration or generation is often left over."""
+"""Share of the budget that a method may leave without a word, as its contract says."""
 MAX_SHIFT = 0.1
 """Of an estimate made together with others, in units of the spread that the method states: what rounding may do."""
 
@@ -47,7 +47,7 @@ def rounds(name: str, method: Method) -> Iterator[Round]:
     ]
     smallest, last = trials[0], trials[-1]
     yield [
-        ("traces its estimate in finite numbers", lambda: [trial.trace() for trial in trials]),
+        ("traces its estimate against the events used", lambda: [trial.trace() for trial in trials]),
         ("says why where it leaves much of the budget", lambda: [trial.left_over() for trial in trials]),
         ("leaves global state as it is", last.global_state),
         ("repeats its estimate bit for bit for a seed, whatever the global seeds", last.repeats),
@@ -85,8 +85,8 @@ class _Trial:
         expect(all(value is None or value >= 0 for value in std), f"std of the estimate is negative: {std}")
 
     def trace(self) -> None:
+        """The order of its points is told with the estimate; a NaN, which a trace may hold, is None in a record."""
         for point in self.record["trace"]:
-            # A trace may hold a NaN, where a record has None; an estimate may not.
             simulations, theta = point["simulations"], point["theta"]
             expect(None not in theta, f"has theta = {theta} after {simulations} events, where finite numbers are due")
 

@@ -1,0 +1,97 @@
+"""`avobench list` and `avobench effects draw`: every effect can be found, in words and in a picture."""
+
+import pandas as pd
+import pytest
+
+from avobench.effects.catalogue import catalogue, families
+from avobench.reports import effects
+from avobench.tasks.alignment import Alignment
+from avobench.tasks.carl import Carl
+from avobench.tasks.poisson import Poisson
+
+ENDED = 110
+"""Columns that a line may take."""
+
+
+def test_list_shows_every_effect_with_what_it_does_its_shapes_and_parameters(avobench):
+    code, out, _ = avobench("list", "effects")
+    assert code == 0
+    assert all(len(line) <= ENDED for line in out.splitlines())
+    words = " ".join(out.split())
+    for family in families().values():
+        assert f"{family.name}: {family.sentence}" in words
+    for effect in (*catalogue(Poisson()), *catalogue(Carl()), *catalogue(Alignment())):
+        for shape in effect.shapes():
+            assert shape.shape in words
+            assert all(parameter.name in words for parameter in shape.parameters)
+
+
+def test_list_of_a_task_shows_the_bounds(avobench):
+    code, out, _ = avobench("list", "--task", "poisson")
+    assert code == 0
+    assert "hybrid: tau from 0 to 1 of the window, prolonging from 0 to 1" in out
+    assert "resolution" not in out
+    assert avobench("list", "effects", "--task", "poisson")[1] == out
+    code, out, _ = avobench("list", "--task", "carl")
+    assert "each acts on one of x1, x2, x3, x4, x5, or on all alike; bounds are those for x1" in out
+    assert "shift from -5.75 to 5.75 of the feature, absent at 0" in out
+
+
+def test_list_shows_one_kind_or_all(avobench):
+    parts = [avobench("list", kind)[1].strip() for kind in ("tasks", "methods", "effects")]
+    assert [part.split()[0] for part in parts] == ["tasks", "methods", "effects"]
+    whole = avobench("list")[1]
+    assert whole.strip() == "\n\n".join(parts)
+    assert all(len(line) <= ENDED for line in whole.splitlines())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("list", "tasks", "--task", "poisson"), "--task is for `avobench list effects`"),
+        (("list", "--task", "poison"), "did you mean poisson?"),
+        (("list", "colours"), "colours"),
+        (("effects", "draw", "--task", "poison"), "did you mean poisson?"),
+        (("effects", "draw", "--out", "toys.py"), "is not a folder"),
+        (("check", "effect", "dead_tme"), "did you mean dead_time"),
+        (("check", "effect", "images.dead_time"), "or counts.dead_time"),
+    ],
+)
+def test_wrong_usage_is_said_in_a_line(avobench, arguments, said):
+    code, out, err = avobench(*arguments)
+    assert (code, out) == (2, "")
+    assert said in err
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize("name", ["dead_time", "counts.dead_time"])
+def test_an_effect_is_checked_by_its_name_or_that_of_its_entry_point(avobench, name):
+    code, out, _ = avobench("check", "effect", name)
+    assert code == 0
+    assert out.startswith("pass  says what it is (poisson)\n")
+
+
+def test_draw_makes_a_picture_of_each_effect_and_keeps_its_numbers(avobench, tmp_path, monkeypatch):
+    monkeypatch.setattr(effects, "NUM_EVENTS", 2000)
+    code, out, err = avobench("effects", "draw", "--task", "poisson", "--out", tmp_path)
+    assert code == 0, err
+    names = [effect.name.replace("_", "-") for effect in catalogue(Poisson())]
+    assert {path.name for path in tmp_path.iterdir()} == {
+        f"poisson-{name}.{suffix}" for name in names for suffix in ("png", "pdf", "csv")
+    }
+    assert set(out.split()) == {str(path) for path in tmp_path.iterdir()}
+    for name in names:
+        assert (tmp_path / f"poisson-{name}.png").read_bytes().startswith(b"\x89PNG")
+        for _, shape in pd.read_csv(tmp_path / f"poisson-{name}.csv").groupby("shape"):
+            moved = (shape["with"] - shape["without"]).abs().sum() / 2
+            assert 0.02 < moved < 0.5, (name, shape["shape"].iloc[0])
+
+
+def test_images_are_drawn_as_images(avobench, tmp_path, monkeypatch):
+    monkeypatch.setattr(effects, "NUM_IMAGES", 200)
+    code, _, err = avobench("effects", "draw", "--task", "alignment", "--out", tmp_path)
+    assert code == 0, err
+    table = pd.read_csv(tmp_path / "alignment-inefficiency.csv")
+    assert len(table) == 2 * 1024
+    assert (table["with"] <= table["without"]).all()
+    assert len(list(tmp_path.glob("*.png"))) == 8
