@@ -66,7 +66,7 @@ docs: venv docs/figures/effects/drawn  ## build the site into site/: a warning e
 	@echo "the site is site/index.html"
 
 # A picture of each effect, drawn again when what it shows may have changed.
-docs/figures/effects/drawn: .venv/ready avobench/reports/effects.py $(shell find avobench/effects -name '*.py')
+docs/figures/effects/drawn: avobench/reports/effects.py $(shell find avobench/effects -name '*.py') | .venv/ready
 	OMP_NUM_THREADS=1 $(BIN)/avobench effects draw --task carl --task poisson --task alignment --out $(@D)
 	@touch $@
 

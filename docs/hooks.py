@@ -64,7 +64,7 @@ def effects_page() -> str:
         "This page is written from the catalogue that `avobench diagnose` tries. Each effect is a *family*: it has "
         "several shapes, since a real effect never has the exact shape of one, and a diagnosis takes the shape "
         "that fits best. "
-        "The pictures show each shape at a middling strength, beside the events without the effect. "
+        "The pictures show each shape at a middling strength, beside the events without the effect; a click enlarges. "
         "`avobench list effects --task NAME` gives the bounds for another task. If what you look for is not here, "
         "[add it](add-an-effect.md): it takes one class.",
     ]
@@ -94,7 +94,7 @@ def described(effects: list[Effect], task: str) -> str:
         rows.append(f"| {name} | {parameter.low:.3g} to {parameter.high:.3g} | {parameter.unit} | {where} |")
     name = effects[0].name
     picture = f"{PICTURES}/{task}-{name.replace('_', '-')}.png"
-    shown = f"![Events of {task} without and with {name}]({picture}){half_size(ROOT / 'docs' / picture)}"
+    shown = f"[![Events of {task} without and with {name}]({picture}){half_size(ROOT / 'docs' / picture)}]({picture})"
     lines = [effects[0].sentence, "", shown, ""]
     if len(shapes) > 1:
         lines += [f"Shapes: {', '.join(filter(None, shapes))}.", ""]
