@@ -23,7 +23,7 @@ from avobench.tasks.errors import AvobenchError, UsageError
 @click.option("--debug", is_flag=True, help="Show tracebacks; may stand anywhere.")
 @click.pass_context
 def cli(context: click.Context, debug: bool) -> None:
-    """Benchmark adversarial variational optimization against ABC-SMC and BOLFI under one simulation budget."""
+    """Fit simulators that have no likelihood, compare methods under one budget, find what a simulator lacks."""
     context.obj = debug
 
 

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -17,6 +18,11 @@ def test_the_import_loads_no_library_before_it_is_needed():
     heavy = "{'numpy', 'pandas', 'scipy', 'torch', 'matplotlib'} & set(sys.modules)"
     command = [sys.executable, "-c", f"import sys, avobench; avobench.__version__; print({heavy})"]
     assert subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip() == "set()"
+
+
+def test_the_version_is_said_once():
+    cited = (Path(__file__).parents[2] / "CITATION.cff").read_text()
+    assert f"\nversion: {avobench.__version__}\n" in cited
 
 
 def test_lists_are_tables():
