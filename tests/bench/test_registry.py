@@ -18,6 +18,7 @@ from avobench.bench.store import Store
 from avobench.effects import Effect
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
+from avobench.tasks.function import task
 
 REFERENCE = Store(Path(__file__).parents[2] / "results" / "reference")
 
@@ -343,3 +344,12 @@ def test_our_own_names_are_those_of_the_classes(kind):
     for name in registry.names(kind):
         assert registry.load(kind, name).name == name.rpartition(".")[2]
     assert isinstance(registry.build("task", "poisson", {}), Task)
+
+
+def test_a_task_of_a_function_that_no_module_knows_has_no_name_but_settings():
+    """As at a prompt, where a function has no source either: its class alone would not make it again."""
+    scope = {}
+    exec("def simulate(theta, rng):\n    return rng.exponential(theta[:, 0])", scope)
+    decay = task(scope["simulate"], prior={"lifetime": (1, 4)})
+    assert registry.spec_of("task", decay) is None
+    assert registry.settings_of(decay) == {}
