@@ -35,6 +35,8 @@ def families() -> dict[str, type[Effect]]:
         if not (isinstance(family, type) and issubclass(family, Effect) and family.domains):
             raise UsageError(f"effect '{point.name}': {point.value} is no subclass of Effect that states its domains")
         found[point.name] = family
+    if not found:
+        raise UsageError("no effect is installed: this checkout was installed before they were; pip install it again")
     return found
 
 
