@@ -141,7 +141,7 @@ def _one_scale(axes: NDArray, pulls: list[NDArray[np.float64]]) -> bool:
         if far:
             axis.set_yscale("symlog", linthresh=LINEAR_PULLS, linscale=1)
             largest = 10.0 ** np.floor(np.log10(limit))
-            axis.yaxis.set_major_locator(FixedLocator([-largest, -LINEAR_PULLS, 0, LINEAR_PULLS, largest]))
+            axis.yaxis.set_major_locator(FixedLocator([-largest, 0, largest]))
             axis.yaxis.set_minor_locator(NullLocator())
             axis.yaxis.set_major_formatter(ScalarFormatter())
             axis.yaxis.set_minor_formatter(NullFormatter())

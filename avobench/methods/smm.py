@@ -1,0 +1,79 @@
+"""Simulated method of moments (McFadden, Econometrica 57 (1989) 995), within a hard budget: no network, no adversary.
+
+What is matched is the mean of the whitened inputs, as the discriminator of `avo` sees them. It is the polish of `avo`
+on these inputs alone, begun from the prior in rounds that narrow: what is left of `avo` without learning.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.methods.contract import Estimate, Method, TracePoint
+from avobench.methods.inputs import Inputs
+from avobench.methods.polish import Fold, Polished, polish
+from avobench.methods.problem import Problem
+from avobench.methods.proposal import TruncatedGaussian
+
+
+@dataclass(frozen=True)
+class Smm(Method):
+    """The mean of the inputs as a local quadratic in theta, and theta where it agrees with the observed mean."""
+
+    name: ClassVar[str] = "smm"
+    source: ClassVar[str] = "D. McFadden, Econometrica 57 (1989) 995; A. Pakes, D. Pollard, Econometrica 57 (1989) 1027"
+
+    rounds: int = 8
+    """Of simulation, each with an equal share of the budget and around the answer of the one before."""
+    shrink: float = 0.5
+    """Width of a round in units of the one before, at least: a first answer may be far off."""
+    errors: float = 10.0
+    """Width of a round in standard errors of the answer before it, at least. With 3 one run in twelve on carl went
+    astray, with 10 none; chosen, as the other two, on targets that are not the benchmark's."""
+    symmetric: bool = True
+    """Sum an image over its cyclic axes, along which nothing depends on theta."""
+
+    def __post_init__(self) -> None:
+        if self.rounds < 1 or not 0 < self.shrink <= 1 or self.errors <= 0:
+            raise ValueError("smm needs rounds of at least 1, 0 < shrink <= 1 and errors above 0")
+
+    def min_simulations(self, num_parameters: int) -> int:
+        """Ten events a round for each coefficient of the local quadratic."""
+        return self.rounds * 5 * (num_parameters + 1) * (num_parameters + 2)
+
+    def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
+        proposal, inputs = (
+            TruncatedGaussian(problem.prior, problem.support),
+            Inputs(problem, symmetric=self.symmetric, whiten=True),
+        )
+        mean, std = np.zeros(problem.prior.dim), np.ones(problem.prior.dim)
+        real, fold, trace, answer = inputs(problem.x_observed), None, [], None
+        # With too little left the simulator refuses a round, rather than an answer being made of next to nothing.
+        total = max(problem.simulate.remaining, self.min_simulations(len(mean)))
+        ends = problem.simulate.used + np.linspace(0, total, self.rounds + 1).astype(int)[1:]
+        for end in ends:
+            u = proposal.sample(np.stack([mean, np.log(std)]), end - problem.simulate.used, rng)
+            synthetic = inputs(problem.simulate(proposal.to_raw(u)))
+            if fold is None:
+                fold = Fold(real, synthetic, u)
+            else:
+                fold.add(synthetic, u)
+            answer = polish([fold], mean, std, proposal.low, proposal.high)
+            mean, std = answer.mean, self._narrower(std, answer)
+            trace.append(TracePoint(problem.simulate.used, proposal.to_raw(mean), answer.error * proposal.scale))
+        last = trace[-1]
+        return Estimate(
+            theta=last.theta,
+            how="where the simulated mean of the inputs agrees with the observed one",
+            spread_of="proposal",
+            mean=last.theta,
+            std=std * proposal.scale,
+            trace=trace,
+            message=f"the last of {self.rounds} fits {'converged' if answer.converged else 'did not converge'}",
+            error=answer.error * proposal.scale,
+        )
+
+    def _narrower(self, std: NDArray[np.float64], answer: Polished) -> NDArray[np.float64]:
+        """Widths of the next round (p,): where the events say nothing of a parameter, as wide as the last."""
+        return np.minimum(std, np.maximum(self.shrink * std, self.errors * answer.error))

@@ -1,0 +1,43 @@
+"""The simulated method of moments."""
+
+import numpy as np
+import pytest
+
+from avobench.bench.budget import MeteredSimulator, pose
+from avobench.methods.smm import Smm
+from avobench.tasks.carl import Carl
+from avobench.tasks.function import task
+
+
+def inferred(simulator, truth, seed, budget=20_000, num_observed=20_000):
+    rng = np.random.default_rng(seed)
+    x = simulator.simulate(np.tile(truth, (num_observed, 1)), rng)
+    return Smm().infer(pose(simulator, x, MeteredSimulator(simulator, budget, rng)), rng)
+
+
+def test_its_standard_error_is_that_of_repeated_answers():
+    """The mean of a Gaussian, which is sufficient: pulls of 40 runs have variance 1 to a factor of 2.3 (p = 1e-6)."""
+    shift = task(lambda theta, rng: rng.normal(theta[:, 0]), prior={"mean": (-2, 2)}, name="shift")
+    found = [inferred(shift, [0.7], seed) for seed in range(40)]
+    pulls = np.array([(estimate.theta[0] - 0.7) / estimate.error[0] for estimate in found])
+    assert 1 / 2.3 < np.mean(pulls**2) < 2.3
+    assert found[0].error[0] == pytest.approx(np.sqrt(2 / 20_000), rel=0.3)
+
+
+def test_where_means_say_nothing_it_says_that_it_does_not_know():
+    scale = task(lambda theta, rng: rng.normal(0, np.exp(theta[:, 0])), prior={"scale": (-1, 1)}, name="scale")
+    estimate = inferred(scale, [0.8], 1)
+    assert estimate.error[0] > 0.1
+
+
+def test_two_parameters_are_found_within_the_budget():
+    carl, truth = Carl(), np.array([0.5, -1.0])
+    estimate = inferred(carl, truth, 2, budget=40_000, num_observed=40_000)
+    assert (np.abs(estimate.theta - truth) < 6 * estimate.error).all()
+    assert estimate.trace[-1].simulations == 40_000
+
+
+@pytest.mark.parametrize("settings", [{"rounds": 0}, {"shrink": 0.0}, {"shrink": 1.5}, {"errors": 0.0}])
+def test_settings_that_make_no_sense_are_refused(settings):
+    with pytest.raises(ValueError, match="smm needs"):
+        Smm(**settings)
