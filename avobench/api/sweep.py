@@ -42,8 +42,8 @@ def run(
     Parameters
     ----------
     tasks, methods
-        Names as `avobench list` shows them, `module:Class` or `path/to/file.py:Class`; all registered ones where none
-        is given.
+        Names as `avobench list` shows them, `module:Class` or `path/to/file.py:Class`; where none is given, all
+        registered ones that are carried out by default: of ours the paper's four tasks, and every method.
     targets
         Indices and ranges of target parameters, such as "0,3,7-9".
     budget
@@ -100,6 +100,8 @@ def asked(
         kind: [given] if isinstance(given, str) else list(given) or registry.names(kind)
         for kind, given in (("task", tasks), ("method", methods))
     }
+    if not tasks:
+        chosen["task"] = [name for name in chosen["task"] if registry.load("task", name).by_default]
     settings = list(settings)
     if device != "cpu":
         settings += on_device(chosen["method"], device)

@@ -21,7 +21,9 @@ from avobench.reports.figures import draw
 
 
 @click.command()
-@click.option("--task", "tasks", multiple=True, metavar="NAME", help="Task, or module:Class; repeatable.  [all]")
+@click.option(
+    "--task", "tasks", multiple=True, metavar="NAME", help="Task, or module:Class; repeatable.  [the paper's]"
+)
 @click.option("--method", "methods", multiple=True, metavar="NAME", help="Method, or module:Class; repeatable.  [all]")
 @click.option("--targets", default="0-14", show_default=True, help="Indices and ranges, such as 0,3,7-9.")
 @click.option("--budget", type=int, default=160_000, show_default=True, help="Simulated events a cell may use.")

@@ -121,6 +121,8 @@ class Task(ABC):
     detects for every theta. "particles" are those of `avobench.tasks.alignment`, and the task has the `radius` of the
     tracker that they cross [mm]; effects on particles apply to it.
     """
+    by_default: ClassVar[bool] = True
+    """Whether a sweep for which no task is named carries it out."""
     packages: ClassVar[tuple[str, ...]] = ()
     """Modules that must be importable, checked before a sweep begins; `extra` is the extra that installs them."""
     extra: ClassVar[str] = ""
