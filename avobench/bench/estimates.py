@@ -32,6 +32,6 @@ def require_recordable(estimate: object, problem: Problem, used: int) -> None:
         raise InvalidEstimate(f"the estimate {estimate.theta.tolist()} is not within the support")
     if not (isinstance(estimate.discarded, int | np.integer) and 0 <= estimate.discarded <= used):
         raise InvalidEstimate(f"discarded must be a number from 0 to the {used} used, got {estimate.discarded!r}")
-    for name in ("how", "spread_of", "message"):
+    for name in ("how", "spread_of", "message", "doubt"):
         if not isinstance(getattr(estimate, name), str):
             raise InvalidEstimate(f"{name} of the estimate must be text, got {getattr(estimate, name)!r}")

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from avobench.bench.status import Status
+from avobench.bench.status import ESTIMATED, Status
 from avobench.tasks.errors import UsageError
 
 SCHEMA_VERSION = 1
@@ -83,7 +83,9 @@ class Record(Strict):
     parameter_names: list[str] = Field(description="names of the parameters, in the order of all lists over them")
     status: Annotated[Status, Field(strict=False)] = Field(description="how the inference ended, see below")
     message: str = Field(description="reason of a failure, or a remark such as why budget was left over")
-    theta_hat: Vector | None = Field(description="the estimate; null unless `status` is `ok`, as the fields to `std`")
+    theta_hat: Vector | None = Field(
+        description="the estimate; null unless `status` is `ok` or `doubtful`, as the fields to `std`"
+    )
     squared_error: Annotated[float, Field(ge=0)] | None = Field(
         description="squared distance of the estimate to `theta_true`"
     )
@@ -169,7 +171,7 @@ class Record(Strict):
             raise ValueError(f"simulations_discarded is {discarded}, more than the {used} used")
 
     def _estimate_is_there_if_ok(self) -> None:
-        ok = self.status == Status.OK
+        ok = self.status in ESTIMATED
         for name in ("theta_hat", "squared_error", "how", "spread_of", "mean", "std"):
             if (getattr(self, name) is not None) != ok:
                 raise ValueError(f"{name} is {'null' if ok else 'given'} though the status is {self.status}")
@@ -182,7 +184,7 @@ class Record(Strict):
 
     def _trace_is_in_order(self) -> None:
         simulations = [point.simulations for point in self.trace]
-        if simulations and self.status != Status.OK:
+        if simulations and self.status not in ESTIMATED:
             raise ValueError(f"there is a trace though the status is {self.status}")
         if any(later < earlier for earlier, later in pairwise(simulations)):
             raise ValueError("the trace is not in the order of its simulations")

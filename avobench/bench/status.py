@@ -5,7 +5,7 @@ from typing import Any
 
 
 class Status(StrEnum):
-    """Outcome of a cell; `ok` exactly when an estimate was made within the budget."""
+    """Outcome of a cell; `ok` exactly when an estimate was made within the budget and nothing speaks against it."""
 
     OK = "ok"
     BUDGET_EXHAUSTED = "budget_exhausted"
@@ -20,6 +20,12 @@ class Status(StrEnum):
     """The method returned something that is not a finite estimate within the support."""
     CRASHED = "crashed"
     """The worker process died twice in this cell."""
+    DOUBTFUL = "doubtful"
+    """An estimate was made within the budget, and the method does not vouch for it; the message says why."""
+
+
+ESTIMATED = (Status.OK, Status.DOUBTFUL)
+"""The outcomes with an estimate, which is scored: a doubtful one may be as good as any, and counts as it is."""
 
 
 def reason(record: dict[str, Any]) -> str:

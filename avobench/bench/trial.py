@@ -94,7 +94,8 @@ class Trial:
             with self.failing():
                 require_recordable(self.estimate, self.problem, self.simulate.used)
                 scored = _scored(self.estimate, self._task, self.cell)
-                message = "; ".join(filter(None, (self.estimate.message, self.remark)))
+                message = "; ".join(filter(None, (self.estimate.message, self.remark, self.estimate.doubt)))
+                status = Status.DOUBTFUL if self.estimate.doubt else Status.OK
         if (error := self.failure) is not None:
             status = next((word for kind, word in STATUS_OF.items() if isinstance(error, kind)), Status.METHOD_ERROR)
             message = told(error)

@@ -41,6 +41,9 @@ class Estimate:
     """Events that were simulated but did not enter the estimate."""
     message: str = ""
     """Anything a reader of the record should know; must say why when much of the budget was left."""
+    doubt: str = ""
+    """Why the method does not vouch for `theta`, such as a search that did not come to rest; then the status of the
+    record is `doubtful`, and its message ends with this."""
     error: NDArray[np.float64] | None = None
     """Standard error of `theta` (p,), where the method knows one; the width of a proposal is none."""
 

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from avobench.bench.status import ESTIMATED
 from avobench.reports.quantities import comparable, labelled, task_of
 from avobench.reports.style import FLOOR, METHOD_ORDER, STYLE, TASK_ORDER, colours, note, ordered, panels, save
 from avobench.tasks.errors import StoreError
@@ -37,14 +38,14 @@ def numbers(cells: pd.DataFrame) -> pd.DataFrame:
     """Of the cells of one task, a row a method and number of simulations: quartiles of the squared error, the floor.
 
     The floor, with so many simulations and a median over targets, is missing for a task that is not registered here.
-    A method without any cell that is `ok` has no rows.
+    A method without any estimate has no rows.
     """
     budget = cells["budget"].max()
     grid = np.unique(np.geomspace(budget / 160, budget, NUM_POINTS).round().astype(int))
     floors = np.median([_floor(record, grid) for record in cells.drop_duplicates("target")["record"]], axis=0)
     frames = []
     for method, own in cells.groupby("method", sort=False):
-        errors = np.array([errors_at(record, grid) for record in own["record"] if record["status"] == "ok"])
+        errors = np.array([errors_at(record, grid) for record in own["record"] if record["status"] in ESTIMATED])
         if not len(errors):
             continue
         begun = np.isfinite(errors).all(axis=0)

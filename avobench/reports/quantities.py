@@ -9,7 +9,7 @@ from scipy.stats import chi2
 from scipy.stats.qmc import Sobol
 
 from avobench.bench import registry
-from avobench.bench.status import Status
+from avobench.bench.status import ESTIMATED
 from avobench.bench.table import labels, to_frame
 from avobench.tasks import Task
 
@@ -18,12 +18,12 @@ def labelled(records: list[dict[str, Any]]) -> pd.DataFrame:
     """One row a cell, with the labels of its task and method in place of their names, and the `record` itself.
 
     `ratio` is the squared error over the floor. A cell that failed has an infinite squared error: it is as far from the
-    truth as can be, and no median leaves it out.
+    truth as can be, and no median leaves it out. A doubtful one has the error that it has.
     """
     frame = to_frame(records)
     frame["task"], frame["method"] = labels(records)
     frame["ratio"] = frame["squared_error"] / frame["floor"]
-    frame.loc[frame["status"] != Status.OK, ["squared_error", "ratio"]] = np.inf
+    frame.loc[~frame["status"].isin(ESTIMATED), ["squared_error", "ratio"]] = np.inf
     frame["seconds"] = frame["simulator_seconds"] + frame["method_seconds"]
     frame["record"] = records
     return frame
