@@ -1,0 +1,30 @@
+"""How each method fares with the number of parameters, where the mean of an event says nothing and where all."""
+
+from avobench.bench.cell import Cell
+from avobench.studies.paper import NUM_OBSERVATIONS
+
+BUDGET = 160_000
+"""Simulated events, as in the benchmark."""
+DIMENSIONS = (2, 5, 10, 20)
+FAMILIES = ("warped", "means")
+REACHED: dict[str, tuple[int, ...]] = {
+    "smm": (2, 5, 10),
+    "avo": DIMENSIONS,
+    "abc-smc": DIMENSIONS,
+    "bolfi": (2, 5),
+}
+"""With how many parameters each method is tried. One cell of smm takes ten minutes with 20, one of bolfi 16 minutes
+with 5 and more than its budget of time with 10."""
+TARGETS = 5
+
+
+def cells(seed: int = 0) -> list[Cell]:
+    """All cells: few parameters first, so that an interrupted study is a complete one of fewer."""
+    return [
+        Cell(f"{family}-{p}", {}, method, {}, target, 0, BUDGET, NUM_OBSERVATIONS, seed)
+        for p in DIMENSIONS
+        for method, reached in REACHED.items()
+        if p in reached
+        for target in range(TARGETS)
+        for family in FAMILIES
+    ]
