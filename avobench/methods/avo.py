@@ -22,7 +22,7 @@ from avobench.methods.avo_paper import TRACE_POINTS, baseline
 from avobench.methods.contract import Estimate, Method, TracePoint
 from avobench.methods.device import require_device
 from avobench.methods.inputs import Inputs
-from avobench.methods.polish import Fold, Polished, polish
+from avobench.methods.polish import Fold, Polished, TooFewEvents, narrower, polish
 from avobench.methods.problem import Problem
 from avobench.methods.proposal import TruncatedGaussian
 
@@ -33,10 +33,14 @@ if TYPE_CHECKING:
 
 MAX_WEIGHT = 5.0
 """Cap on the importance weight of a replayed event, so that no few of them outweigh all others."""
-LOCAL_ROUNDS = 3
-"""Rounds in which the local phase simulates, with a polish after each: each is aimed better than the one before."""
+LOCAL_ROUNDS = (0.15, 0.3, 1.0)
+"""Shares of the events of the local phase after each of its rounds: two that aim, and one that measures."""
 EVENTS_PER_COEFFICIENT = 10
 """Of the polish's local quadratic, the fewest events of the adversarial phase from which it is worth fitting."""
+MOST_MISFIT = 5.0
+"""Squared differences of means, in units of their variance and averaged over features, from which the answer is in
+doubt. Chance makes it exceed 2 in one run of a million with 64 features and 100 000 events; what the local quadratic
+fails to describe adds to it."""
 ROWS_AT_A_TIME = 8192
 """Events of which the last layer's inputs are computed at once, so that what stands between the layers stays small."""
 
@@ -48,6 +52,7 @@ class Inference:
         import torch
 
         from avobench.methods.discriminator import mlp
+        from avobench.methods.statistic import Statistic
 
         # what is given
         self.settings, self.problem, self.rng = settings, problem, rng
@@ -59,13 +64,19 @@ class Inference:
         # the state: the two discriminators, the proposal, and the events simulated so far
         self.networks = [mlp(self.real.shape[1], settings.hidden, rng) for _ in range(2)]
         self.psi = np.stack([np.zeros(p), np.full(p, np.log(settings.initial_std))])
+        self.start = self.psi.copy()
         self.u, self.log_q = np.empty((0, p)), np.empty(0)  # where they were simulated, and how probable that was
-        self.seen = np.empty((self.num_adversarial, self.real.shape[1]), np.float32)  # by the discriminators
+        self.seen = np.empty(
+            (self.num_events, self.real.shape[1]), np.float32
+        )  # their events, as the networks see them
+        self.statistic: Statistic | None = None
         # what is noted on the way
         self.means = [self.psi[0].copy()]  # of the proposal, after each iteration
         self.trace: list[TracePoint] = []
         self._move = torch.zeros((2, p), dtype=torch.float64)  # of psi, the mean's in units of std
         self._adam = torch.optim.Adam([self._move], betas=(0.9, 0.99))
+        if settings.polish and settings.matched == "statistic":
+            self.statistic = Statistic(self.real.shape[1], p, rng, settings.device)
         self.note(self.psi[0], np.exp(self.psi[1]))
 
     def phases(self) -> "Game":
@@ -74,7 +85,7 @@ class Inference:
 
         # the adversarial phase: both players learn from events simulated at draws from the proposal
         for turn in self.settings.turns(self.num_adversarial):
-            fresh = self.simulate(self.proposal.sample(self.psi, turn.end - turn.begin, self.rng))
+            fresh = self.simulate(self.draws(turn.end - turn.begin))
             self.seen[turn.begin : turn.end] = fresh
             rows = np.stack([self.draw(half, turn) for half in range(2)], axis=2)
             f = yield Lesson(fresh, rows, slice(turn.judge_from, turn.end), turn.learning_rate)
@@ -83,28 +94,40 @@ class Inference:
         if not self.settings.polish:
             return self.estimate(mean, std, "mean of the proposal over the last quarter")
 
-        # the polish: last layer and mean come to rest on the events that are there
-        folds = self.folds()
-        answer = self.polish(folds, mean, std)
+        # the polish: the proposal's mean goes where simulated events are like the observed ones in what tells theta
+        root = np.diag(self.u.std(axis=0))
+        answer = self.polish(self.u.mean(axis=0), root, learn=True)
 
         # the local phase: more events around the answer, and a polish again
         for num_events in self.settings.local_rounds(self.num_adversarial, self.num_events):
+            root = narrower(root, answer, self.settings.shrink, self.settings.errors)
+            std = np.sqrt((root**2).sum(axis=1))
             self.note(answer.mean, std)
-            start, x = len(self.u), self.simulate(self.around(answer, std, num_events - len(self.u)))
-            for fold, network, half in zip(folds, self.networks, self.unseen_halves, strict=True):
-                fold.add(last_layer(network, x[half::2]), self.u[start + half :: 2])
-            answer = self.polish(folds, answer.mean, std)
+            start, last = len(self.u), num_events == self.num_events
+            width = 1 / self.settings.errors if last else 1  # far events tell how phi moves with theta, near ones where
+            self.seen[start:num_events] = self.simulate(self.around(answer.mean, width * root, num_events - start))
+            answer = self.polish(answer.mean, root, learn=not last)  # near events have nothing to teach
 
         state = "converged" if answer.converged else "did not converge"
         error = answer.error * self.proposal.scale
         told = ", ".join(f"{e:.3g}" for e in error)
         comment = f"; the polish {state} in {answer.num_steps} steps, with a standard error of {told}"
-        return replace(self.estimate(answer.mean, std, "mean of the proposal after the polish", comment), error=error)
+        estimate = self.estimate(answer.mean, std, "mean of the proposal after the polish", comment)
+        return replace(estimate, error=error, doubt=self.doubt(answer, root))
+
+    def draws(self, n: int) -> NDArray[np.float64]:
+        """From the proposal, but for a share that is drawn as at the start: (n, p). See `Avo.wide_share`."""
+        wide = self.rng.random(n)[:, None] < self.settings.wide_share
+        now, first = (self.proposal.sample(psi, n, self.rng) for psi in (self.psi, self.start))
+        return np.where(wide, first, now)
 
     def simulate(self, u: NDArray[np.float64]) -> NDArray[np.float32]:
         """Events at u (n, p), as the discriminators see them: (n, k)."""
         self.u = np.concatenate([self.u, u])
-        self.log_q = np.append(self.log_q, self.proposal.log_density(self.psi, u).sum(axis=1))
+        now, first = (self.proposal.log_density(psi, u).sum(axis=1) for psi in (self.psi, self.start))
+        share = self.settings.wide_share
+        with np.errstate(divide="ignore"):
+            self.log_q = np.append(self.log_q, np.logaddexp(np.log1p(-share) + now, np.log(share) + first))
         return self.inputs(self.problem.simulate(self.proposal.to_raw(u)))
 
     def draw(self, half: int, turn: "Turn") -> NDArray[np.int64]:
@@ -149,25 +172,48 @@ class Inference:
         """Of the events, for each network the half on which it is used: the other one if they are cross-fitted."""
         return (1, 0) if self.settings.cross_fit else (0, 1)
 
-    def folds(self) -> list[Fold]:
-        """What the last layer of each discriminator sees of the events on which it is used."""
-        folds = []
-        for network, half in zip(self.networks, self.unseen_halves, strict=True):
-            real, synthetic = self.real[half::2].copy(), self.seen[half::2]
-            folds.append(Fold(last_layer(network, real), last_layer(network, synthetic), self.u[half::2]))
-        return folds
+    def polish(self, mean: NDArray[np.float64], root: NDArray[np.float64], *, learn: bool) -> Polished:
+        """From the proposal's mean (p,) and the root (p, p) of its covariance, on all events simulated so far."""
+        synthetic = self.seen[: len(self.u)]
+        if self.settings.matched == "statistic":
+            if learn:
+                self.statistic.learn(synthetic, self.u, self.settings.statistic_steps)
+            real, synthetic = self.statistic.of(self.real), self.statistic.of(synthetic)
+        else:
+            real, synthetic = self.layers(self.real), self.layers(synthetic)
+        folds = [Fold(*of, self.u[half::2]) for *of, half in zip(real, synthetic, self.unseen_halves, strict=True)]
+        return polish(folds, mean, root, self.proposal.low, self.proposal.high)
 
-    def polish(self, folds: list[Fold], mean: NDArray[np.float64], std: NDArray[np.float64]) -> Polished:
-        """From the proposal's mean and std (p,)."""
-        return polish(folds, mean, std, self.proposal.low, self.proposal.high)
+    def doubt(self, answer: Polished, root: NDArray[np.float64]) -> str:
+        """Why the answer may be astray, or "": a polish without rest, or a discriminator that is not fooled there.
 
-    def around(self, answer: Polished, std: NDArray[np.float64], n: int) -> NDArray[np.float64]:
-        """Draws from a Gaussian of the polish's covariance, nowhere wider than std (p,), within the support: (n, p)."""
-        variance, axes = np.linalg.eigh(answer.covariance / np.outer(std, std))
-        root = std[:, None] * axes * np.sqrt(variance.clip(0, 1))
-        u = np.empty((0, len(std)))
+        The discriminators' last layers have many more means than there are parameters, and the polish has made no use
+        of them: where theta is right they all agree with the observed ones (Hansen's test).
+        """
+        if not answer.converged:
+            return "the polish did not come to rest, so the estimate is where it stood last"
+        real, synthetic = self.layers(self.real), self.layers(self.seen[: len(self.u)])
+        folds = [Fold(*of, self.u[half::2]) for *of, half in zip(real, synthetic, self.unseen_halves, strict=True)]
+        try:
+            misfit = max(fold.misfit(answer.mean, root) for fold in folds)
+        except TooFewEvents:
+            return "next to no events were simulated near the estimate"
+        if misfit < MOST_MISFIT:
+            return ""
+        return f"events simulated at the estimate differ from the observed ones, by {misfit:.0f} where 1 is expected"
+
+    def layers(self, x: NDArray[np.float32]) -> list[NDArray[np.float32]]:
+        """Of the half of x (n, k) on which each discriminator is used: what its last layer sees, or the inputs."""
+        halves = [x[half::2] for half in self.unseen_halves]
+        if self.settings.matched == "inputs":  # no network then, as in smm
+            return halves
+        return [last_layer(network, half) for network, half in zip(self.networks, halves, strict=True)]
+
+    def around(self, mean: NDArray[np.float64], root: NDArray[np.float64], n: int) -> NDArray[np.float64]:
+        """Draws from a Gaussian within the support, by its mean and the root of its covariance: (n, p)."""
+        u = np.empty((0, len(mean)))
         while len(u) < n:
-            more = answer.mean + self.rng.standard_normal((n, len(std))) @ root.T
+            more = mean + self.rng.standard_normal((n, len(mean))) @ root.T
             u = np.concatenate([u, more[((more >= self.proposal.low) & (more <= self.proposal.high)).all(axis=1)]])
         return u[:n]
 
@@ -240,7 +286,7 @@ class Avo(Method):
     """
 
     name = "avo"
-    version = "2"
+    version = "3"
     packages, extra = ("torch",), "avo"
     source = "after G. Louppe, J. Hermans, K. Cranmer, Adversarial Variational Optimization, AISTATS 2019"
     together = True
@@ -267,6 +313,9 @@ class Avo(Method):
     """Of Adam, for psi = (mean in units of std, log std)."""
     initial_std: float = 1.0
     """The prior's own. The proposal starts at the prior's mean."""
+    wide_share: float = 0.5
+    """Of the events of the adversarial phase, drawn from the first proposal throughout: where the proposal has gone
+    astray, as it does with ten parameters, the polish finds the way back from them."""
     min_std: float = 0.03
     max_std: float = 0.7
     """Bounds of the proposal's standard deviations; the upper one comes down from `initial_std`."""
@@ -277,7 +326,15 @@ class Avo(Method):
     cross_fit: bool = True
     """Use each discriminator on the events that the other was trained on, rather than on its own."""
     polish: bool = True
-    local_share: float = 0.6
+    matched: Literal["statistic", "layers", "inputs"] = "statistic"
+    """What the polish matches the mean of: the learnt statistic, the discriminators' last layers, or their inputs."""
+    statistic_steps: int = 800
+    """Updates of the learnt statistic before each polish."""
+    shrink: float = 0.35
+    """Width of a round of the local phase in units of the one before, at least: a first answer may be far off."""
+    errors: float = 10.0
+    """Width of a round of the local phase in standard errors of the answer before it, at least."""
+    local_share: float = 0.8
     """Of the budget, kept for the local phase; without the polish there is none."""
     device: Literal["cpu", "cuda"] = field(default="cpu", metadata={"identifies": "unless default"})
     """Where the discriminators are; on another device sums are rounded otherwise, so it is another cell there."""
@@ -313,7 +370,7 @@ class Avo(Method):
 
     def local_rounds(self, start: int, end: int) -> list[int]:
         """How many events there are after each round of the local phase, from `start` to `end` of them."""
-        return [even(end) for end in np.linspace(start, end, LOCAL_ROUNDS + 1)[1:]] if self.local_share else []
+        return [even(start + share * (end - start)) for share in LOCAL_ROUNDS] if self.local_share else []
 
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
         return self.infer_together([problem], [rng])[0]

@@ -6,11 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-WIDTH = 1.25
-"""Of the kernel over theta, in standard deviations of the proposal. A wider one takes in more events, which a quadratic
-describes less well: on poisson the answer moves by less than 0.1 standard errors up to 1.5, by several at 2."""
+WIDTH = 2.5
+"""Of the kernel over theta with one parameter, in standard deviations of the proposal; with p of them p^(1/4) times
+that, which weighs the proposal's events alike to a few per cent whatever p. Those of wider proposals before it are
+taken in as well, and are needed: how the mean of phi moves with theta shows the better the further they are apart."""
 REACH = 3.0
-"""Events beyond so many kernel widths are left out: their weight is below 1.2 % of that of an event at the mean."""
+"""Events are left out whose squared distance in kernel widths is above REACH^2 plus their number of parameters: most
+others are within that number, and those left out weigh less than 0.7 % of an event at the mean."""
 CONSTANT = 1e-6
 """A feature that varies by less than this share of the one that varies most is constant to single precision."""
 RIDGE = 1e-4
@@ -19,9 +21,13 @@ SIGNIFICANT = 3.0
 """Information along a combination of parameters counts where it is so many times what mere noise would show: noise
 itself is a chi-squared over its degrees of freedom, one a feature, and stays well below."""
 MAX_STEPS = 50
-"""Several times what it takes where it converges; where it does not, the estimate's message says so."""
-STANDS_STILL = 1e-3
+"""Several times what it takes where it converges; where it does not, the answer says so."""
+STANDS_STILL = 1e-2
 """The polish ends with a step below this share of the standard error, in 3 to 10 steps as a rule."""
+FARTHEST = 2.0
+"""From the center of the fit, in kernel widths: beyond there are next to no events that it describes."""
+FEWEST = 4
+"""Events within reach for each coefficient of the local quadratic; with fewer there is no fit."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +43,10 @@ class Polished:
     def error(self) -> NDArray[np.float64]:
         """Standard error of the mean (p,)."""
         return np.sqrt(np.diag(self.covariance))
+
+
+class TooFewEvents(Exception):
+    """There is no local fit: next to no simulated events are near."""
 
 
 class Fold:
@@ -63,63 +73,122 @@ class Fold:
         self.synthetic = np.concatenate([self.synthetic, self._standardised(synthetic)])
         self.u = np.concatenate([self.u, u])
 
-    def at(
-        self, mean: NDArray[np.float64], width: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    def near(self, center: NDArray[np.float64], kernel: NDArray[np.float64]) -> "Response":
+        """How the mean of phi depends on theta near center (p,); the kernel's covariance is kernel @ kernel.T (p, p).
+
+        Raises TooFewEvents.
+        """
+        unit = np.linalg.inv(kernel)
+        z = (self.u - center) @ unit.T
+        distance = (z**2).sum(axis=1)
+        near = np.flatnonzero(distance < REACH**2 + len(center))
+        terms = quadratic(z[near])
+        if len(near) < FEWEST * terms.shape[1]:
+            raise TooFewEvents
+        weighted = terms * np.exp(-distance[near] / 2)[:, None]
+        inverse = np.linalg.pinv(terms.T @ weighted, hermitian=True)
+        phi = weighted.astype(np.float32).T @ self.synthetic[near]
+        return Response(center, unit, inverse @ phi, inverse @ (weighted.T @ weighted) @ inverse, self)
+
+    def misfit(self, mean: NDArray[np.float64], root: NDArray[np.float64]) -> float:
+        """Squared difference of the means of phi at mean (p,) from the observed ones, over what chance would make it.
+
+        It is about 1 where mean is right. Raises TooFewEvents.
+        """
+        response = self.near(mean, kernel_of(root))
+        difference = response.coefficients[0]
+        return float(difference @ self.inverse @ difference * response.num_effective / len(difference))
+
+
+@dataclass(frozen=True)
+class Response:
+    """E[phi | u] as a quadratic in z = unit (u - center), fitted to the events of a fold."""
+
+    center: NDArray[np.float64]
+    unit: NDArray[np.float64]
+    coefficients: NDArray[np.float64]
+    """(m, k)"""
+    spread: NDArray[np.float64]
+    """Their covariance where phi has unit variance (m, m)."""
+    fold: Fold
+
+    @property
+    def num_effective(self) -> float:
+        """Of events, at the center: both kinds together make the difference of the means as uncertain as so many."""
+        return 1 / (1 / self.fold.num_observations + self.spread[0, 0])
+
+    def at(self, mean: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Gradient (p,) in the proposal's mean (p,), information (p, p), and what information mere noise would show.
 
-        They are those of all events of the fold together; width (p,) is that of the kernel.
+        They are those of all events of the fold together. The Jacobian is that at the center, where it is known best.
         """
-        z = (self.u - mean) / width
-        distance = (z**2).sum(axis=1)
-        near = np.flatnonzero(distance < REACH**2)
-        terms = quadratic(z[near])
-        weighted = terms * np.exp(-distance[near] / 2)[:, None]
-        rows = (np.linalg.pinv(terms.T @ weighted, hermitian=True) @ weighted.T)[: 1 + len(mean)]  # value and slopes
-        fit = (rows.astype(np.float32) @ self.synthetic[near]).astype(float)
-        difference, jacobian, slopes = -fit[0], fit[1:] / width[:, None], rows[1:] / width[:, None]  # observed mean: 0
-        num_effective = 1 / (1 / self.num_observations + (rows[0] ** 2).sum())
-        gradient, information = np.split(
-            jacobian @ self.inverse @ np.column_stack([difference, jacobian.T]), [1], axis=1
-        )
-        noise = len(difference) * slopes @ slopes.T
-        return num_effective * gradient[:, 0], num_effective * information, num_effective * noise
+        value = quadratic((self.unit @ (mean - self.center))[None])[0]
+        linear = slice(1, 1 + len(mean))
+        difference, jacobian = -value @ self.coefficients, self.unit.T @ self.coefficients[linear]  # observed mean: 0
+        num_effective = 1 / (1 / self.fold.num_observations + value @ self.spread @ value)
+        weighted = jacobian @ self.fold.inverse
+        noise = len(difference) * self.unit.T @ self.spread[linear, linear] @ self.unit
+        return num_effective * weighted @ difference, num_effective * weighted @ jacobian.T, num_effective * noise
 
 
 def polish(
     folds: list[Fold],
     mean: NDArray[np.float64],
-    std: NDArray[np.float64],
+    root: NDArray[np.float64],
     low: NDArray[np.float64],
     high: NDArray[np.float64],
 ) -> Polished:
-    """Where the last layer of d and the mean of q stand still together.
+    """Where the proposal's mean stands still: there the simulated mean of phi agrees best with the observed one.
 
-    What the last layer of d sees is phi. The proposal's mean and std (p,) are where to begin and how far to look; the
-    answer lies within low and high (p,). The prior has mean 0 and variance 1. Each fold has its own d, and events on
-    which the layers before the last were not trained: those know the events they were trained on too well.
+    phi is what each fold holds of an event. The proposal's mean (p,) is where to begin, and its covariance, root (p, p)
+    times its transpose, says how far to look; the answer lies within low and high (p,). The prior has mean 0 and
+    variance 1. Each fold has events of which its phi was not learnt: it knows the events it was learnt from too well.
 
-    Near the solution d is close to 1/2, where the cross-entropy over the last layer is quadratic: its optimum is
-    Fisher's linear discriminant w = C^-1 (E[phi | real] - E[phi | mean]) with C the covariance of phi, and
-    f = log(1 - d) is a constant minus w . phi / 2. The score-function gradient of E[f] in the mean is then -J w / 2,
-    with J (p, k) the gradient of E[phi | mean]. Divided by the information J C^-1 J^T it is a natural gradient (Amari
-    1998), and one step of it goes all the way if E[phi] is linear.
+    A linear discriminator on phi near the solution, where d is close to 1/2 and the cross-entropy quadratic, has its
+    optimum at Fisher's w = C^-1 (E[phi | real] - E[phi | mean]) with C the covariance of phi, and f = log(1 - d) is a
+    constant minus w . phi / 2. The score-function gradient of E[f] in the mean is then -J w / 2, with J (p, k) the
+    gradient of E[phi | mean]. Divided by the information J C^-1 J^T it is a natural gradient (Amari 1998), and one step
+    of it goes all the way if E[phi] is linear.
 
     E[phi | mean] and J are a least-squares fit of phi by a quadratic in u - mean, weighted by a Gaussian kernel: the
     score-function estimate with a baseline that also removes what the proposal's width adds. The prior, as a Gaussian
     of its moments, moves theta by far less than a standard error where it is identified, and decides where it is not.
     """
-    width = WIDTH * std
+    kernel = kernel_of(root)
+    unit, center, reach, last = np.linalg.inv(kernel), mean, 1.0, np.zeros_like(mean)
+    try:
+        responses = [fold.near(mean, kernel) for fold in folds]
+    except TooFewEvents:
+        return Polished(mean, root @ root.T, 0, converged=False)
     for step in range(1, MAX_STEPS + 1):
-        parts = zip(*(fold.at(mean, width) for fold in folds), strict=True)
+        parts = zip(*(response.at(mean) for response in responses), strict=True)
         gradient, information = significant(*(sum(part) for part in parts))
         precision = information + np.eye(len(mean))
         move = np.linalg.solve(precision, gradient - mean)
         covariance = np.linalg.inv(precision)
-        mean = np.clip(mean + move / max(1, np.abs(move / width).max()), low, high)
         if (np.abs(move) < STANDS_STILL * np.sqrt(np.diag(covariance))).all():
             return Polished(mean, covariance, step, converged=True)
-    return Polished(mean, covariance, MAX_STEPS, converged=False)
+        reach, last = (reach / 2 if (unit @ move) @ (unit @ last) < 0 else reach), move  # back and forth is too far
+        mean = mean + move * min(1, reach / np.linalg.norm(unit @ move))
+        mean = center + (mean - center) * min(1, FARTHEST / max(np.linalg.norm(unit @ (mean - center)), FARTHEST))
+        mean = np.clip(mean, low, high)
+    return Polished(mean, root @ root.T, MAX_STEPS, converged=False)
+
+
+def kernel_of(root: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Root of the kernel's covariance (p, p), from that of the proposal's."""
+    return WIDTH * len(root) ** 0.25 * root
+
+
+def narrower(root: NDArray[np.float64], answer: Polished, shrink: float, errors: float) -> NDArray[np.float64]:
+    """The root (p, p) of the next proposal's covariance: `errors` standard errors of the answer along each axis.
+
+    That is between `shrink` times and once as wide as the last proposal: a first answer may be far off, and along a
+    combination of parameters of which the events say nothing it stays as wide as it is.
+    """
+    unit = np.linalg.inv(root)
+    variance, axes = np.linalg.eigh(unit @ answer.covariance @ unit.T)
+    return root @ axes * np.sqrt((errors**2 * variance).clip(shrink**2, 1))
 
 
 def significant(
@@ -130,7 +199,8 @@ def significant(
     Where E[phi] does not depend on a combination of the parameters, its Jacobian is noise, and so is the information
     that it seems to hold; left in, this would outweigh the prior and send the mean anywhere along a degeneracy.
     """
-    value, axes = eigh(information, noise + np.finfo(float).tiny * np.eye(len(noise)))  # axes.T @ noise @ axes = 1
+    tiny = np.finfo(float).eps * np.trace(noise) + np.finfo(float).tiny  # the noise may vanish along a combination
+    value, axes = eigh(information, noise + tiny * np.eye(len(noise)))  # axes.T @ noise @ axes = 1
     value, axes = value[value > SIGNIFICANT], axes[:, value > SIGNIFICANT]
     back = noise @ axes
     return back @ (axes.T @ gradient), back * value @ back.T

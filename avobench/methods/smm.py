@@ -22,6 +22,7 @@ class Smm(Method):
     """The mean of the inputs as a local quadratic in theta, and theta where it agrees with the observed mean."""
 
     name: ClassVar[str] = "smm"
+    version: ClassVar[str] = "2"
     source: ClassVar[str] = "D. McFadden, Econometrica 57 (1989) 995; A. Pakes, D. Pollard, Econometrica 57 (1989) 1027"
 
     rounds: int = 8
@@ -59,7 +60,7 @@ class Smm(Method):
                 fold = Fold(real, synthetic, u)
             else:
                 fold.add(synthetic, u)
-            answer = polish([fold], mean, std, proposal.low, proposal.high)
+            answer = polish([fold], mean, np.diag(std), proposal.low, proposal.high)
             mean, std = answer.mean, self._narrower(std, answer)
             trace.append(TracePoint(problem.simulate.used, proposal.to_raw(mean), answer.error * proposal.scale))
         last = trace[-1]

@@ -1,4 +1,4 @@
-"""The parts of z against their exact distributions, the likelihood, the information, and the floor as a fit attains it."""
+"""The parts of z against their exact distributions, the information, and the floor as a fit attains it."""
 
 import numpy as np
 import pytest
