@@ -10,7 +10,7 @@ and is told what they make of its events. How many problems' networks are traine
 `stacked_discriminators.py`.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Literal, NamedTuple
@@ -60,7 +60,7 @@ class Inference:
         self.inputs = Inputs(problem, symmetric=settings.symmetric, whiten=settings.whiten)
         self.real = self.inputs(problem.x_observed)[: even(len(problem.x_observed))]
         self.num_events = even(problem.simulate.remaining)
-        self.num_adversarial = even(self.num_events * (1 - settings.local_share if settings.polish else 1))
+        self.num_adversarial = even(round(self.num_events * (1 - settings.local_share if settings.polish else 1)))
         # the state: the two discriminators, the proposal, and the events simulated so far
         self.networks = [mlp(self.real.shape[1], settings.hidden, rng) for _ in range(2)]
         self.psi = np.stack([np.zeros(p), np.full(p, np.log(settings.initial_std))])
@@ -174,14 +174,13 @@ class Inference:
 
     def polish(self, mean: NDArray[np.float64], root: NDArray[np.float64], *, learn: bool) -> Polished:
         """From the proposal's mean (p,) and the root (p, p) of its covariance, on all events simulated so far."""
-        synthetic = self.seen[: len(self.u)]
         if self.settings.matched == "statistic":
             if learn:
-                self.statistic.learn(synthetic, self.u, self.settings.statistic_steps)
-            real, synthetic = self.statistic.of(self.real), self.statistic.of(synthetic)
+                self.statistic.learn(self.seen[: len(self.u)], self.u, self.settings.statistic_steps)
+            phi, halves = self.statistic.of, (1, 0)
         else:
-            real, synthetic = self.layers(self.real), self.layers(synthetic)
-        folds = [Fold(*of, self.u[half::2]) for *of, half in zip(real, synthetic, self.unseen_halves, strict=True)]
+            phi, halves = self.layers, self.unseen_halves
+        folds = self.folds(phi, halves)
         return polish(folds, mean, root, self.proposal.low, self.proposal.high)
 
     def doubt(self, answer: Polished, root: NDArray[np.float64]) -> str:
@@ -192,15 +191,20 @@ class Inference:
         """
         if not answer.converged:
             return "the polish did not come to rest, so the estimate is where it stood last"
-        real, synthetic = self.layers(self.real), self.layers(self.seen[: len(self.u)])
-        folds = [Fold(*of, self.u[half::2]) for *of, half in zip(real, synthetic, self.unseen_halves, strict=True)]
         try:
-            misfit = max(fold.misfit(answer.mean, root) for fold in folds)
+            misfit = max(fold.misfit(answer.mean, root) for fold in self.folds(self.layers, self.unseen_halves))
         except TooFewEvents:
             return "next to no events were simulated near the estimate"
         if misfit < MOST_MISFIT:
             return ""
         return f"events simulated at the estimate differ from the observed ones, by {misfit:.0f} where 1 is expected"
+
+    def folds(
+        self, phi: Callable[[NDArray[np.float32]], Sequence[NDArray[np.float32]]], halves: tuple[int, int]
+    ) -> list[Fold]:
+        """All events by phi, which makes of events (n, k) what is to be known of either half, in their order."""
+        real, synthetic = phi(self.real), phi(self.seen[: len(self.u)])
+        return [Fold(*of, self.u[half::2]) for *of, half in zip(real, synthetic, halves, strict=True)]
 
     def layers(self, x: NDArray[np.float32]) -> list[NDArray[np.float32]]:
         """Of the half of x (n, k) on which each discriminator is used: what its last layer sees, or the inputs."""
@@ -334,7 +338,7 @@ class Avo(Method):
     """Width of a round of the local phase in units of the one before, at least: a first answer may be far off."""
     errors: float = 10.0
     """Width of a round of the local phase in standard errors of the answer before it, at least."""
-    local_share: float = 0.8
+    local_share: float = 0.7
     """Of the budget, kept for the local phase; without the polish there is none."""
     device: Literal["cpu", "cuda"] = field(default="cpu", metadata={"identifies": "unless default"})
     """Where the discriminators are; on another device sums are rounded otherwise, so it is another cell there."""
@@ -370,7 +374,7 @@ class Avo(Method):
 
     def local_rounds(self, start: int, end: int) -> list[int]:
         """How many events there are after each round of the local phase, from `start` to `end` of them."""
-        return [even(start + share * (end - start)) for share in LOCAL_ROUNDS] if self.local_share else []
+        return [even(round(start + share * (end - start))) for share in LOCAL_ROUNDS] if self.local_share else []
 
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
         return self.infer_together([problem], [rng])[0]

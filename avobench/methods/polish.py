@@ -22,7 +22,7 @@ SIGNIFICANT = 3.0
 itself is a chi-squared over its degrees of freedom, one a feature, and stays well below."""
 MAX_STEPS = 50
 """Several times what it takes where it converges; where it does not, the answer says so."""
-STANDS_STILL = 1e-2
+STANDS_STILL = 1e-3
 """The polish ends with a step below this share of the standard error, in 3 to 10 steps as a rule."""
 FARTHEST = 2.0
 """From the center of the fit, in kernel widths: beyond there are next to no events that it describes."""
@@ -203,7 +203,7 @@ def significant(
     value, axes = eigh(information, noise + tiny * np.eye(len(noise)))  # axes.T @ noise @ axes = 1
     value, axes = value[value > SIGNIFICANT], axes[:, value > SIGNIFICANT]
     back = noise @ axes
-    return back @ (axes.T @ gradient), back * value @ back.T
+    return back @ (axes.T @ gradient), back * (value - 1) @ back.T  # without what noise adds
 
 
 def quadratic(z: NDArray[np.float64]) -> NDArray[np.float64]:

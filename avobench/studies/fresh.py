@@ -30,6 +30,10 @@ class Fresh(Task):
         """Drawn from the prior: (n, p)."""
         return self.prior.sample(n, np.random.default_rng(stable_hash("fresh targets", self.of.name)))
 
+    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
+        """The task's own: on alignment it is known for that class alone."""
+        return self.of().floor(theta, num_observations, num_simulations)
+
 
 class FreshPoisson(Fresh, Poisson):
     name = "poisson-fresh"

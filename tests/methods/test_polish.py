@@ -13,7 +13,7 @@ def polished(real, synthetic, u, start, std=0.3):
     """In two folds, as avo does it."""
     real, synthetic, ones = real.astype(np.float32), synthetic.astype(np.float32), np.ones(u.shape[1])
     folds = [Fold(real[half::2], synthetic[half::2], u[half::2]) for half in range(2)]
-    return polish(folds, start * ones, std * ones, -EDGE * ones, EDGE * ones)
+    return polish(folds, start * ones, np.diag(std * ones), -EDGE * ones, EDGE * ones)
 
 
 @settings(max_examples=25, deadline=None)
@@ -46,7 +46,7 @@ def test_several_features_and_parameters():
     mixing, truth = rng.normal(size=(2, 3)), np.array([0.5, -0.8])
     u = truth + 0.2 + rng.normal(0, 0.3, (40_000, 2))
     real = truth @ mixing + rng.normal(size=(40_000, 3))
-    answer = polished(real, u @ mixing + rng.normal(size=(40_000, 3)), u, 0.0, std=0.4)
+    answer = polished(real, u @ mixing + rng.normal(size=(40_000, 3)), u, truth + 0.2, std=0.3)
     errors = np.sqrt(np.diag(np.linalg.inv(mixing @ mixing.T)) * 2 / 40_000)
     np.testing.assert_array_less(np.abs(answer.mean - truth), 4 * answer.error)
     np.testing.assert_array_less(errors, answer.error)
@@ -81,3 +81,35 @@ def test_a_constant_feature_and_a_copy_change_nothing():
 
 def test_quadratic_terms():
     np.testing.assert_array_equal(quadratic(np.array([[2.0, 3.0]])), [[1, 2, 3, 4, 6, 9]])
+
+
+def test_the_error_covers_two_in_three_and_nearly_all_within_two():
+    """200 parameters found from a cube and a square of a Gaussian, whose means are curved in them and long-tailed."""
+    rng, pulls = np.random.default_rng(6), []
+    for _ in range(100):
+        truth = rng.uniform(-0.5, 0.5, 2)
+        u = truth + rng.normal(0, 0.1, (4000, 2))
+        features = lambda u, n: np.stack([rng.normal(u[:, 0]) ** 3, rng.normal(0, np.exp(u[:, 1] / 2), n) ** 2], 1)  # noqa: E731
+        answer = polished(features(np.tile(truth, (4000, 1)), 4000), features(u, 4000), u, truth, std=0.1)
+        pulls.append((answer.mean - truth) / answer.error)
+    inside = [np.mean(np.abs(pulls) < width) for width in (1, 2)]
+    assert 0.55 < inside[0] < 0.8  # 0.683 within 4 standard deviations of 200 trials
+    assert inside[1] > 0.89
+
+
+def test_with_next_to_no_events_near_it_stays_and_says_so():
+    """An answer of the prior's centre here would be one that looks like any other."""
+    rng = np.random.default_rng(7)
+    u = rng.normal(-2, 0.1, (4000, 1))
+    answer = polished(rng.normal(1, 1, (4000, 1)), rng.normal(u, 1), u, 1.5, std=0.1)
+    assert not answer.converged
+    assert answer.mean == [1.5]
+
+
+def test_parameters_that_leave_no_trace_are_no_error():
+    """Ten parameters, a feature that depends on none: once a matrix that could not be factorised."""
+    rng = np.random.default_rng(8)
+    u = rng.normal(0, 0.5, (8000, 10))
+    answer = polished(rng.normal(size=(4000, 1)), rng.normal(size=(8000, 1)), u, 0.0, std=0.5)
+    assert np.isfinite(answer.mean).all()
+    assert (answer.error > 0.9).sum() >= 9  # of the prior's order
