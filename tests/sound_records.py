@@ -7,7 +7,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from avobench.bench.record import IDENTITY, identity_hash
-from avobench.bench.status import Status
+from avobench.bench.status import ESTIMATED, Status
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 moderate = st.floats(-1e150, 1e150)  # so that a squared distance is finite
@@ -69,7 +69,7 @@ def sound_records(draw: st.DrawFn, statuses: Sequence[Status] = tuple(Status)) -
             record[f"{kind}_source_sha256"] = draw(sha256)
     if status == Status.CRASHED:
         record |= dict.fromkeys(name for name in record if name.startswith("simulations_"))
-    if status == Status.OK:
+    if status in ESTIMATED:
         found = draw(vectors(p, moderate))
         differences = [a - b for a, b in zip(found, record["theta_true"], strict=True)]
         points = sorted(draw(st.lists(st.integers(0, used), max_size=3)))

@@ -16,6 +16,7 @@ REACHED: dict[str, tuple[int, ...]] = {
 """With how many parameters each method is tried. One cell of smm takes ten minutes with 20, one of bolfi 16 minutes
 with 5 and more than its budget of time with 10."""
 TARGETS = 5
+"""Enough to see a ratio of two; what is sought grows by thousands."""
 
 
 def cells(seed: int = 0) -> list[Cell]:

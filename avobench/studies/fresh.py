@@ -17,6 +17,7 @@ from avobench.tasks.weinberg import Weinberg
 BUDGET = 160_000
 """Simulated events, as in the benchmark."""
 NUM_FRESH = 100
+"""A fault of one run in thirty is then missed with a probability of 3 %."""
 METHODS = ("smm", "avo")
 """The simplest baseline and the method on trial."""
 

@@ -13,9 +13,11 @@ KINDS = ("scale", "correlation", "tail", "mean")
 """What the parameters of `Warped` set, over and over in this order."""
 SPREAD = 0.8
 """Standard deviation of a coordinate of z at theta = 0; sinh then stretches the tails of x to ten times its core."""
-NARROW, WIDE = 0.5, 2.0
-"""Widths, in units of SPREAD, of the two Gaussians whose shares a tail sets. They overlap: an event says about 40 % of
-what it would say about the share if it were known which of the two it is from."""
+NARROW = 0.5
+"""Width, in units of SPREAD, of the core of a coordinate with a tail."""
+WIDE = 2.0
+"""Width of its tail. The two overlap: an event says about 40 % of what it would say about their shares if it were known
+which of them it is from."""
 REACH = 12.0
 """Of the quadrature over the tail's density, in units of SPREAD: six standard deviations of the wide Gaussian."""
 NODES = 2001
