@@ -26,6 +26,8 @@ STANDS_STILL = 1e-3
 """The polish ends with a step below this share of the standard error, in 3 to 10 steps as a rule."""
 FARTHEST = 2.0
 """From the center of the fit, in kernel widths: beyond there are next to no events that it describes."""
+MANY = 20
+"""Events a feature from which a misfit of many features can be told: their covariance must be known well."""
 FEWEST = 4
 """Events within reach for each coefficient of the local quadratic; with fewer there is no fit."""
 
@@ -93,10 +95,12 @@ class Fold:
     def misfit(self, mean: NDArray[np.float64], root: NDArray[np.float64]) -> float:
         """Squared difference of the means of phi at mean (p,) from the observed ones, over what chance would make it.
 
-        It is about 1 where mean is right. Raises TooFewEvents.
+        It is about 1 where mean is right, and taken as 1 where there are too few events to tell. Raises TooFewEvents.
         """
         response = self.near(mean, kernel_of(root))
         difference = response.coefficients[0]
+        if response.num_effective < MANY * len(difference):
+            return 1.0
         return float(difference @ self.inverse @ difference * response.num_effective / len(difference))
 
 

@@ -27,6 +27,8 @@ BATCH_SIZE = 1024
 """Events of an update: half as many left one tail in three unfound in as many steps."""
 LEARNING_RATE = 8e-3
 """Of Adam at the beginning of a lesson; it falls linearly to zero."""
+MOST_PASSES = 50
+"""Times that an event is learnt from in one lesson, at most: with few events more would learn them by heart."""
 ROWS_AT_A_TIME = 8192
 """Events of which the statistic is computed at once, so that what stands between the layers stays small."""
 
@@ -59,7 +61,8 @@ class Statistic:
         return t.view(2, self.p, n).transpose(1, 2)
 
     def learn(self, x: NDArray[np.float32], u: NDArray[np.float64], num_steps: int) -> None:
-        """Go on learning from all events simulated so far: x (n, k) at u (n, p), n even, for so many updates."""
+        """Go on learning from all events simulated so far: x (n, k) at u (n, p), n even, by so many updates or fewer."""
+        num_steps = min(num_steps, -(-MOST_PASSES * len(x) // (2 * BATCH_SIZE)))
         spread = u.std(axis=0)
         target = torch.from_numpy(((u - u.mean(axis=0)) / np.where(spread > 0, spread, 1)).astype(np.float32))
         events, target = torch.from_numpy(x).to(self.device), target.to(self.device)
