@@ -59,7 +59,8 @@ class Inference:
         self.proposal, p = TruncatedGaussian(problem.prior, problem.support), problem.prior.dim
         self.inputs = Inputs(problem, symmetric=settings.symmetric, whiten=settings.whiten)
         self.real = self.inputs(problem.x_observed)[: even(len(problem.x_observed))]
-        self.num_events = even(problem.simulate.remaining)
+        # with too little left the simulator refuses an iteration, rather than an answer being made of next to nothing
+        self.num_events = even(max(problem.simulate.remaining, settings.min_simulations(p)))
         self.num_adversarial = even(round(self.num_events * (1 - settings.local_share if settings.polish else 1)))
         # the state: the two discriminators, the proposal, and the events simulated so far
         self.networks = [mlp(self.real.shape[1], settings.hidden, rng) for _ in range(2)]

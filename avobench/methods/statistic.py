@@ -61,7 +61,7 @@ class Statistic:
         return t.view(2, self.p, n).transpose(1, 2)
 
     def learn(self, x: NDArray[np.float32], u: NDArray[np.float64], num_steps: int) -> None:
-        """Go on learning from all events simulated so far: x (n, k) at u (n, p), n even, by so many updates or fewer."""
+        """Go on learning, from all events simulated so far: x (n, k) at u (n, p), n even, by num_steps at most."""
         num_steps = min(num_steps, -(-MOST_PASSES * len(x) // (2 * BATCH_SIZE)))
         spread = u.std(axis=0)
         target = torch.from_numpy(((u - u.mean(axis=0)) / np.where(spread > 0, spread, 1)).astype(np.float32))
