@@ -10,6 +10,7 @@ from avobench.bench.runner import run
 from avobench.bench.status import Status, reason
 from avobench.bench.store import Store
 from avobench.cli import listing
+from avobench.cli.isolated import State
 from avobench.cli.progress import ProgressView
 from avobench.studies import paper
 from avobench.tasks.errors import AvobenchError, UsageError
@@ -28,14 +29,15 @@ STUDIES = ("poisson", "alignment", "detector", "summary", "ablation")
 @click.option("--seed", type=int, default=0, show_default=True, help="Root of all random streams.")
 @click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [one a core]")
 @click.pass_obj
-def study(debug: bool, name: str, results: Path | None, seed: int, jobs: int | None) -> None:
+def study(state: State, name: str, results: Path | None, seed: int, jobs: int | None) -> None:
     """Carry out one of the paper's single experiments, as far as the results folder lacks it.
 
     poisson and alignment are runs of avo-paper (Sections 4.1 and 4.2), detector is the average response at two offsets,
     summary runs abc-smc and bolfi on alignment with a better summary statistic, ablation runs avo with what sets it
     apart from avo-paper undone, one difference at a time.
     """
-    workers = Workers(jobs)
+    workers = Workers(jobs, in_process=state.in_process)
+    state.resumes = True
     if not 0 <= seed < 2**63:
         raise UsageError(f"--seed must lie between 0 and 2^63 - 1, got {seed}")
     store = Store(results or Path("results/ablation" if name == "ablation" else "results/studies"), create=True)
@@ -45,7 +47,7 @@ def study(debug: bool, name: str, results: Path | None, seed: int, jobs: int | N
         click.echo(f"{len(paper.DETECTOR_THETA)} average responses in {store.path / paper.DETECTOR_FILE}")
         return
     with ProgressView(Console(stderr=True), lambda sweep, cell: None) as view:
-        records = run(paper.cells(name, seed), store, workers.begin(store.running, debug=debug), view)
+        records = run(paper.cells(name, seed), store, workers.begin(store.running, debug=state.debug), view)
     click.echo(listing.status_table(records))
     failed = [record for record in records if record["status"] != Status.OK]
     if failed:

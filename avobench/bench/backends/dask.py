@@ -75,7 +75,7 @@ class DaskBackend(Backend):
             id, share, worker = (event[1][name] for name in ("id", "share", "worker"))
             if id in by_id:  # another sweep may use the scheduler too
                 self._running[id] = share, worker
-                self._most = max(self._most, len({worker for _, worker in self._running.values()}))
+                self._most = max(self._most, len({worker for _, worker in self._running.copy().values()}))
                 if share == 0:
                     begun[id] = begun.get(id, 0) + 1
                     if begun[id] > 1:
@@ -98,8 +98,10 @@ class DaskBackend(Backend):
             for future, outcome in queue:
                 id = future.key.partition("-")[0]
                 self._running.pop(id, None)
-                if future.status == "finished":
+                if isinstance(outcome, dict):  # even if its worker died since, and Dask is about to make it again
                     yield outcome
+                elif future.status == "pending":  # its worker died before it could hand over the record
+                    queue.add(future)
                 elif future.status != "error":
                     while client.status in ("connecting", "closing"):  # closed in the middle, it logs a traceback
                         time.sleep(0.1)
