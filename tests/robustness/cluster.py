@@ -24,6 +24,8 @@ import click
 
 from robustness import warm
 
+GLANCE = 0.01
+"""Seconds between two looks at how many cells are finished; a cell takes some tens of milliseconds."""
 TIMED = ("observation_seconds", "simulator_seconds", "method_seconds", "harness_seconds", "peak_memory_mib", "started")
 
 
@@ -77,15 +79,21 @@ class Killer:
     stop: threading.Event = field(default_factory=threading.Event)
 
     def work(self) -> None:
-        while not self.stop.wait(self.moments.uniform(0, 2 * self.seconds)):
+        due = self._due()
+        while not self.stop.wait(GLANCE):
             if not self.schedulers and len(self.finished) >= self.half:
                 self.schedulers += 1
                 kill(self.cluster.scheduler)
                 return
-            place = self.moments.randrange(len(self.cluster.workers))
-            kill(self.cluster.workers[place])
-            self.workers += 1
-            self.cluster.workers[place] = self.cluster.worker()
+            if time.monotonic() >= due:
+                place = self.moments.randrange(len(self.cluster.workers))
+                kill(self.cluster.workers[place])
+                self.workers += 1
+                self.cluster.workers[place] = self.cluster.worker()
+                due = self._due()
+
+    def _due(self) -> float:
+        return time.monotonic() + self.moments.uniform(0, 2 * self.seconds)
 
 
 def soak(folder: Path, cells: int, workers: int, seconds: float, seed: int) -> str:
