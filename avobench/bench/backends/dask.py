@@ -21,7 +21,7 @@ from avobench.bench.versions import versions
 from avobench.tasks.errors import AvobenchError, UsageError
 
 if TYPE_CHECKING:
-    from distributed import Client, Future, Worker
+    from distributed import Client, Future, Worker, as_completed
 
 CONNECT_SECONDS = 5
 """For the scheduler to answer: on a network that works it takes milliseconds, and a user should not wait long."""
@@ -29,6 +29,8 @@ WORKERS_SECONDS = 10
 """For the first worker to be there; one that is started together with the sweep needs a few seconds."""
 HEARTBEAT_SECONDS = 1.0
 """How often a cell tells how far it is: as often as the display is drawn."""
+LOOK_SECONDS = 0.05
+"""Between two looks for what has ended, where nothing had: cells take seconds."""
 ATTEMPTS = 2
 """How often a cell may lose its worker before it is recorded as crashed, where the scheduler gives up on it so soon."""
 TOPIC = "avobench"
@@ -95,7 +97,7 @@ class DaskBackend(Backend):
             futures = [submit(client, cell) for cell in cells]
             queue = as_completed(futures, loop=client.loop, with_results=True, raise_errors=False)
             del futures  # what holds a future keeps its result
-            for future, outcome in queue:
+            for future, outcome in self._ended(queue, client):
                 id = future.key.partition("-")[0]
                 self._running.pop(id, None)
                 if isinstance(outcome, dict):  # even if its worker died since, and Dask is about to make it again
@@ -103,9 +105,7 @@ class DaskBackend(Backend):
                 elif future.status == "pending":  # its worker died before it could hand over the record
                     queue.add(future)
                 elif future.status != "error":
-                    while client.status in ("connecting", "closing"):  # closed in the middle, it logs a traceback
-                        time.sleep(0.1)
-                    raise AvobenchError(f"the Dask scheduler at {self._scheduler} went away")
+                    raise self._gone(client)
                 elif isinstance(outcome[1], AvobenchError):
                     raise outcome[1]
                 elif not isinstance(outcome[1], KilledWorker):
@@ -115,6 +115,24 @@ class DaskBackend(Backend):
                     yield blank_record(by_id[id], Status.CRASHED, message)
                 else:  # it was only waiting in the queues of workers that others brought down
                     queue.add(submit(client, by_id[id]))
+
+    def _ended(self, queue: "as_completed", client: "Client") -> Iterator[tuple["Future", Any]]:
+        """Futures with their outcomes, as they end. One whose result was on its way never ends without a scheduler.
+
+        Raises AvobenchError when the scheduler is gone.
+        """
+        while not queue.is_empty():
+            batch = queue.next_batch(block=False)
+            yield from batch
+            if not batch and client.status != "running":
+                raise self._gone(client)
+            if not batch:
+                time.sleep(LOOK_SECONDS)
+
+    def _gone(self, client: "Client") -> AvobenchError:
+        while client.status in ("connecting", "closing"):  # closed in the middle, it logs a traceback
+            time.sleep(0.1)
+        return AvobenchError(f"the Dask scheduler at {self._scheduler} went away")
 
 
 def _connected(scheduler: str) -> "Client":
