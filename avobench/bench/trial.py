@@ -176,7 +176,7 @@ def blank_record(cell: Cell, status: Status, message: str) -> dict[str, Any]:
         "schema_version": SCHEMA_VERSION,
         "id": cell.id,
         **cell.identity,
-        "parameter_names": list(cell.build_task().parameter_names),
+        "parameter_names": list(cell.parameter_names),
         "status": str(status),
         "message": message,
         "theta_hat": None,
