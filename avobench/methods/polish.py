@@ -168,7 +168,10 @@ def polish(
         parts = zip(*(response.at(mean) for response in responses), strict=True)
         gradient, information = significant(*(sum(part) for part in parts))
         precision = information + np.eye(len(mean))
-        move = np.linalg.solve(precision, gradient - mean)
+        force = gradient - mean
+        free = ~(((mean <= low) & (force < 0)) | ((mean >= high) & (force > 0)))  # the others rest on a bound
+        move = np.zeros_like(mean)
+        move[free] = np.linalg.solve(precision[np.ix_(free, free)], force[free])
         covariance = np.linalg.inv(precision)
         if (np.abs(move) < STANDS_STILL * np.sqrt(np.diag(covariance))).all():
             return Polished(mean, covariance, step, converged=True)
@@ -192,7 +195,7 @@ def narrower(root: NDArray[np.float64], answer: Polished, shrink: float, errors:
     """
     unit = np.linalg.inv(root)
     variance, axes = np.linalg.eigh(unit @ answer.covariance @ unit.T)
-    return root @ axes * np.sqrt((errors**2 * variance).clip(shrink**2, 1))
+    return root @ (axes * np.sqrt((errors**2 * variance).clip(shrink**2, 1))) @ axes.T  # whatever axes eigh picks
 
 
 def significant(

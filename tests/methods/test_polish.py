@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from avobench.methods.polish import Fold, polish, quadratic
+from avobench.methods.polish import Fold, Polished, narrower, polish, quadratic
 
 EDGE = 4.0
 
@@ -68,6 +68,19 @@ def test_answer_stays_within_the_bounds():
     u = rng.normal(3.5, 0.4, (5000, 1)).clip(-EDGE, EDGE)
     answer = polished(rng.normal(9, 1, (5000, 1)), rng.normal(u, 1), u, 3.5)
     assert answer.mean == [EDGE]
+    assert answer.converged
+
+
+def test_a_parameter_on_its_bound_leaves_the_others_their_rest():
+    """x ~ N(A u, 1) with an observed mean beyond the bound of the second: the best first one within the bounds."""
+    rng = np.random.default_rng(9)
+    mixing = np.array([[1.0, 0.0], [0.6, 0.8]])
+    u = rng.normal([0.3, 3.8], 0.4, (40_000, 2)).clip(-EDGE, EDGE)
+    real = np.array([0.0, 4.5]) @ mixing + rng.normal(size=(40_000, 2))
+    answer = polished(real, u @ mixing + rng.normal(size=(40_000, 2)), u, np.array([0.3, 3.8]), std=0.4)
+    assert answer.converged
+    assert answer.mean[1] == EDGE
+    assert abs(answer.mean[0] - 0.3) < 4 * answer.error[0]  # 0.6 (4.5 - 4), what the second cannot give
 
 
 def test_a_constant_feature_and_a_copy_change_nothing():
@@ -77,6 +90,18 @@ def test_a_constant_feature_and_a_copy_change_nothing():
     alone = polished(real, synthetic, u, 0.0)
     crowded = polished(*(np.hstack([x, x, np.ones_like(x)]) for x in (real, synthetic)), u, 0.0)
     np.testing.assert_allclose(crowded.mean, alone.mean, atol=1e-3 * alone.error[0])
+
+
+def test_the_next_proposal_does_not_hang_on_rounding():
+    """Where all directions are alike their axes are arbitrary, and a proposal turned at random gives other events."""
+    root = np.array([[0.5, 0.1], [0.0, 0.3]])
+    jitter = 1e-12 * np.array([[0.0, 1.0], [1.0, 0.3]])
+    first, again = (
+        narrower(root, Polished(np.zeros(2), covariance, 1, converged=True), 0.35, 10.0)
+        for covariance in (root @ root.T, root @ root.T + jitter)
+    )
+    np.testing.assert_allclose(first, root)
+    np.testing.assert_allclose(again, root, atol=1e-9)
 
 
 def test_quadratic_terms():
