@@ -36,6 +36,8 @@ CHEAP_TASKS = ABLATION_TASKS[:-1]
 ABLATIONS: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
     "without the local phase": ({"local_share": 0.0}, ABLATION_TASKS),
     "without polish and local phase": ({"polish": False}, ABLATION_TASKS),
+    "means of last layers matched": ({"matched": "layers"}, ABLATION_TASKS),
+    "means of inputs matched": ({"matched": "inputs"}, ABLATION_TASKS),
     "each d used on its own events": ({"cross_fit": False}, ABLATION_TASKS),
     "images not summed": ({"symmetric": False}, ("alignment",)),
     "fresh events only": ({"replay": 160, "proposal_replay": 160}, CHEAP_TASKS),
