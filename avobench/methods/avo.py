@@ -22,7 +22,7 @@ from avobench.methods.avo_paper import TRACE_POINTS, baseline
 from avobench.methods.contract import Estimate, Method, TracePoint
 from avobench.methods.device import require_device
 from avobench.methods.inputs import Inputs
-from avobench.methods.polish import Fold, Polished, TooFewEvents, narrower, polish
+from avobench.methods.polish import Fold, Polished, TooFewEvents, narrower, polish_closer
 from avobench.methods.problem import Problem
 from avobench.methods.proposal import TruncatedGaussian
 
@@ -96,8 +96,7 @@ class Inference:
             return self.estimate(mean, std, "mean of the proposal over the last quarter")
 
         # the polish: the proposal's mean goes where simulated events are like the observed ones in what tells theta
-        root = np.diag(self.u.std(axis=0))
-        answer = self.polish(self.u.mean(axis=0), root, learn=True)
+        answer, root = self.polish(self.u.mean(axis=0), np.diag(self.u.std(axis=0)), learn=True)
 
         # the local phase: more events around the answer, and a polish again
         for num_events in self.settings.local_rounds(self.num_adversarial, self.num_events):
@@ -107,7 +106,7 @@ class Inference:
             start, last = len(self.u), num_events == self.num_events
             width = 1 / self.settings.errors if last else 1  # far events tell how phi moves with theta, near ones where
             self.seen[start:num_events] = self.simulate(self.around(answer.mean, width * root, num_events - start))
-            answer = self.polish(answer.mean, root, learn=not last)  # near events have nothing to teach
+            answer, root = self.polish(answer.mean, root, learn=not last)  # near events have nothing to teach
 
         state = "converged" if answer.converged else "did not converge"
         error = answer.error * self.proposal.scale
@@ -173,7 +172,9 @@ class Inference:
         """Of the events, for each network the half on which it is used: the other one if they are cross-fitted."""
         return (1, 0) if self.settings.cross_fit else (0, 1)
 
-    def polish(self, mean: NDArray[np.float64], root: NDArray[np.float64], *, learn: bool) -> Polished:
+    def polish(
+        self, mean: NDArray[np.float64], root: NDArray[np.float64], *, learn: bool
+    ) -> tuple[Polished, NDArray[np.float64]]:
         """From the proposal's mean (p,) and the root (p, p) of its covariance, on all events simulated so far."""
         if self.settings.matched == "statistic":
             if learn:
@@ -181,8 +182,8 @@ class Inference:
             phi, halves = self.learnt, (1, 0)
         else:
             phi, halves = self.layers, self.unseen_halves
-        folds = self.folds(phi, halves)
-        return polish(folds, mean, root, self.proposal.low, self.proposal.high)
+        bounds, narrowing = (self.proposal.low, self.proposal.high), (self.settings.shrink, self.settings.errors)
+        return polish_closer(self.folds(phi, halves), mean, root, bounds, narrowing)
 
     def learnt(self, x: NDArray[np.float32]) -> list[NDArray[np.float32]]:
         """Of x (n, k), each half: the statistic and the inputs (n / 2, p + k).
