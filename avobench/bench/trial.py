@@ -58,7 +58,9 @@ class Trial:
         self.cell, self._debug = cell, debug
         self._started = datetime.now(UTC).isoformat(timespec="seconds")
         self._task, self.method = cell.build_task(), cell.build_method()
-        words = (self._task.name, self.method.name, cell.target, cell.repetition)
+        # Of an amortised method the events are the same for every target: one budget for all, whoever simulates first.
+        own = () if self.method.amortised else (cell.target,)
+        words = (self._task.name, self.method.name, *own, cell.repetition)
         self.simulate = MeteredSimulator(self._task, cell.budget, stream(cell.seed, "simulator", *words), progress)
         self.rng = stream(cell.seed, "method", *words)
         self.problem: Problem | None = None
@@ -93,6 +95,11 @@ class Trial:
         if self.failure is None:
             with self.failing():
                 require_recordable(self.estimate, self.problem, self.simulate.used)
+                if self.simulate.used == 0:
+                    raise InvalidEstimate(
+                        "the method simulated nothing: what it kept from another cell is not within this cell's "
+                        "budget; a method whose events serve all targets says `amortised`, and simulates them for each"
+                    )
                 scored = _scored(self.estimate, self._task, self.cell)
                 message = "; ".join(filter(None, (self.estimate.message, self.remark)))
         if (error := self.failure) is not None:
@@ -171,11 +178,12 @@ def told(error: BaseException) -> str:
 
 def blank_record(cell: Cell, status: Status, message: str) -> dict[str, Any]:
     """A record with every field of the schema, for a cell of which nothing more is known."""
-    return {
+    task, method = cell.build_task(), cell.build_method()
+    record = {
         "schema_version": SCHEMA_VERSION,
         "id": cell.id,
         **cell.identity,
-        "parameter_names": list(cell.build_task().parameter_names),
+        "parameter_names": list(task.parameter_names),
         "status": str(status),
         "message": message,
         "theta_hat": None,
@@ -197,8 +205,9 @@ def blank_record(cell: Cell, status: Status, message: str) -> dict[str, Any]:
         "harness_seconds": 0.0,
         "peak_memory_mib": None,
         "started": None,
-        "versions": versions(),
+        "versions": versions((*method.packages, *task.packages)),
     }
+    return record | {"amortised": True} if method.amortised else record
 
 
 def _floors(task: Task, cell: Cell) -> dict[str, float | None]:

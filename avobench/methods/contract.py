@@ -59,6 +59,12 @@ class Method(ABC):
     packages: ClassVar[tuple[str, ...]] = ()
     """Modules that must be importable, checked before a sweep begins; `extra` is the extra that installs them."""
     extra: ClassVar[str] = ""
+    amortised: ClassVar[bool] = False
+    """Whether nothing that it simulates depends on the observation, so that one budget serves all targets of a task.
+
+    All cells of a task and repetition then have the same random streams, hence the same simulated events, and their
+    records say `amortised`: they are not to be compared with those of methods that have a budget for each target.
+    """
     together: ClassVar[bool] = False
     """Whether `infer_together` takes less time than one problem after the other."""
 

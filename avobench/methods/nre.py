@@ -8,16 +8,17 @@ from numpy.typing import NDArray
 
 from avobench.methods.neural import Neural, event_rows, train
 from avobench.methods.problem import Problem
-from avobench.methods.product_posterior import Posterior, posterior
+from avobench.methods.product_posterior import LogFactors
 from avobench.tasks import Box
 
 
 @dataclass(frozen=True)
 class Nre(Neural):
-    """NRE-B of single events: which of `atoms` parameters made this event? One of them did, the others are those of other events.
+    """NRE-B of single events: which of `atoms` parameters made this event?
 
-    The classifier learns log p(x | theta) up to a term that does not depend on theta, so the sum over the observed events
-    is the log-likelihood. Network: sbi's residual one, `classifier_nn("resnet")`.
+    One of them did, the others are those of other events. The classifier learns log p(x | theta) up to a term that does
+    not depend on theta, so the sum over the observed events is the log-likelihood. Network: sbi's residual one,
+    `classifier_nn("resnet")`.
     """
 
     name: ClassVar[str] = "nre"
@@ -25,18 +26,23 @@ class Nre(Neural):
         "Durkan, Murray, Papamakarios, ICML 2020; Hermans, Begy, Louppe, ICML 2020; sbi, JOSS 5 (2020) 2505"
     )
 
-    atoms: int = 6
+    first_rows: ClassVar[int] = 400
+
+    atoms: int = 4
     """Parameters to choose from, for each event."""
 
     def min_simulations(self, num_parameters: int) -> int:
         """A thousand events a round: below that the network knows nothing."""
         return 1000 * self.rounds
 
-    def rows(self, problem: Problem, box: Box, number: int, rng: np.random.Generator) -> tuple[NDArray, NDArray]:
+    def simulated(self, problem: Problem, box: Box, number: int, rng: np.random.Generator) -> tuple[NDArray, NDArray]:
         theta = box.sample(number, rng)
         return theta, event_rows(problem, problem.simulate(theta))
 
-    def fitted(self, theta: NDArray, rows: NDArray, problem: Problem, box: Box, rng: np.random.Generator) -> Posterior:
+    def observed(self, problem: Problem, rng: np.random.Generator) -> NDArray[np.float32]:
+        return event_rows(problem, problem.x_observed)
+
+    def learned(self, theta: NDArray, rows: NDArray, box: Box, rng: np.random.Generator) -> LogFactors:
         import torch
         from sbi.neural_nets import classifier_nn
 
@@ -49,4 +55,4 @@ class Nre(Neural):
             return (logits.logsumexp(0) - logits[0]).mean()
 
         train(network, loss, theta, rows, self, rng)
-        return posterior(network, event_rows(problem, problem.x_observed), box, rng)
+        return lambda theta, x: network(theta.expand(len(x), -1), x)

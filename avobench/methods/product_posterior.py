@@ -1,7 +1,7 @@
-"""The posterior of an observation of many independent rows: the prior times a factor a row, which a network has learned.
+"""The posterior of an observation of many independent rows: the prior times a factor a row, learned by a network.
 
-The rows are events, or summaries of parts of the observation. The posterior of all of them is narrow beside the prior, so
-its sample is drawn in steps, each with more of the rows and from a mixture fitted to the sample of the one before:
+The rows are events, or summaries of parts of the observation. The posterior of all of them is narrow beside the prior,
+so its sample is drawn in steps, each with more of the rows and from a mixture fitted to the sample of the one before:
 population Monte Carlo (Cappé et al., Journal of Computational and Graphical Statistics 13 (2004) 907).
 """
 
@@ -19,8 +19,6 @@ from avobench.tasks import Box
 if TYPE_CHECKING:
     from torch import Tensor
 
-FIRST_ROWS = 400
-"""Rows of the first step: with them the posterior is a tenth as wide as the prior or so, which the first points resolve."""
 GROWTH = 4
 """Times as many rows in each step: half the width."""
 FIRST_POINTS = 512
@@ -28,7 +26,8 @@ FIRST_POINTS = 512
 POINTS = 64
 """In each later step."""
 WIDER = 1.2
-"""Times the kernel of Silverman's rule: the next posterior must lie within the mixture that its sample is drawn from."""
+"""Times the kernel of Silverman's rule: the next posterior must lie within the mixture that its sample is drawn
+from."""
 EVALUATIONS = 2**17
 """Pairs of a row and a theta in one pass through the network: 50 MiB with 100 hidden nodes."""
 LEAST_WIDTH = 1e-6
@@ -37,7 +36,7 @@ SEARCH_STEPS = 30
 """Of the search for the mode, from the best point of the last sample: a few suffice."""
 
 LogFactors = "Callable[[Tensor, Tensor], Tensor]"
-"""The logarithm of each row's factor at a theta: pairs (n, p), (n, k) -> (n,), differentiable in theta."""
+"""The logarithm of each row's factor at a theta: (p,), (n, k) -> (n,), differentiable in theta."""
 
 
 @dataclass(frozen=True)
@@ -50,9 +49,13 @@ class Posterior:
 
 
 def posterior(
-    log_factors: LogFactors, rows: NDArray[np.float32], box: Box, rng: np.random.Generator, first_rows: int = FIRST_ROWS
+    log_factors: LogFactors, rows: NDArray[np.float32], box: Box, rng: np.random.Generator, first_rows: int
 ) -> Posterior:
-    """The posterior of theta in a box with a uniform prior, given rows (n, k)."""
+    """The posterior of theta in a box with a uniform prior, given rows (n, k).
+
+    The first step has so many of the rows: with them it is to be a tenth as wide as the box or so, which its points
+    resolve.
+    """
     sums = _Sums(log_factors, box)
     theta = qmc.Sobol(box.dim, rng=rng).random(FIRST_POINTS)
     log_q = np.zeros(len(theta))
@@ -131,7 +134,7 @@ class _Sums:
         total = 0.0
         low, width = torch.tensor(self._box.low), torch.tensor(self._box.width)
         for part, number in zip(rows.split(EVALUATIONS), counts.split(EVALUATIONS), strict=True):
-            raw = (theta * width + low).float().expand(len(part), -1)
+            raw = (theta * width + low).float()
             value = (self._log_factors(raw, part).double() * number).sum()
             if backward:
                 value.backward()

@@ -58,10 +58,10 @@ def better_on_average(evidence: Evidence) -> Finding:
             if preset in by_method and all(_nearer(by_method[preset], by_method[rival]) for rival in RIVALS):
                 leads[preset].append(task)
     reading = (
-        "*p* is that of a one-sided paired test (Wilcoxon's, of the logarithms of the errors, over the targets) that the "
-        "errors are not less than the rival's; the interval of the mean is over other draws of the targets. Criterion: the "
-        "median and the mean of the squared errors are below those of ABC-SMC and of BOLFI, and both p below 0.05, on every "
-        "task. "
+        "*p* is that of a one-sided paired test (Wilcoxon's, of the logarithms of the errors, over the targets) that "
+        "the errors are not less than the rival's; the interval of the mean is over other draws of the targets. "
+        "Criterion: the median and the mean of the squared errors are below those of ABC-SMC and of BOLFI, and both p "
+        "below 0.05, on every task. "
     )
     reading += " ".join(f"{preset} is ahead of both on {_listed(leads[preset])}." for preset in _present(evidence))
     verdicts = {preset: _of_tasks(leads[preset], TASK_ORDER) for preset in PRESETS}
@@ -69,7 +69,7 @@ def better_on_average(evidence: Evidence) -> Finding:
 
 
 def _nearer(cells: pd.DataFrame, rival: pd.DataFrame) -> bool:
-    """Whether the squared errors of a method are less than a rival's: their median, their mean, and by a paired test."""
+    """Whether squared errors are less than a rival's: their median, their mean, and by a paired test."""
     own, others = cells["squared_error"], rival["squared_error"]
     return own.mean() < others.mean() and own.median() < others.median() and ahead(cells, rival) < MOST_CHANCE
 
@@ -130,10 +130,10 @@ def ahead_on_alignment(evidence: Evidence) -> Finding:
     if not unsummed:
         verdicts["avo"] = "no records yet without row sums"
     reading = (
-        "The claim is that AVO needs no summary statistic, so it is held against AVO on the image itself; the row sums of "
-        "`avo` are as good as a summary statistic, and with the same both rivals come near the limit as well (above). "
-        "Criterion: on the image, AVO's squared errors are less than those of ABC-SMC and of BOLFI with the average image as "
-        "summary, by a one-sided paired test over the targets, p below 0.05 against each."
+        "The claim is that AVO needs no summary statistic, so it is held against AVO on the image itself; the row sums "
+        "of `avo` are as good as a summary statistic, and with the same both rivals come near the limit as well "
+        "(above). Criterion: on the image, AVO's squared errors are less than those of ABC-SMC and of BOLFI with the "
+        "average image as summary, by a one-sided paired test over the targets, p below 0.05 against each."
     )
     return Finding(_by_preset(evidence, verdicts), reading, pd.DataFrame(rows))
 
@@ -196,8 +196,9 @@ def weinberg_winner(evidence: Evidence) -> Finding:
         with_avo = _equal_ranks([by_method[method] for method in ("avo", *PAPERS) if method in by_method])
         reading += f"With `avo` as a fourth, which the paper did not have: {p_equals(with_avo)}. "
     reading += (
-        "The ideal is the posterior mean given the true asymmetry, which no method can beat on average over many targets; on "
-        "15 of them an estimate may be nearer by chance, as its interval, over other draws of the targets, tells."
+        "The ideal is the posterior mean given the true asymmetry, which no method can beat on average over many "
+        "targets; on 15 of them an estimate may be nearer by chance, as its interval, over other draws of the targets, "
+        "tells."
     )
     return Finding("reproduced" if p > MOST_CHANCE else "not reproduced", reading, pd.DataFrame(rows))
 

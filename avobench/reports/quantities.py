@@ -89,7 +89,7 @@ def ideal_errors(cells: pd.DataFrame) -> NDArray[np.float64]:
 def interval(
     values: NDArray[np.float64], targets: pd.Series, statistic: Callable[[NDArray[np.float64]], float]
 ) -> tuple[float, float]:
-    """The 95 % bootstrap interval of a statistic of the values of cells (n, ...), over other draws of their targets (n,).
+    """The 95 % bootstrap interval of a statistic of cells' values (n, ...), over other draws of their targets (n,).
 
     Whole targets are drawn again, with all of their repetitions: what differs between two is more than chance in a run.
     Without a second target nothing is known of that, and both ends are NaN.

@@ -118,8 +118,8 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     """A row a target: what was measured of each method, what is wanted of `avo`, and whether that is met.
 
     A task is measured on the targets that all of its methods have; a run that failed has an infinite error. Beside what
-    was measured of `avo` stands its 95 % interval, over other draws of the targets; `avo` is ahead of a rival where a paired
-    test over the targets says so, and the larger of the two p-values stands with the verdict.
+    was measured of `avo` stands its 95 % interval, over other draws of the targets; `avo` is ahead of a rival where a
+    paired test over the targets says so, and the larger of the two p-values stands with the verdict.
     """
     frame = labelled(records)
     methods = ordered(frame["method"], METHOD_ORDER)
