@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 LATER = {"identifies": "unless default"}
 """Of settings that came after the first records: at their defaults they change nothing, and are left out of these."""
+LINEAR_BELOW = 0.01
+"""Distance below which its logarithm goes over into itself: a tenth of what the noise of 128 events leaves."""
 MARGIN = 0.99
 """Of the budget, with a growing number of events: rounding each to a whole number may exceed the mean."""
 SHARE_NEAREST = 0.3
@@ -223,7 +225,12 @@ def _distance(
     ]
     simulator = elfi.Simulator(summaries, *theta, observed=observed[None], model=model, name="summaries")
     distance = elfi.Distance("euclidean", simulator, model=model, name="distance")
-    return elfi.Operation(np.log, distance, model=model, name="log_distance") if log else distance, bounds
+    return elfi.Operation(_logarithm, distance, model=model, name="log_distance") if log else distance, bounds
+
+
+def _logarithm(distance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of distances, but positive, as ELFI's process needs them."""
+    return np.log1p(distance / LINEAR_BELOW)
 
 
 def _adjusted(

@@ -22,18 +22,18 @@ STORE = Path("results/tuning")
 
 
 def table(records: dict[str, dict[str, Any]]) -> pd.DataFrame:
-    """A row a candidate, from records by id, on the targets that every candidate of the method has."""
+    """A row a candidate, from records by id, on the targets that every candidate of the method has on every task."""
     rows = []
     for method, candidates in CANDIDATES.items():
         for label, settings in candidates.items():
-            row: dict[str, Any] = {"method": method, "settings": label}
+            common = set.intersection(*(_common(method, name, records) for name in TASKS))
+            row: dict[str, Any] = {"method": method, "settings": label, "targets": len(common)}
             seconds, values = [], []
             for name in TASKS:
-                common = _common(method, name, records)
                 own = [records[cell.id] for cell in candidate(method, settings, name) if cell.target in common]
                 ratios = [_ratio(name, record) for record in own]
-                row |= {f"{name}, {len(common)}": np.median(ratios) if own else np.nan}
-                values.append(row[f"{name}, {len(common)}"])
+                row[name] = np.median(ratios) if own else np.nan
+                values.append(row[name])
                 seconds += [record["simulator_seconds"] + record["method_seconds"] for record in own]
             row |= {"geometric mean": gmean(values), "seconds": np.mean(seconds) if seconds else np.nan}
             rows.append(row)
