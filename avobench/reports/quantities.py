@@ -11,11 +11,11 @@ from scipy.stats.qmc import Sobol
 
 from avobench.bench import registry
 from avobench.bench.status import Status
-from avobench.bench.table import labels, to_frame
+from avobench.bench.table import labels, mean_errors, to_frame
 from avobench.tasks import Task
 
 RESAMPLES = 2000
-"""Of the targets, for an interval: its ends are then known to a fortieth of its quantiles."""
+"""Of the targets, for an interval: the share of them beyond an end is then 2.5 % to within 0.4."""
 COVERAGE = 0.95
 """Of an interval."""
 MOST_CHANCE = 0.05
@@ -37,6 +37,15 @@ def labelled(records: list[dict[str, Any]]) -> pd.DataFrame:
     frame["seconds"] = frame["simulator_seconds"] + frame["method_seconds"]
     frame["record"] = records
     return frame
+
+
+def by_mean(cells: pd.DataFrame) -> pd.DataFrame:
+    """The cells scored by the mean of their posterior in place of their estimate; a failure stays one."""
+    errors = mean_errors(cells["record"].tolist())
+    failed = np.isinf(cells["squared_error"])
+    cells = cells.assign(squared_error=np.where(failed, np.inf, errors))
+    records = [{**record, "theta_hat": record["mean"]} for record in cells["record"]]
+    return cells.assign(ratio=cells["squared_error"] / cells["floor"], record=records)
 
 
 def comparable(cells: pd.DataFrame) -> pd.DataFrame:

@@ -25,6 +25,8 @@ CANDIDATES: dict[str, dict[str, dict[str, Any]]] = {
         "20 x 512, regression": {**_LARGER, "estimate": "regression"},
         "30 x 128, regression": {"population_size": 30, "estimate": "regression"},
         "30 x 128 growing, regression": {"population_size": 30, **_GROWING},
+        "20 x 256 growing, regression": {**_LARGER, "events_per_theta": 256, **_GROWING},
+        "20 x 512 growing, regression": {**_LARGER, **_GROWING},
         "60 x 128 growing, regression": {"population_size": 60, **_GROWING},
     },
     "bolfi": {
