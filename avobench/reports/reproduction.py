@@ -27,8 +27,8 @@ hyper-parameters, `avo` the tuned one; [methods.md](methods.md) tells what was c
 page is the output of
 
 ```
-python -m avobench.reports.reproduction --results results/reference --studies results/studies --ablation
-results/ablation ```
+python -m avobench.reports.reproduction
+```
 
 and a test holds it to that. A run that failed counts as infinitely far off; methods are compared on the targets that
 all of them have."""
