@@ -4,7 +4,7 @@ import logging
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
-from typing import ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +13,12 @@ from scipy.stats import gaussian_kde
 
 from avobench.methods.contract import Estimate, Method, TracePoint, global_seed
 from avobench.methods.problem import Problem
-from avobench.methods.regression import regressed
+from avobench.methods.regression import Evaluation, regressed
 from avobench.tasks import Box
 from avobench.tasks.errors import BudgetExhausted, UsageError
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 LATER = {"identifies": "unless default"}
 """Of settings that came after the first records: at their defaults they change nothing, and are left out of these."""
@@ -82,13 +85,13 @@ class AbcSmc(Method):
 
         names, prior = problem.parameter_names, problem.prior
         observed = problem.summary(problem.x_observed)
-        tried = []  # theta, its summary, and the events simulated until then
+        tried: list[Evaluation] = []
 
         def model(parameter: pyabc.Parameter) -> dict[str, NDArray]:
             theta = np.array([[parameter[name] for name in names]])
             events = round(self.events_per_theta * self.growth**history.n_populations)
             summary = problem.summary(problem.simulate.repeat(theta, events)[0])
-            tried.append((theta[0], summary, problem.simulate.used))
+            tried.append(Evaluation(theta[0], summary, problem.simulate.used))
             return {"summary": summary}
 
         message = ""
@@ -122,25 +125,40 @@ class AbcSmc(Method):
                 ends = populations["samples"].cumsum().to_numpy()  # evaluations until then, in the order of `tried`
                 generations = [history.get_distribution(t=t) for t in range(history.n_populations)]
 
-        trace = []
-        for begin, end, (particles, weights) in zip(ends, ends[1:], generations, strict=False):
-            theta = particles[list(names)].to_numpy()
-            mean = weights @ theta
-            std = np.sqrt(weights @ (theta - mean) ** 2)
-            if self.estimate == "regression":
-                mean = regressed(theta, weights, tried[begin:end], observed, prior)
-            best = _density_mode(theta, weights, prior) if self.estimate == "mode" else mean
-            trace.append(TracePoint(int(tried[end - 1][2]), best, std))
+        trace, mean = self._traced(generations, ends, tried, observed, problem)
         return Estimate(
             theta=trace[-1].theta,
             how=HOW[self.estimate],
             spread_of="posterior",
             mean=mean,
-            std=std,
+            std=trace[-1].std,
             trace=trace,
             discarded=problem.simulate.used - trace[-1].simulations,
             message=message,
         )
+
+    def _traced(
+        self,
+        generations: list[tuple["DataFrame", NDArray[np.float64]]],
+        ends: NDArray[np.int64],
+        tried: list[Evaluation],
+        observed: NDArray[np.float64],
+        problem: Problem,
+    ) -> tuple[list[TracePoint], NDArray[np.float64]]:
+        """A point for each generation of particles and weights, and the mean of the last (p,).
+
+        `ends` are the evaluations until the end of the calibration sample and of each generation.
+        """
+        trace = []
+        for begin, end, (particles, weights) in zip(ends, ends[1:], generations, strict=False):
+            theta = particles[list(problem.parameter_names)].to_numpy()
+            mean = weights @ theta
+            std = np.sqrt(weights @ (theta - mean) ** 2)
+            if self.estimate == "regression":
+                mean = regressed(theta, weights, tried[begin:end], observed, problem.prior)
+            best = _density_mode(theta, weights, problem.prior) if self.estimate == "mode" else mean
+            trace.append(TracePoint(int(tried[end - 1].simulations), best, std))
+        return trace, mean
 
 
 @dataclass(frozen=True)
@@ -149,9 +167,8 @@ class AbcSmcTuned(AbcSmc):
 
     name: ClassVar[str] = "abc-smc-tuned"
 
-    population_size: int = 30
-    events_per_theta: int = 128
-    growth: float = 1.5
+    population_size: int = 20
+    events_per_theta: int = 512
     estimate: Literal["mode", "mean", "regression"] = "regression"
 
 

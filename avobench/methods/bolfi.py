@@ -15,7 +15,7 @@ from scipy.stats import qmc
 from avobench.methods.contract import Estimate, Method, TracePoint, global_seed
 from avobench.methods.gaussian_process import GaussianProcess
 from avobench.methods.problem import Problem
-from avobench.methods.regression import regressed
+from avobench.methods.regression import Evaluation, regressed
 from avobench.tasks import Box
 from avobench.tasks.errors import UsageError
 
@@ -116,30 +116,21 @@ class Bolfi(Method):
         def raw(theta: NDArray) -> NDArray:
             return (1 - theta) * prior.low + theta * prior.high if self.unit_box else theta  # exact at the bounds
 
-        tried = []  # theta, its summary, and its place
+        tried: list[Evaluation] = []
 
         def summaries(*theta: NDArray, batch_size: int, random_state: np.random.RandomState) -> NDArray:
             found = []
             for one in raw(np.column_stack(theta)):
                 x = problem.simulate.repeat(one, int(events[len(tried)]))[0]
                 found.append(problem.summary(x))
-                tried.append((one, found[-1], len(tried)))
+                tried.append(Evaluation(one, found[-1], problem.simulate.used))
             return np.stack(found)
 
         trace = []
         with global_seed(rng), _own_client(elfi):
             observed = problem.summary(problem.x_observed)
             distance, bounds = _distance(elfi, box, summaries, observed, self.log_distance)
-            bolfi = elfi.BOLFI(
-                distance,
-                bounds=bounds,
-                initial_evidence=num_initial,
-                update_interval=self.update_interval,
-                acq_noise_var=float(self.acq_noise_var),
-                exploration_rate=self.exploration_rate,
-                seed=seed,
-                **(self._fast(distance.model, bounds, seed) if self.surrogate == "fast" else {}),
-            )
+            bolfi = self._bolfi(elfi, distance, bounds, num_initial, seed)
             bolfi.set_objective(num_evidence)
             while not bolfi.finished:
                 bolfi.iterate()
@@ -179,6 +170,21 @@ class Bolfi(Method):
     def _num_initial(self, num_parameters: int) -> int:
         return self.initial_evidence or max(10, 2**num_parameters + 1)
 
+    def _bolfi(
+        self, elfi, distance: "Distance", bounds: dict[str, tuple[float, float]], num_initial: int, seed: int
+    ) -> "BOLFI":
+        """ELFI's inference of the distance, with the process that is asked for."""
+        return elfi.BOLFI(
+            distance,
+            bounds=bounds,
+            initial_evidence=num_initial,
+            update_interval=self.update_interval,
+            acq_noise_var=float(self.acq_noise_var),
+            exploration_rate=self.exploration_rate,
+            seed=seed,
+            **(self._fast(distance.model, bounds, seed) if self.surrogate == "fast" else {}),
+        )
+
     def _fast(self, model: "ElfiModel", bounds: dict[str, tuple[float, float]], seed: int) -> dict[str, Any]:
         """What takes the place of ELFI's process and acquisition."""
         from elfi.model.extensions import ModelPrior
@@ -202,11 +208,9 @@ class BolfiTuned(Bolfi):
 
     name: ClassVar[str] = "bolfi-tuned"
 
-    events_per_theta: int = 256
-    initial_evidence: int | None = 60
+    events_per_theta: int = 512
+    initial_evidence: int | None = 50
     log_distance: bool = True
-    growth: float = 4.0
-    regression: bool = True
 
 
 def _distance(
@@ -233,14 +237,12 @@ def _logarithm(distance: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.log1p(distance / LINEAR_BELOW)
 
 
-def _adjusted(
-    tried: list[tuple[NDArray[np.float64], NDArray[np.float64], int]], observed: NDArray[np.float64], prior: Box
-) -> NDArray[np.float64]:
+def _adjusted(tried: list[Evaluation], observed: NDArray[np.float64], prior: Box) -> NDArray[np.float64]:
     """The regression-adjusted mean (p,) of the evaluations of the smallest distances, each of the same weight."""
-    distances = [np.linalg.norm(summary - observed) for _, summary, _ in tried]
+    distances = [np.linalg.norm(one.summary - observed) for one in tried]
     nearest = np.argsort(distances, kind="stable")[: max(2, round(SHARE_NEAREST * len(tried)))]
     near = [tried[i] for i in nearest]
-    theta = np.array([one for one, _, _ in near])
+    theta = np.array([one.theta for one in near])
     return regressed(theta, np.full(len(near), 1 / len(near)), near, observed, prior)
 
 

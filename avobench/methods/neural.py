@@ -29,7 +29,7 @@ LOOKS = 20
 """Times in a training that the held-out rows are looked at."""
 LARGEST_GRADIENT = 5.0
 """Norm at which a step's gradient is cut; sbi's default."""
-SHRINK = 0.3
+SHRINK = 0.5
 """Width of a round's box in that of the one before, at least: a posterior from few events may be too narrow."""
 SPREADS = 6.0
 """Half the width of a round's box in standard deviations of the posterior before it, at least."""

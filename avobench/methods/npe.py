@@ -76,4 +76,4 @@ class Tsnpe(Npe):
     name: ClassVar[str] = "tsnpe"
     source: ClassVar[str] = "Deistler, Goncalves, Macke, NeurIPS 2022; sbi, JOSS 5 (2020) 2505"
 
-    rounds: int = 4
+    rounds: int = 5

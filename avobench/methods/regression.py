@@ -5,6 +5,7 @@ ridge's, with the strength that leave-one-out errors choose.
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,22 +16,33 @@ STRENGTHS = np.geomspace(1e-4, 1e4, 25)
 """Of the ridge, for standardised summaries."""
 
 
+class Evaluation(NamedTuple):
+    """What was simulated for one theta."""
+
+    theta: NDArray[np.float64]
+    """(p,)"""
+    summary: NDArray[np.float64]
+    """Of its events: (k,)"""
+    simulations: int
+    """Events simulated until then, those of this theta included."""
+
+
 def regressed(
     theta: NDArray[np.float64],
     weights: NDArray[np.float64],
-    tried: Sequence[tuple[NDArray[np.float64], NDArray[np.float64], int]],
+    tried: Sequence[Evaluation],
     observed: NDArray[np.float64],
     box: Box,
 ) -> NDArray[np.float64]:
     """The weighted mean (p,) of adjusted parameters, within the box.
 
-    Accepted are theta (n, p) with weights (n,) that sum to 1. The slope is learned from all that was tried beside them,
-    each a theta (p,), its summary (k,) and a number that does not matter here: those that were refused tell of it as
-    well.
+    Accepted are theta (n, p) with weights (n,) that sum to 1. The slope is learned from all that was tried beside them:
+    what was refused tells of it as well.
     """
     from sklearn.linear_model import RidgeCV
 
-    tried_theta, summaries = (np.array(column) for column in list(zip(*tried, strict=True))[:2])
+    tried_theta = np.array([one.theta for one in tried])
+    summaries = np.array([one.summary for one in tried])
     scale = summaries.std(axis=0)
     kept = scale > 0
     standard = (summaries[:, kept] - summaries[:, kept].mean(axis=0)) / scale[kept]

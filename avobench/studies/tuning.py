@@ -11,6 +11,7 @@ from avobench.studies import development
 from avobench.studies.paper import NUM_OBSERVATIONS
 
 BUDGET = 160_000
+"""That of the benchmark."""
 NUM_TARGETS = {"abc-smc": 4, "bolfi": 2}
 """Development targets of each task: BOLFI takes ten times as long."""
 _LARGER = {"population_size": 20, "events_per_theta": 512}

@@ -76,7 +76,7 @@ def test_a_task_of_another_version_or_of_nobody_is_not_known(make_record):
 
 
 def test_an_interval_covers_as_often_as_it_says():
-    """Of the median over 15 targets, in 60 draws of them: 57 are expected, and fewer than 50 come once in five thousand."""
+    """Of the median over 15 targets, in 60 draws: 57 are expected, and fewer than 50 come once in five thousand."""
     rng = np.random.default_rng(0)
     covered = 0
     for _ in range(60):
