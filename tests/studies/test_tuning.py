@@ -48,4 +48,5 @@ def test_the_table_is_of_the_targets_that_all_candidates_have():
     assert rows["poisson"].tolist() == pytest.approx([1.0] * len(rows))
     failed = candidate("bolfi", {}, "poisson")[0].id
     records[failed] |= {"status": Status.METHOD_ERROR, "theta_hat": None}
-    assert np.isinf(table(records).set_index(["method", "settings"]).loc[("bolfi",), "poisson"].iloc[0])
+    again = table(records)
+    assert np.isinf(again.loc[again["method"] == "bolfi", "poisson"].iloc[0])
