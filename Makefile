@@ -13,7 +13,7 @@ EFFECTS := own,foreign,two,withheld
 JOBS ?= 1
 
 .DEFAULT_GOAL := help
-.PHONY: help venv test-wheel benchmark quick figures studies pages bench-avo bench-cost bench-diagnosis bench-scaling bench-speed challenge demo demo-missing-effect docs test browser lint clean
+.PHONY: help venv test-wheel benchmark quick figures studies pages bench-avo bench-cost bench-diagnosis bench-scaling bench-speed bench-store challenge demo demo-missing-effect docs fuzz soak constraints audit test browser lint clean
 
 help:  ## show these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -86,6 +86,29 @@ challenge-%: venv
 	  --kinds $(if $(findstring none,$*),none,$(EFFECTS)) --events $(if $(findstring alignment,$*),20000,50000)
 	@$(BIN)/avobench challenge solve $(PLACE) --jobs $(JOBS)
 	@$(BIN)/avobench challenge score $(PLACE) --records $(PLACE).jsonl
+
+bench-store: venv  ## time and memory of the commands that read a store, up to 100 000 records
+	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.speed.store
+
+fuzz: venv  ## a thousand hostile inputs of every kind; a line each
+	cd tests && PYTHONPATH=.:users ../$(BIN)/python -m fuzz
+
+soak: venv  ## a thousand kills, every failing operation on files, several writers, a cluster that dies
+	for proof in kills faults writers cluster; do \
+	  (cd tests && PYTHONPATH=.:users ../$(BIN)/python -m robustness.$$proof) || exit 1; done
+
+# For every system and Python that pyproject.toml allows. GPU libraries are left to PyTorch, which pins its own;
+# Pythia's newest version may have no wheel, and compiles for half an hour.
+constraints: venv  ## renew constraints.txt with the newest versions that go together; run the tests afterwards
+	@mkdir -p build
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check uv
+	$(BIN)/python -m uv pip compile --quiet --universal --upgrade --python-version 3.11 --extra dev \
+	  --only-binary pythia8mc --no-annotate --no-header --output-file build/constraints.txt pyproject.toml
+	grep -v -E '^(cuda|nvidia|triton)' build/constraints.txt > constraints.txt
+
+audit: venv  ## look for known vulnerabilities of what constraints.txt pins; needs the network
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check pip-audit
+	$(BIN)/python -m pip_audit --requirement constraints.txt --no-deps --disable-pip --strict
 
 test: venv browser  ## the test suite, on all cores
 	$(BIN)/python -m pytest --numprocesses auto --dist loadfile

@@ -20,15 +20,15 @@ __all__ = ["browser"]
 
 
 @pytest.fixture
-def avobench(monkeypatch, capsys):
+def avobench(monkeypatch, capfd):
     """The command, in this process: arguments -> (exit code, standard output, standard error)."""
 
     def call(*arguments):
         monkeypatch.setattr(sys, "argv", ["avobench", *map(str, arguments)])
-        capsys.readouterr()
+        capfd.readouterr()
         with pytest.raises(SystemExit) as exit:
             cli.main()
-        return exit.value.code or 0, *capsys.readouterr()
+        return exit.value.code or 0, *capfd.readouterr()
 
     return call
 

@@ -7,7 +7,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from avobench.bench.record import IDENTITY, identity_hash
-from avobench.bench.status import Status
+from avobench.bench.status import LOST, Status
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 moderate = st.floats(-1e150, 1e150)  # so that a squared distance is finite
@@ -67,7 +67,7 @@ def sound_records(draw: st.DrawFn, statuses: Sequence[Status] = tuple(Status)) -
     for kind in ("task", "method"):
         if draw(st.booleans()):
             record[f"{kind}_source_sha256"] = draw(sha256)
-    if status == Status.CRASHED:
+    if status in LOST:
         record |= dict.fromkeys(name for name in record if name.startswith("simulations_"))
     if status == Status.OK:
         found = draw(vectors(p, moderate))
@@ -77,7 +77,7 @@ def sound_records(draw: st.DrawFn, statuses: Sequence[Status] = tuple(Status)) -
             "theta_hat": found,
             "squared_error": math.fsum(difference**2 for difference in differences),
             "how": draw(text),
-            "spread_of": draw(text),
+            "spread_of": draw(st.sampled_from(["posterior", "proposal"])),
             "mean": draw(vectors(p, known)),
             "std": draw(vectors(p, spread)),
             "trace": [

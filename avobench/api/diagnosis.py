@@ -188,6 +188,8 @@ def diagnose(
 ) -> Diagnosed:
     """Say whether measured events disagree with a simulator, where, which effect is missing, and add it.
 
+    The simulator runs in this process, and what ends it ends all; the command `avobench diagnose` has one for it.
+
     Parameters
     ----------
     task

@@ -134,7 +134,7 @@ def infer(
     settings: Mapping[str, Any] | None = None,
     drop_invalid: bool = False,
 ) -> Inference:
-    """Infer the parameters of a task behind observed events.
+    """Infer the parameters of a task behind observed events, in this process: what ends it ends all.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def infer(
         raise UsageError("settings are for a method given by name; give them to the class otherwise")
     for kind, subject in (("task", task), ("method", method)):
         registry.require_packages(kind, subject)
-    x_observed, warnings = check_events(task, x, drop_invalid=drop_invalid, least=1)
+    x_observed, warnings = check_events(task, x, drop_invalid=drop_invalid, diagnosis=False)
     if not 0 <= seed < 2**63:
         raise UsageError(f"the seed must lie between 0 and 2^63 - 1, got {seed}")
     least = method.min_simulations(task.prior.dim)

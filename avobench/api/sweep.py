@@ -1,21 +1,28 @@
 """Sweeps and their records, from Python as from the command line."""
 
 from collections.abc import Sequence
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from avobench.bench import registry, runner
+from avobench.bench.apart import Call, Limits, apart, kept
+from avobench.bench.backends.local import LIMITS
 from avobench.bench.backends.workers import Workers
 from avobench.bench.cell import Cell
-from avobench.bench.plan import on_device, plan
+from avobench.bench.plan import plan
 from avobench.bench.runner import View
 from avobench.bench.store import Store
 from avobench.bench.table import to_frame
+from avobench.tasks.errors import ProcessEnded, UsageError
 
 RESULTS = Path("results/local")
 """Where records are kept unless another folder is given."""
+LOOK_SECONDS = 60.0
+"""For each task and method of the user's, to be looked at before a sweep; 600 events are simulated."""
 
 
 def run(
@@ -61,7 +68,8 @@ def run(
     results
         Folder of the records; made where there is none.
     workers
-        Processes of this machine, one a core, unless another kind is given.
+        Processes of this machine, one a core, unless another kind is given; and how much time and memory a cell may
+        take.
     retry_failed
         Make cells again whose status is not ok.
     view
@@ -80,8 +88,11 @@ def run(
     StoreError
         If the folder cannot be used.
     """
-    cells = asked(tasks, methods, targets, budget, observations, repetitions, seed, settings, device)
-    return to_frame(carried_out(cells, results, workers, retry_failed=retry_failed, view=view, debug=debug))
+    workers = workers or Workers()
+    request = (tasks, methods, targets, budget, observations, repetitions, seed, settings, device)
+    with kept():
+        cells = asked(*request, in_process=workers.in_process)
+        return to_frame(carried_out(cells, results, workers, retry_failed=retry_failed, view=view, debug=debug))
 
 
 def asked(
@@ -94,16 +105,30 @@ def asked(
     seed: int = 0,
     settings: Sequence[str] = (),
     device: str = "cpu",
+    in_process: bool = False,
 ) -> list[Cell]:
-    """The cells that `run` carries out, in their order."""
+    """The cells that `run` carries out, in their order.
+
+    Tasks and methods of the user's are looked at in a process of its own, unless `in_process`. One that ends it, or
+    takes longer than a minute, where its simulator is tried is left to the sweep, which records why. Raises UsageError
+    where it ends elsewhere, such as when it is asked for its targets.
+    """
     chosen = {
         kind: [given] if isinstance(given, str) else list(given) or registry.names(kind)
         for kind, given in (("task", tasks), ("method", methods))
     }
-    settings = list(settings)
-    if device != "cpu":
-        settings += on_device(chosen["method"], device)
-    return plan(chosen["task"], chosen["method"], targets, repetitions, budget, observations, seed, settings)
+    numbers = (targets, repetitions, budget, observations, seed)
+    request = (chosen["task"], chosen["method"], *numbers, list(settings), device)
+    theirs = [spec for kind, specs in chosen.items() for spec in specs if registry.runs_theirs(kind, spec)]
+    if in_process or not theirs:
+        return plan(*request)
+    limits = Limits(LOOK_SECONDS * len(theirs), LIMITS.mib)
+    with suppress(ProcessEnded):
+        return apart(Call(plan, request, limits))
+    try:
+        return apart(Call(partial(plan, tried=False), request, limits))
+    except ProcessEnded as error:
+        raise UsageError(f"{', '.join(theirs)}: not to be used, when looked at {error}") from error
 
 
 def carried_out(

@@ -12,8 +12,17 @@ def write_atomically(path: Path, content: bytes, check: Callable[[Path], None] |
     """Write `content` to `path` so that a reader, or a crash, sees all of it or nothing.
 
     `check` is given the written file before it takes its place; what it raises leaves `path` as it was. A link stays a
-    link; what is not a regular file, such as a terminal, is written to as it is, unchecked.
+    link; what is not a regular file, such as a terminal, is written to as it is, unchecked. An OSError names `path`.
     """
+    try:
+        return _write(path, content, check)
+    except OSError as error:
+        if error.errno is not None:
+            error.filename = str(path)
+        raise
+
+
+def _write(path: Path, content: bytes, check: Callable[[Path], None] | None) -> Path:
     target = path.resolve()
     if target.exists() and not target.is_file():
         target.write_bytes(content)

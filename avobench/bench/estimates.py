@@ -5,6 +5,9 @@ import numpy as np
 from avobench.methods import Estimate, Problem, TracePoint
 from avobench.tasks.errors import InvalidEstimate
 
+SPREADS = ("posterior", "proposal")
+"""What the mean and std of an estimate may be of."""
+
 
 def require_recordable(estimate: object, problem: Problem, used: int) -> None:
     """Raise InvalidEstimate unless `estimate` is one that a record can hold."""
@@ -35,3 +38,7 @@ def require_recordable(estimate: object, problem: Problem, used: int) -> None:
     for name in ("how", "spread_of", "message"):
         if not isinstance(getattr(estimate, name), str):
             raise InvalidEstimate(f"{name} of the estimate must be text, got {getattr(estimate, name)!r}")
+    if estimate.spread_of not in SPREADS:
+        raise InvalidEstimate(f"spread_of of the estimate must be {' or '.join(SPREADS)}, got '{estimate.spread_of}'")
+    if used == 0 and not estimate.message.strip():
+        raise InvalidEstimate("the estimate was made without a simulated event, and its message does not say why")

@@ -1,5 +1,6 @@
 """Measured events from a file of any common format, and what may be wrong with them."""
 
+import math
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -13,6 +14,13 @@ from avobench.tasks.errors import UsageError
 
 MIN_EVENTS = 200
 """That a diagnosis needs: fewer fill no bins in which an effect could be told from another."""
+MOST_EVENTS = 2_000_000
+"""That a diagnosis takes: it needs 20 to 60 s of a processor and 0.2 GB for each million, and its errors are then far
+below what a simulator is trusted to."""
+LARGEST = 2.0**53
+"""Beyond it double precision does not tell a whole number from the next."""
+FAR = 100
+"""Widths of what the simulator makes, from where on no value of it is near: what lies there is another quantity."""
 NUM_REFERENCE = 20_000
 """Simulated events that tell which values the simulator can make; a tenth of it for images."""
 MANY_REPEATS = 0.01
@@ -53,7 +61,7 @@ def read_events(path: str, columns: Sequence[str] | None = None) -> NDArray:
         raise UsageError(f"{file} holds {x.dtype} instead of real numbers")
     if x.ndim == 0:
         raise UsageError(f"{file} holds a single number")
-    return x.reshape(len(x), -1) if x.size else x.reshape(len(x), x.shape[1] if x.ndim > 1 else 1)
+    return x.reshape(len(x), math.prod(x.shape[1:]))
 
 
 def _read_npz(file: str, tree: str, columns: list[str] | None) -> NDArray:
@@ -129,13 +137,14 @@ def _stack(file: str, arrays: dict[str, NDArray]) -> NDArray:
 
 
 def check_events(
-    task: Task, x: ArrayLike, *, drop_invalid: bool = False, least: int = MIN_EVENTS
+    task: Task, x: ArrayLike, *, drop_invalid: bool = False, diagnosis: bool = True
 ) -> tuple[NDArray, list[str]]:
     """The events (n, d), or (n,) of one number each, as an array (n, d) of the task's type, and warnings.
 
     Raises UsageError where an inference would be meaningless: no numbers, another number of columns, rows that are not
-    finite (unless `drop_invalid` drops them), whole numbers for a continuous task or fractions for counts, fewer than
-    `least`.
+    finite (unless `drop_invalid` drops them), whole numbers for a continuous task or fractions for counts, none at all,
+    numbers beyond 2^53, or a feature of which most values lie far from all that the simulator makes. A `diagnosis` also
+    takes neither fewer than MIN_EVENTS nor more than MOST_EVENTS, nor a feature of which all values are alike.
     """
     x = np.asarray(x)
     x = x[:, None] if x.ndim == 1 else x
@@ -152,8 +161,12 @@ def check_events(
             raise UsageError(f"{count}; mend them, or drop them with --drop-invalid")
         warnings.append(f"{count} and were dropped")
         x = x[finite]
+    least = MIN_EVENTS if diagnosis else 1
     if len(x) < least:
         raise UsageError(f"{len(x)} events are too few, at least {least} are needed")
+    if x.max() > LARGEST or x.min() < -LARGEST:
+        largest = x.max() if x.max() > LARGEST else x.min()
+        raise UsageError(f"the data reach to {largest:.3g}, beyond 2^53 numbers are not exact; give another unit")
     whole = bool((x == np.rint(x)).all())
     if np.issubdtype(np.dtype(task.dtype), np.integer):
         if not whole:
@@ -162,6 +175,8 @@ def check_events(
     elif whole and not task.event_shape:
         raise UsageError(f"{task.name} makes continuous values, the data hold whole numbers only")
     warnings += _outside(task, x)
+    if diagnosis:
+        _check_for_diagnosis(task, x)
     if task.event_shape or not np.issubdtype(np.dtype(task.dtype), np.integer):
         repeated = len(x) - len(np.unique(x, axis=0))
         if repeated > MANY_REPEATS * len(x):
@@ -170,6 +185,18 @@ def check_events(
                 "repeated events falsify every test"
             )
     return _cast(task, x), warnings
+
+
+def _check_for_diagnosis(task: Task, x: NDArray) -> None:
+    """Raise UsageError for more events than a diagnosis takes, or data in which there is nothing to compare."""
+    if len(x) > MOST_EVENTS:
+        raise UsageError(
+            f"{len(x)} events are more than a diagnosis takes, {MOST_EVENTS}; give a random sample of them"
+        )
+    features = {"the data": x} if task.event_shape else dict(zip(task.labels, x.T, strict=True))
+    for name, values in features.items():
+        if values.min() == values.max():
+            raise UsageError(f"all values of {name} are {values.flat[0]:g}; a diagnosis needs values that differ")
 
 
 def _cast(task: Task, x: NDArray) -> NDArray:
@@ -185,7 +212,7 @@ def _outside(task: Task, x: NDArray) -> list[str]:
 
     Where simulated events crowd at an end of their range, as a cosine does at 1, the range is taken to end there, and
     any value beyond is told. Elsewhere, as in the tail of a Gaussian, only values that lie beyond by the range's whole
-    width are. The features of an image are taken together.
+    width are. The features of an image are taken together. Raises UsageError where most values lie FAR outside.
     """
     rng = np.random.default_rng(0)
     simulated = task.simulate(task.prior.sample(NUM_REFERENCE // (10 if task.event_shape else 1), rng), rng)
@@ -200,6 +227,11 @@ def _outside(task: Task, x: NDArray) -> list[str]:
         below = low - (0.001 if near_low - low <= 0.01 * width else 1) * width
         above = high + (0.001 if high - near_high <= 0.01 * width else 1) * width
         count = int(((values < below) | (values > above)).sum())
+        if count > len(values) / 2 and np.median(np.maximum(low - values, values - high)) > FAR * width > 0:
+            raise UsageError(
+                f"most values of {name} lie more than {FAR} times the width of {low:.4g} to {high:.4g} outside of it, "
+                "where the simulator makes its events; are they another quantity, or in another unit?"
+            )
         if count:
             sentences.append(
                 f"{count} values of {name} lie outside {low:.4g} to {high:.4g}, where the simulator makes its events "

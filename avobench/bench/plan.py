@@ -24,11 +24,15 @@ def plan(
     num_observations: int,
     seed: int,
     settings: list[str],
+    device: str = "cpu",
+    *,
+    tried: bool = True,
 ) -> list[Cell]:
     """All cells, ordered so that an interrupted sweep is a complete comparison over fewer targets.
 
     The order is repetition, target, method as given, task as given. `targets` is text such as `0-2,7`, `settings`
-    are texts NAME.SETTING=VALUE. Raises UsageError for anything that cannot be met, before anything is simulated.
+    are texts NAME.SETTING=VALUE; `device` is for the methods that can use one. Simulators of the user's are `tried`
+    with their generators. Raises UsageError for anything that cannot be met, before a cell begins.
     """
     for name, value in (("budget", budget), ("observations", num_observations), ("repetitions", repetitions)):
         if value < 1:
@@ -38,6 +42,8 @@ def plan(
     if not 0 <= seed < 2**63:
         raise UsageError(f"--seed must lie between 0 and 2^63 - 1, got {seed}")
     indices = parse_targets(targets)
+    if device != "cpu":
+        settings = [*settings, *on_device(methods, device)]
     built = {kind: {} for kind in ("task", "method")}
     chosen = parse_settings(settings, {"task": tasks, "method": methods})
     for kind, specs in (("task", tasks), ("method", methods)):
@@ -45,7 +51,7 @@ def plan(
             built[kind][spec] = registry.build(kind, spec, chosen[spec])
             registry.require_packages(kind, built[kind][spec])
     for spec, task in built["task"].items():
-        if ":" in spec:
+        if tried and ":" in spec:
             require_generator(task)
     for spec, method in built["method"].items():
         for task in built["task"].values():
@@ -63,13 +69,13 @@ def plan(
     ]
 
 
-def on_device(methods: list[str], device: str) -> tuple[str, ...]:
+def on_device(methods: list[str], device: str) -> list[str]:
     """The settings that put those of the methods on a device that can use one. Raises UsageError when none can."""
     classes = [registry.load("method", spec) for spec in methods]
     able = [c.name for c in classes if dataclasses.is_dataclass(c) and "device" in c.__dataclass_fields__]
     if not able:
         raise UsageError(f"--device {device}: none of {', '.join(methods)} can use one")
-    return tuple(f"{name}.device={device}" for name in able)
+    return [f"{name}.device={device}" for name in able]
 
 
 def require_generator(task: Task) -> None:

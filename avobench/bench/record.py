@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from avobench.bench.status import Status
+from avobench.bench.status import LOST, Status
 from avobench.tasks.errors import UsageError
 
 SCHEMA_VERSION = 1
@@ -100,14 +100,16 @@ class Record(Strict):
         description="the same for an estimator that knows the likelihood"
     )
     how: str | None = Field(description="how the estimate was taken")
-    spread_of: str | None = Field(description="what `mean` and `std` are of: the posterior or the proposal")
+    spread_of: Literal["posterior", "proposal"] | None = Field(
+        description="what `mean` and `std` are of: the posterior or the proposal"
+    )
     mean: PartlyKnown | None = Field(description="mean of the posterior or proposal")
     std: PartlyKnown | None = Field(description="standard deviation of the posterior or proposal")
     trace: list[TracePoint] = Field(
         description="list of `simulations`, `theta`, `std`: the estimate after so many simulated events, in their order"
     )
     simulations_requested: Count | None = Field(
-        description="events asked for: used plus refused; null, as the next three, where the worker process died"
+        description="events asked for: used plus refused; null, as the next three, where the worker process was lost"
     )
     simulations_used: Count | None = Field(
         description="events simulated, never above `budget`; pilot and calibration events count too"
@@ -127,7 +129,7 @@ class Record(Strict):
     peak_memory_mib: Annotated[float, Field(gt=0)] | None = Field(
         description="highest resident memory of the worker process during the cell (Linux; null elsewhere)"
     )
-    started: str | None = Field(description="when, in UTC; null where the worker process died")
+    started: str | None = Field(description="when, in UTC; null where the worker process was lost")
     versions: dict[str, str | None] = Field(
         description="of Python, avobench, NumPy, SciPy, PyTorch, pyABC, ELFI, GPy, Pythia, the packages that the task "
         "and method name, and the commit of the source; they do not identify a cell: after an upgrade, finished cells "
@@ -162,8 +164,8 @@ class Record(Strict):
     def _events_add_up(self) -> None:
         names = [f"simulations_{what}" for what in ("requested", "used", "discarded", "refused")]
         counts = [getattr(self, name) for name in names]
-        if (self.status == Status.CRASHED) != (None in counts) or len({count is None for count in counts}) > 1:
-            raise ValueError("the numbers of simulations are known exactly where the worker process did not die")
+        if (self.status in LOST) != (None in counts) or len({count is None for count in counts}) > 1:
+            raise ValueError("the numbers of simulations are known exactly where the worker process was not lost")
         if None in counts:
             return
         requested, used, discarded, refused = counts

@@ -22,6 +22,7 @@ from avobench.effects.catalogue import GROUP, families
 from avobench.effects.contract import Effect
 from avobench.effects.model_file import AugmentedTask
 from avobench.methods import Method
+from avobench.methods.device import require_device
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 from avobench.tasks.function import NAME
@@ -90,6 +91,13 @@ def load(kind: str, spec: str) -> Any:
     return found
 
 
+def runs_theirs(kind: str, spec: str) -> bool:
+    """Whether what `spec` names runs code that is not of this project; False too for a name that there is not."""
+    if ":" in spec or is_model(kind, spec):
+        return True
+    return any(point.name == spec and not point.value.startswith("avobench.") for point in _points(kind))
+
+
 def is_model(kind: str, spec: str) -> bool:
     """Whether `spec` is the file of a task with effects added, as `avobench diagnose` writes it."""
     return kind == "task" and spec.endswith(".json")
@@ -123,27 +131,32 @@ def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
 
 def read_model(spec: str) -> AugmentedTask:
     """The task of the file of a model. Raises UsageError for code that it names and the user has not trusted."""
-
-    def named(kind: str, name: str) -> None:
-        if ":" in name and isinstance(spec, Trusted):
-            return
-        if ":" in name:
-            raise UsageError(
-                f"{spec} names {kind} '{name}', and reading it would run that code: only a file that is trusted "
-                "(--trust) may name what is not installed"
-            )
-        if name not in names(kind):
-            raise UsageError(f"{spec} names {kind} '{name}', which is not installed")
+    trust = isinstance(spec, Trusted)
 
     def task(name: str, settings: dict[str, Any]) -> Task:
-        named("task", name)
-        return build("task", name, settings)
+        if is_model("task", name):  # it holds such a model itself
+            raise UsageError(f"{spec} names task '{name}', which is not installed")
+        return build("task", named_in(spec, "task", name, trust), settings)
 
     def own_effect(name: str) -> Effect:
-        named("effect", name)
-        return effect(name)
+        return effect(named_in(spec, "effect", name, trust))
 
     return AugmentedTask.read(Path(spec), task, own_effect)
+
+
+def named_in(file: str | Path, kind: str, name: str, trust: bool) -> str:
+    """The task or effect that a file names, to be built.
+
+    Raises UsageError for what is not installed, unless the user trusts the file.
+    """
+    if ":" in name and not trust:
+        raise UsageError(
+            f"{file} names {kind} '{name}', and reading it would run that code: only a file that is trusted (--trust) "
+            "may name what is not installed"
+        )
+    if ":" not in name and not is_model(kind, name) and name not in names(kind):
+        raise UsageError(f"{file} names {kind} '{name}', which is not installed")
+    return trusted(name) if trust else name
 
 
 def effect(spec: str) -> Effect:
@@ -217,13 +230,18 @@ def _made_of(instance: Any) -> list[Any]:
 
 
 def require_packages(kind: str, instance: Any) -> None:
-    """Raise UsageError when a package that the task or method needs is not installed."""
+    """Raise UsageError when a package that the task or method needs is not installed, or its device is not there."""
     for package in instance.packages:
         if find_spec(package) is None:
             raise UsageError(
                 f"{kind} {instance.name} needs {package}, which is not installed"
                 + (f": pip install 'avobench[{instance.extra}]'" if instance.extra else "")
             )
+    if kind == "method" and getattr(instance, "device", "cpu") == "cuda" and find_spec("torch") is not None:
+        try:
+            require_device("cuda")
+        except ValueError as error:
+            raise UsageError(f"method {instance.name} with device=cuda: {error}") from error
 
 
 def blamed(make: Callable[[], Any], what: str) -> Any:

@@ -4,7 +4,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any
@@ -12,7 +12,7 @@ from typing import Any
 from avobench.bench.backends.contract import Backend
 from avobench.bench.cell import Cell
 from avobench.bench.status import Status
-from avobench.bench.store import Store
+from avobench.bench.store import UNREAD, Store
 from avobench.bench.versions import versions
 from avobench.tasks.errors import StoreError
 
@@ -84,22 +84,24 @@ def run(
     A damaged record is set aside and made again. With `retry_failed`, cells with a record that is not `ok` are made
     again too. KeyboardInterrupt, or a backend that fails, leaves the store as it is: what was finished stays, and the
     next run goes on from there. Raises UsageError for names that no file can have, StoreError when the table of packed
-    records is damaged.
+    records is damaged, or when the disk does not give or take what it should.
     """
-    with store.lock():
+    with store.lock(), _disk(store):
         store.remove_leftovers()
         wanted = {cell.id: cell for cell in cells}
         for cell in cells:
             store.place({**cell.identity, "id": cell.id})  # a name that is none is told before anything is made
-        sound, damaged = store.read()
+        sound, damaged = store.read(traces=False)
         if store.table in damaged:  # it is not known which records are lost, and they may have taken days
             raise StoreError(f"{store.table} {damaged[store.table]}; {store.remedy(store.table)}")
         for path, reason in damaged.items():
+            if path.parent == store.records and reason.startswith(UNREAD):
+                raise StoreError(f"{path} {reason}; {store.remedy(path, reason)}")
             if path.stem.rpartition("_")[2] in wanted:
                 view.note(f"{path.name} {reason}: set aside in {store.set_aside(path).parent}, made again")
             else:
                 view.note(f"{path.name} {reason}: left as it is, not part of this run")
-        done = {record["id"]: _brief(record) for record in sound if record["id"] in wanted}
+        done = {record["id"]: record for record in sound if record["id"] in wanted}
         del sound
         if retry_failed:
             done = {id: record for id, record in done.items() if record["status"] == Status.OK}
@@ -121,6 +123,15 @@ def run(
 
 def _brief(record: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in record.items() if name != "trace"}
+
+
+@contextmanager
+def _disk(store: Store) -> Iterator[None]:
+    """What the disk refuses to the sweep or its backend, such as marks of running cells, is told as that."""
+    try:
+        yield
+    except OSError as error:
+        raise StoreError(f"the results folder {store.path} cannot be used: {error.strerror or error}") from error
 
 
 @contextmanager
@@ -146,9 +157,8 @@ def _ticking(sweep: Sweep, view: View) -> Iterator[None]:
 def _logged(sweep: Sweep, store: Store) -> Iterator[None]:
     """Log what this run did, however it ends short of a kill, if it finished any cell."""
     started, wall, cpu = datetime.now(UTC).isoformat(timespec="seconds"), time.monotonic(), time.process_time()
-    try:
-        yield
-    finally:
+
+    def log() -> None:
         if sweep.fresh:
             store.log_sweep(
                 {
@@ -163,3 +173,11 @@ def _logged(sweep: Sweep, store: Store) -> Iterator[None]:
                     "versions": versions(),
                 }
             )
+
+    try:
+        yield
+    except BaseException:
+        with suppress(StoreError):  # what stopped the sweep is said, not that it could not be logged on the same disk
+            log()
+        raise
+    log()

@@ -19,7 +19,15 @@ class Status(StrEnum):
     INVALID_ESTIMATE = "invalid_estimate"
     """The method returned something that is not a finite estimate within the support."""
     CRASHED = "crashed"
-    """The worker process died twice in this cell."""
+    """The worker process ended twice in this cell: killed, by a fault in compiled code, or by itself."""
+    TIMED_OUT = "timed_out"
+    """The cell took longer than its limit of time, and its worker process was ended."""
+    OUT_OF_MEMORY = "out_of_memory"
+    """The worker process took more memory than the limit of a cell, and was ended."""
+
+
+LOST = (Status.CRASHED, Status.TIMED_OUT, Status.OUT_OF_MEMORY)
+"""The worker process was lost, and with it how far the cell was."""
 
 
 def reason(record: dict[str, Any]) -> str:

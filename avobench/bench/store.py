@@ -1,22 +1,31 @@
 """Records on disk: a JSON file a cell, or many packed in one table. docs/records.md describes them."""
 
+import errno
 import json
 import os
+import sys
 import warnings
 from collections.abc import Iterator
-from contextlib import AbstractContextManager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
 from filelock import FileLock, Timeout
 
 from avobench.bench.atomic import within, write_atomically
+from avobench.bench.claim import claim
 from avobench.bench.packed import Unreadable, read_rows
 from avobench.bench.record import SCHEMA_VERSION, decode_record, encode, file_name
 from avobench.tasks.errors import StoreError, UsageError
 
 SCHEMA = {"schema": "avobench-records", "version": SCHEMA_VERSION}
+UNREAD = "cannot be read"
+"""How the fault of a file begins that the disk does not give: what it holds may be sound, and is never made again."""
+
+NO_LOCKS = (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP)
+"""What a file system says that has no locks."""
 
 
 class DamagedRecord(UserWarning):
@@ -73,19 +82,34 @@ class Store:
         if create and not os.access(path, os.W_OK):
             raise UsageError(f"the results folder {path} is read-only; choose another with --results")
 
-    def lock(self) -> AbstractContextManager[Any]:
-        """A lock that one sweep at a time can hold; it goes with its process. Raises UsageError if it is taken."""
-        lock = FileLock(self.path / ".lock")
-        try:
-            return lock.acquire(timeout=0)
-        except Timeout as error:
-            raise UsageError(f"another avobench run is writing to {self.path}; wait for it or stop it") from error
-        except OSError as error:
-            raise UsageError(f"{self.path} cannot be locked for writing: {error.strerror or error}") from error
+    @contextmanager
+    def lock(self) -> Iterator[None]:
+        """A lock that one sweep at a time can hold; it goes with its process. Raises UsageError if it is taken.
+
+        Some network file systems have no locks, or grant one to everyone who asks, so who writes leaves its name too.
+        """
+        with ExitStack() as stack:
+            try:
+                stack.enter_context(FileLock(self.path / ".lock", fallback_to_soft=False).acquire(timeout=0))
+            except Timeout as error:
+                raise UsageError(f"another avobench run is writing to {self.path}; wait for it or stop it") from error
+            except OSError as error:
+                if error.errno not in NO_LOCKS:
+                    raise self._cannot_be_locked(error) from error
+            try:
+                stack.enter_context(claim(self.path / ".writer"))
+            except OSError as error:
+                raise self._cannot_be_locked(error) from error
+            yield
+
+    def _cannot_be_locked(self, error: OSError) -> UsageError:
+        return UsageError(f"{self.path} cannot be locked for writing: {error.strerror or error}")
 
     def write(self, record: dict[str, Any]) -> Path:
         """Write one record, whole or not at all. Raises StoreError when the disk does not take it, or as `place`."""
         path = self.place(record)
+        if not (self.path / "store.json").exists():
+            raise StoreError(f"the results folder {self.path} was removed while it was in use, and its records with it")
         try:
             self.records.mkdir(exist_ok=True)
             return write_atomically(path, encode(record))
@@ -97,9 +121,15 @@ class Store:
         return within(self.records, file_name(record))
 
     def log_sweep(self, entry: dict[str, Any]) -> None:
-        """Add a line to `sweeps.jsonl`, which tells how the records were made: command, time taken, versions."""
-        with (self.path / "sweeps.jsonl").open("a") as file:
-            file.write(json.dumps(entry) + "\n")
+        """Add a line to `sweeps.jsonl`, which tells how the records were made: command, time taken, versions.
+
+        Raises StoreError when the disk does not take it.
+        """
+        try:
+            with (self.path / "sweeps.jsonl").open("a") as file:
+                file.write(json.dumps(entry) + "\n")
+        except OSError as error:
+            raise StoreError(f"{self.path / 'sweeps.jsonl'} could not be written: {error.strerror or error}") from error
 
     def sweeps(self) -> list[dict[str, Any]]:
         """The lines of `sweeps.jsonl`, oldest first; a last line cut short by a crash is left out."""
@@ -113,13 +143,13 @@ class Store:
         A reader needs no lock. What is packed meanwhile is gone as a file, but then in the table, which is read after.
         """
         seen = set()
-        for path in self.records.glob("*.json"):
+        for path in self._files():
             try:
                 content = path.read_bytes()
             except FileNotFoundError:
                 continue
             except OSError as error:
-                yield Entry(path, b"", None, f"cannot be read: {error.strerror or error}")
+                yield Entry(path, b"", None, f"{UNREAD}: {error.strerror or error}")
             else:
                 yield _entry(path, content)
             seen.add(path.name)
@@ -131,34 +161,54 @@ class Store:
         except (Unreadable, UsageError) as error:
             yield Entry(self.table, b"", None, str(error))
 
-    def read(self) -> tuple[list[dict[str, Any]], dict[Path, str]]:
-        """All sound records, ordered by file name, and the damaged files and rows with what is wrong with each."""
+    def _files(self) -> list[Path]:
+        """The files of records. Raises StoreError when the folder cannot be listed: it would seem to be empty."""
+        try:
+            with os.scandir(self.records) as found:
+                return [self.records / each.name for each in found if fnmatch(each.name, "[!.]*.json")]
+        except FileNotFoundError:
+            return []
+        except OSError as error:
+            raise StoreError(f"{self.records} cannot be listed: {error.strerror or error}") from error
+
+    def read(self, *, traces: bool = True) -> tuple[list[dict[str, Any]], dict[Path, str]]:
+        """All sound records, ordered by file name, and the damaged files and rows with what is wrong with each.
+
+        Without `traces`, which are most of a record, many more have room in memory; then there is no such field.
+        """
         sound, damaged = {}, {}
+        once: dict[Any, Any] = {}
         for entry in self.entries():
             if entry.record is None:
                 damaged[entry.path] = entry.fault
             else:
-                sound[entry.path.name] = entry.record
+                sound[entry.path.name] = {
+                    sys.intern(name): _once(value, once)
+                    for name, value in entry.record.items()
+                    if traces or name != "trace"
+                }
         return [sound[name] for name in sorted(sound)], {path: damaged[path] for path in sorted(damaged)}
 
-    def read_sound(self) -> list[dict[str, Any]]:
+    def read_sound(self, *, traces: bool = True) -> list[dict[str, Any]]:
         """All sound records, ordered by file name, maybe none, with a warning DamagedRecord for each other one."""
-        sound, damaged = self.read()
+        sound, damaged = self.read(traces=traces)
         for path, fault in damaged.items():
-            warnings.warn(f"{path} {fault}; {self.remedy(path)}", DamagedRecord, stacklevel=3)
+            warnings.warn(f"{path} {fault}; {self.remedy(path, fault)}", DamagedRecord, stacklevel=3)
         return sound
 
-    def read_all(self) -> list[dict[str, Any]]:
+    def read_all(self, *, traces: bool = True) -> list[dict[str, Any]]:
         """The same; raises StoreError when there are none."""
-        sound = self.read_sound()
+        sound = self.read_sound(traces=traces)
         if not sound:
             raise StoreError(
                 f"there are no sound records in {self.path}; `avobench run --results {self.path}` makes them"
             )
         return sound
 
-    def remedy(self, path: Path) -> str:
+    def remedy(self, path: Path, fault: str = "") -> str:
         """What to do about a damaged file, row or table."""
+        if path.parent == self.records and fault.startswith(UNREAD):
+            return "look at the disk and at the file's permissions, or move it away and `avobench run` makes it again"
         if path == self.table:
             return "restore it from a copy, or move it away and `avobench run` makes its records again"
         if path.parent == self.table:
@@ -168,8 +218,15 @@ class Store:
     def set_aside(self, path: Path) -> Path:
         """Keep a damaged record in `damaged/`, never over another file, and move it out of the way.
 
-        A row stays in the table, unread once its cell is made again, and goes when the store is next packed.
+        A row stays in the table, unread once its cell is made again, and goes when the store is next packed. Raises
+        StoreError when the disk does not take it.
         """
+        try:
+            return self._set_aside(path)
+        except OSError as error:
+            raise StoreError(f"{path} could not be set aside: {error.strerror or error}") from error
+
+    def _set_aside(self, path: Path) -> Path:
         folder = self.path / "damaged"
         folder.mkdir(exist_ok=True)
         target, number = within(folder, path.name), 1
@@ -184,9 +241,24 @@ class Store:
         return path.rename(target) if row is None else write_atomically(target, row)
 
     def remove_leftovers(self) -> None:
-        """Delete what a killed run left half-done: temporary files and marks of running cells. Needs the lock."""
-        for leftover in [*self.path.glob(".*.tmp"), *self.records.glob(".*.tmp"), *self.running.glob("*")]:
-            leftover.unlink(missing_ok=True)  # the workers of a killed run may still be ending
+        """Delete what a killed run left half-done: temporary files and marks of running cells. Needs the lock.
+
+        Raises StoreError when they cannot be deleted.
+        """
+        try:
+            for leftover in [*self.path.glob(".*.tmp"), *self.records.glob(".*.tmp"), *self.running.glob("*")]:
+                leftover.unlink(missing_ok=True)  # the workers of a killed run may still be ending
+        except OSError as error:
+            raise StoreError(f"{self.path} could not be tidied up: {error.strerror or error}") from error
+
+
+def _once(value: Any, once: dict[Any, Any]) -> Any:
+    """An equal text that is in memory already, in place of this one: much is the same in all records of a sweep."""
+    if isinstance(value, str):
+        return once.setdefault(value, value)
+    if isinstance(value, dict):
+        return {_once(name, once): _once(inner, once) for name, inner in value.items()}
+    return value
 
 
 def _entry(path: Path, content: bytes) -> Entry:

@@ -11,14 +11,15 @@ from numpy.typing import NDArray
 
 def to_frame(records: Iterable[dict[str, Any]]) -> pd.DataFrame:
     """One row a cell; lists over parameters become columns `theta_true_0`, `theta_true_1`, ...; no trace."""
-    rows = []
+    rows, once = [], {}  # many records have the same settings: each text is kept once
     for record in records:
         row = dict(record)
         for name in ("theta_true", "theta_hat", "mean", "std"):
             values = row.pop(name) or [None] * len(record["theta_true"])
             row |= {f"{name}_{i}": value for i, value in enumerate(values)}
         for name in ("task_settings", "method_settings", "versions"):
-            row[name] = json.dumps(row[name], sort_keys=True)
+            text = json.dumps(row[name], sort_keys=True)
+            row[name] = once.setdefault(text, text)
         row["parameter_names"] = " ".join(row["parameter_names"])
         row.pop("trace", None)  # a sweep keeps none
         rows.append(row)

@@ -178,12 +178,11 @@ def told(error: BaseException) -> str:
 
 def blank_record(cell: Cell, status: Status, message: str) -> dict[str, Any]:
     """A record with every field of the schema, for a cell of which nothing more is known."""
-    task, method = cell.build_task(), cell.build_method()
     record = {
         "schema_version": SCHEMA_VERSION,
         "id": cell.id,
         **cell.identity,
-        "parameter_names": list(task.parameter_names),
+        "parameter_names": list(cell.parameter_names),
         "status": str(status),
         "message": message,
         "theta_hat": None,
@@ -205,9 +204,9 @@ def blank_record(cell: Cell, status: Status, message: str) -> dict[str, Any]:
         "harness_seconds": 0.0,
         "peak_memory_mib": None,
         "started": None,
-        "versions": versions((*method.packages, *task.packages)),
+        "versions": versions(cell.packages),
     }
-    return record | {"amortised": True} if method.amortised else record
+    return record | {"amortised": True} if cell.amortised else record
 
 
 def _floors(task: Task, cell: Cell) -> dict[str, float | None]:

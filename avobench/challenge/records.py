@@ -59,8 +59,10 @@ def read_records(path: Path) -> list[dict[str, Any]]:
     """What `records` gave, from a file of it. Raises UsageError for another file."""
     try:
         lines = [json.loads(line) for line in path.read_text().splitlines()]
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise UsageError(f"{path} cannot be read as records of a challenge: {error}") from error
-    if not lines or {name: lines[0].get(name) for name in RECORDS} != RECORDS:
+    if not lines or not all(isinstance(line, dict) for line in lines):
+        raise UsageError(f"{path} does not hold records of a challenge")
+    if {name: lines[0].get(name) for name in RECORDS} != RECORDS:
         raise UsageError(f"{path} does not hold records of a challenge")
     return lines

@@ -11,6 +11,7 @@ from scipy.stats import binomtest
 from avobench.bench import registry
 from avobench.challenge.case import VISIBLE, Case
 from avobench.challenge.hide import SETS
+from avobench.tasks.errors import UsageError
 
 POWERS = (0.2, 0.5, 0.9, 0.99)
 """Borders of classes of visibility: the power of the best test of binned events, see `visibility`."""
@@ -23,11 +24,24 @@ NEAR = 2.0
 """Theta is right within so many of its quoted errors."""
 
 
-def score(*challenges: list[dict[str, Any]]) -> dict[str, Any]:
-    """How often the diagnoses were right, from the `records` of one challenge, or of several pooled."""
+def score(*challenges: list[dict[str, Any]], trust: bool = False) -> dict[str, Any]:
+    """How often the diagnoses were right, from the `records` of one challenge, or of several pooled.
+
+    Raises UsageError where the records are not what `records` gives, or name the code of a task and the user does not
+    `trust` them.
+    """
+    try:
+        return _score(challenges, trust)
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        what = f"{type(error).__name__}: {error}"
+        raise UsageError(f"the records of the challenge do not hold what is to be scored ({what})") from error
+
+
+def _score(challenges: tuple[list[dict[str, Any]], ...], trust: bool) -> dict[str, Any]:
     heads = [lines[0] for lines in challenges]
     rows = [(head, row) for head, *rest in challenges for row in rest]
-    tasks = {head["task"]: registry.build("task", head["task"], {}) for head in heads}
+    specs = {head["task"]: registry.named_in("the challenge", "task", head["task"], trust) for head in heads}
+    tasks = {name: registry.build("task", spec, {}) for name, spec in specs.items()}
     solved = [(head, row) for head, row in rows if row["error"] is None]
     cases = [Case(tasks[head["task"]], row, row["diagnosis"]) for head, row in solved]
     of = {kind: [case for case in cases if case.answer["kind"] == kind] for kind in ("none", "two", "withheld")}

@@ -6,15 +6,18 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import joblib
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from avobench.bench import registry
-from avobench.bench.atomic import write_atomically
+from avobench.bench.apart import Call, here, outcomes
+from avobench.bench.backends.workers import Workers
 from avobench.bench.events import check_events, read_events
+from avobench.bench.files import require_folder, write_file
+from avobench.bench.record import NAME
 from avobench.challenge.make import MANIFEST
 from avobench.diagnosis import diagnose
 from avobench.effects.catalogue import catalogue
-from avobench.tasks.errors import AvobenchError, UsageError
+from avobench.tasks.errors import AvobenchError, ProcessEnded, UsageError
 
 RESULTS = "results"
 """The folder of a challenge that holds a file for each case that was tried."""
@@ -23,63 +26,98 @@ RESULTS = "results"
 def solve(
     folder: Path,
     *,
-    jobs: int = 1,
+    workers: Workers | None = None,
     options: dict[str, Any] | None = None,
+    trust: bool = False,
     progress: Callable[[str], None] = lambda line: None,
 ) -> None:
     """Diagnose each case of `folder` that has no result yet, with `options` of `diagnose`; a file a case in `results/`.
 
-    Each case has a seed of its own, its number. A case that fails leaves its error as the result, and is tried again
-    the next time. Raises UsageError if the folder is no challenge, or holds results of other options.
+    Each case has a seed of its own, its number, and one process unless `workers` says otherwise. A case that fails, or
+    exceeds a limit of time or memory, leaves its error as the result, and is tried again the next time. Raises
+    UsageError if the folder is no challenge, holds results of other options, or names code without being trusted;
+    StoreError where the disk does not take a result.
     """
     manifest = read_manifest(folder)
-    task = registry.build("task", manifest["task"], {})
-    registry.require_packages("task", task)
-    options = options or {}
-    (folder / RESULTS).mkdir(exist_ok=True)
+    spec = registry.named_in(folder / "manifest.json", "task", manifest["task"], trust)
+    workers, options = workers or Workers(jobs=1), options or {}
+    require_folder(folder / RESULTS)
     pending = []
     for number, case in enumerate(manifest["cases"]):
         path = folder / RESULTS / f"{case['case']}.json"
         if path.exists():
             result = read_json(path)
-            if result["options"] != options:
-                raise UsageError(f"{path} was made with {result['options']}, not {options}; solve a copy of the folder")
+            if result.get("options") != options:
+                raise UsageError(
+                    f"{path} was made with {result.get('options')}, not {options}; solve a copy of the folder"
+                )
             if "error" not in result:
                 continue
         pending.append((number, case, path))
-    work = (
-        joblib.delayed(_solve_case)(manifest["task"], folder / "data", number, case, path, options)
-        for number, case, path in pending
-    )
-    for done, line in enumerate(joblib.Parallel(n_jobs=jobs, return_as="generator_unordered")(work), start=1):
-        progress(f"[{done}/{len(pending)}] {line}")
+    calls = [
+        Call(_solved, (spec, folder / "data", number, case, options), workers.limits) for number, case, _ in pending
+    ]
+    carried_out = here(calls) if workers.in_process else outcomes(workers.processes, calls)
+    for done, (place, outcome) in enumerate(carried_out, start=1):
+        if isinstance(outcome, ProcessEnded):  # a failed case is a row of the score, never an absence
+            outcome = {"case": pending[place][1]["case"], "options": options, "error": f"{outcome.how}: {outcome}"}
+            outcome |= {"seconds": None, "cpu_seconds": None}
+        if isinstance(outcome, BaseException):
+            raise outcome
+        write_file(pending[place][2], (json.dumps(outcome) + "\n").encode())
+        progress(f"[{done}/{len(pending)}] {_line(outcome)}")
 
 
-def _solve_case(spec: str, data: Path, number: int, case: dict, path: Path, options: dict[str, Any]) -> str:
+def _solved(spec: str, data: Path, number: int, case: dict, options: dict[str, Any]) -> dict[str, Any]:
+    """The result of a case, or its error."""
     start, cpu = time.perf_counter(), time.process_time()
-    common: dict[str, Any] = {"case": case["case"], "options": options}
+    result: dict[str, Any] = {"case": case["case"], "options": options}
     try:
         task = registry.build("task", spec, {})
+        registry.require_packages("task", task)
         x, warnings = check_events(task, read_events(str(data / f"{case['case']}.npz")))
         allowed = case["effects"]
         effects = None if allowed is None else [effect for effect in catalogue(task) if effect.name in allowed]
         diagnosis = diagnose(task, x, seed=number, effects=effects, **options).diagnosis
-        result = {**common, "warnings": warnings, "diagnosis": diagnosis.model_dump(mode="json")}
-        line = str(diagnosis.verdict)
-        json.dumps(result, allow_nan=False)  # a number that is none is a fault too
+        found = {"warnings": warnings, "diagnosis": diagnosis.model_dump(mode="json")}
+        json.dumps(found, allow_nan=False)  # a number that is none is a fault too
+        result |= found
     except UsageError:
         raise
-    except Exception as error:  # a failed case is a row of the score, never an absence
-        line = f"{type(error).__name__}: {error}"
-        result = {**common, "error": line}
+    except Exception as error:
+        result["error"] = f"{type(error).__name__}: {error}"
     result["seconds"] = time.perf_counter() - start
     result["cpu_seconds"] = time.process_time() - cpu
-    write_atomically(path, (json.dumps(result) + "\n").encode())
-    return f"{case['case']}: {line}, {result['cpu_seconds']:.1f} s"
+    return result
+
+
+def _line(result: dict[str, Any]) -> str:
+    seconds = "" if result["cpu_seconds"] is None else f", {result['cpu_seconds']:.1f} s"
+    return f"{result['case']}: {result.get('error') or result['diagnosis']['verdict']}{seconds}"
+
+
+class PublicCase(BaseModel):
+    """A data set and the effects that may be tried on it, all where None."""
+
+    model_config = ConfigDict(strict=True, extra="forbid")
+    case: str = Field(pattern=f"^{NAME}$")
+    """Part of the names of files, so nothing in it may lead to another folder."""
+    effects: list[str] | None
+
+
+class Manifest(BaseModel):
+    """What is public of a challenge."""
+
+    model_config = ConfigDict(strict=True, extra="forbid")
+    kind: str = Field(alias="schema")
+    version: int
+    task: str
+    num_events: int = Field(ge=1)
+    cases: list[PublicCase] = Field(min_length=1)
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:
-    """What is public of a challenge. Raises UsageError if `folder` holds none."""
+    """What is public of a challenge. Raises UsageError if `folder` holds none, or one that makes no sense."""
     path = folder / "manifest.json"
     if not path.is_file():
         raise UsageError(f"{folder} holds no challenge; `avobench challenge make --out {folder}` makes one")
@@ -87,6 +125,13 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     found = {name: manifest.get(name) for name in MANIFEST}
     if found != MANIFEST:
         raise UsageError(f"{path} has the schema {found}, this version of avobench reads {MANIFEST}")
+    try:
+        cases = [case.case for case in Manifest.model_validate(manifest).cases]
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        raise UsageError(f"{path} makes no sense: {first['msg']} at {'.'.join(map(str, first['loc']))}") from error
+    if len(set(cases)) < len(cases):
+        raise UsageError(f"{path} makes no sense: two cases have the same name")
     return manifest
 
 

@@ -35,11 +35,11 @@ WANTED: tuple[tuple[str, tuple[str, ...], str, float], ...] = (
 """What is wanted: a quantity, where it stands in a score, and its bound."""
 
 
-def targets(*challenges: list[dict[str, Any]]) -> str:
+def targets(*challenges: list[dict[str, Any]], trust: bool = False) -> str:
     """What is wanted of challenges beside what they gave, a column a task, and whether all pooled are as wanted."""
     tasks = list(dict.fromkeys(lines[0]["task"] for lines in challenges))
-    scores = {task: score(*(lines for lines in challenges if lines[0]["task"] == task)) for task in tasks}
-    scores["all"] = score(*challenges)
+    scores = {task: score(*(lines for lines in challenges if lines[0]["task"] == task), trust=trust) for task in tasks}
+    scores["all"] = score(*challenges, trust=trust)
     rows = []
     for name, path, how, bound in WANTED:
         got = {task: _at(result, path) for task, result in scores.items()}

@@ -5,6 +5,9 @@ from pathlib import Path
 
 import click
 
+from avobench.bench.backends.workers import Workers
+from avobench.cli.isolated import Isolated, State
+from avobench.cli.options import TRUST, named
 from avobench.tasks.errors import UsageError
 
 FOLDER = click.argument("folder", type=click.Path(path_type=Path))
@@ -15,43 +18,67 @@ def challenge() -> None:
     """Hide effects in measured data, find them again, and score that."""
 
 
-@challenge.command()
+@challenge.command(cls=Isolated)
 @click.option("--task", required=True, metavar="NAME", help="Task, or module:Class.")
 @click.option("--cases", type=int, required=True, help="Data sets to make.")
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="New folder for data and answers.")
 @click.option("--events", "num_events", type=int, default=50_000, show_default=True, help="Events of each data set.")
 @click.option("--kinds", default=None, metavar="A,B", help="Of none, own, foreign, two, withheld.  [all]")
-def make(task: str, cases: int, seed: int, out: Path, num_events: int, kinds: str | None) -> None:
+@TRUST
+def make(task: str, cases: int, seed: int, out: Path, num_events: int, kinds: str | None, trust: bool) -> None:
     """Hide random effects in data sets of a task. What was hidden stands in answers.json, apart from the data."""
     from avobench.challenge import make as module
 
     chosen = module.KINDS if kinds is None else tuple(kinds.split(","))
-    module.make(task, cases, seed, out, num_events=num_events, kinds=chosen, progress=_say)
+    module.make(named(task, trust), cases, seed, out, num_events=num_events, kinds=chosen, progress=_say)
     click.echo(f"{cases} data sets in {out}; next: avobench challenge solve {out}")
 
 
 @challenge.command()
 @FOLDER
-@click.option("--jobs", "-j", type=int, default=1, show_default=True, help="Worker processes.")
+@click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [1]")
 @click.option("--alpha", type=float, default=None, help="Error rate of the detection.")
 @click.option("--simulations", "num_simulations", type=int, default=None, help="Simulated events a data set.")
 @click.option("--fit", default=None, metavar="NAME", help="How theta is fitted.")
-def solve(folder: Path, jobs: int, alpha: float | None, num_simulations: int | None, fit: str | None) -> None:
+@click.option("--time-limit", type=float, default=None, metavar="SECONDS", help="Of a data set.  [21600]")
+@click.option("--memory-limit", type=float, default=None, metavar="MIB", help="Of its process.  [8192]")
+@TRUST
+@click.pass_obj
+def solve(
+    state: State,
+    folder: Path,
+    jobs: int | None,
+    alpha: float | None,
+    num_simulations: int | None,
+    fit: str | None,
+    time_limit: float | None,
+    memory_limit: float | None,
+    trust: bool,
+) -> None:
     """Diagnose every data set that has no result yet, from the data alone."""
     from avobench.challenge.solve import solve as solve_all
 
     options = {"alpha": alpha, "num_simulations": num_simulations, "fit": fit}
-    solve_all(folder, jobs=jobs, options={name: v for name, v in options.items() if v is not None}, progress=_say)
+    workers = Workers(
+        1 if jobs is None else jobs,
+        time_limit=time_limit,
+        memory_limit=memory_limit,
+        in_process=state.in_process,
+    )
+    state.resumes = True
+    chosen = {name: v for name, v in options.items() if v is not None}
+    solve_all(folder, workers=workers, options=chosen, trust=trust, progress=_say)
     click.echo(f"results in {folder / 'results'}; next: avobench challenge score {folder}")
 
 
-@challenge.command()
+@challenge.command(cls=Isolated)
 @click.argument("places", metavar="FOLDER...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--format", "kind", type=click.Choice(["text", "json"]), default="text", show_default=True)
 @click.option("--records", type=click.Path(path_type=Path), default=None, help="File to write what was scored to.")
 @click.option("--targets", is_flag=True, help="Print what is wanted of a diagnosis beside what came out.")
-def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bool) -> None:
+@TRUST
+def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bool, trust: bool) -> None:
     """Open the answers and tell how often the diagnosis was right; several challenges are pooled.
 
     FOLDER may also be a file that --records wrote: one line of JSON a case, its answer and its diagnosis.
@@ -71,9 +98,9 @@ def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bo
     if records is not None:
         write_atomically(records, "".join(json.dumps(line, allow_nan=False) + "\n" for line in challenges[0]).encode())
     if targets:
-        click.echo(wanted(*challenges))
+        click.echo(wanted(*challenges, trust=trust))
         return
-    result = score_all(*challenges)
+    result = score_all(*challenges, trust=trust)
     click.echo(json.dumps(result, indent=1, allow_nan=False) if kind == "json" else as_text(result))
 
 

@@ -3,16 +3,19 @@
 import click
 
 from avobench.bench import conformance
+from avobench.cli.isolated import Isolated
+from avobench.cli.options import TRUST, named
 from avobench.tasks.errors import AvobenchError
 
 
-@click.command()
+@click.command(cls=Isolated)
 @click.argument("kind", type=click.Choice(["task", "method", "effect"]))
 @click.argument("name")
-def check(kind: str, name: str) -> None:
+@TRUST
+def check(kind: str, name: str, trust: bool) -> None:
     """Tell whether a task, method or effect keeps its contract; NAME is registered or module:Class."""
     passed = True
-    for result in conformance.run(kind, name):
+    for result in conformance.run(kind, named(name, trust)):
         passed &= result.passed
         click.echo(f"{'pass' if result.passed else 'FAIL'}  {result.what}" + (f": {result.why}" if result.why else ""))
     if not passed:

@@ -8,15 +8,17 @@ from avobench.api.diagnosis import diagnose as diagnose_events
 from avobench.bench import registry
 from avobench.bench.events import read_events
 from avobench.bench.files import require_folder
-from avobench.cli.options import COLUMNS, DATA, DROP_INVALID
+from avobench.cli.isolated import Isolated
+from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
 
 
-@click.command()
+@click.command(cls=Isolated)
 @click.option("--task", "spec", required=True, metavar="NAME", help="Task, file.py:Class, or a model.json.")
 @DATA
 @click.option("--out", required=True, type=click.Path(path_type=Path), metavar="DIR", help="Folder of the results.")
 @COLUMNS
 @DROP_INVALID
+@TRUST
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True)
 @click.option("--alpha", type=float, default=0.05, show_default=True, help="Rate of false alarms, at most.")
 @click.option("--max-effects", type=click.IntRange(0), default=3, show_default=True, help="Effects to add at most.")
@@ -33,6 +35,7 @@ def diagnose(
     out: Path,
     columns: str | None,
     drop_invalid: bool,
+    trust: bool,
     seed: int,
     alpha: float,
     max_effects: int,
@@ -47,6 +50,7 @@ def diagnose(
     Writes diagnosis.json, model.json (a task, for wherever a task is accepted), and correction.npz, weights for
     simulated events, where the catalogue does not explain all.
     """
+    spec = named(spec, trust)
     registry.load("task", spec)  # what is wrong with the request is said before a folder is made
     x = read_events(data, [c.strip() for c in columns.split(",")] if columns else None)
     require_folder(out)

@@ -10,10 +10,11 @@ from avobench.bench import registry
 from avobench.bench.events import read_events
 from avobench.bench.files import require_folder, write_file
 from avobench.bench.plan import parse_settings
-from avobench.cli.options import COLUMNS, DATA, DROP_INVALID
+from avobench.cli.isolated import Isolated
+from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
 
 
-@click.command()
+@click.command(cls=Isolated)
 @click.option("--task", "spec", required=True, metavar="NAME", help="Task, file.py:Class, or a model.json.")
 @DATA
 @click.option("--method", default="avo", show_default=True, metavar="NAME", help="Method, or file.py:Class.")
@@ -22,6 +23,7 @@ from avobench.cli.options import COLUMNS, DATA, DROP_INVALID
 @click.option("--set", "settings", multiple=True, metavar="METHOD.PARAM=VALUE", help="A setting of the method or task.")
 @COLUMNS
 @DROP_INVALID
+@TRUST
 @click.option("--out", type=click.Path(path_type=Path), default=None, metavar="FILE", help="Write the result as JSON.")
 def infer(
     spec: str,
@@ -32,11 +34,13 @@ def infer(
     settings: tuple[str, ...],
     columns: str | None,
     drop_invalid: bool,
+    trust: bool,
     out: Path | None,
 ) -> None:
     """Infer the parameters of a simulator behind measured events."""
     if out is not None:
         require_folder(out.parent, make=False)
+    spec = named(spec, trust)
     chosen = parse_settings(list(settings), {"task": [spec], "method": [method]})
     found = infer_events(
         registry.build("task", spec, chosen[spec]),

@@ -21,6 +21,6 @@ def pack(results: Path) -> None:
     packed = pack_store(store)
     click.echo(f"{packed.folded} files packed, {packed.rows} records in {store.table}")
     for path, fault in packed.damaged.items():
-        click.echo(f"{path} {fault}; left as it is, {store.remedy(path)}", err=True)
+        click.echo(f"avobench: {path} {fault}; left as it is, {store.remedy(path, fault)}", err=True)
     if packed.damaged:
         sys.exit(1)

@@ -24,7 +24,7 @@ def status(results: Path, targets: bool) -> None:
 
         click.echo(format_table(store.read_all()))
         return
-    records = store.read_all()
+    records = store.read_all(traces=False)
     click.echo(listing.status_table(records))
     for record in records:
         if record["status"] != Status.OK:
@@ -41,7 +41,7 @@ def export(kind: str, out: Path, results: Path) -> None:
     require_folder(out.parent, make=False)
     if out.is_dir():
         raise UsageError(f"{out} is a folder; --out takes the file to write")
-    frame = to_frame(Store(results).read_all())
+    frame = to_frame(Store(results).read_all(traces=False))
     content = frame.to_csv(index=False).encode() if kind == "csv" else frame.to_parquet(index=False)
     write_file(out, content)
     click.echo(f"{len(frame)} rows in {out}")

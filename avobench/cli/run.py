@@ -9,13 +9,15 @@ import click
 from rich.console import Console
 
 from avobench.api import sweep
+from avobench.bench.apart import kept
 from avobench.bench.backends.workers import Workers
 from avobench.bench.cell import Cell
 from avobench.bench.files import require_folder
 from avobench.bench.runner import Sweep
 from avobench.bench.status import Status
 from avobench.cli import listing
-from avobench.cli.options import RESULTS
+from avobench.cli.isolated import State
+from avobench.cli.options import RESULTS, TRUST, named
 from avobench.cli.progress import ProgressView
 from avobench.reports.figures import draw
 
@@ -40,15 +42,22 @@ from avobench.reports.figures import draw
 @click.option("--device", type=click.Choice(["cpu", "cuda"]), default="cpu", show_default=True, help="Of the networks.")
 @RESULTS
 @click.option("--set", "settings", multiple=True, metavar="METHOD.PARAM=VALUE", help="A setting of a method or task.")
+@click.option("--time-limit", type=float, default=None, metavar="SECONDS", help="Of a cell.  [21600]")
+@click.option("--memory-limit", type=float, default=None, metavar="MIB", help="Of a cell's process.  [8192]")
+@TRUST
 @click.option("--retry-failed", is_flag=True, help="Make cells again whose status is not ok.")
 @click.option("--figure", type=click.Path(path_type=Path), default=None, metavar="DIR", help="Redraw box plots there.")
 @click.pass_obj
 def run(
-    debug: bool,
+    state: State,
+    tasks: tuple[str, ...],
+    trust: bool,
     backend: str | None,
     jobs: int | None,
     group: int | None,
     scheduler: str | None,
+    time_limit: float | None,
+    memory_limit: float | None,
     results: Path,
     retry_failed: bool,
     figure: Path | None,
@@ -58,20 +67,25 @@ def run(
 
     What is finished is kept at once; after Ctrl-C, or worse, the same command goes on from there.
     """
-    workers = Workers(jobs, backend or ("together" if asked["device"] == "cuda" else "local"), group, scheduler)
-    cells = sweep.asked(**asked)
-    if figure is not None:
-        require_folder(figure)
+    backend = backend or ("together" if asked["device"] == "cuda" else "local")
+    workers = Workers(jobs, backend, group, scheduler, time_limit, memory_limit, state.in_process)
+    state.resumes = True
 
-    def redraw(state: Sweep, cell: Cell) -> None:
+    def redraw(now: Sweep, cell: Cell) -> None:
         """After the last cell of a target in a repetition, and after the last of all."""
         same = (cell.target, cell.repetition)
-        if figure is not None and all((other.target, other.repetition) != same for other in state.pending):
-            draw("benchmark", list(state.done.values()), figure)
+        if figure is not None and all((other.target, other.repetition) != same for other in now.pending):
+            draw("benchmark", list(now.done.values()), figure)
 
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    with ProgressView(Console(stderr=True), redraw) as view:
-        records = sweep.carried_out(cells, results, workers, retry_failed=retry_failed, view=view, debug=debug)
+    with kept():
+        cells = sweep.asked(tuple(named(task, trust) for task in tasks), **asked, in_process=state.in_process)
+        if figure is not None:
+            require_folder(figure)
+
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        with ProgressView(Console(stderr=True), redraw) as view:
+            options = {"retry_failed": retry_failed, "view": view, "debug": state.debug}
+            records = sweep.carried_out(cells, results, workers, **options)
     if figure is not None:
         draw("benchmark", records, figure)
     click.echo(listing.status_table(records))

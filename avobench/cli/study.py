@@ -10,6 +10,7 @@ from avobench.bench.runner import run
 from avobench.bench.status import Status, reason
 from avobench.bench.store import Store
 from avobench.cli import listing
+from avobench.cli.isolated import State
 from avobench.cli.progress import ProgressView
 from avobench.reports.tuning import STORE, format_table
 from avobench.studies import paper, tuning
@@ -31,7 +32,7 @@ FOLDERS = {"ablation": Path("results/ablation"), "tuning": STORE}
 @click.option("--seed", type=int, default=0, show_default=True, help="Root of all random streams.")
 @click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [one a core]")
 @click.pass_obj
-def study(debug: bool, name: str, results: Path | None, seed: int, jobs: int | None) -> None:
+def study(state: State, name: str, results: Path | None, seed: int, jobs: int | None) -> None:
     """Carry out one of the paper's single experiments, as far as the results folder lacks it.
 
     poisson and alignment are runs of avo-paper (Sections 4.1 and 4.2), detector is the average response at two offsets,
@@ -39,7 +40,8 @@ def study(debug: bool, name: str, results: Path | None, seed: int, jobs: int | N
     apart from avo-paper undone, one difference at a time; tuning runs abc-smc and bolfi with the candidates for the
     settings of abc-smc-tuned and bolfi-tuned, on targets and with a seed of its own.
     """
-    workers = Workers(jobs)
+    workers = Workers(jobs, in_process=state.in_process)
+    state.resumes = True
     if not 0 <= seed < 2**63:
         raise UsageError(f"--seed must lie between 0 and 2^63 - 1, got {seed}")
     store = Store(results or FOLDERS.get(name, Path("results/studies")), create=True)
@@ -50,7 +52,7 @@ def study(debug: bool, name: str, results: Path | None, seed: int, jobs: int | N
         return
     with ProgressView(Console(stderr=True), lambda sweep, cell: None) as view:
         cells = tuning.cells() if name == "tuning" else paper.cells(name, seed)
-        records = run(cells, store, workers.begin(store.running, debug=debug), view)
+        records = run(cells, store, workers.begin(store.running, debug=state.debug), view)
     click.echo(format_table(store.path) if name == "tuning" else listing.status_table(records))
     failed = [record for record in records if record["status"] != Status.OK]
     if failed:

@@ -13,6 +13,10 @@ STUDY_FIGURES = ("poisson", "alignment", "detector")
 """Drawn from the records of the study of that name; the others from those of a benchmark."""
 
 
+TRACED = ("efficiency", *STUDY_FIGURES)
+"""Drawn from the traces of the records; the others do without, for which there is room in memory for many more."""
+
+
 def draw(name: str, records: list[dict[str, Any]], folder: Path) -> list[Path]:
     """Draw one figure of FIGURES; raises StoreError when there is nothing to draw or the files cannot be written."""
     module = importlib.import_module(f"avobench.reports.{name}")  # here, because matplotlib takes a second to load
@@ -24,4 +28,4 @@ def draw(name: str, records: list[dict[str, Any]], folder: Path) -> list[Path]:
 
 def records_for(name: str, store: Store) -> list[dict[str, Any]]:
     """What the figure `name` draws: the records of the store, or the one of the study `detector`. Raises StoreError."""
-    return [study.read_detector(store.path)] if name == "detector" else store.read_all()
+    return [study.read_detector(store.path)] if name == "detector" else store.read_all(traces=name in TRACED)

@@ -40,13 +40,17 @@ CAPTIONS = {
 }
 
 
+MOST_CELLS = 2000
+"""Rows of the table of cells: a browser sorts and filters so many at once, and the page stays below some megabytes."""
+
+
 def render(results: Path, studies: Path | None) -> str:
     """The page on the records in the folder `results`, and in `studies` where that is given.
 
     A figure or a table that cannot be made is a sentence in its place. Raises UsageError or StoreError when a folder
     cannot be read.
     """
-    store = Store(results)
+    store, examples = Store(results), None if studies is None else Store(studies)
     records = store.read_all()
     frame = to_frame(records)
     failed = int((frame["status"] != Status.OK).sum())
@@ -61,28 +65,29 @@ def render(results: Path, studies: Path | None) -> str:
         title=f"records in {results}",
         facts=facts,
         lead="Squared errors are in the parameters' raw units; the floor is what the best estimator could expect.",
-        figures=[html.made(name, make) for name, make in _figures(store, None if studies is None else Store(studies))],
+        figures=[html.made(name, make) for name, make in _figures(records, examples)],
         tables=[html.made(name, make) for name, make in _tables(store, records, studies)],
     )
 
 
-def _figures(store: Store, studies: Store | None) -> Iterator[tuple[str, Callable[[], html.Picture]]]:
+def _figures(records: list[dict[str, Any]], studies: Store | None) -> Iterator[tuple[str, Callable[[], html.Picture]]]:
     """The figures that the records are there for, each with what draws it."""
-    has_weinberg = any(record["task"] == "weinberg" for record in store.read_all())
-    names = [name for name in CAPTIONS if name not in STUDY_FIGURES and (name != "weinberg" or has_weinberg)]
-    sources = [(name, store) for name in names]
+    has_weinberg = any(record["task"] == "weinberg" for record in records)
+    for name in CAPTIONS:
+        if name not in STUDY_FIGURES and (name != "weinberg" or has_weinberg):
+            yield name, partial(_picture, name, lambda: records)
     if studies is not None:
         tasks = {record["task"] for record in studies.read_sound()}
         there = {name: f"{name}-example" in tasks for name in ("poisson", "alignment")}
         there["detector"] = (studies.path / DETECTOR_FILE).exists()
-        sources += [(name, studies) for name in STUDY_FIGURES if there[name]]
-    for name, source in sources:
-        yield name, partial(_picture, name, source)
+        for name in STUDY_FIGURES:
+            if there[name]:
+                yield name, partial(_picture, name, partial(records_for, name, studies))
 
 
-def _picture(name: str, source: Store) -> html.Picture:
+def _picture(name: str, records: Callable[[], list[dict[str, Any]]]) -> html.Picture:
     with tempfile.TemporaryDirectory() as folder:
-        _, png, csv = draw(name, records_for(name, source), Path(folder))
+        _, png, csv = draw(name, records(), Path(folder))
         return html.Picture(name, CAPTIONS[name], png.read_bytes(), html.address("text/csv", csv.read_bytes()))
 
 
@@ -128,7 +133,16 @@ def _claims(results: Path, studies: Path) -> html.Table:
 def _cells(frame: pd.DataFrame) -> html.Table:
     columns = ["task", "method", "target", "repetition", "status", "squared_error", "floor", "simulations_used"]
     columns += ["simulator_seconds", "method_seconds", "started", "message", "id"]
-    return _table("cells", "Cells", "A row an inference; the download has every field.", frame[columns], frame)
+    if len(frame) <= MOST_CELLS:
+        return _table("cells", "Cells", "A row an inference; the download has every field.", frame[columns], frame)
+    text = f"A row an inference: {MOST_CELLS} of {len(frame)}, first those that failed, then those with the largest "
+    text += (
+        "squared error above their floor. The summary counts all; the download has the rows shown, `avobench export` "
+    )
+    text += "writes every row and field."
+    failed, above = frame["status"] != Status.OK, frame["squared_error"] / frame["floor"]
+    shown = frame.assign(failed=failed, above=above).sort_values(["failed", "above"], ascending=False, kind="stable")
+    return _table("cells", "Cells", text, shown[columns].head(MOST_CELLS))
 
 
 def _settings(records: list[dict[str, Any]]) -> html.Table:

@@ -2,8 +2,8 @@
 
 A comment such as `<!-- printed by: avobench status --results results/reference -->` before a fenced block says which
 command printed the block; this one runs it again, from the folder of the repository, and writes the block anew.
-`<!-- code of: examples/muon.py -->` shows a file, and `<!-- output of: examples/muon.py -->` what it prints; the
-pictures that it saves are those in docs/figures.
+`<!-- code of: examples/muon.py -->` and `<!-- text of: results/robustness/kills.txt -->` show a file, and
+`<!-- output of: examples/muon.py -->` what it prints; the pictures that it saves are those in docs/figures.
 """
 
 import os
@@ -16,7 +16,7 @@ from pathlib import Path
 from avobench.bench.atomic import write_atomically
 
 BLOCK = re.compile(r"(^<!-- printed by: (.+?) -->\n\s*```\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)
-CODE = re.compile(r"(^<!-- code of: (.+?) -->\n```python\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)
+FILE = re.compile(r"(^<!-- (?:code|text) of: (.+?) -->\n```(?:python)?\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)
 OUTPUT = re.compile(r"(^<!-- output of: (.+?) -->\n```\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)
 PICTURES = Path("docs/figures")
 PROGRAMS = {"avobench": [sys.executable, "-m", "avobench"], "python": [sys.executable]}
@@ -41,7 +41,7 @@ def output(example: str, folder: Path = PICTURES) -> str:
 
 def filled(page: str) -> str:
     """The text of a page, with every block as its command prints it now, or as its file reads."""
-    page = CODE.sub(lambda block: block[1] + Path(block[2]).read_text() + block[4], page)
+    page = FILE.sub(lambda block: block[1] + Path(block[2]).read_text() + block[4], page)
     return BLOCK.sub(lambda block: block[1] + printed(block[2]) + block[4], page)
 
 

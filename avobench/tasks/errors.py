@@ -27,3 +27,14 @@ class BudgetExhausted(AvobenchError):
 
 class InvalidEstimate(AvobenchError):
     """What a method returned cannot be recorded as an estimate."""
+
+
+class ProcessEnded(AvobenchError):
+    """A process ended before it had a result: `how` is "crashed", "timed_out" or "out_of_memory"; the text says why."""
+
+    def __init__(self, how: str, why: str) -> None:
+        super().__init__(how, why)
+        self.how = how
+
+    def __str__(self) -> str:
+        return self.args[1]

@@ -124,7 +124,7 @@ def test_a_faulty_task_fails_on_what_it_breaks(name, expected, why):
         ("Greedy", {*LEAST, *AMPLE}, "budget_exhausted: 101 events asked for, 100 of 100 left"),
         ("RaisesItsBudget", {*LEAST, *AMPLE}, "method_error: AttributeError: property 'budget'"),
         ("UnderstatesMinimum", {*LEAST}, "budget_exhausted: 150 events asked for"),
-        ("Makeshift", {TOO_SMALL}, "status ok after 0 events"),
+        ("Makeshift", {TOO_SMALL}, "status invalid_estimate after 0 events"),
         ("OutsideEstimate", {*LEAST, *AMPLE}, "invalid_estimate: the estimate"),
         ("WideEstimate", {*LEAST, *AMPLE}, "invalid_estimate: theta of the estimate must be a float array"),
         ("NegativeSpread", {*LEAST, *AMPLE}, "std of the estimate is negative"),

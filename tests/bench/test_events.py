@@ -1,5 +1,7 @@
 """Reading measured events, and what is told about bad ones."""
 
+import warnings
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -172,3 +174,33 @@ def test_repeated_events_are_told_where_values_are_continuous():
     x[500:] = x[:500]
     assert any("500 of 1000 events repeat" in text for text in check_events(Weinberg(), x)[1])
     assert check_events(Poisson(), np.tile(simulate(Poisson(), 500), (2, 1)))[1] == []
+
+
+@pytest.mark.parametrize(
+    ("x", "message"),
+    [
+        (np.full((500, 1), 1e301), r"reach to 1e\+301, beyond 2\^53"),
+        (np.full((500, 1), 2**64 - 1, np.uint64), r"beyond 2\^53"),
+        (np.full((500, 1), -(2**60)), r"beyond 2\^53"),
+        (np.full((500, 1), 10**15), "another quantity, or in another unit"),
+        (np.random.default_rng(0).integers(0, 10**9, (500, 1)), "another quantity, or in another unit"),
+        (np.full((500, 1), 7), "all values of .* are 7; a diagnosis needs values that differ"),
+        (np.zeros((2_000_001, 1), np.int8), "2000001 events are more than a diagnosis takes"),
+    ],
+)
+def test_absurd_data_are_refused_in_a_line(x, message):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(UsageError, match=message):
+            check_events(Poisson(), x)
+
+
+def test_a_few_absurd_counts_are_told_and_taken():
+    x = np.r_[np.random.default_rng(0).poisson(7, (499, 1)), [[10**15]]]
+    taken, remarks = check_events(Poisson(), x)
+    assert taken.max() == 10**15
+    assert "1 values of" in remarks[0]
+
+
+def test_an_inference_takes_any_number_of_events():
+    assert len(check_events(Poisson(), np.ones((2_000_001, 1), np.int8), diagnosis=False)[0]) == 2_000_001

@@ -15,6 +15,7 @@ from avobench.bench.backends.local import LocalBackend
 from avobench.bench.plan import plan
 from avobench.bench.runner import View, run
 from avobench.bench.store import Store
+from avobench.tasks.errors import StoreError
 
 HERE = Path(__file__).parents[1] / "users"
 TIMED = ("observation_seconds", "simulator_seconds", "method_seconds", "harness_seconds", "peak_memory_mib", "started")
@@ -98,8 +99,9 @@ def test_a_failure_without_a_message_does_not_stop_the_sweep(avobench, tmp_path)
 def test_a_worker_that_dies_costs_its_own_cell_only(tmp_path):
     records, view = sweep(tmp_path, methods=("toys:Moment", "toys:Dying"), targets="0-1", jobs=2)
     assert [record["status"] for record in records] == ["ok", "crashed"] * 2
-    assert "died 2 times" in records[1]["message"]
-    assert any("the worker process died" in note for note in view.notes)
+    assert records[1]["message"].startswith("the process was ended by SIGKILL")
+    assert records[1]["message"].endswith("(2 times)")
+    assert any(note.endswith("begun again when all else is done") for note in view.notes)
     assert not any((tmp_path / "running").iterdir())
 
 
@@ -112,6 +114,41 @@ def test_damaged_records_are_set_aside_and_made_again(tmp_path):
     assert len(view.order) == 1
     assert "set aside" in view.notes[0]
     assert [path.name for path in (tmp_path / "damaged").iterdir()] == [damaged.name]
+
+
+def test_a_record_that_the_disk_does_not_give_is_never_made_again(tmp_path, monkeypatch):
+    sweep(tmp_path)
+    refused = sorted((tmp_path / "records").iterdir())[1]
+    content, read = refused.read_bytes(), Path.read_bytes
+
+    def fails(path):
+        if path == refused:
+            raise OSError(5, "Input/output error")
+        return read(path)
+
+    monkeypatch.setattr(Path, "read_bytes", fails)
+    with pytest.raises(StoreError, match=r"cannot be read: Input/output error; look at the disk"):
+        sweep(tmp_path)
+    monkeypatch.undo()
+    assert refused.read_bytes() == content
+    assert not (tmp_path / "damaged").exists()
+
+
+def test_a_folder_that_cannot_be_listed_is_not_an_empty_one(tmp_path, monkeypatch):
+    first, _ = sweep(tmp_path)
+    scandir = os.scandir
+
+    def fails(path="."):
+        if Path(path) == tmp_path / "records":
+            raise PermissionError(13, "Permission denied")
+        return scandir(path)
+
+    monkeypatch.setattr(os, "scandir", fails)
+    with pytest.raises(StoreError, match="cannot be listed: Permission denied"):
+        sweep(tmp_path)
+    monkeypatch.undo()
+    again, view = sweep(tmp_path)
+    assert (again, view.order) == (first, [])
 
 
 COMMAND = [sys.executable, "-m", "avobench", "run", "--task", "toys:Normal", "--method", "toys:Moment"]

@@ -161,6 +161,6 @@ def test_folders_that_cannot_be_a_store_are_refused_in_one_line(tmp_path):
 
 def test_one_sweep_at_a_time(store):
     with store.lock(), pytest.raises(UsageError, match="another avobench run"):
-        Store(store.path).lock()
+        Store(store.path).lock().__enter__()
     with store.lock():
         pass

@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 from scipy.stats import kstest, poisson
 
+from avobench.bench.backends.workers import Workers
 from avobench.challenge import hide as hiding
 from avobench.challenge import solve as solving
 from avobench.challenge.case import Case
@@ -24,6 +25,9 @@ from avobench.diagnosis.schema import Diagnosis
 from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
+
+HERE = Workers(in_process=True)
+"""In this process, where a diagnosis can be replaced by one that takes no time."""
 
 
 @pytest.fixture(scope="module")
@@ -130,7 +134,7 @@ def test_what_cannot_be_made_is_refused_and_leaves_nothing(tmp_path):
     with pytest.raises(UsageError, match="not an empty folder"):
         make("poisson", 1, 0, tmp_path / "full")
     with pytest.raises(UsageError, match="holds no challenge"):
-        solve(tmp_path / "full")
+        solve(tmp_path / "full", workers=HERE)
 
 
 def test_an_effect_of_the_catalogue_is_drawn_within_its_bounds():
@@ -170,14 +174,14 @@ def test_solving_never_opens_the_answers_and_goes_on_from_where_it_stopped(fresh
 
     monkeypatch.setattr(solving, "diagnose", diagnose)
     with pytest.raises(KeyboardInterrupt):
-        solve(folder)
+        solve(folder, workers=HERE)
     assert len(list((folder / "results").iterdir())) == 3
-    solve(folder)
+    solve(folder, workers=HERE)
     assert [number for number, _, _ in seen] == [0, 1, 2, 3, *range(3, 10)]
     assert {shape for _, shape, _ in seen} == {(1000, 1)}
     assert sorted(len(list(hiding.catalogue(Poisson()))) - n for _, _, n in seen if n) == [1, 1]
     before = {path: path.stat().st_mtime_ns for path in (folder / "results").iterdir()}
-    solve(folder)
+    solve(folder, workers=HERE)
     assert before == {path: path.stat().st_mtime_ns for path in (folder / "results").iterdir()}
     with pytest.raises(UsageError, match="there are no answers"):
         records(folder)
@@ -194,13 +198,13 @@ def test_a_case_that_fails_is_a_row_and_is_tried_again(fresh, monkeypatch):
         return SimpleNamespace(diagnosis=said())
 
     monkeypatch.setattr(solving, "diagnose", fails)
-    solve(folder)
+    solve(folder, workers=HERE)
     (folder / "answers.json").symlink_to(answers)
     result = score(records(folder))
     assert result["failed"] == {"poisson 0002": "RuntimeError: lost the thread"}
     assert result["solved"] == 9
     monkeypatch.setattr(solving, "diagnose", lambda task, x, *, seed, effects: SimpleNamespace(diagnosis=said()))
-    solve(folder)
+    solve(folder, workers=HERE)
     assert score(records(folder))["failed"] == {}
 
 
@@ -209,9 +213,9 @@ def test_results_of_other_options_are_not_mixed(fresh, monkeypatch):
     monkeypatch.setattr(
         solving, "diagnose", lambda task, x, *, seed, effects, alpha=0.05: SimpleNamespace(diagnosis=said())
     )
-    solve(folder)
+    solve(folder, workers=HERE)
     with pytest.raises(UsageError, match="was made with"):
-        solve(folder, options={"alpha": 0.01})
+        solve(folder, workers=HERE, options={"alpha": 0.01})
 
 
 NAMED, REDUCED = "missing effect named", "disagreement reduced, still significant"
@@ -339,7 +343,7 @@ def test_records_in_a_file_give_the_same_score(fresh, monkeypatch, tmp_path):
     monkeypatch.setattr(
         solving, "diagnose", lambda task, x, *, seed, effects: SimpleNamespace(diagnosis=said(NAMED, [("pile_up", ())]))
     )
-    solve(folder)
+    solve(folder, workers=HERE)
     (folder / "answers.json").symlink_to(answers)
     lines = records(folder)
     file = tmp_path / "records.jsonl"

@@ -20,11 +20,12 @@ STUDIES = Store(ROOT / "results" / "studies")
 
 
 MARK = "<!-- printed by: "
+SHOWN = re.compile(r"<!-- (printed by|text of|code of): ")
 PAGES = [page.relative_to(ROOT).as_posix() for page in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))]
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if MARK in (ROOT / page).read_text() or page == "README.md"])
-def test_a_page_shows_what_its_commands_print(page, monkeypatch):
+@pytest.mark.parametrize("page", [page for page in PAGES if SHOWN.search((ROOT / page).read_text())])
+def test_a_page_shows_what_its_commands_print_and_its_files_hold(page, monkeypatch):
     monkeypatch.chdir(ROOT)
     text = (ROOT / page).read_text()
     assert filled(text) == text

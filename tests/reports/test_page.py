@@ -195,6 +195,23 @@ def test_each_number_has_its_settings_versions_and_commit(benchmark):
     assert "numpy" in own["versions"].iloc[0]
 
 
+def test_of_many_cells_the_page_shows_those_to_look_at_and_says_so(make_record, monkeypatch, browser, tmp_path):
+    monkeypatch.setattr("avobench.reports.page.MOST_CELLS", 5)
+    store = Store(tmp_path / "results", create=True)
+    for target, error in enumerate((0.1, 400, 2, 30, None, 0.0005)):
+        store.write(make_record("poisson", "avo", target, error))
+    (tmp_path / "index.html").write_text(render(store.path, None))
+    browser.open(tmp_path / "index.html")
+    assert "5 of 6, first those that failed" in browser.run("return document.querySelector('#cells p').textContent")
+    rows = shown_cells(browser)
+    assert [row[2] for row in rows] == ["4", "1", "3", "2", "0"]  # the failed one, then from the worst on
+    link = browser.run("return document.querySelector('a[download=\"cells.csv\"]').href")
+    assert len(pd.read_csv(io.BytesIO(base64.b64decode(link.partition("base64,")[2])))) == 5
+    summary = browser.run("return document.querySelector('#summary tbody').innerText")
+    assert "6" in summary.split()  # all cells count
+    assert browser.complaints() == []
+
+
 BAD = {
     "a method without traces": lambda ok, make: [*ok[:4], *({**record, "trace": []} for record in ok[4:8])],
     "no method with traces": lambda ok, make: [{**record, "trace": []} for record in ok[:8]],

@@ -21,7 +21,7 @@ from avobench.bench.versions import versions
 from avobench.tasks.errors import AvobenchError, UsageError
 
 if TYPE_CHECKING:
-    from distributed import Client, Future, Worker
+    from distributed import Client, Future, Worker, as_completed
 
 CONNECT_SECONDS = 5
 """For the scheduler to answer: on a network that works it takes milliseconds, and a user should not wait long."""
@@ -29,6 +29,8 @@ WORKERS_SECONDS = 10
 """For the first worker to be there; one that is started together with the sweep needs a few seconds."""
 HEARTBEAT_SECONDS = 1.0
 """How often a cell tells how far it is: as often as the display is drawn."""
+LOOK_SECONDS = 0.05
+"""Between two looks for what has ended, where nothing had: cells take seconds."""
 ATTEMPTS = 2
 """How often a cell may lose its worker before it is recorded as crashed, where the scheduler gives up on it so soon."""
 TOPIC = "avobench"
@@ -64,6 +66,7 @@ class DaskBackend(Backend):
 
     def records(self, cells: list[Cell], note: Callable[[str], None]) -> Iterator[dict[str, Any]]:
         from distributed import KilledWorker, as_completed
+        from distributed.comm import CommClosedError
 
         wanted, by_id = facts(), {cell.id: cell for cell in cells}
         order = {id: -place for place, id in enumerate(by_id)}
@@ -75,7 +78,7 @@ class DaskBackend(Backend):
             id, share, worker = (event[1][name] for name in ("id", "share", "worker"))
             if id in by_id:  # another sweep may use the scheduler too
                 self._running[id] = share, worker
-                self._most = max(self._most, len({worker for _, worker in self._running.values()}))
+                self._most = max(self._most, len({worker for _, worker in self._running.copy().values()}))
                 if share == 0:
                     begun[id] = begun.get(id, 0) + 1
                     if begun[id] > 1:
@@ -90,20 +93,21 @@ class DaskBackend(Backend):
 
         with _connected(self._scheduler) as client:
             for address, found in client.run(facts, on_error="return").items():
-                require_equal(address, found, wanted)
+                if not isinstance(found, CommClosedError):  # that one died before it could answer
+                    require_equal(address, found, wanted)
             client.subscribe_topic(TOPIC, heard)
             futures = [submit(client, cell) for cell in cells]
             queue = as_completed(futures, loop=client.loop, with_results=True, raise_errors=False)
             del futures  # what holds a future keeps its result
-            for future, outcome in queue:
+            for future, outcome in self._ended(queue, client):
                 id = future.key.partition("-")[0]
                 self._running.pop(id, None)
-                if future.status == "finished":
+                if isinstance(outcome, dict):  # even if its worker died since, and Dask is about to make it again
                     yield outcome
+                elif future.status == "pending":  # its worker died before it could hand over the record
+                    queue.add(future)
                 elif future.status != "error":
-                    while client.status in ("connecting", "closing"):  # closed in the middle, it logs a traceback
-                        time.sleep(0.1)
-                    raise AvobenchError(f"the Dask scheduler at {self._scheduler} went away")
+                    raise self._gone(client)
                 elif isinstance(outcome[1], AvobenchError):
                     raise outcome[1]
                 elif not isinstance(outcome[1], KilledWorker):
@@ -113,6 +117,24 @@ class DaskBackend(Backend):
                     yield blank_record(by_id[id], Status.CRASHED, message)
                 else:  # it was only waiting in the queues of workers that others brought down
                     queue.add(submit(client, by_id[id]))
+
+    def _ended(self, queue: "as_completed", client: "Client") -> Iterator[tuple["Future", Any]]:
+        """Futures with their outcomes, as they end. One whose result was on its way never ends without a scheduler.
+
+        Raises AvobenchError when the scheduler is gone.
+        """
+        while not queue.is_empty():
+            batch = queue.next_batch(block=False)
+            yield from batch
+            if not batch and client.status != "running":
+                raise self._gone(client)
+            if not batch:
+                time.sleep(LOOK_SECONDS)
+
+    def _gone(self, client: "Client") -> AvobenchError:
+        while client.status in ("connecting", "closing"):  # closed in the middle, it logs a traceback
+            time.sleep(0.1)
+        return AvobenchError(f"the Dask scheduler at {self._scheduler} went away")
 
 
 def _connected(scheduler: str) -> "Client":

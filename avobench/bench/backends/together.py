@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 from avobench.bench.backends.local import LocalBackend, Piece
 from avobench.bench.cell import Cell
@@ -20,8 +21,9 @@ class TogetherBackend(LocalBackend):
 
     name = "together"
 
-    def __init__(self, jobs: int, marks: Path, most: int | None = None, *, debug: bool = False) -> None:
-        super().__init__(jobs, marks, debug=debug)
+    def __init__(self, jobs: int, marks: Path, most: int | None = None, **options: Any) -> None:
+        """`most` cells a piece, all where None; `options` are those of LocalBackend."""
+        super().__init__(jobs, marks, **options)
         self._most = most
 
     def pieces(self, cells: list[Cell]) -> list[Piece]:
@@ -29,7 +31,7 @@ class TogetherBackend(LocalBackend):
         alike: dict[str, list[Cell]] = {}
         for cell in cells:
             shared = {name: value for name, value in cell.identity.items() if name not in EACH}
-            key = json.dumps(shared, sort_keys=True) if cell.build_method().together else cell.id
+            key = json.dumps(shared, sort_keys=True) if cell.together else cell.id
             alike.setdefault(key, []).append(cell)
         pieces = []
         for group in alike.values():

@@ -1,14 +1,16 @@
 """Which workers carry out a sweep, as a user asks for them."""
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 import joblib
 
+from avobench.bench.apart import Limits
 from avobench.bench.backends.contract import Backend
 from avobench.bench.backends.dask import DaskBackend
-from avobench.bench.backends.local import LocalBackend
+from avobench.bench.backends.local import LIMITS, LocalBackend
 from avobench.bench.backends.together import TogetherBackend
 from avobench.tasks.errors import UsageError
 
@@ -25,6 +27,12 @@ class Workers:
     """The most cells at once with `together`; all where None."""
     scheduler: str | None = None
     """Address of Dask's, such as tcp://10.0.0.1:8786."""
+    time_limit: float | None = None
+    """Seconds that a cell may take before its process is ended; 6 hours where None."""
+    memory_limit: float | None = None
+    """MiB of memory that its process may take; 8192 where None."""
+    in_process: bool = False
+    """Cells, one after the other, in this process, for a debugger: nothing then holds what a simulator does to it."""
 
     def __post_init__(self) -> None:
         if self.jobs is not None and self.jobs < 1:
@@ -33,6 +41,14 @@ class Workers:
             raise UsageError("--backend dask and --scheduler ADDRESS belong together")
         if self.backend == "dask" and self.jobs is not None:
             raise UsageError("--jobs is for --backend local; a Dask cluster has the workers that it has")
+        for option, value in (("--time-limit", self.time_limit), ("--memory-limit", self.memory_limit)):
+            if value is not None and not 0 < value < math.inf:
+                raise UsageError(f"{option} must be a number above 0, got {value}")
+            if value is not None and (self.backend == "dask" or self.in_process):
+                where = "--in-process" if self.in_process else "--backend dask, whose workers have limits of their own"
+                raise UsageError(f"{option} is not for {where}")
+        if self.in_process and (self.jobs not in (None, 1) or self.backend == "dask"):
+            raise UsageError("--in-process is one process of this machine; leave out --jobs and --backend dask")
         if self.group is not None and (self.backend != "together" or self.group < 1):
             raise UsageError(
                 f"--group is for --backend together, at least 1; got {self.group} with --backend {self.backend}"
@@ -45,7 +61,17 @@ class Workers:
         """
         if self.scheduler is not None:
             return DaskBackend(self.scheduler, debug=debug)
-        jobs = self.jobs or joblib.cpu_count()
+        options = {"limits": self.limits, "in_process": self.in_process, "debug": debug}
         if self.backend == "together":
-            return TogetherBackend(jobs, marks, self.group, debug=debug)
-        return LocalBackend(jobs, marks, debug=debug)
+            return TogetherBackend(self.processes, marks, self.group, **options)
+        return LocalBackend(self.processes, marks, **options)
+
+    @property
+    def processes(self) -> int:
+        """Of this machine."""
+        return 1 if self.in_process else self.jobs or joblib.cpu_count()
+
+    @property
+    def limits(self) -> Limits:
+        """Of a cell in a process of this machine."""
+        return Limits(self.time_limit or LIMITS.seconds, self.memory_limit or LIMITS.mib)

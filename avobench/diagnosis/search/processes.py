@@ -6,10 +6,12 @@ from dataclasses import replace
 from typing import Any
 
 import joblib
+from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.search.starts import Start
 from avobench.effects.pool import Counted, Pool
+from avobench.tasks.errors import ProcessEnded
 
 
 def in_processes(
@@ -17,7 +19,11 @@ def in_processes(
 ) -> list[Fit]:
     """The fits of all calls, by so many processes; `events` is what simulates, and counts what they simulated."""
     fits = []
-    for fit, used, process in joblib.Parallel(n_jobs=jobs)(joblib.delayed(_apart)(fitting, *call) for call in calls):
+    try:
+        made = joblib.Parallel(n_jobs=jobs)(joblib.delayed(_apart)(fitting, *call) for call in calls)
+    except TerminatedWorkerError as error:
+        raise ProcessEnded("crashed", "a worker process of the fits was ended (killed, or out of memory)") from error
+    for fit, used, process in made:
         if process != os.getpid() and events is not None:
             events.used += used
         fits.append(replace(fit, model=replace(fit.model, events=events)))

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -112,6 +113,18 @@ def test_a_killed_worker_costs_its_cell_a_retry_and_every_record_is_that_of_this
     run(cells, local, LocalBackend(1, local.running), View())
     assert [record["status"] for record in records] == ["ok"] * len(cells)
     assert results(store.read_all()) == results(local.read_all())
+
+
+def test_a_worker_that_dies_while_it_is_asked_for_its_versions_is_none_the_less(cluster, tmp_path):
+    cluster.worker()
+    dying = cluster.worker()
+    cluster.wait_for(2)
+    os.killpg(dying.pid, signal.SIGSTOP)  # it is connected, and does not answer
+    end = threading.Timer(1.5, os.killpg, (dying.pid, signal.SIGKILL))
+    end.start()
+    records = far(toys("0-2"), cluster, Store(tmp_path / "far", create=True))
+    end.join()
+    assert [record["status"] for record in records] == ["ok"] * 3
 
 
 def test_a_cell_that_kills_its_workers_is_recorded_as_crashed_and_no_other_is(cluster, tmp_path):

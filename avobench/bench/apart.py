@@ -1,0 +1,265 @@
+"""Calls in processes of their own, so that one which ends, hangs or fills the memory is told and not suffered.
+
+A process is started with a new interpreter, not forked, so it shares no threads and no GPU with this one, and a script
+needs no `if __name__ == "__main__"`. It is given one call after the other. No class of a user's is sent back.
+
+The processes are those of joblib's loky. Its executor is not used: one process that dies breaks all of its others off,
+and a call can neither be given a limit nor be ended by itself.
+"""
+
+import multiprocessing.process
+import multiprocessing.resource_tracker
+import os
+import signal
+import sys
+import threading
+import time
+import traceback
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from pickle import PicklingError
+from typing import Any
+
+import psutil
+from joblib.externals.loky.backend import resource_tracker
+from joblib.externals.loky.backend.context import get_context
+
+from avobench.tasks import errors
+from avobench.tasks.errors import AvobenchError, ProcessEnded
+
+WATCH_SECONDS = 0.25
+"""How often time and memory are looked at: a process that fills 1 GiB a second is seen within 256 MiB."""
+GRACE_SECONDS = 2.0
+"""For a process that was asked to end to tidy up: removing a temporary file takes milliseconds."""
+PARENT_SECONDS = 0.5
+"""How often a process looks whether the one that started it is still there."""
+ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL", "BLIS", "NUMEXPR", "NUMBA")}
+"""What the libraries read that would else share a product of matrices out to threads, with other rounding."""
+MIB = 2**20  # bytes
+_KEPT: "ContextVar[list[_Process] | None]" = ContextVar("kept", default=None)
+"""Processes without work, within `kept`."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a call may take in its process; no limit where None. Processes that it starts itself are not counted."""
+
+    seconds: float | None = None
+    """By the clock on the wall, the loading of packages included."""
+    mib: float | None = None
+    """Resident memory, in MiB."""
+
+    def times(self, n: int) -> "Limits":
+        """For n pieces of work at once."""
+        return Limits(*(None if each is None else n * each for each in (self.seconds, self.mib)))
+
+
+@dataclass(frozen=True)
+class Call:
+    """A function of a module with its arguments, all of which can be pickled, and what it may take."""
+
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...]
+    limits: Limits = Limits()
+
+
+class Fault(Exception):
+    """A call raised what it should not have; the text names it, and the cause shows where."""
+
+
+class _Trace(Exception):
+    """Where an exception was raised in another process."""
+
+
+def apart(call: Call) -> Any:
+    """What a call returns, in a process of its own; raises its AvobenchError or OSError, ProcessEnded or Fault."""
+    for _, outcome in outcomes(1, [call]):
+        if isinstance(outcome, BaseException):
+            raise outcome
+    return outcome
+
+
+def here(calls: Iterable[Call]) -> Iterator[tuple[int, Any]]:
+    """As `outcomes`, but one after the other in this process and without limits; whatever a call raises is raised."""
+    for place, call in enumerate(calls):
+        yield place, call.function(*call.arguments)
+
+
+def outcomes(jobs: int, calls: Iterable[Call]) -> Iterator[tuple[int, Any]]:
+    """The place of each call and what became of it, as they end; begun in their order, so many at a time.
+
+    The outcome is what the call returned, or the exception that `apart` would raise. What ends one process does not
+    touch the others. When the generator is closed, all processes are ended, but for those that are `kept`.
+    """
+    waiting = deque(enumerate(calls))
+    busy: dict[_Process, int] = {}
+    idle: list[_Process] = [] if (kept_ones := _KEPT.get()) is None else kept_ones
+    try:
+        while waiting or busy:
+            while waiting and len(busy) < jobs:
+                place, call = waiting.popleft()
+                process = idle.pop() if idle else _Process()
+                busy[process] = place
+                process.begin(call)
+            wait([process.pipe for process in busy], WATCH_SECONDS)
+            for process, place in list(busy.items()):
+                if (told := process.outcome()) is not None:
+                    del busy[process]
+                    if process.alive:
+                        idle.append(process)
+                    yield place, told[0]
+    finally:
+        for process in busy:
+            process.terminate()
+        for process in busy:
+            process.end()
+        if kept_ones is None:
+            _end_all(idle)
+
+
+@contextmanager
+def kept() -> Iterator[None]:
+    """Within the block a process that has finished its calls serves the next ones: starting one takes a second."""
+    idle: list[_Process] = []
+    before = _KEPT.set(idle)
+    try:
+        yield
+    finally:
+        _KEPT.reset(before)
+        _end_all(idle)
+
+
+def _end_all(idle: "list[_Process]") -> None:
+    for process in idle:
+        process.pipe.close()  # which they take as the end, all at once
+    for process in idle:
+        process.end()
+
+
+class _Process:
+    """One process, which carries out a call at a time."""
+
+    def __init__(self) -> None:
+        context = get_context("loky")
+        self.pipe, theirs = context.Pipe()
+        self._process: multiprocessing.process.BaseProcess = context.Process(
+            target=_serve, args=(theirs, os.getpid()), env=ONE_THREAD
+        )
+        for tracker in (multiprocessing.resource_tracker, resource_tracker):
+            tracker.ensure_running()  # its own start would unblock the signal
+        with _interrupts_held():
+            self._process.start()
+        theirs.close()
+        self.alive = True
+        self._began, self._limits = 0.0, Limits()
+
+    def begin(self, call: Call) -> None:
+        self._began, self._limits = time.monotonic(), call.limits
+        with suppress(OSError):  # it is dead, which `outcome` tells
+            self.pipe.send((call.function, call.arguments))
+
+    def outcome(self) -> tuple[Any] | None:
+        """What became of the call, in a tuple of one; None while it is under way."""
+        if self.pipe.poll():
+            try:
+                kind, value, trace = self.pipe.recv()
+            except (EOFError, OSError):
+                return (self._died(),)
+            if kind == "fault":
+                fault = Fault(value)
+                fault.__cause__ = _Trace(trace)
+                return (fault,)
+            if kind == "raised":
+                value.__cause__ = _Trace(trace)
+            return (value,)
+        if (ended := self._over()) is not None:
+            self.end(grace=0)
+            return (ended,)
+        return None
+
+    def _died(self) -> ProcessEnded:
+        self._process.join(GRACE_SECONDS)  # the pipe closes a moment before
+        code = self._process.exitcode
+        self.end()
+        if code is not None and code < 0:
+            name = signal.Signals(-code).name if -code in iter(signal.Signals) else f"signal {-code}"
+            why = " (the system does that when it has no memory left)" if name == "SIGKILL" else ""
+            return ProcessEnded("crashed", f"the process was ended by {name}{why}")
+        return ProcessEnded("crashed", f"the process ended itself, with exit code {code}")
+
+    def _over(self) -> ProcessEnded | None:
+        """How the process exceeds its limits, if it does."""
+        seconds, mib = self._limits.seconds, self._limits.mib
+        if seconds is not None and time.monotonic() - self._began > seconds:
+            return ProcessEnded("timed_out", f"ended after {seconds:g} s, the limit of time")
+        with suppress(psutil.Error):
+            if mib is not None and (used := psutil.Process(self._process.pid).memory_info().rss / MIB) > mib:
+                return ProcessEnded("out_of_memory", f"ended with {used:.0f} MiB of memory, the limit is {mib:g} MiB")
+        return None
+
+    def terminate(self) -> None:
+        """Ask it to end."""
+        with suppress(psutil.Error):
+            psutil.Process(self._process.pid).terminate()
+
+    def end(self, grace: float = GRACE_SECONDS) -> None:
+        """End it, with all processes that it started; it has so many seconds to do so itself."""
+        self.alive = False
+        family = []
+        with suppress(psutil.Error):
+            process = psutil.Process(self._process.pid)
+            family = [*process.children(recursive=True), process]
+        self.pipe.close()
+        self._process.join(grace)
+        for process in family:
+            with suppress(psutil.Error):
+                process.kill()
+        self._process.join()
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Ctrl-C waits within the block; a process that is started in it is not reached by it while it loads packages."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _serve(pipe: Connection, parent: int) -> None:
+    """The life of a process: it carries out what it is sent until nobody sends anything more."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; the one that began it ends the others
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+    with suppress(EOFError, OSError, KeyboardInterrupt):  # nobody sends, nobody takes, it is to end
+        while True:
+            answer = _answer(*pipe.recv())
+            for stream in (sys.stdout, sys.stderr):
+                stream.flush()
+            try:
+                pipe.send(answer)
+            except (TypeError, AttributeError, PicklingError) as error:
+                pipe.send(("fault", f"{type(error).__name__}: {error}", traceback.format_exc()))
+
+
+def _answer(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[str, Any, str]:
+    try:
+        return "value", function(*arguments), ""
+    except (Exception, SystemExit) as error:
+        # A class of a user's would be imported where it arrives, with the code that goes with it.
+        ours = isinstance(error, AvobenchError | OSError) and type(error).__module__ in (errors.__name__, "builtins")
+        said = error if ours else f"{type(error).__name__}: {error}"
+        return "raised" if ours else "fault", said, traceback.format_exc()
+
+
+def _end_with(parent: int) -> None:
+    """End this process when the one that started it is gone: nobody is left to take what it makes."""
+    while os.getppid() == parent:
+        time.sleep(PARENT_SECONDS)
+    os._exit(1)

@@ -1,0 +1,207 @@
+"""Code of a user's that ends, hangs or fills its process: told in a line or a record, and nothing else is lost."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from avobench.bench.store import Store
+
+CELLS = ("--method", "hostile:Steps", "--targets", "0-1", "--budget", 160, "--observations", 100)
+
+
+def run(avobench, folder, *more):
+    code, out, err = avobench("run", *CELLS, "--results", folder, *more)
+    return code, out, err, {(r["task"], r["target"]): r for r in Store(folder).read_all()}
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_simulator_that_ends_its_process_at_its_first_call_costs_its_own_cells(avobench, tmp_path, jobs):
+    tasks = [argument for name in ("Segfault", "Leaves") for argument in ("--task", f"hostile:{name}")]
+    code, out, err, found = run(avobench, tmp_path / "r", *tasks, "--task", "faulty:SoundTask", "--jobs", jobs)
+    assert code == 1, err
+    assert "2 of 6 cells ok" in out
+    assert [found["sound", target]["status"] for target in (0, 1)] == ["ok"] * 2
+    for target in (0, 1):
+        assert found["segfault", target]["status"] == found["leaves", target]["status"] == "crashed"
+        assert found["segfault", target]["message"] == "the process was ended by SIGSEGV (2 times)"
+        assert found["leaves", target]["message"] == "the process ended itself, with exit code 0 (2 times)"
+    assert "Warning" not in err
+
+
+def test_a_cell_that_hangs_or_leaks_is_a_record_with_its_reason(avobench, tmp_path):
+    sound = ("--task", "faulty:SoundTask", "--targets", 0, "--jobs", 2)
+    code, _, err, found = run(avobench, tmp_path / "r", "--task", "hostile:Leaks", *sound, "--memory-limit", 400)
+    assert code == 1, err
+    assert {task: record["status"] for (task, _), record in found.items()} == {"leaks": "out_of_memory", "sound": "ok"}
+    assert "the limit is 400 MiB" in found["leaks", 0]["message"]
+    code, _, err, found = run(avobench, tmp_path / "r", "--task", "hostile:Hangs", *sound, "--time-limit", 4)
+    assert code == 1, err
+    assert {task: record["status"] for (task, _), record in found.items()} == {
+        "hangs": "timed_out",
+        "leaks": "out_of_memory",
+        "sound": "ok",
+    }
+    assert found["hangs", 0]["message"] == "ended after 4 s, the limit of time"
+
+
+def test_a_method_that_ends_the_process_is_a_record_too(avobench, tmp_path):
+    start = ("run", "--task", "faulty:SoundTask", "--method", "hostile:EndsItself", "--targets", 0, "--budget", 400)
+    code, _, err = avobench(*start, "--observations", 100, "--results", tmp_path / "r", "--jobs", 1)
+    assert code == 1, err
+    assert [record["status"] for record in Store(tmp_path / "r").read_all()] == ["crashed"]
+
+
+def test_a_task_that_ends_the_process_where_its_targets_are_asked_for_is_refused_in_a_line(avobench, tmp_path):
+    code, out, err = avobench("run", *CELLS, "--task", "hostile:NoTargets", "--results", tmp_path / "r")
+    assert (code, out) == (2, "")
+    assert err == (
+        "avobench: hostile:NoTargets, hostile:Steps: not to be used, when looked at the process was ended by SIGSEGV\n"
+    )
+    assert not (tmp_path / "r").exists()
+
+
+def line(found, code, word):
+    assert found[0] == code
+    assert word in found[2]
+    assert found[2].startswith("avobench: ")
+    assert found[2].count("\n") == 1
+
+
+def test_checks_end_with_a_line(avobench):
+    line(avobench("check", "task", "hostile:Segfault"), 1, "hostile:Segfault: the process was ended by SIGSEGV")
+    line(avobench("check", "method", "hostile:EndsItself"), 1, "ended itself, with exit code 0")
+    line(avobench("check", "effect", "hostile:Fatal"), 1, "hostile:Fatal: the process was ended by SIGSEGV")
+
+
+def test_infer_and_diagnose_end_with_a_line_and_write_nothing(avobench, tmp_path):
+    np.save(tmp_path / "x.npy", np.random.default_rng(0).normal(size=(300, 1)))
+    np.save(tmp_path / "n.npy", np.random.default_rng(0).poisson(7, (300, 1)))
+    start = ("--data", tmp_path / "x.npy", "--out", tmp_path / "o.json", "--task")
+    line(avobench("infer", *start, "hostile:Segfault", "--method", "faulty:SoundMethod"), 1, "SIGSEGV")
+    assert not (tmp_path / "o.json").exists()
+    start = ("--task", "poisson", "--data", tmp_path / "n.npy", "--out", tmp_path / "d")
+    line(avobench("diagnose", *start, "--effect", "hostile:Fatal"), 1, "SIGSEGV")
+    assert not list((tmp_path / "d").iterdir())
+
+
+def test_a_spread_must_be_of_the_posterior_or_the_proposal(avobench):
+    code, out, _ = avobench("check", "method", "hostile:NoSpread")
+    assert code == 1
+    assert "spread_of of the estimate must be posterior or proposal, got 'none'" in out
+
+
+def test_an_estimate_without_simulations_must_say_why(avobench, tmp_path):
+    start = ("run", "--task", "faulty:SoundTask", "--method", "hostile:Guesses", "--method", "hostile:Says")
+    start += ("--targets", 0, "--budget", 400, "--observations", 100, "--results", tmp_path / "r", "--jobs", 1)
+    code, _, err = avobench(*start)
+    assert code == 1, err
+    found = {record["method"]: record["status"] for record in Store(tmp_path / "r").read_all()}
+    assert found == {"guesses": "invalid_estimate", "says": "ok"}
+
+
+def test_a_device_that_is_not_there_is_refused_before_anything_is_simulated(avobench, tmp_path):
+    import torch
+
+    if torch.cuda.is_available():
+        pytest.skip("there is a GPU")
+    start = ("run", "--task", "faulty:SoundTask", "--method", "hostile:OnDevice", "--results", tmp_path / "r")
+    for device in (("--device", "cuda"), ("--set", "on-device.device=cuda")):
+        line(avobench(*start, *device, "--in-process"), 2, "PyTorch finds no CUDA device")
+    assert not (tmp_path / "r").exists()
+
+
+def test_limits_are_numbers_and_not_for_every_way_of_working(avobench):
+    for arguments, said in (
+        (("--time-limit", 0), "--time-limit must be a number above 0"),
+        (("--memory-limit", "nan"), "--memory-limit must be a number above 0"),
+        (("--time-limit", 5, "--in-process"), "--time-limit is not for --in-process"),
+        (("--jobs", 2, "--in-process"), "--in-process is one process"),
+        (
+            ("--memory-limit", 5, "--backend", "dask", "--scheduler", "tcp://127.0.0.1:1"),
+            "--memory-limit is not for --backend dask, whose workers have limits of their own",
+        ),
+    ):
+        line(avobench("run", *arguments), 2, said)
+
+
+def test_cells_are_in_this_process_where_that_is_asked_for(avobench, tmp_path, monkeypatch):
+    monkeypatch.setattr("avobench.bench.apart.outcomes", None)
+    monkeypatch.setattr("avobench.bench.backends.local.outcomes", None)
+    code, _, err, found = run(avobench, tmp_path / "r", "--task", "faulty:SoundTask", "--in-process")
+    assert code == 0, err
+    assert len(found) == 2
+
+
+def test_foreign_code_runs_only_where_it_is_trusted(avobench, tmp_path, models):
+    path, marker = models(tmp_path)
+    np.save(tmp_path / "x.npy", np.random.default_rng(0).normal(size=(300, 1)))
+    data = ("--data", tmp_path / "x.npy")
+    commands = {
+        "run": ("run", *CELLS, "--results", tmp_path / "r", "--task", path),
+        "infer": ("infer", *data, "--method", "faulty:SoundMethod", "--budget", 400, "--task", path),
+        "check": ("check", "task", path),
+        "list": ("list", "effects", "--task", path),
+    }
+    for command in commands.values():
+        line(avobench(*command, "--in-process"), 2, "(--trust)")
+        assert not marker.exists()
+    for name in ("run", "list"):
+        avobench(*commands[name], "--trust")
+        assert marker.exists(), name
+        marker.unlink()
+
+
+@pytest.fixture
+def models():
+    """A model whose task is a user's, and the file that its module leaves when it is imported."""
+
+    def make(folder):
+        marker = folder / "imported"
+        (folder / "own.py").write_text(
+            f"import pathlib\nfrom faulty import SoundTask as Own\npathlib.Path({str(marker)!r}).touch()\n"
+        )
+        parameter = {"name": "location", "unit": "1", "value": 0.0, "std": 1.0}
+        parameter |= {"prior": [-1.0, 1.0], "support": [-9.0, 9.0]}
+        content = {"name": "own-model", "task": f"{folder / 'own.py'}:Own", "task_settings": {}}
+        content |= {"effects": [], "parameters": [parameter]}
+        path = folder / "model.json"
+        path.write_text(json.dumps(content))
+        return path, marker
+
+    return make
+
+
+def stopped(begun, *arguments):
+    """What a command says that gets Ctrl-C while it works, once the folder `begun` is there."""
+    command = [sys.executable, "-m", "avobench", *map(str, arguments)]
+    process = subprocess.Popen(command, start_new_session=True, stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 60
+    while not begun.exists():
+        assert process.poll() is None
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    time.sleep(0.5)
+    os.killpg(process.pid, signal.SIGINT)
+    _, error = process.communicate(timeout=20)
+    return process.returncode, error
+
+
+@pytest.mark.parametrize("task", ["poisson", "hostile:Hangs"])
+def test_ctrl_c_promises_only_what_is_kept(tmp_path, task):
+    np.save(tmp_path / "x.npy", np.random.default_rng(0).poisson(7, (20_000, 1)))
+    command = ("diagnose", "--task", task, "--data", tmp_path / "x.npy", "--out", tmp_path / "d")
+    if task != "poisson":
+        np.save(tmp_path / "x.npy", np.random.default_rng(0).normal(size=(300, 1)))
+        command = ("run", *CELLS, "--task", task, "--results", tmp_path / "r")
+    code, error = stopped(command[-1], *command)
+    assert code == 130
+    kept = "what was finished is kept, and the same command goes on from there"
+    said = "the same command begins anew" if task == "poisson" else kept
+    assert error.splitlines()[-1] == f"avobench: stopped; {said}"
+    assert not list((tmp_path / "d").glob("*"))

@@ -1,0 +1,187 @@
+"""A sweep on a Dask cluster whose processes die: `python -m robustness.cluster` prints what became of every cell.
+
+Eight workers of this machine carry out 2 000 short cells. Every few seconds one of them, drawn at random, is ended by
+SIGKILL and another one started in its place. Once, when half of the cells are finished, the scheduler is killed with
+all that it knew; the sweep then ends with a line, a new scheduler and new workers are started, and the same sweep is
+begun again, as a user would. In the end every cell must be finished once, with the numbers of this machine.
+"""
+
+import json
+import os
+import random
+import signal
+import sys
+import tempfile
+import threading
+import time
+from collections import Counter
+from contextlib import suppress
+from dataclasses import dataclass, field
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+
+import click
+
+from robustness import warm
+
+GLANCE = 0.01
+"""Seconds between two looks at how many cells are finished; a cell takes some tens of milliseconds."""
+TIMED = ("observation_seconds", "simulator_seconds", "method_seconds", "harness_seconds", "peak_memory_mib", "started")
+
+
+@dataclass
+class Cluster:
+    """A scheduler and workers in processes of this machine, which can be killed one by one."""
+
+    folder: Path
+    workers: list[BaseProcess] = field(default_factory=list)
+    scheduler: BaseProcess | None = None
+    address: str = ""
+
+    def begin(self, workers: int) -> None:
+        file = self.folder / "scheduler.json"
+        file.unlink(missing_ok=True)
+        own = ["--host", "127.0.0.1", "--port", "0", "--no-show", "--scheduler-file", str(file)]
+        self.scheduler = warm.dask("scheduler", own, self.folder / "log")
+        deadline = time.monotonic() + 60
+        while not file.exists() or not file.read_text():
+            assert time.monotonic() < deadline, (self.folder / "log").read_text()[-2000:]
+            time.sleep(0.05)
+        self.address = json.loads(file.read_text())["address"]
+        self.workers = [self.worker() for _ in range(workers)]
+
+    def worker(self) -> BaseProcess:
+        own = [self.address, "--nthreads", "1", "--no-nanny", "--local-directory", str(self.folder)]
+        return warm.dask("worker", own, self.folder / "log")
+
+    def end(self) -> None:
+        for process in (*self.workers, *([self.scheduler] if self.scheduler else [])):
+            kill(process)
+
+
+def kill(process: BaseProcess) -> None:
+    with suppress(ProcessLookupError):
+        os.kill(process.pid, signal.SIGKILL)
+    process.join(10)
+
+
+@dataclass
+class Killer:
+    """Kills a worker at random moments, about every `seconds`, and the scheduler once, at half of the cells."""
+
+    cluster: Cluster
+    seconds: float
+    half: int
+    finished: list[str]
+    moments: random.Random
+    workers: int = 0
+    schedulers: int = 0
+    stop: threading.Event = field(default_factory=threading.Event)
+
+    def work(self) -> None:
+        due = self._due()
+        while not self.stop.wait(GLANCE):
+            if not self.schedulers and len(self.finished) >= self.half:
+                self.schedulers += 1
+                kill(self.cluster.scheduler)
+                return
+            if time.monotonic() >= due:
+                place = self.moments.randrange(len(self.cluster.workers))
+                kill(self.cluster.workers[place])
+                self.workers += 1
+                self.cluster.workers[place] = self.cluster.worker()
+                due = self._due()
+
+    def _due(self) -> float:
+        return time.monotonic() + self.moments.uniform(0, 2 * self.seconds)
+
+
+def soak(folder: Path, cells: int, workers: int, seconds: float, seed: int) -> str:
+    """The sweep to its end, however often it must be begun. Raises AssertionError for a cell that is lost or twice."""
+    from avobench.bench.backends.dask import DaskBackend
+    from avobench.bench.backends.local import LocalBackend
+    from avobench.bench.plan import plan
+    from avobench.bench.runner import View, run
+    from avobench.bench.store import Store
+    from avobench.tasks.errors import AvobenchError
+
+    finished: list[str] = []
+    notes: list[str] = []
+
+    class Watch(View):
+        def note(self, line: str) -> None:
+            notes.append(line)
+
+        def finished(self, sweep: object, cell: object, record: dict) -> None:
+            finished.append(record["id"])
+
+    pause = ["moment.pause=0.005"]
+    asked = plan(["toys:Normal"], ["toys:Moment"], "0-9", -(-cells // 10), 400, 100, 0, pause)[:cells]
+    store, cluster, ends = Store(folder / "far", create=True), Cluster(folder), []
+    killer = Killer(cluster, seconds, cells // 2, finished, random.Random(seed))
+    begun = time.monotonic()
+    try:
+        while len(ends) < 10:
+            cluster.begin(workers)
+            killer.stop = threading.Event()
+            thread = threading.Thread(target=killer.work)
+            thread.start()
+            try:
+                run(asked, store, DaskBackend(cluster.address), Watch())
+                ends.append("finished")
+            except AvobenchError as error:
+                ends.append(str(error))
+            finally:
+                killer.stop.set()
+                thread.join()
+                cluster.end()
+            if ends[-1] == "finished":
+                break
+            assert "went away" in ends[-1], ends[-1]
+    finally:
+        cluster.end()
+    took = time.monotonic() - begun
+    assert ends[-1] == "finished", ends
+    twice = [id for id, count in Counter(finished).items() if count > 1]
+    assert not twice, f"made twice: {twice}"
+    records, damaged = store.read()
+    assert not damaged, damaged
+    assert sorted(record["id"] for record in records) == sorted(cell.id for cell in asked), "cells are missing"
+    failed = [record["message"] for record in records if record["status"] != "ok"]
+    assert not failed, f"{len(failed)} cells failed, the first with: {failed[0]}"
+    sample = asked[:: max(1, cells // 100)]
+    near = run(sample, local := Store(folder / "near", create=True), LocalBackend(1, local.running), View())
+    far = {record["id"]: record for record in records}
+    for record in near:
+        differ = [name for name in record if name not in TIMED and record[name] != far[record["id"]][name]]
+        assert not differ, f"{record['id']} differs in {differ}"
+    again = sum("begun again" in note for note in notes)
+    return "\n".join(
+        [
+            f"{cells} cells on {workers} workers in {took:.0f} s, {len(ends)} sweeps: {'; '.join(ends)}",
+            f"{killer.workers} workers and {killer.schedulers} scheduler killed, {again} cells begun again elsewhere",
+            f"{len(records)} records, each made once, all ok; {len(near)} of them made here too, the same bit for bit",
+        ]
+    )
+
+
+@click.command()
+@click.option("--cells", default=2000, show_default=True)
+@click.option("--workers", default=8, show_default=True)
+@click.option("--seconds", default=3.0, show_default=True, help="Between two kills of a worker, on average.")
+@click.option("--rounds", default=3, show_default=True, help="Sweeps, each with moments of its own.")
+def main(cells: int, workers: int, seconds: float, rounds: int) -> None:
+    """Carry out sweeps on a cluster whose processes die, and print what became of them; exit code 1 if not all well."""
+    warm.environment()
+    os.chdir(warm.USERS)
+    for seed in range(rounds):
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+            try:
+                click.echo(soak(Path(folder), cells, workers, seconds, seed))
+            except AssertionError as error:
+                click.echo(f"FAILED: {error}")
+                sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,50 @@
+"""The shared object of faults.c in this process, and the process started anew with it."""
+
+import ctypes
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+SOURCE = Path(__file__).with_name("faults.c")
+KINDS = ("open", "write", "fsync", "close", "rename", "unlink", "mkdir", "rmdir", "chmod", "opendir")
+"""In the order of the source, from 1."""
+MANNERS = {"": 0, "torn": 1, "short": 2, "dies": 3}
+GRANTED = -1
+"""For locks: every one is granted, and none is held."""
+
+
+def compiler() -> str | None:
+    return shutil.which("gcc") or shutil.which("cc")
+
+
+def compiled(folder: Path) -> Path:
+    """The shared object, made in `folder`."""
+    made = folder / "faults.so"
+    subprocess.run([compiler(), "-shared", "-fPIC", "-O1", "-o", made, SOURCE, "-ldl"], check=True, timeout=60)
+    return made
+
+
+def run_with(library: Path, arguments: list[str]) -> subprocess.CompletedProcess:
+    """A Python process with the object loaded before all others."""
+    environment = {**os.environ, "LD_PRELOAD": str(library), "FAULTS": str(library)}
+    return subprocess.run([sys.executable, *arguments], env=environment, capture_output=True, text=True, timeout=900)
+
+
+class Faults:
+    """What fails in this process, which was started with the object."""
+
+    def __init__(self) -> None:
+        self._library = ctypes.CDLL(os.environ["FAULTS"])
+
+    def set(self, **values: int) -> None:
+        for name, value in values.items():
+            ctypes.c_int.in_dll(self._library, f"faults_{name}").value = value
+
+    def get(self, name: str) -> int:
+        return ctypes.c_int.in_dll(self._library, f"faults_{name}").value
+
+    def root(self, folder: Path) -> None:
+        place = (ctypes.c_char * 4096).in_dll(self._library, "faults_root")
+        place.value = str(folder).encode()

@@ -1,0 +1,143 @@
+"""Tasks, methods and effects that do harm to the process in which they are. Loaded as `hostile:Name`."""
+
+import os
+import signal
+import time
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from faulty import SoundMethod, SoundTask
+from toys import Moment
+
+from avobench.effects import Effect, Parameter
+from avobench.methods import Estimate
+
+
+def segfault():
+    os.kill(os.getpid(), signal.SIGSEGV)
+
+
+class Segfault(SoundTask):
+    """At its first call."""
+
+    name = "segfault"
+
+    def events(self, theta, rng):
+        segfault()
+
+
+class Leaves(SoundTask):
+    """Ends the process in which it is asked for events, as a library does that calls exit()."""
+
+    name = "leaves"
+
+    def events(self, theta, rng):
+        os._exit(0)
+
+
+class LeavesLater(SoundTask):
+    """Not where it is tried, but in a cell."""
+
+    name = "leaves-later"
+
+    def events(self, theta, rng):
+        if len(theta) == 40:
+            os._exit(3)
+        return super().events(theta, rng)
+
+
+class NoTargets(SoundTask):
+    """At its first mention."""
+
+    name = "no-targets"
+
+    def targets(self, n=15):
+        segfault()
+
+
+class Hangs(SoundTask):
+    name = "hangs"
+
+    def events(self, theta, rng):
+        if len(theta) == 40:
+            time.sleep(600)
+        return super().events(theta, rng)
+
+
+class Leaks(SoundTask):
+    name = "leaks"
+
+    def events(self, theta, rng):
+        kept = []
+        while len(theta) == 40:
+            kept.append(np.ones(10**6))  # 8 MB
+            time.sleep(0.01)
+        return super().events(theta, rng)
+
+
+class EndsItself(SoundMethod):
+    name = "ends-itself"
+
+    def infer(self, problem, rng):
+        os._exit(0)
+
+
+@dataclass(frozen=True)
+class Steps(Moment):
+    """Ten events a step of four."""
+
+    name: ClassVar = "steps"
+
+    def infer(self, problem, rng):
+        theta = problem.prior.center
+        for _ in range(4):
+            problem.simulate.repeat(theta, 40)
+        return Estimate(theta, "centre", "posterior", theta, theta, [])
+
+
+class NoSpread(SoundMethod):
+    def estimate(self, problem, theta):
+        return Estimate(theta, "nearest", "none", theta, theta * 0)
+
+
+class Guesses(SoundMethod):
+    """Simulates nothing, and does not say why."""
+
+    name = "guesses"
+
+    def infer(self, problem, rng):
+        theta = problem.prior.center
+        return Estimate(theta, "centre", "posterior", theta, theta * 0)
+
+
+class Says(Guesses):
+    """Simulates nothing, and says why."""
+
+    name = "says"
+
+    def infer(self, problem, rng):
+        theta = problem.prior.center
+        return Estimate(theta, "centre", "posterior", theta, theta * 0, message="the prior is known to be enough")
+
+
+@dataclass(frozen=True)
+class OnDevice(SoundMethod):
+    """A user's own, which asks for a device and does not look whether it is there."""
+
+    name: ClassVar = "on-device"
+    device: str = "cpu"
+
+    def infer(self, problem, rng):
+        problem.simulate.repeat(problem.prior.center, 100)
+        raise RuntimeError("Found no NVIDIA driver on your system")
+
+
+class Fatal(Effect):
+    name = "fatal"
+    parameters = (Parameter("rate", 0, 2, 0, "counts"),)
+    sentence = "Nothing is left."
+    source = "test"
+
+    def apply(self, simulate, theta, phi, rng):
+        segfault()
