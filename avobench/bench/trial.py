@@ -95,11 +95,6 @@ class Trial:
         if self.failure is None:
             with self.failing():
                 require_recordable(self.estimate, self.problem, self.simulate.used)
-                if self.simulate.used == 0:
-                    raise InvalidEstimate(
-                        "the method simulated nothing: what it kept from another cell is not within this cell's "
-                        "budget; a method whose events serve all targets says `amortised`, and simulates them for each"
-                    )
                 scored = _scored(self.estimate, self._task, self.cell)
                 message = "; ".join(filter(None, (self.estimate.message, self.remark)))
         if (error := self.failure) is not None:

@@ -49,7 +49,7 @@ def test_a_record_tells_the_versions_of_what_its_method_and_task_need():
         ("moment.fault=backwards", "invalid_estimate", "the trace must go from 0 towards the 4000 used"),
         ("moment.fault=beyond", "invalid_estimate", "the trace must go from 0 towards the 4000 used"),
         ("moment.fault=spread", "invalid_estimate", "the std of the estimate is negative"),
-        ("moment.fault=kept", "invalid_estimate", "the method simulated nothing"),
+        ("moment.fault=kept", "invalid_estimate", "made without a simulated event"),
         ("moment.fault=support", "outside_support", "theta = [100.0] lies outside"),
         ("normal.fault=raises", "simulator_error", "the simulator of normal raised RuntimeError"),
         ("normal.fault=nan", "simulator_error", "NaN or infinity"),
