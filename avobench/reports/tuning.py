@@ -22,20 +22,25 @@ STORE = Path("results/tuning")
 
 
 def table(records: dict[str, dict[str, Any]]) -> pd.DataFrame:
-    """A row a candidate, from records by id, on the targets that every candidate of the method has on every task."""
+    """A row a candidate, from records by id, on the targets that every candidate of the method has on every task.
+
+    A method of which no target is complete has no row.
+    """
     rows = []
     for method, candidates in CANDIDATES.items():
         for label, settings in candidates.items():
             common = set.intersection(*(_common(method, name, records) for name in TASKS))
+            if not common:
+                continue
             row: dict[str, Any] = {"method": method, "settings": label, "targets": len(common)}
             seconds, values = [], []
             for name in TASKS:
                 own = [records[cell.id] for cell in candidate(method, settings, name) if cell.target in common]
                 ratios = [_ratio(name, record) for record in own]
-                row[name] = np.median(ratios) if own else np.nan
+                row[name] = np.median(ratios)
                 values.append(row[name])
                 seconds += [record["simulator_seconds"] + record["method_seconds"] for record in own]
-            row |= {"geometric mean": gmean(values), "seconds": np.mean(seconds) if seconds else np.nan}
+            row |= {"geometric mean": gmean(values), "seconds": np.mean(seconds)}
             rows.append(row)
     return pd.DataFrame(rows)
 
