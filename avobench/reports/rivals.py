@@ -1,9 +1,10 @@
 """`avo` beside each rival at its best: `python -m avobench.reports.rivals`.
 
 A row for each answer of a method on a task: the estimate and, where it has a posterior with another mean, that mean.
-`targets` says of how many targets a row is; a test takes those that both have. The inefficiency is the median squared error over the floor in
-units of an efficient estimator's; on weinberg, where the events determine c alone, it is the mean squared error over
-that of the ideal posterior mean. `avo ahead` is the p-value of the paired test of `avobench.reports.quantities.ahead`.
+`targets` says of how many targets a row is; a test takes those that both have. The inefficiency is the median squared
+error over the floor in units of an efficient estimator's; on weinberg, where the events determine c alone, it is the
+mean squared error over that of the ideal posterior mean. `avo ahead` is the p-value of the paired test of
+`avobench.reports.quantities.ahead`.
 """
 
 from collections.abc import Iterator
