@@ -12,10 +12,13 @@ from avobench.bench.store import Store
 from avobench.cli import listing
 from avobench.cli.isolated import State
 from avobench.cli.progress import ProgressView
-from avobench.studies import paper
+from avobench.reports.tuning import STORE, format_table
+from avobench.studies import paper, tuning
 from avobench.tasks.errors import AvobenchError, UsageError
 
-STUDIES = ("poisson", "alignment", "detector", "summary", "ablation")
+STUDIES = ("poisson", "alignment", "detector", "summary", "ablation", "tuning")
+FOLDERS = {"ablation": Path("results/ablation"), "tuning": STORE}
+"""Of the studies whose records are not in results/studies."""
 
 
 @click.command()
@@ -24,7 +27,7 @@ STUDIES = ("poisson", "alignment", "detector", "summary", "ablation")
     "--results",
     type=click.Path(path_type=Path),
     default=None,
-    help="Folder of the records.  [results/studies, results/ablation for ablation]",
+    help="Folder of the records.  [results/studies, results/NAME for ablation and tuning]",
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Root of all random streams.")
 @click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [one a core]")
@@ -34,21 +37,23 @@ def study(state: State, name: str, results: Path | None, seed: int, jobs: int | 
 
     poisson and alignment are runs of avo-paper (Sections 4.1 and 4.2), detector is the average response at two offsets,
     summary runs abc-smc and bolfi on alignment with a better summary statistic, ablation runs avo with what sets it
-    apart from avo-paper undone, one difference at a time.
+    apart from avo-paper undone, one difference at a time; tuning runs abc-smc and bolfi with the candidates for the
+    settings of abc-smc-tuned and bolfi-tuned, on targets and with a seed of its own.
     """
     workers = Workers(jobs, in_process=state.in_process)
     state.resumes = True
     if not 0 <= seed < 2**63:
         raise UsageError(f"--seed must lie between 0 and 2^63 - 1, got {seed}")
-    store = Store(results or Path("results/ablation" if name == "ablation" else "results/studies"), create=True)
+    store = Store(results or FOLDERS.get(name, Path("results/studies")), create=True)
     if name == "detector":
         with store.lock():
             paper.detector(store.path / paper.DETECTOR_FILE, seed)
         click.echo(f"{len(paper.DETECTOR_THETA)} average responses in {store.path / paper.DETECTOR_FILE}")
         return
     with ProgressView(Console(stderr=True), lambda sweep, cell: None) as view:
-        records = run(paper.cells(name, seed), store, workers.begin(store.running, debug=state.debug), view)
-    click.echo(listing.status_table(records))
+        cells = tuning.cells() if name == "tuning" else paper.cells(name, seed)
+        records = run(cells, store, workers.begin(store.running, debug=state.debug), view)
+    click.echo(format_table(store.path) if name == "tuning" else listing.status_table(records))
     failed = [record for record in records if record["status"] != Status.OK]
     if failed:
         raise AvobenchError(f"{len(failed)} of {len(records)} cells failed, the first with {reason(failed[0])}")
