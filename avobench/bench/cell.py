@@ -29,9 +29,13 @@ class Cell:
     num_observations: int
     seed: int
     identity: dict[str, Any] = field(init=False)
+    # What a sweep and a record need to know of the task and the method, so that neither must make them.
     parameter_names: tuple[str, ...] = field(init=False)
+    packages: tuple[str, ...] = field(init=False)
+    """Modules beyond those of avobench that the method and the task use."""
+    amortised: bool = field(init=False)
     together: bool = field(init=False)
-    """Whether the method gains from several cells at once. Kept here, so that a sweep need not make the method."""
+    """Whether the method gains from several cells at once."""
 
     def __post_init__(self) -> None:
         for kind in ("task", "method"):  # a worker may have another working folder
@@ -52,6 +56,8 @@ class Cell:
         if not len(names) == len(set(names)) == len(theta):
             raise UsageError(f"task '{self.task}' has targets of {len(theta)} parameters and the names {names}")
         object.__setattr__(self, "parameter_names", tuple(map(str, names)))
+        object.__setattr__(self, "packages", (*method.packages, *task.packages))
+        object.__setattr__(self, "amortised", bool(method.amortised))
         object.__setattr__(self, "together", bool(method.together))
 
     def build_task(self) -> Task:

@@ -74,6 +74,11 @@ class Record(Strict):
     method_source_sha256: Sha256 | None = Field(
         None, description="likewise for the method, over the modules of its class and bases"
     )
+    amortised: Literal[True] | None = Field(
+        None,
+        description="true where the simulated events are the same for all targets, so that `budget` is one for them "
+        "all; no such field elsewhere",
+    )
     theta_true: Vector = Field(min_length=1, description="the target: the parameters of the observed events")
     target: Count = Field(description="index of the target; targets belong to the task and do not depend on the seed")
     repetition: Count = Field(description="index of the repetition: the same observation, other random streams")
@@ -128,8 +133,9 @@ class Record(Strict):
     )
     started: str | None = Field(description="when, in UTC; null where the worker process was lost")
     versions: dict[str, str | None] = Field(
-        description="of Python, avobench, NumPy, SciPy, PyTorch, pyABC, ELFI, GPy, Pythia, and the commit of the "
-        "source; they do not identify a cell: after an upgrade, finished cells stay finished"
+        description="of Python, avobench, NumPy, SciPy, PyTorch, pyABC, ELFI, GPy, Pythia, the packages that the task "
+        "and method name, and the commit of the source; they do not identify a cell: after an upgrade, finished cells "
+        "stay finished"
     )
 
     @model_validator(mode="after")

@@ -4,7 +4,9 @@ import json
 from collections.abc import Callable, Iterable
 from typing import Any
 
+import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 
 def to_frame(records: Iterable[dict[str, Any]]) -> pd.DataFrame:
@@ -31,6 +33,19 @@ def to_frame(records: Iterable[dict[str, Any]]) -> pd.DataFrame:
     leading += ["squared_error", "floor", "num_observations", "budget", "simulations_used"]
     leading += ["simulator_seconds", "method_seconds"]
     return frame[leading + [name for name in frame.columns if name not in leading]]
+
+
+def mean_errors(records: list[dict[str, Any]]) -> NDArray[np.float64]:
+    """The squared error of the mean of each record's posterior, in place of its estimate: (n,).
+
+    NaN where there is no posterior, or a part of its mean is not finite.
+    """
+    errors = []
+    for record in records:
+        known = record["spread_of"] == "posterior" and None not in record["mean"]
+        shift = np.subtract(record["mean"], record["theta_true"]) if known else np.nan
+        errors.append(np.sum(np.square(shift)))
+    return np.array(errors)
 
 
 def labels(records: list[dict[str, Any]]) -> tuple[list[str], list[str]]:

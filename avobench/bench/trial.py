@@ -58,7 +58,9 @@ class Trial:
         self.cell, self._debug = cell, debug
         self._started = datetime.now(UTC).isoformat(timespec="seconds")
         self._task, self.method = cell.build_task(), cell.build_method()
-        words = (self._task.name, self.method.name, cell.target, cell.repetition)
+        # Of an amortised method the events are the same for every target: one budget for all, whoever simulates first.
+        own = () if self.method.amortised else (cell.target,)
+        words = (self._task.name, self.method.name, *own, cell.repetition)
         self.simulate = MeteredSimulator(self._task, cell.budget, stream(cell.seed, "simulator", *words), progress)
         self.rng = stream(cell.seed, "method", *words)
         self.problem: Problem | None = None
@@ -172,7 +174,7 @@ def told(error: BaseException) -> str:
 
 def blank_record(cell: Cell, status: Status, message: str) -> dict[str, Any]:
     """A record with every field of the schema, for a cell of which nothing more is known."""
-    return {
+    record = {
         "schema_version": SCHEMA_VERSION,
         "id": cell.id,
         **cell.identity,
@@ -198,8 +200,9 @@ def blank_record(cell: Cell, status: Status, message: str) -> dict[str, Any]:
         "harness_seconds": 0.0,
         "peak_memory_mib": None,
         "started": None,
-        "versions": versions(),
+        "versions": versions(cell.packages),
     }
+    return record | {"amortised": True} if cell.amortised else record
 
 
 def _floors(task: Task, cell: Cell) -> dict[str, float | None]:

@@ -3,6 +3,7 @@
 import importlib.metadata
 import platform
 import subprocess
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
@@ -11,10 +12,13 @@ RECORDED = ("avobench", "numpy", "scipy", "torch", "pyabc", "elfi", "GPy", "pyth
 
 
 @cache
-def versions() -> dict[str, str | None]:
-    """Versions of what a result depends on, and the commit of the source where it is a git checkout."""
+def versions(modules: tuple[str, ...] = ()) -> dict[str, str | None]:
+    """Versions of what a result depends on, and the commit of the source where it is a git checkout.
+
+    That is RECORDED, and the packages of these modules.
+    """
     found: dict[str, str | None] = {"python": platform.python_version()}
-    for name in RECORDED:
+    for name in (*RECORDED, *(package for module in modules for package in _packages(module))):
         try:
             found[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
@@ -30,3 +34,14 @@ def versions() -> dict[str, str | None]:
         except (OSError, subprocess.CalledProcessError):
             found["commit"] = "unknown"
     return found
+
+
+def _packages(module: str) -> list[str]:
+    """The names under which what provides a module was installed; its own name where nothing is known of it."""
+    return _distributions().get(module.partition(".")[0], [module])
+
+
+@cache
+def _distributions() -> Mapping[str, list[str]]:
+    """Asked for once a process: it looks into every installed distribution."""
+    return importlib.metadata.packages_distributions()

@@ -12,14 +12,15 @@ from avobench.bench.store import Store
 from avobench.cli import listing
 from avobench.cli.isolated import State
 from avobench.cli.progress import ProgressView
-from avobench.studies import dimension, fresh, paper
+from avobench.reports.tuning import STORE, format_table
+from avobench.studies import dimension, fresh, paper, tuning
 from avobench.tasks.errors import AvobenchError, UsageError
 
-STUDIES = ("poisson", "alignment", "detector", "summary", "ablation", "dimension", "fresh")
-OWN_STORES = {name: Path("results") / name for name in ("ablation", "dimension", "fresh")}
-"""The studies that are kept apart from the paper's experiments."""
-CELLS = {"dimension": dimension.cells, "fresh": fresh.cells}
-"""Of the studies that are none of the paper's."""
+STUDIES = ("poisson", "alignment", "detector", "summary", "ablation", "tuning", "dimension", "fresh")
+FOLDERS = {name: Path("results") / name for name in ("ablation", "dimension", "fresh")} | {"tuning": STORE}
+"""Of the studies whose records are not in results/studies."""
+CELLS = {"dimension": dimension.cells, "fresh": fresh.cells, "tuning": lambda seed: tuning.cells()}
+"""Of the studies that are none of the paper's; the one of settings has a seed of its own."""
 
 
 @click.command()
@@ -28,7 +29,7 @@ CELLS = {"dimension": dimension.cells, "fresh": fresh.cells}
     "--results",
     type=click.Path(path_type=Path),
     default=None,
-    help="Folder of the records.  [results/NAME for ablation, dimension, fresh, else results/studies]",
+    help="Folder of the records.  [results/studies, results/NAME for ablation, tuning, dimension and fresh]",
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Root of all random streams.")
 @click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [one a core]")
@@ -38,14 +39,15 @@ def study(state: State, name: str, results: Path | None, seed: int, jobs: int | 
 
     poisson and alignment are runs of avo-paper (Sections 4.1 and 4.2), detector is the average response at two offsets,
     summary runs abc-smc and bolfi on alignment with a better summary statistic, ablation runs avo with what sets it
-    apart from avo-paper undone, one difference at a time. dimension runs every method against the number of
-    parameters, fresh runs avo and smm on a hundred targets a task that nothing was chosen on. Both can be interrupted.
+    apart from avo-paper undone, one difference at a time; tuning runs abc-smc and bolfi with the candidates for the
+    settings of abc-smc-tuned and bolfi-tuned, on targets and with a seed of its own. dimension runs every method
+    against the number of parameters, fresh runs avo and smm on a hundred targets a task that nothing was chosen on.
     """
     workers = Workers(jobs, in_process=state.in_process)
     state.resumes = True
     if not 0 <= seed < 2**63:
         raise UsageError(f"--seed must lie between 0 and 2^63 - 1, got {seed}")
-    store = Store(results or OWN_STORES.get(name, Path("results/studies")), create=True)
+    store = Store(results or FOLDERS.get(name, Path("results/studies")), create=True)
     if name == "detector":
         with store.lock():
             paper.detector(store.path / paper.DETECTOR_FILE, seed)
@@ -54,7 +56,7 @@ def study(state: State, name: str, results: Path | None, seed: int, jobs: int | 
     with ProgressView(Console(stderr=True), lambda sweep, cell: None) as view:
         cells = CELLS[name](seed) if name in CELLS else paper.cells(name, seed)
         records = run(cells, store, workers.begin(store.running, debug=state.debug), view)
-    click.echo(listing.status_table(records))
+    click.echo(format_table(store.path) if name == "tuning" else listing.status_table(records))
     failed = [record for record in records if record["status"] != Status.OK]
     if failed:
         raise AvobenchError(f"{len(failed)} of {len(records)} cells failed, the first with {reason(failed[0])}")

@@ -3,8 +3,8 @@
 import logging
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +13,20 @@ from scipy.stats import gaussian_kde
 
 from avobench.methods.contract import Estimate, Method, TracePoint, global_seed
 from avobench.methods.problem import Problem
+from avobench.methods.regression import Evaluation, regressed
 from avobench.tasks import Box
 from avobench.tasks.errors import BudgetExhausted, UsageError
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+LATER = {"identifies": "unless default"}
+"""Of settings that came after the first records: at their defaults they change nothing, and are left out of these."""
+HOW = {
+    "mode": "maximum of a weighted kernel density estimate of the last complete generation",
+    "mean": "weighted mean of the last complete generation",
+    "regression": "weighted mean of the last complete generation, after a regression adjustment",
+}
 
 
 @dataclass(frozen=True)
@@ -41,14 +53,20 @@ class AbcSmc(Method):
     population_size: int = 100
     """Particles accepted in each generation; pyABC's default."""
     events_per_theta: int = 128
-    """Events simulated for each evaluated theta."""
+    """Events simulated for each evaluated theta, in the calibration and the first generation."""
+    growth: float = field(default=1.0, metadata=LATER)
+    """Events for each evaluated theta, in those of the generation before."""
+    estimate: Literal["mode", "mean", "regression"] = field(default="mode", metadata=LATER)
+    """Of the last generation: the maximum of its density, its mean, or its mean after a regression adjustment."""
 
     def __post_init__(self) -> None:
-        if self.population_size < 2 or self.events_per_theta < 1:
+        if self.population_size < 2 or self.events_per_theta < 1 or self.growth < 1:
             raise UsageError(
-                "abc-smc needs population_size >= 2 and events_per_theta >= 1, "
-                f"got {self.population_size} and {self.events_per_theta}"
+                f"{self.name} needs population_size >= 2, events_per_theta >= 1 and growth >= 1, "
+                f"got {self.population_size}, {self.events_per_theta} and {self.growth}"
             )
+        if self.estimate not in HOW:
+            raise UsageError(f"{self.name} needs estimate {', '.join(HOW)}, got {self.estimate!r}")
 
     def min_simulations(self, num_parameters: int) -> int:
         """Four populations: one calibrates, and the first generation, accepting about half, takes about two more.
@@ -58,7 +76,7 @@ class AbcSmc(Method):
         that its covariance has full rank; raises UsageError otherwise.
         """
         if self.population_size <= num_parameters:
-            raise UsageError(f"abc-smc needs population_size > {num_parameters}, the number of parameters")
+            raise UsageError(f"{self.name} needs population_size > {num_parameters}, the number of parameters")
         return 4 * self.population_size * self.events_per_theta
 
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
@@ -66,12 +84,16 @@ class AbcSmc(Method):
         import pyabc
 
         names, prior = problem.parameter_names, problem.prior
+        observed = problem.summary(problem.x_observed)
+        tried: list[Evaluation] = []
 
         def model(parameter: pyabc.Parameter) -> dict[str, NDArray]:
-            theta = [[parameter[name] for name in names]]
-            return {"summary": problem.summary(problem.simulate.repeat(theta, self.events_per_theta)[0])}
+            theta = np.array([[parameter[name] for name in names]])
+            events = round(self.events_per_theta * self.growth**history.n_populations)
+            summary = problem.summary(problem.simulate.repeat(theta, events)[0])
+            tried.append(Evaluation(theta[0], summary, problem.simulate.used))
+            return {"summary": summary}
 
-        used_before = problem.simulate.used
         message = ""
         with global_seed(rng), _quiet("ABC"):
             abc = pyabc.ABCSMC(
@@ -86,7 +108,7 @@ class AbcSmc(Method):
                 population_size=self.population_size,
                 sampler=pyabc.SingleCoreSampler(),
             )
-            history = abc.new("sqlite://", {"summary": problem.summary(problem.x_observed)})  # in memory, no file
+            history = abc.new("sqlite://", {"summary": observed})  # in memory, no file
             # pyABC never closes the session of a database in memory, and its engine then stays for a while or for good.
             # What SQLAlchemy's mappers compiled stays too, but of the last 50 to 75 runs only: some 20 MiB.
             with closing(history._session):
@@ -100,26 +122,54 @@ class AbcSmc(Method):
                     if history.n_populations == 0:
                         raise
                 populations = history.get_all_populations().sort_values("t")  # t = -1 is the calibration sample
-                evaluations = populations["samples"]
-                used = used_before + self.events_per_theta * evaluations.cumsum().to_numpy()
+                ends = populations["samples"].cumsum().to_numpy()  # evaluations until then, in the order of `tried`
                 generations = [history.get_distribution(t=t) for t in range(history.n_populations)]
 
-        trace = []
-        for simulations, (particles, weights) in zip(used[1:], generations, strict=True):
-            theta = particles[list(names)].to_numpy()
-            mean = weights @ theta
-            std = np.sqrt(weights @ (theta - mean) ** 2)
-            trace.append(TracePoint(int(simulations), _density_mode(theta, weights, prior), std))
+        trace, mean = self._traced(generations, ends, tried, observed, problem)
         return Estimate(
             theta=trace[-1].theta,
-            how="maximum of a weighted kernel density estimate of the last complete generation",
+            how=HOW[self.estimate],
             spread_of="posterior",
             mean=mean,
-            std=std,
+            std=trace[-1].std,
             trace=trace,
             discarded=problem.simulate.used - trace[-1].simulations,
             message=message,
         )
+
+    def _traced(
+        self,
+        generations: list[tuple["DataFrame", NDArray[np.float64]]],
+        ends: NDArray[np.int64],
+        tried: list[Evaluation],
+        observed: NDArray[np.float64],
+        problem: Problem,
+    ) -> tuple[list[TracePoint], NDArray[np.float64]]:
+        """A point for each generation of particles and weights, and the mean of the last (p,).
+
+        `ends` are the evaluations until the end of the calibration sample and of each generation.
+        """
+        trace = []
+        for begin, end, (particles, weights) in zip(ends, ends[1:], generations, strict=False):
+            theta = particles[list(problem.parameter_names)].to_numpy()
+            mean = weights @ theta
+            std = np.sqrt(weights @ (theta - mean) ** 2)
+            if self.estimate == "regression":
+                mean = regressed(theta, weights, tried[begin:end], observed, problem.prior)
+            best = _density_mode(theta, weights, problem.prior) if self.estimate == "mode" else mean
+            trace.append(TracePoint(int(tried[end - 1].simulations), best, std))
+        return trace, mean
+
+
+@dataclass(frozen=True)
+class AbcSmcTuned(AbcSmc):
+    """ABC-SMC at its best: the settings that `avobench study tuning` found, on targets that are not the benchmark's."""
+
+    name: ClassVar[str] = "abc-smc-tuned"
+
+    population_size: int = 20
+    events_per_theta: int = 512
+    estimate: Literal["mode", "mean", "regression"] = "regression"
 
 
 def _density_mode(theta: NDArray[np.float64], weights: NDArray[np.float64], box: Box) -> NDArray[np.float64]:

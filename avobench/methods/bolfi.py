@@ -4,7 +4,7 @@ import gc
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
@@ -15,11 +15,21 @@ from scipy.stats import qmc
 from avobench.methods.contract import Estimate, Method, TracePoint, global_seed
 from avobench.methods.gaussian_process import GaussianProcess
 from avobench.methods.problem import Problem
+from avobench.methods.regression import Evaluation, regressed
 from avobench.tasks import Box
 from avobench.tasks.errors import UsageError
 
 if TYPE_CHECKING:
     from elfi import BOLFI, Distance, ElfiModel
+
+LATER = {"identifies": "unless default"}
+"""Of settings that came after the first records: at their defaults they change nothing, and are left out of these."""
+LINEAR_BELOW = 0.01
+"""Distance below which its logarithm goes over into itself: a tenth of what the noise of 128 events leaves."""
+MARGIN = 0.99
+"""Of the budget, with a growing number of events: rounding each to a whole number may exceed the mean."""
+SHARE_NEAREST = 0.3
+"""Of the evaluations, those of the smallest distances, on which the regression is made."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +72,18 @@ class Bolfi(Method):
     """Points of a scrambled Sobol sequence in the prior box: where the search for the maximum starts, and the sample
     that is weighted by the posterior for its mean and standard deviation. A power of two."""
 
+    log_distance: bool = field(default=False, metadata=LATER)
+    """Let the process be of the distance's logarithm: near the answer, where the distance is small, it tells more."""
+    growth: float = field(default=1.0, metadata=LATER)
+    """Events simulated for the last theta, in those for the first; between them it grows evenly on a logarithmic
+    scale."""
+    regression: bool = field(default=False, metadata=LATER)
+    """Take as estimate the posterior mean after a regression adjustment, on the evaluations of the smallest
+    distances."""
+
     def __post_init__(self) -> None:
+        if self.growth < 1:
+            raise UsageError(f"bolfi needs growth >= 1, got {self.growth}")
         if min(self.events_per_theta, self.update_interval, self.num_trace_points) < 1:
             raise UsageError("bolfi needs events_per_theta, update_interval and num_trace_points of at least 1")
         if self.initial_evidence is not None and self.initial_evidence < 1:
@@ -84,7 +105,8 @@ class Bolfi(Method):
         prior = problem.prior
         num_initial = self._num_initial(prior.dim)
         # With too little left the metered simulator refuses, rather than ELFI answering without a fitted process.
-        num_evidence = max(problem.simulate.remaining // self.events_per_theta, num_initial + 1)
+        num_evidence = max(self._num_evidence(problem.simulate.remaining), num_initial + 1)
+        events = np.round(self.events_per_theta * np.geomspace(1, self.growth, num_evidence)).astype(int)
         traced = set(np.linspace(num_evidence, num_initial, self.num_trace_points).astype(int).tolist())
         seed = int(rng.integers(2**32, dtype=np.uint32))
         box = Box((0,) * prior.dim, (1,) * prior.dim) if self.unit_box else prior
@@ -94,23 +116,21 @@ class Bolfi(Method):
         def raw(theta: NDArray) -> NDArray:
             return (1 - theta) * prior.low + theta * prior.high if self.unit_box else theta  # exact at the bounds
 
+        tried: list[Evaluation] = []
+
         def summaries(*theta: NDArray, batch_size: int, random_state: np.random.RandomState) -> NDArray:
-            x = problem.simulate.repeat(raw(np.column_stack(theta)), self.events_per_theta)
-            return np.stack([problem.summary(events) for events in x])
+            found = []
+            for one in raw(np.column_stack(theta)):
+                x = problem.simulate.repeat(one, int(events[len(tried)]))[0]
+                found.append(problem.summary(x))
+                tried.append(Evaluation(one, found[-1], problem.simulate.used))
+            return np.stack(found)
 
         trace = []
         with global_seed(rng), _own_client(elfi):
-            distance, bounds = _distance(elfi, box, summaries, problem.summary(problem.x_observed))
-            bolfi = elfi.BOLFI(
-                distance,
-                bounds=bounds,
-                initial_evidence=num_initial,
-                update_interval=self.update_interval,
-                acq_noise_var=float(self.acq_noise_var),
-                exploration_rate=self.exploration_rate,
-                seed=seed,
-                **(self._fast(distance.model, bounds, seed) if self.surrogate == "fast" else {}),
-            )
+            observed = problem.summary(problem.x_observed)
+            distance, bounds = _distance(elfi, box, summaries, observed, self.log_distance)
+            bolfi = self._bolfi(elfi, distance, bounds, num_initial, seed)
             bolfi.set_objective(num_evidence)
             while not bolfi.finished:
                 bolfi.iterate()
@@ -123,17 +143,47 @@ class Bolfi(Method):
                     mean = weights @ raw(points)
                     std = np.sqrt(weights @ (raw(points) - mean) ** 2)
                     trace.append(TracePoint(problem.simulate.used, raw(best), std))
+        how = "maximum of ELFI's posterior, where the mean of the Gaussian process of the distance is least"
+        if self.regression:
+            mean, how = (
+                _adjusted(tried, observed, prior),
+                "mean of the nearest evaluations after a regression adjustment",
+            )
+            trace[-1] = trace[-1]._replace(theta=mean)
         return Estimate(
             theta=trace[-1].theta,
-            how="maximum of ELFI's posterior, where the mean of the Gaussian process of the distance is least",
+            how=how,
             spread_of="posterior",
             mean=mean,
             std=std,
             trace=trace,
         )
 
+    def _num_evidence(self, budget: int) -> int:
+        """Evaluations that the budget holds."""
+        most = budget // self.events_per_theta
+        if self.growth == 1:
+            return most
+        mean = self.events_per_theta * (self.growth - 1) / np.log(self.growth)  # of the events for a theta
+        return min(most, int(budget / mean * MARGIN))
+
     def _num_initial(self, num_parameters: int) -> int:
         return self.initial_evidence or max(10, 2**num_parameters + 1)
+
+    def _bolfi(
+        self, elfi, distance: "Distance", bounds: dict[str, tuple[float, float]], num_initial: int, seed: int
+    ) -> "BOLFI":
+        """ELFI's inference of the distance, with the process that is asked for."""
+        return elfi.BOLFI(
+            distance,
+            bounds=bounds,
+            initial_evidence=num_initial,
+            update_interval=self.update_interval,
+            acq_noise_var=float(self.acq_noise_var),
+            exploration_rate=self.exploration_rate,
+            seed=seed,
+            **(self._fast(distance.model, bounds, seed) if self.surrogate == "fast" else {}),
+        )
 
     def _fast(self, model: "ElfiModel", bounds: dict[str, tuple[float, float]], seed: int) -> dict[str, Any]:
         """What takes the place of ELFI's process and acquisition."""
@@ -152,8 +202,19 @@ class Bolfi(Method):
         return {"target_model": process, "acquisition_method": acquisition}
 
 
+@dataclass(frozen=True)
+class BolfiTuned(Bolfi):
+    """BOLFI at its best: the settings that `avobench study tuning` found, on targets that are not the benchmark's."""
+
+    name: ClassVar[str] = "bolfi-tuned"
+
+    events_per_theta: int = 512
+    initial_evidence: int | None = 50
+    log_distance: bool = True
+
+
 def _distance(
-    elfi, box: Box, summaries: Callable[..., NDArray], observed: NDArray[np.float64]
+    elfi, box: Box, summaries: Callable[..., NDArray], observed: NDArray[np.float64], log: bool
 ) -> tuple["Distance", dict[str, tuple[float, float]]]:
     """ELFI's node of the distance between summaries of events at theta and the observed one (k,), and theta's bounds.
 
@@ -167,7 +228,22 @@ def _distance(
         for name, low, width in zip(bounds, box.low, box.width, strict=True)
     ]
     simulator = elfi.Simulator(summaries, *theta, observed=observed[None], model=model, name="summaries")
-    return elfi.Distance("euclidean", simulator, model=model, name="distance"), bounds
+    distance = elfi.Distance("euclidean", simulator, model=model, name="distance")
+    return elfi.Operation(_logarithm, distance, model=model, name="log_distance") if log else distance, bounds
+
+
+def _logarithm(distance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of distances, but positive, as ELFI's process needs them."""
+    return np.log1p(distance / LINEAR_BELOW)
+
+
+def _adjusted(tried: list[Evaluation], observed: NDArray[np.float64], prior: Box) -> NDArray[np.float64]:
+    """The regression-adjusted mean (p,) of the evaluations of the smallest distances, each of the same weight."""
+    distances = [np.linalg.norm(one.summary - observed) for one in tried]
+    nearest = np.argsort(distances, kind="stable")[: max(2, round(SHARE_NEAREST * len(tried)))]
+    near = [tried[i] for i in nearest]
+    theta = np.array([one.theta for one in near])
+    return regressed(theta, np.full(len(near), 1 / len(near)), near, observed, prior)
 
 
 def _posterior(bolfi: "BOLFI", points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

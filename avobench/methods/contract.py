@@ -1,5 +1,6 @@
 """The contract of a method: from a problem and a random stream to an estimate."""
 
+import sys
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -61,6 +62,12 @@ class Method(ABC):
     packages: ClassVar[tuple[str, ...]] = ()
     """Modules that must be importable, checked before a sweep begins; `extra` is the extra that installs them."""
     extra: ClassVar[str] = ""
+    amortised: ClassVar[bool] = False
+    """Whether nothing that it simulates depends on the observation, so that one budget serves all targets of a task.
+
+    All cells of a task and repetition then have the same random streams, hence the same simulated events, and their
+    records say `amortised`: they are not to be compared with those of methods that have a budget for each target.
+    """
     together: ClassVar[bool] = False
     """Whether `infer_together` takes less time than one problem after the other."""
 
@@ -90,14 +97,33 @@ class Method(ABC):
 
 @contextmanager
 def global_seed(rng: np.random.Generator) -> Iterator[None]:
-    """Seed the global generators that a package draws from (`numpy.random`, `random`), and restore them afterwards."""
+    """Seed the global generators that a package draws from, and restore them afterwards.
+
+    They are `numpy.random`, `random`, and PyTorch's where PyTorch has been imported before the block begins: a method
+    that uses it imports it, or the package that does, first.
+    """
     import random
 
     numpy_state, python_state = np.random.get_state(), random.getstate()
     np.random.seed(rng.integers(2**32, dtype=np.uint32))
     random.seed(int(rng.integers(2**63)))
+    torch_seed = int(rng.integers(2**63))  # drawn whether it is needed or not, so that `rng` goes on alike
     try:
-        yield
+        with _torch_seed(torch_seed):
+            yield
     finally:
         np.random.set_state(numpy_state)
         random.setstate(python_state)
+
+
+@contextmanager
+def _torch_seed(seed: int) -> Iterator[None]:
+    """Seed PyTorch's generators, those of CUDA devices too, where it has been imported, and restore them afterwards."""
+    torch = sys.modules.get("torch")
+    if torch is None:
+        yield
+        return
+    devices = list(range(torch.cuda.device_count())) if torch.cuda.is_available() else []
+    with torch.random.fork_rng(devices=devices):
+        torch.manual_seed(seed)
+        yield

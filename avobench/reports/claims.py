@@ -1,7 +1,7 @@
 """What a claim of the paper is here, and what it is held against."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import pandas as pd
@@ -17,6 +17,7 @@ class Evidence:
     """Comparable cells of the benchmark, see `labelled`."""
     study: list[dict[str, Any]]
     detector: dict[str, Any]
+    ablation: list[dict[str, Any]] = field(default_factory=list)
 
     def task(self, name: str) -> dict[str, pd.DataFrame]:
         """The cells of a task by method, in the figures' order."""

@@ -1,17 +1,27 @@
 """What figures, targets and pages compute from records."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.stats import chi2, wilcoxon
 from scipy.stats.qmc import Sobol
 
 from avobench.bench import registry
 from avobench.bench.status import ESTIMATED
-from avobench.bench.table import labels, to_frame
+from avobench.bench.table import labels, mean_errors, to_frame
 from avobench.tasks import Task
+
+RESAMPLES = 2000
+"""Of the targets, for an interval: the share of them beyond an end is then 2.5 % to within 0.4."""
+COVERAGE = 0.95
+"""Of an interval."""
+MOST_CHANCE = 0.05
+"""One method is ahead of another where a paired test says that chance alone would do as much less often than this."""
+LARGEST = 1e300
+"""Takes the place of the error of a failed run, which is infinite, in a test that takes differences."""
 
 
 def labelled(records: list[dict[str, Any]]) -> pd.DataFrame:
@@ -27,6 +37,15 @@ def labelled(records: list[dict[str, Any]]) -> pd.DataFrame:
     frame["seconds"] = frame["simulator_seconds"] + frame["method_seconds"]
     frame["record"] = records
     return frame
+
+
+def by_mean(cells: pd.DataFrame) -> pd.DataFrame:
+    """The cells scored by the mean of their posterior in place of their estimate; a failure stays one."""
+    errors = mean_errors(cells["record"].tolist())
+    failed = np.isinf(cells["squared_error"])
+    cells = cells.assign(squared_error=np.where(failed, np.inf, errors))
+    records = [{**record, "theta_hat": record["mean"]} for record in cells["record"]]
+    return cells.assign(ratio=cells["squared_error"] / cells["floor"], record=records)
 
 
 def comparable(cells: pd.DataFrame) -> pd.DataFrame:
@@ -74,3 +93,40 @@ def ideal_errors(cells: pd.DataFrame) -> NDArray[np.float64]:
     true = np.array([record["theta_true"] for record in cells["record"]])
     task = task_of(cells["record"].iloc[0])
     return ((task.posterior_mean(task.asymmetry(true)) - true) ** 2).sum(axis=1)
+
+
+def interval(
+    values: NDArray[np.float64], targets: pd.Series, statistic: Callable[[NDArray[np.float64]], float]
+) -> tuple[float, float]:
+    """The 95 % bootstrap interval of a statistic of cells' values (n, ...), over other draws of their targets (n,).
+
+    Whole targets are drawn again, with all of their repetitions: what differs between two is more than chance in a run.
+    Without a second target nothing is known of that, and both ends are NaN.
+    """
+    places = [np.flatnonzero(targets == target) for target in np.unique(targets)]
+    if len(places) < 2:
+        return np.nan, np.nan
+    rng = np.random.default_rng(0)
+    found = [
+        statistic(values[np.concatenate([places[i] for i in rng.integers(len(places), size=len(places))])])
+        for _ in range(RESAMPLES)
+    ]
+    low, high = np.quantile(found, [(1 - COVERAGE) / 2, (1 + COVERAGE) / 2], method="nearest")
+    return float(low), float(high)
+
+
+def errors_by_target(cells: pd.DataFrame) -> pd.Series:
+    """A squared error a target: the median over its repetitions."""
+    return cells.groupby("target")["squared_error"].median()
+
+
+def ahead(cells: pd.DataFrame, rival: pd.DataFrame) -> float:
+    """The p-value of a one-sided paired test that a method's squared errors are not less than a rival's.
+
+    Wilcoxon's signed-rank test on the logarithms of the errors, a pair for each target that both have.
+    """
+    pairs = pd.concat([errors_by_target(cells), errors_by_target(rival)], axis=1, join="inner").to_numpy()
+    if not len(pairs):
+        return np.nan
+    logs = np.log(pairs.clip(1 / LARGEST, LARGEST))
+    return float(wilcoxon(logs[:, 0], logs[:, 1], alternative="less").pvalue)

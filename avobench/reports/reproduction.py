@@ -27,7 +27,7 @@ hyper-parameters, `avo` the tuned one; [methods.md](methods.md) tells what was c
 page is the output of
 
 ```
-python -m avobench.reports.reproduction --results results/reference --studies results/studies
+python -m avobench.reports.reproduction
 ```
 
 and a test holds it to that. A run that failed counts as infinitely far off; methods are compared on the targets that
@@ -58,20 +58,21 @@ def _anchor(title: str) -> str:
     return kept.replace(" ", "-")
 
 
-def gather(results: Path, studies: Path) -> Evidence:
-    """The records in the two results folders."""
+def gather(results: Path, studies: Path, ablation: Path) -> Evidence:
+    """The records in the three results folders."""
     frame = labelled(Store(results).read_all())
     frame = pd.concat([comparable(cells) for _, cells in frame.groupby("task", sort=False)])
-    return Evidence(frame, Store(studies).read_all(), read_detector(studies))
+    return Evidence(frame, Store(studies).read_all(), read_detector(studies), Store(ablation).read_all())
 
 
 @click.command()
 @click.option("--results", type=click.Path(path_type=Path), default=Path("results/reference"), show_default=True)
 @click.option("--studies", type=click.Path(path_type=Path), default=Path("results/studies"), show_default=True)
+@click.option("--ablation", type=click.Path(path_type=Path), default=Path("results/ablation"), show_default=True)
 @click.option("--out", type=click.Path(path_type=Path), default=None, help="File to write.  [standard output]")
-def main(results: Path, studies: Path, out: Path | None) -> None:
+def main(results: Path, studies: Path, ablation: Path, out: Path | None) -> None:
     """Print docs/reproduction.md from the records."""
-    text = page(gather(results, studies))
+    text = page(gather(results, studies, ablation))
     if out is None:
         click.echo(text, nl=False)
     else:

@@ -6,13 +6,18 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
+from avobench.reports.numbers import p_equals
 from avobench.reports.quantities import (
+    MOST_CHANCE,
+    ahead,
     asymmetry_errors,
+    by_mean,
     comparable,
     efficient_median,
     ideal_errors,
-    inefficiency,
+    interval,
     labelled,
     task_of,
 )
@@ -35,71 +40,128 @@ class Target:
 
     task: str
     what: str
-    measure: Callable[[pd.DataFrame], float]
-    """Of the cells of one method on the task."""
+    values: Callable[[pd.DataFrame], NDArray[np.float64]]
+    """Of the cells of one method on the task: (n,), or (n, 2)."""
+    statistic: Callable[[NDArray[np.float64]], float]
+    """Of these values, the quantity."""
     most: float | None
-    """None where it is to be below what each rival has."""
+    """None where it is to be below what each rival has, by a paired test."""
+
+    def measure(self, cells: pd.DataFrame) -> float:
+        return self.statistic(self.values(cells))
+
+    def told_interval(self, cells: pd.DataFrame) -> str:
+        """Where the quantity may lie for other targets; a largest value has no such interval."""
+        if self.statistic is worst:
+            return "-"
+        return told_interval(self.values(cells), cells["target"], self.statistic)
+
+
+def told_interval(values: NDArray, targets: pd.Series, statistic: Callable[[NDArray], float]) -> str:
+    """`interval`, to be read."""
+    low, high = interval(values, targets, statistic)
+    return "-" if np.isnan(low) else f"[{low:.2g}, {high:.2g}]"
+
+
+def in_units_of_the_best(cells: pd.DataFrame) -> NDArray[np.float64]:
+    """Ratio of squared error to floor, over the median of that ratio for an efficient estimator: (n,)."""
+    return cells["ratio"].to_numpy() / efficient_median(task_of(cells["record"].iloc[0]).floor_shares)
+
+
+def asymmetry_in_units_of_the_best(cells: pd.DataFrame) -> NDArray[np.float64]:
+    """On weinberg, the same for the asymmetry c, the one quantity that the events determine."""
+    return np.divide(*asymmetry_errors(cells)) / efficient_median((1.0,))
+
+
+def beside_ideal(cells: pd.DataFrame) -> NDArray[np.float64]:
+    """On weinberg, the squared error, and that of the ideal posterior mean at the same target: (n, 2)."""
+    return np.column_stack([cells["squared_error"], ideal_errors(cells)])
+
+
+def _ratios(cells: pd.DataFrame) -> NDArray[np.float64]:
+    return cells["ratio"].to_numpy()
+
+
+def median(values: NDArray[np.float64]) -> float:
+    return float(np.median(values))
+
+
+def worst(values: NDArray[np.float64]) -> float:
+    return float(values.max())
+
+
+def ratio_of_means(values: NDArray[np.float64]) -> float:
+    """Of the first column to the second."""
+    return float(values[:, 0].mean() / values[:, 1].mean())
 
 
 def inefficiency_of(cells: pd.DataFrame) -> float:
     """Median ratio of squared error to floor, over that of an efficient estimator."""
-    return inefficiency(cells["ratio"], task_of(cells["record"].iloc[0]).floor_shares)
+    return median(in_units_of_the_best(cells))
 
 
 def asymmetry_inefficiency(cells: pd.DataFrame) -> float:
-    """On weinberg, the same for the asymmetry c, the one quantity that the events determine."""
-    errors, floors = asymmetry_errors(cells)
-    return float(np.median(errors / floors) / efficient_median((1.0,)))
+    """On weinberg, the same for the asymmetry c."""
+    return median(asymmetry_in_units_of_the_best(cells))
 
 
-def over_ideal(cells: pd.DataFrame) -> float:
-    """On weinberg, the mean squared error over that of the ideal posterior mean on the same targets."""
-    return float(cells["squared_error"].mean() / ideal_errors(cells).mean())
-
-
-def worst_run(cells: pd.DataFrame) -> float:
-    """The largest ratio of squared error to floor."""
-    return float(cells["ratio"].max())
-
-
+BEST = in_units_of_the_best, median
 TARGETS = (
-    *(Target(task, "inefficiency", inefficiency_of, most) for task, most in MOST_INEFFICIENT.items()),
-    Target("weinberg", "inefficiency in c", asymmetry_inefficiency, MOST_ASYMMETRY),
-    Target("weinberg", "mean error / ideal", over_ideal, MOST_OVER_IDEAL),
-    *(Target(task, "worst run / floor", worst_run, WORST_RUN) for task in (*MOST_INEFFICIENT, "weinberg")),
-    *(Target(task, "against the rivals", inefficiency_of, None) for task in MOST_INEFFICIENT),
+    *(Target(task, "inefficiency", *BEST, most) for task, most in MOST_INEFFICIENT.items()),
+    Target("weinberg", "inefficiency in c", asymmetry_in_units_of_the_best, median, MOST_ASYMMETRY),
+    Target("weinberg", "mean error / ideal", beside_ideal, ratio_of_means, MOST_OVER_IDEAL),
+    *(Target(task, "worst run / floor", _ratios, worst, WORST_RUN) for task in (*MOST_INEFFICIENT, "weinberg")),
+    *(Target(task, "against the rivals", *BEST, None) for task in MOST_INEFFICIENT),
 )
 
 
 def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     """A row a target: what was measured of each method, what is wanted of `avo`, and whether that is met.
 
-    A task is measured on the targets that all of its methods have; a run that failed has an infinite error.
+    A task is measured on the targets that all of its methods have; a run that failed has an infinite error. Beside what
+    was measured of `avo` stands its 95 % interval, over other draws of the targets; `avo` is ahead of a rival where a
+    paired test over the targets says so of both its answers, and the largest p-value stands with the verdict.
     """
     frame = labelled(records)
     methods = ordered(frame["method"], METHOD_ORDER)
     known = frame[[task_of(record) is not None for record in records]]
     shown = {task: comparable(cells) for task, cells in known.groupby("task")}
+    columns = [column for method in methods if method != METHOD for column in _columns(method)]
     rows = []
     for target in TARGETS:
         cells = shown.get(target.task, frame[:0])
-        values = {method: target.measure(own) for method, own in cells.groupby("method")}
-        rivals = [values.get(rival, np.nan) for rival in RIVALS]
-        most = min(rivals) if target.most is None else target.most
-        own = values.get(METHOD, np.nan)
-        met = own < most if target.most is None else own <= most
+        by_method = dict(iter(cells.groupby("method")))
+        by_method |= {f"{rival} mean": by_mean(by_method[rival]) for rival in RIVALS if rival in by_method}
+        values = {method: target.measure(own) for method, own in by_method.items()}
+        own = by_method.get(METHOD)
         rows.append(
             {
                 "task": target.task,
                 "quantity": target.what,
                 "targets": cells["target"].nunique(),
-                METHOD: own,
-                **{method: values.get(method, np.nan) for method in methods if method != METHOD},
-                "wanted": "ahead of both" if target.most is None else f"at most {most:g}",
-                "verdict": "no records" if np.isnan([own, most]).any() else "met" if met else "not met",
+                METHOD: values.get(METHOD, np.nan),
+                "95 %": "-" if own is None else target.told_interval(own),
+                **{column: values.get(column, np.nan) for column in columns},
+                "wanted": "ahead of all" if target.most is None else f"at most {target.most:g}",
+                "verdict": _verdict(target, by_method, values),
             }
         )
     return pd.DataFrame(rows)
+
+
+def _columns(method: str) -> tuple[str, ...]:
+    """A rival has two answers, its estimate and the mean of its posterior: both are shown."""
+    return (method, f"{method} mean") if method in RIVALS else (method,)
+
+
+def _verdict(target: Target, by_method: dict[str, pd.DataFrame], values: dict[str, float]) -> str:
+    wanted = RIVALS if target.most is None else ()
+    if not {METHOD, *wanted} <= by_method.keys():
+        return "no records"
+    if target.most is not None:
+        return "met" if values[METHOD] <= target.most else "not met"
+    p = max(ahead(by_method[METHOD], by_method[column]) for rival in RIVALS for column in _columns(rival))
+    return f"met, {p_equals(p)}" if p < MOST_CHANCE else f"not met, {p_equals(p)}"
 
 
 def format_table(records: list[dict[str, Any]]) -> str:

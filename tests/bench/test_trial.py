@@ -5,8 +5,10 @@ import pytest
 
 from avobench.bench.plan import plan
 from avobench.bench.record import check
+from avobench.bench.status import Status
 from avobench.bench.streams import observe
-from avobench.bench.trial import execute
+from avobench.bench.trial import blank_record, execute
+from avobench.bench.versions import versions
 
 
 def cell(*settings, budget=4000, target="0", repetitions=1, seed=0):
@@ -27,6 +29,15 @@ def test_a_record_holds_the_estimate_its_score_and_what_it_took():
     assert record["versions"]["numpy"] == np.__version__
 
 
+def test_a_record_tells_the_versions_of_what_its_method_and_task_need():
+    from importlib.metadata import version
+
+    assert versions(("sklearn", "sbi"))["scikit-learn"] == version("scikit-learn")  # by the name it is installed under
+    assert versions(("sbi", "no_such_module"))["no_such_module"] is None
+    record = blank_record(plan(["poisson"], ["nle"], "0", 1, 4000, 2000, 0, [])[0], Status.OK, "")
+    assert record["versions"]["sbi"] == version("sbi")
+
+
 @pytest.mark.parametrize(
     ("setting", "status", "message"),
     [
@@ -38,6 +49,7 @@ def test_a_record_holds_the_estimate_its_score_and_what_it_took():
         ("moment.fault=backwards", "invalid_estimate", "the trace must go from 0 towards the 4000 used"),
         ("moment.fault=beyond", "invalid_estimate", "the trace must go from 0 towards the 4000 used"),
         ("moment.fault=spread", "invalid_estimate", "the std of the estimate is negative"),
+        ("moment.fault=kept", "invalid_estimate", "made without a simulated event"),
         ("moment.fault=support", "outside_support", "theta = [100.0] lies outside"),
         ("normal.fault=raises", "simulator_error", "the simulator of normal raised RuntimeError"),
         ("normal.fault=nan", "simulator_error", "NaN or infinity"),

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from avobench.methods.abc_smc import AbcSmc, _density_mode
+from avobench.bench.registry import settings_of
+from avobench.methods.abc_smc import AbcSmc, AbcSmcTuned, _density_mode
 from avobench.tasks import Box, Task
 from avobench.tasks.errors import BudgetExhausted, SimulatorError, UsageError
 from gaussian import TRUTH, Constant, Failing, GaussianMean, GaussianMeans, gaussian_problem
@@ -122,6 +123,22 @@ def test_refuses_impossible_settings(wrong):
 def test_refuses_a_population_too_small_for_a_density():
     with pytest.raises(UsageError, match="population_size > 2"):
         AbcSmc(population_size=2).min_simulations(num_parameters=2)
+
+
+@pytest.mark.parametrize("estimate", ["mean", "regression"])
+def test_other_estimates_of_the_last_generation_with_more_events_in_each(estimate):
+    method = AbcSmc(population_size=20, events_per_theta=16, growth=1.5, estimate=estimate)
+    found, problem = infer(method=method)
+    assert (found.theta == found.mean).all()
+    assert found.theta == pytest.approx(TRUTH, abs=0.3)
+    assert found.discarded == problem.simulate.used - found.trace[-1].simulations
+    assert found.trace[-1].simulations > 16 * 20 * 2 * len(found.trace)  # more than without growth
+
+
+def test_settings_that_came_later_do_not_rename_old_records():
+    assert settings_of(AbcSmc()) == {"population_size": 100, "events_per_theta": 128}
+    assert settings_of(AbcSmc(growth=2.0))["growth"] == 2.0
+    assert infer(method=AbcSmcTuned(events_per_theta=8))[0].how.endswith("after a regression adjustment")
 
 
 @settings(max_examples=25, deadline=None)

@@ -6,6 +6,7 @@ import warnings
 import numpy as np
 import pytest
 
+from avobench.bench.registry import settings_of
 from avobench.methods.bolfi import Bolfi
 from avobench.tasks import Task
 from avobench.tasks.errors import BudgetExhausted, SimulatorError, UsageError
@@ -74,6 +75,17 @@ def test_uses_all_evaluations_that_fit_the_budget_and_traces_them(budget):
     assert (estimate.trace[-1].theta == estimate.theta).all()
     assert (estimate.trace[-1].std == estimate.std).all()
     assert all(problem.prior.contains(point.theta).all() for point in estimate.trace)
+
+
+def test_events_for_a_theta_may_grow_within_the_budget():
+    grown = Bolfi(events_per_theta=16, growth=8.0, log_distance=True, regression=True, num_trace_points=3)
+    estimate, problem = infer(60 * 16, method=grown)
+    assert estimate.theta == pytest.approx(TRUTH, abs=0.3)
+    assert 0.85 * 60 * 16 < problem.simulate.used <= 60 * 16
+    assert problem.simulate.refused == 0
+    assert len(estimate.trace) == 3
+    assert settings_of(grown)["growth"] == 8.0
+    assert not {"growth", "log_distance", "regression"} & settings_of(Bolfi()).keys()  # old records keep their names
 
 
 def test_the_trace_does_not_disturb_the_run():

@@ -35,7 +35,7 @@ def make_record():
         ]
         error = float(((np.array(theta) - true) ** 2).sum())
         known = {"theta_hat": theta, "mean": theta, "std": [1.0] * len(true), "squared_error": error, "trace": trace}
-        return record | known | {"how": "", "spread_of": "proposal"}
+        return record | known | {"how": "", "spread_of": "posterior" if method in ("abc-smc", "bolfi") else "proposal"}
 
     return make
 
@@ -48,5 +48,5 @@ def benchmark(make_record):
         make_record(task, method, target, offset * (-1) ** target)
         for task in ("poisson", "carl", "weinberg", "alignment")
         for method, offset in offsets.items()
-        for target in range(4)
+        for target in range(6)
     ]

@@ -6,11 +6,14 @@ import pytest
 from scipy.stats import chi2
 
 from avobench.reports.quantities import (
+    ahead,
     asymmetry_errors,
+    by_mean,
     comparable,
     efficient_median,
     ideal_errors,
     inefficiency,
+    interval,
     labelled,
     task_of,
 )
@@ -70,3 +73,40 @@ def test_a_task_of_another_version_or_of_nobody_is_not_known(make_record):
     assert task_of(record).name == "poisson"
     assert task_of({**record, "task": "mine"}) is None
     assert task_of({**record, "task_version": "0"}) is None
+
+
+def test_an_interval_covers_as_often_as_it_says():
+    """Of the median over 15 targets, in 60 draws: 57 are expected, and fewer than 50 come once in five thousand."""
+    rng = np.random.default_rng(0)
+    covered = 0
+    for _ in range(60):
+        low, high = interval(rng.standard_normal(15), pd.Series(range(15)), lambda values: float(np.median(values)))
+        covered += low <= 0 <= high
+    assert 50 <= covered <= 60
+
+
+def test_an_interval_draws_whole_targets():
+    """Three equal repetitions add nothing, and of a single target nothing is known."""
+    values, targets = np.arange(5.0), pd.Series(range(5))
+    once = interval(values, targets, np.mean)
+    assert interval(np.repeat(values, 3), targets.repeat(3), np.mean) == pytest.approx(once)
+    assert np.isnan(interval(values[:1], targets[:1], np.mean)).all()
+
+
+def test_ahead_is_a_paired_one_sided_test(make_record):
+    def cells(offsets):
+        return labelled([make_record("poisson", "avo", target, offset) for target, offset in enumerate(offsets)])
+
+    spread = np.geomspace(1e-3, 1e-1, 6)  # wider than the difference: only the pairs show it
+    assert ahead(cells(spread * 0.9), cells(spread)) == pytest.approx(1 / 64)
+    assert ahead(cells(spread), cells(spread * 0.9)) == pytest.approx(1)
+    failed = [None, *spread[1:] * 0.9]
+    assert 1 / 64 < ahead(cells(failed), cells(spread)) < 1
+
+
+def test_the_mean_of_a_posterior_is_scored_in_place_of_the_estimate(make_record):
+    record = make_record("carl", "abc-smc", 0, 0.1)
+    record["mean"] = [value + 0.2 for value in record["theta_true"]]
+    cells = labelled([record, make_record("carl", "abc-smc", 1, None), make_record("carl", "avo", 0, 0.1)])
+    assert by_mean(cells)["squared_error"].tolist()[:2] == [pytest.approx(0.08), np.inf]
+    assert np.isnan(by_mean(cells)["squared_error"].iloc[2])  # of a proposal there is none

@@ -1,0 +1,99 @@
+"""The adapters of sbi, and the posterior of many rows that they share."""
+
+import numpy as np
+import pytest
+import torch
+
+from avobench.bench.budget import MeteredSimulator, pose
+from avobench.bench.cell import Cell
+from avobench.bench.trial import execute, execute_together
+from avobench.methods import product_posterior
+from avobench.methods.nle import Nle
+from avobench.methods.npe import Npe, Tsnpe
+from avobench.methods.nre import Nre
+from avobench.methods.product_posterior import posterior
+from avobench.tasks import Box
+from avobench.tasks.carl import Carl
+from avobench.tasks.errors import BudgetExhausted, UsageError
+from avobench.tasks.poisson import Poisson
+
+METHODS = [Nre(steps=300), Nle(steps=300), Npe(steps=500), Tsnpe(rounds=2, steps=500)]
+
+
+def problem(task, truth, budget, num_observed=5_000, seed=0):
+    rng = np.random.default_rng(seed)
+    x = task.simulate(np.tile(truth, (num_observed, 1)), rng)
+    return pose(task, x, MeteredSimulator(task, budget, rng))
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_a_rate_is_found_within_the_budget(method):
+    """No nearer than chance would be a third of the prior's width; a tenth of that is learning."""
+    posed = problem(Poisson(), [2.0], 20_000)
+    estimate = method.infer(posed, np.random.default_rng(1))
+    assert estimate.theta[0] == pytest.approx(2.0, abs=0.13)
+    assert 0 < estimate.std[0] < 0.1
+    assert 0.95 * 20_000 < posed.simulate.used <= 20_000
+    assert [point.simulations for point in estimate.trace][-1] == posed.simulate.used
+    assert len(estimate.trace) == method.rounds
+
+
+def test_the_posterior_of_many_rows_is_the_exact_one():
+    """Of a correlated Gaussian mean with known noise: (n, 2) rows, so the posterior is Gaussian about their mean."""
+    rng, covariance = np.random.default_rng(2), np.array([[1.0, 0.8], [0.8, 2.0]])
+    rows = rng.multivariate_normal([0.3, -0.5], covariance, 4_000).astype(np.float32)
+    precision = torch.tensor(np.linalg.inv(covariance)).float()
+
+    def log_factors(theta, x):
+        return -((x - theta) @ precision * (x - theta)).sum(-1) / 2
+
+    found = posterior(log_factors, rows, Box((-2, -2), (2, 2)), rng, 100)
+    exact = np.sqrt(np.diag(covariance) / len(rows))
+    assert found.mode == pytest.approx(rows.mean(axis=0), abs=0.01 * exact.min())
+    assert (np.abs(found.mean - rows.mean(axis=0)) < 0.8 * exact).all()  # of some 40 weighted points
+    assert (np.abs(np.log(found.std / exact)) < 0.7).all()
+
+
+def test_equal_rows_are_evaluated_once():
+    rows = np.repeat(np.arange(3, dtype=np.float32)[:, None], [5, 2, 4], axis=0)
+    distinct, counts = product_posterior._distinct(rows)
+    assert distinct[:, 0].tolist() == [0, 1, 2]
+    assert counts.tolist() == [5, 2, 4]
+
+
+@pytest.mark.parametrize("method", ["nre", "nle", "npe", "tsnpe"])
+def test_the_seed_alone_decides(method):
+    cell = Cell("poisson", {}, method, {"steps": 20}, 0, 0, 26_000, 2_000, 3)
+    torch.manual_seed(1)
+    first = execute(cell)
+    torch.manual_seed(2)
+    state = torch.get_rng_state()
+    again = execute(cell)
+    assert first["status"] == "ok", first["message"]
+    assert [first[field] for field in ("theta_hat", "mean", "std")] == [again[f] for f in ("theta_hat", "mean", "std")]
+    assert torch.equal(torch.get_rng_state(), state)
+    assert again["versions"]["sbi"]
+
+
+def test_an_amortised_network_is_the_same_for_every_target_and_its_records_say_so():
+    cells = [Cell("carl", {}, "nle", {"amortised": True, "steps": 20}, target, 0, 4_000, 500, 0) for target in (0, 1)]
+    together = execute_together(cells, [None, None])
+    alone = [execute(cell) for cell in cells]
+    for one, other in zip(together, alone, strict=True):
+        assert one["status"] == "ok", one["message"]
+        assert one["theta_hat"] == pytest.approx(other["theta_hat"], rel=1e-4)
+        assert one["simulations_used"] == 4_000
+        assert one["amortised"] is True
+    assert "amortised" not in execute(Cell("carl", {}, "nle", {"steps": 20}, 0, 0, 4_000, 500, 0))
+
+
+def test_a_budget_below_what_training_needs_is_refused():
+    with pytest.raises(BudgetExhausted):
+        Npe().infer(problem(Carl(), [0.0, 0.0], 2_000), np.random.default_rng(0))
+    assert Tsnpe(rounds=3).min_simulations(2) == 3 * Npe().min_simulations(2)
+
+
+@pytest.mark.parametrize("wrong", [{"rounds": 0}, {"learning_rate": 0.0}, {"amortised": True, "rounds": 2}])
+def test_refuses_impossible_settings(wrong):
+    with pytest.raises(UsageError, match="nre"):
+        Nre(**wrong)
