@@ -85,5 +85,7 @@ def sound_records(draw: st.DrawFn, statuses: Sequence[Status] = tuple(Status)) -
                 for n in points
             ],
         }
+        if draw(st.booleans()):
+            record["standard_error"] = draw(vectors(p, spread))
     record["id"] = identity_hash({name: record[name] for name in IDENTITY if name in record})
     return record

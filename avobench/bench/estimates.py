@@ -29,8 +29,9 @@ def require_recordable(estimate: object, problem: Problem, used: int) -> None:
     simulations = [point.simulations for point in estimate.trace]
     if simulations != sorted(simulations) or not all(0 <= number <= used for number in simulations):
         raise InvalidEstimate(f"the trace must go from 0 towards the {used} used, got {simulations!r:.100}")
-    if any((value < 0).any() for name, value in vectors if name.startswith("std")):
-        raise InvalidEstimate("the std of the estimate is negative")
+    for name, value in vectors:
+        if name.startswith(("std", "error")) and (value < 0).any():
+            raise InvalidEstimate(f"the {name} of the estimate is negative")
     if not np.isfinite(estimate.theta).all() or not problem.support.contains(estimate.theta)[0]:
         raise InvalidEstimate(f"the estimate {estimate.theta.tolist()} is not within the support")
     if not (isinstance(estimate.discarded, int | np.integer) and 0 <= estimate.discarded <= used):

@@ -107,6 +107,9 @@ class Record(Strict):
     )
     mean: PartlyKnown | None = Field(description="mean of the posterior or proposal")
     std: PartlyKnown | None = Field(description="standard deviation of the posterior or proposal")
+    standard_error: PartlyKnown | None = Field(
+        None, description="of `theta_hat`, where the method tells one; no such field elsewhere"
+    )
     trace: list[TracePoint] = Field(
         description="list of `simulations`, `theta`, `std`: the estimate after so many simulated events, in their order"
     )
@@ -153,14 +156,16 @@ class Record(Strict):
         p = len(self.theta_true)
         if len(self.parameter_names) != p or len(set(self.parameter_names)) != p:
             raise ValueError(f"parameter_names are not {p} different names, as theta_true has numbers")
-        vectors = [(name, getattr(self, name)) for name in ("theta_hat", "mean", "std")]
+        vectors = [(name, getattr(self, name)) for name in ("theta_hat", "mean", "std", "standard_error")]
         vectors += [("theta of the trace", point.theta) for point in self.trace]
         vectors += [("std of the trace", point.std) for point in self.trace]
         for name, vector in vectors:
             if vector is not None and len(vector) != p:
                 raise ValueError(f"{name} has {len(vector)} numbers, theta_true has {p}")
         for name, vector in vectors:
-            if name.startswith("std") and any(value is not None and value < 0 for value in vector or ()):
+            if name.startswith(("std", "standard_error")) and any(
+                value is not None and value < 0 for value in vector or ()
+            ):
                 raise ValueError(f"{name} is negative")
 
     def _events_add_up(self) -> None:
@@ -184,6 +189,8 @@ class Record(Strict):
             if (getattr(self, name) is not None) != ok:
                 raise ValueError(f"{name} is {'null' if ok else 'given'} though the status is {self.status}")
         if not ok:
+            if self.standard_error is not None:
+                raise ValueError(f"standard_error is given though the status is {self.status}")
             return
         differences = [found - true for found, true in zip(self.theta_hat, self.theta_true, strict=True)]
         distance = math.fsum(difference * difference for difference in differences)

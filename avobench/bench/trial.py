@@ -221,7 +221,7 @@ def _floors(task: Task, cell: Cell) -> dict[str, float | None]:
 
 
 def _scored(estimate: Estimate, task: Task, cell: Cell) -> dict[str, Any]:
-    theta_true = task.targets()[cell.target]
+    theta_true, error = task.targets()[cell.target], estimate.error
     return {
         "theta_hat": estimate.theta.tolist(),
         "squared_error": float(((estimate.theta - theta_true) ** 2).sum()),
@@ -229,6 +229,7 @@ def _scored(estimate: Estimate, task: Task, cell: Cell) -> dict[str, Any]:
         "spread_of": estimate.spread_of,
         "mean": [_number(value) for value in estimate.mean],
         "std": [_number(value) for value in estimate.std],
+        **({} if error is None else {"standard_error": [_number(value) for value in error]}),
         "trace": [
             {
                 "simulations": int(point.simulations),

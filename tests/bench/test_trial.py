@@ -49,6 +49,7 @@ def test_a_record_tells_the_versions_of_what_its_method_and_task_need():
         ("moment.fault=backwards", "invalid_estimate", "the trace must go from 0 towards the 4000 used"),
         ("moment.fault=beyond", "invalid_estimate", "the trace must go from 0 towards the 4000 used"),
         ("moment.fault=spread", "invalid_estimate", "the std of the estimate is negative"),
+        ("moment.fault=error", "invalid_estimate", "the error of the estimate is negative"),
         ("moment.fault=kept", "invalid_estimate", "made without a simulated event"),
         ("moment.fault=support", "outside_support", "theta = [100.0] lies outside"),
         ("normal.fault=raises", "simulator_error", "the simulator of normal raised RuntimeError"),
@@ -72,6 +73,15 @@ def test_a_failure_is_a_record_with_its_reason(setting, status, message):
     check(record)
     assert record["simulations_used"] <= 4000
     assert record["simulations_requested"] == record["simulations_used"] + record["simulations_refused"]
+
+
+def test_a_standard_error_is_recorded_where_the_method_tells_one():
+    record = execute(cell("moment.fault=tells"))
+    assert record["standard_error"] == record["std"]
+    check(record)
+    with pytest.raises(ValueError, match="standard_error is negative"):
+        check({**record, "standard_error": [-0.1]})
+    assert "standard_error" not in execute(cell())
 
 
 def test_a_summary_that_is_not_finite_is_named():

@@ -101,7 +101,8 @@ class Moment(Method):
         if self.fault == "dies":
             os.kill(os.getpid(), signal.SIGKILL)
         std = np.full(1, problem.simulate.used**-0.5) * (-1 if self.fault == "spread" else 1)
-        return Estimate(theta, "last step", "posterior", theta, std, trace)
+        error = {"tells": std, "error": -std}.get(self.fault)
+        return Estimate(theta, "last step", "posterior", theta, std, trace, error=error)
 
 
 @dataclass(frozen=True)
