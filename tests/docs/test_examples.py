@@ -46,8 +46,12 @@ def avobench(*arguments, **variables):
 
 
 @every_page
-def test_the_page_quotes_its_example(page, kind, example):
-    assert blocks(page, "python") == [(EXAMPLES / example).read_text()]
+def test_the_page_quotes_its_example_and_its_other_code_runs_after_it(page, kind, example):
+    quoted, *others = blocks(page, "python")
+    assert quoted == (EXAMPLES / example).read_text()
+    names = {"__name__": "page"}
+    for code in (quoted, *others):
+        exec(code, names)
     assert len((EXAMPLES / example).read_text().splitlines()) <= 100
 
 

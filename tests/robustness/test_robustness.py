@@ -30,7 +30,9 @@ def test_kills_at_random_moments_lose_nothing(name, tmp_path):
     campaign = Campaign(SUBJECTS[name](), tmp_path / name, 0)
     campaign.go(KILLS[name])
     assert campaign.total == KILLS[name]
-    assert len(campaign.drawn + campaign.aimed) >= 2  # phases in which kills fell
+    fell = set(campaign.drawn + campaign.aimed)
+    assert fell <= set(campaign.subject.phases)
+    assert len(fell) > 1 or KILLS[name] < 10  # of two or three kills chance may lay all into one phase
 
 
 def proof(module, tmp_path, *arguments):
