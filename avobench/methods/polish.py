@@ -28,8 +28,8 @@ FARTHEST = 2.0
 """From the center of the fit, in kernel widths: beyond there are next to no events that it describes."""
 MANY = 20
 """Events a feature from which a misfit of many features can be told: their covariance must be known well."""
-SAME = 3.0
-"""Standard errors within which a closer look at the same events must find the answer again."""
+SAME = 2.0
+"""Standard errors within which, over all parameters, a closer look at the same events must find the answer again."""
 LOOKS = 10
 """Closer ones, at most; 1 is the rule, and where a far start and a strong curve meet 2 or 3 are needed."""
 FEWEST = 4
@@ -196,16 +196,19 @@ def polish_closer(
     """The polish, and the root (p, p) of the width at which it can be believed.
 
     Over a wide kernel E[phi | u] need not be a quadratic, and then the answer is off by many of its standard errors.
-    A narrower kernel, by `narrower(root, answer, *narrowing)`, tells: where it finds the same answer the wider one
-    stands, as it uses more events; where not, the closer look is tested in its turn. Otherwise as `polish`.
+    A narrower kernel, by `narrower(root, answer, *narrowing)`, tells: where its answer is as far away as its own
+    standard errors do not explain, it takes the place of the wider one's and is tested in its turn; else the wider one
+    stands, as it uses more events. A closer look that does not come to rest has too few of them, and tells nothing.
+    Otherwise as `polish`.
     """
     answer = polish(folds, mean, root, *bounds)
     for _ in range(LOOKS):
         closer = narrower(root, answer, *narrowing)
         again = polish(folds, answer.mean, closer, *bounds)
-        if again.num_steps == 0:  # too few events to look closer
+        apart = np.linalg.norm(again.mean - answer.mean)
+        if answer.converged and not (again.converged and apart > SAME * np.linalg.norm(again.error)):
             break
-        if answer.converged and again.converged and (np.abs(again.mean - answer.mean) < SAME * again.error).all():
+        if again.num_steps == 0:
             break
         answer, root = again, closer
     return answer, root
