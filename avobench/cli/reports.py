@@ -7,7 +7,7 @@ import click
 from avobench.bench.files import require_folder, write_file
 from avobench.bench.store import Store
 from avobench.cli.options import RESULTS
-from avobench.reports.figures import FIGURES, STUDY_FIGURES, draw, records_for
+from avobench.reports.figures import FIGURES, FOLDERS, draw, records_for
 
 OUT = click.option("--out", type=click.Path(path_type=Path), default=Path("reports"), show_default=True, help="Folder.")
 
@@ -18,14 +18,14 @@ OUT = click.option("--out", type=click.Path(path_type=Path), default=Path("repor
     "--results",
     type=click.Path(path_type=Path),
     default=None,
-    help="Folder of the records.  [results/local, and results/studies for poisson, alignment and detector]",
+    help="Folder of the records.  [results/local; results/studies for poisson, alignment and detector; results/dimension]",
 )
 @OUT
 def figure(names: tuple[str, ...], results: Path | None, out: Path) -> None:
     """Draw figures from records: each as .pdf, .png and, with the numbers drawn, .csv."""
     require_folder(out)
     for name in names:
-        store = Store(results or Path("results/studies" if name in STUDY_FIGURES else "results/local"))
+        store = Store(results or FOLDERS.get(name, Path("results/local")))
         for path in draw(name, records_for(name, store), out):
             click.echo(path)
 

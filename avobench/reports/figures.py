@@ -8,11 +8,11 @@ from avobench.bench.store import Store
 from avobench.studies import paper as study
 from avobench.tasks.errors import StoreError
 
-FIGURES = ("benchmark", "weinberg", "efficiency", "cost", "poisson", "alignment", "detector")
+FIGURES = ("benchmark", "weinberg", "efficiency", "cost", "poisson", "alignment", "detector", "dimension")
 STUDY_FIGURES = ("poisson", "alignment", "detector")
-"""Drawn from the records of the study of that name; the others from those of a benchmark."""
-
-
+"""Drawn from the records of the paper's experiment of that name."""
+FOLDERS = {**dict.fromkeys(STUDY_FIGURES, Path("results/studies")), "dimension": Path("results/dimension")}
+"""Where the records of a figure are, unless it is told; those of the others are a benchmark's."""
 TRACED = ("efficiency", *STUDY_FIGURES)
 """Drawn from the traces of the records; the others do without, for which there is room in memory for many more."""
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from avobench.bench.plan import plan
 from avobench.bench.store import Store
-from avobench.reports.figures import FIGURES, STUDY_FIGURES, draw, records_for
+from avobench.reports.figures import FIGURES, FOLDERS, draw, records_for
 from avobench.reports.printed import OUTPUT, filled, output
 from avobench.reports.reproduction import gather
 from avobench.reports.reproduction import page as claims
@@ -65,7 +65,7 @@ def test_the_readme_shows_what_its_example_prints(tmp_path):
 @pytest.mark.parametrize("name", FIGURES)
 def test_the_committed_figures_are_of_the_committed_records(name, monkeypatch, tmp_path):
     monkeypatch.setattr(Figure, "savefig", lambda self, file, **_: file.write(b"figure"))  # the numbers are enough
-    draw(name, records_for(name, STUDIES if name in STUDY_FIGURES else REFERENCE), tmp_path)
+    draw(name, records_for(name, Store(ROOT / FOLDERS.get(name, "results/reference"))), tmp_path)
     drawn, committed = tmp_path / f"{name}.csv", ROOT / "docs" / "figures" / f"{name}.csv"
     pd.testing.assert_frame_equal(pd.read_csv(drawn), pd.read_csv(committed))
     assert all((ROOT / "docs" / "figures" / f"{name}.{suffix}").exists() for suffix in ("pdf", "png"))
