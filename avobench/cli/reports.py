@@ -18,7 +18,7 @@ OUT = click.option("--out", type=click.Path(path_type=Path), default=Path("repor
     "--results",
     type=click.Path(path_type=Path),
     default=None,
-    help="Folder of the records.  [results/local; results/studies for poisson, alignment and detector; results/dimension]",
+    help="Folder of the records.  [results/local; the study's own for what a study has made]",
 )
 @OUT
 def figure(names: tuple[str, ...], results: Path | None, out: Path) -> None:

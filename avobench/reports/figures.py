@@ -8,7 +8,7 @@ from avobench.bench.store import Store
 from avobench.studies import paper as study
 from avobench.tasks.errors import StoreError
 
-FIGURES = ("benchmark", "weinberg", "efficiency", "cost", "poisson", "alignment", "detector", "dimension")
+FIGURES = ("benchmark", "weinberg", "efficiency", "cost", "poisson", "alignment", "detector", "dimension", "coverage")
 STUDY_FIGURES = ("poisson", "alignment", "detector")
 """Drawn from the records of the paper's experiment of that name."""
 FOLDERS = {**dict.fromkeys(STUDY_FIGURES, Path("results/studies")), "dimension": Path("results/dimension")}

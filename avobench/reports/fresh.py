@@ -2,8 +2,7 @@
 
 A row a task and method, from the records of `avobench study fresh`. `mean / floor` is the mean squared error over the
 mean floor, on weinberg over the ideal posterior mean's; below 1 is chance. `astray` counts runs above 100 floors, and
-of these those that the method vouched for. The last columns are coverage: how many of the true parameters lie within 1
-and within 1.96 quoted standard errors of their estimates, 68 and 95 % where the errors are right.
+of these those that the method vouched for. The last columns are coverage, as in `avobench.reports.coverage`.
 """
 
 from collections.abc import Iterator
@@ -12,17 +11,16 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+from scipy.stats import norm
 
 from avobench.bench.store import Store
+from avobench.reports.coverage import LEVELS, distances
 from avobench.reports.quantities import ideal_errors, labelled
 from avobench.reports.style import METHOD_ORDER, TASK_ORDER, ordered
 from avobench.reports.targets import WORST_RUN, asymmetry_inefficiency, inefficiency_of
 from avobench.studies.fresh import TASKS
 
 STORE = Path("results/fresh")
-WITHIN = {"68 %": 1.0, "95 %": 1.96}
-"""Quoted standard errors, within which so many of the true parameters should lie."""
 
 
 def table(records: list[dict[str, Any]]) -> pd.DataFrame:
@@ -53,24 +51,15 @@ def _rows(frame: pd.DataFrame) -> Iterator[dict[str, Any]]:
                 "ok of these": int((astray & (cells["status"] == "ok")).sum()),
                 "doubtful": int((cells["status"] == "doubtful").sum()),
                 "seconds": cells["seconds"].mean(),
-                **_coverage(pulls(cells["record"].tolist())),
+                **_coverage(cells["record"].tolist()),
             }
 
 
-def pulls(records: list[dict[str, Any]]) -> NDArray[np.float64]:
-    """Errors over their quoted standard errors, of all parameters of the records that quote them: (n,)."""
-    found = [
-        np.subtract(record["theta_hat"], record["theta_true"]) / np.array(record["standard_error"], float)
-        for record in records
-        if record.get("standard_error") is not None
-    ]
-    return np.abs(np.concatenate(found)) if found else np.empty(0)
-
-
-def _coverage(distances: NDArray[np.float64]) -> dict[str, str]:
+def _coverage(records: list[dict[str, Any]]) -> dict[str, str]:
+    found = [away for record in records if (away := distances(record)) is not None]
+    away = np.concatenate(found) if found else np.empty(0)
     return {
-        f"within {name}": f"{(distances <= most).mean():.0%}" if distances.size else "-"
-        for name, most in WITHIN.items()
+        f"within {level:.0%}": f"{(away <= norm.ppf((1 + level) / 2)).mean():.0%}" if found else "-" for level in LEVELS
     }
 
 

@@ -1,0 +1,111 @@
+"""How often the truth lies within what is quoted: `avobench figure coverage`, `python -m avobench.reports.coverage`.
+
+A method quotes a standard error of its estimate, or a posterior with a mean and a standard deviation; either makes
+Gaussian intervals for each parameter. Of intervals of 68 % such a share should hold the true value. The width of a
+proposal is no statement about theta, and is left out.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from avobench.bench.status import ESTIMATED
+from avobench.bench.store import Store
+from avobench.bench.table import labels
+from avobench.reports.style import FLOOR, METHOD_ORDER, STYLE, TASK_ORDER, colours, ordered, panels, save
+from avobench.tasks.errors import StoreError
+
+STORES = tuple(map(Path, ("results/reference", "results/rivals", "results/smm")))
+LEVELS = (0.68, 0.95)
+CURVE = np.linspace(0, 1, 101)
+"""The nominal shares at which a curve is drawn."""
+
+
+def distances(record: dict[str, Any]) -> NDArray[np.float64] | None:
+    """Of the true parameters from the middle of what is quoted, in its standard errors: (p,); None where there is none.
+
+    A parameter without a finite one is infinitely far.
+    """
+    if record["status"] not in ESTIMATED:
+        return None
+    if record.get("standard_error") is not None:
+        middle, spread = record["theta_hat"], record["standard_error"]
+    elif record["spread_of"] == "posterior":
+        middle, spread = record["mean"], record["std"]
+    else:
+        return None
+    away = np.abs(np.array(middle, float) - record["theta_true"])
+    with np.errstate(divide="ignore", invalid="ignore"):  # 0 / 0 is a point that is right
+        return np.nan_to_num(np.where(away == 0, 0, away / np.array(spread, float)), nan=np.inf, posinf=np.inf)
+
+
+def by_method(records: list[dict[str, Any]]) -> dict[tuple[str, str], NDArray[np.float64]]:
+    """The distances of all parameters of all records of a task and method, those with any: (n,) each."""
+    found: dict[tuple[str, str], list[NDArray[np.float64]]] = {}
+    for task, method, record in zip(*labels(records), records, strict=True):
+        if (away := distances(record)) is not None:
+            found.setdefault((task, method), []).append(away)
+    keys = [
+        (task, method)
+        for task in ordered((task for task, _ in found), TASK_ORDER)
+        for method in ordered((method for of, method in found if of == task), METHOD_ORDER)
+    ]
+    return {key: np.concatenate(found[key]) for key in keys}
+
+
+def table(records: list[dict[str, Any]]) -> pd.DataFrame:
+    """A row a task and method: how many true parameters, and which share of them each level's intervals hold."""
+    return pd.DataFrame(
+        [
+            {
+                "task": task,
+                "method": method,
+                "parameters": len(away),
+                **{f"within {level:.0%}": f"{(away <= norm.ppf((1 + level) / 2)).mean():.0%}" for level in LEVELS},
+            }
+            for (task, method), away in by_method(records).items()
+        ]
+    )
+
+
+def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
+    """Write coverage.pdf, coverage.png and coverage.csv to `folder`: share held against share promised, a panel a task.
+
+    Raises StoreError where no record quotes anything.
+    """
+    found = by_method(records)
+    if not found:
+        raise StoreError("no record has a standard error or a posterior, so there is no coverage to draw")
+    curves = {key: (away[:, None] <= norm.ppf((1 + CURVE) / 2)).mean(axis=0) for key, away in found.items()}
+    rows = [
+        pd.DataFrame({"task": task, "method": method, "promised": CURVE, "held": held})
+        for (task, method), held in curves.items()
+    ]
+    with matplotlib.rc_context(STYLE):
+        return save(_figure(curves), pd.concat(rows), folder, "coverage")
+
+
+def _figure(curves: dict[tuple[str, str], NDArray[np.float64]]) -> Figure:
+    tasks = ordered((task for task, _ in curves), TASK_ORDER)
+    methods = ordered((method for _, method in curves), METHOD_ORDER)
+    figure, axes = panels(tasks)
+    for axis, task in zip(axes, tasks, strict=True):
+        axis.plot([0, 1], [0, 1], color=FLOOR, ls="--", lw=1.2)
+        for (of, method), held in curves.items():
+            if of == task:
+                axis.plot(CURVE, held, color=colours(methods)[method], label=method)
+        axis.set(xlabel="share promised", ylabel="share held", xlim=(0, 1), ylim=(0, 1.01))
+    handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
+    shown = [name for name in methods if name in handles]
+    figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(5, len(shown)))
+    return figure
+
+
+if __name__ == "__main__":
+    print(table([record for store in STORES for record in Store(store).read_all()]).to_string(index=False))
