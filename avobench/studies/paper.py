@@ -28,8 +28,7 @@ REPETITIONS = {"poisson": 5, "alignment": 2}
 SUMMARY_TARGETS = 3
 """Enough to see a ratio of ten; BOLFI and Pythia together take minutes a cell."""
 ABLATION_TARGETS = 5
-ABLATION_REPETITIONS = 1
-"""Five runs of each row tell factors, not per cents; the benchmark's rows have 45."""
+"""Runs of each row: they tell factors, not per cents."""
 ABLATION_TASKS = ("poisson", "carl", "weinberg", "alignment", "warped-5", "warped-10")
 CHEAP_TASKS = ("poisson", "carl", "weinberg")
 BEYOND_MEANS = ("warped-5", "warped-10")
@@ -144,8 +143,7 @@ def cells(study: str, seed: int = 0) -> list[Cell]:
 def ablation(task: str, settings: dict[str, Any], seed: int = 0) -> list[Cell]:
     """The cells of one of ABLATIONS on a task, or with {} those of the benchmark's avo to compare them with."""
     return [
-        Cell(task, {}, "avo", settings, target, repetition, 160_000, NUM_OBSERVATIONS, seed)
-        for repetition in range(ABLATION_REPETITIONS)
+        Cell(task, {}, "avo", settings, target, 0, 160_000, NUM_OBSERVATIONS, seed)
         for target in range(ABLATION_TARGETS)
     ]
 

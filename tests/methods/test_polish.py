@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from avobench.methods.polish import Fold, Polished, narrower, polish, quadratic
+from avobench.methods.polish import Fold, Polished, narrower, polish, polish_closer, quadratic
 
 EDGE = 4.0
 
@@ -39,6 +39,37 @@ def test_the_width_of_the_proposal_does_not_bias_a_curved_mean():
     answer = polished(real, synthetic, u, 1.2)
     assert abs(answer.mean[0] - 1) < 3 * answer.error[0]
     assert answer.error[0] < 0.007
+
+
+def folds_of(real, synthetic, u):
+    real, synthetic = real.astype(np.float32), synthetic.astype(np.float32)
+    return [Fold(real[half::2], synthetic[half::2], u[half::2]) for half in range(2)]
+
+
+def test_a_closer_look_finds_what_a_quadratic_misses_and_else_lets_the_wide_answer_stand():
+    """E[x | u] = exp(3 u / 2) over a standard Gaussian of u is no quadratic; E[x | u] = u is one."""
+    rng = np.random.default_rng(6)
+    u, bounds = rng.normal(size=(60_000, 1)), (np.array([-EDGE]), np.array([EDGE]))
+    begin = np.zeros(1), np.eye(1), bounds
+    for curve, curved in ((lambda u: np.exp(1.5 * u), True), (lambda u: u, False)):
+        real, synthetic = rng.normal(curve(-0.7), 1, (60_000, 1)), rng.normal(curve(u), 1)
+        folds = folds_of(real, synthetic, u)
+        wide = polish(folds, *begin[:2], *bounds)
+        answer, root = polish_closer(folds, *begin, (0.35, 10.0))
+        assert (abs(wide.mean[0] + 0.7) > 5 * wide.error[0]) == curved
+        assert not curved or abs(answer.mean[0] + 0.7) < abs(wide.mean[0] + 0.7) / 4
+        assert (root[0, 0] < 1) == curved
+        assert curved or answer.mean == wide.mean
+
+
+def test_a_closer_look_without_enough_events_tells_nothing():
+    rng = np.random.default_rng(7)
+    u, bounds = rng.normal(size=(100, 2)), (np.full(2, -EDGE), np.full(2, EDGE))
+    folds = folds_of(rng.normal(size=(4000, 2)), u + rng.normal(size=(100, 2)), u)
+    wide = polish(folds, np.zeros(2), np.eye(2), *bounds)
+    answer, root = polish_closer(folds, np.zeros(2), np.eye(2), bounds, (0.001, 1e-9))
+    assert answer.mean.tolist() == wide.mean.tolist()
+    assert root.tolist() == np.eye(2).tolist()
 
 
 def test_several_features_and_parameters():
