@@ -13,10 +13,20 @@ from avobench.cli import listing
 from avobench.cli.isolated import State
 from avobench.cli.progress import ProgressView
 from avobench.reports.tuning import STORE, format_table
-from avobench.studies import dimension, fresh, paper, tuning
+from avobench.studies import dimension, fresh, misspecification, paper, tuning
 from avobench.tasks.errors import AvobenchError, UsageError
 
-STUDIES = ("poisson", "alignment", "detector", "summary", "ablation", "tuning", "dimension", "fresh")
+STUDIES = (
+    "poisson",
+    "alignment",
+    "detector",
+    "summary",
+    "ablation",
+    "tuning",
+    "dimension",
+    "fresh",
+    "misspecification",
+)
 FOLDERS = {name: Path("results") / name for name in ("ablation", "dimension", "fresh")} | {"tuning": STORE}
 """Of the studies whose records are not in results/studies."""
 CELLS = {"dimension": dimension.cells, "fresh": fresh.cells, "tuning": lambda seed: tuning.cells()}
@@ -42,6 +52,7 @@ def study(state: State, name: str, results: Path | None, seed: int, jobs: int | 
     apart from avo-paper undone, one difference at a time; tuning runs abc-smc and bolfi with the candidates for the
     settings of abc-smc-tuned and bolfi-tuned, on targets and with a seed of its own. dimension runs every method
     against the number of parameters, fresh runs avo and smm on a hundred targets a task that nothing was chosen on.
+    misspecification is the width of avo's proposal on events with a hidden effect, and what the diagnosis says of them.
     """
     workers = Workers(jobs, in_process=state.in_process)
     state.resumes = True
@@ -52,6 +63,11 @@ def study(state: State, name: str, results: Path | None, seed: int, jobs: int | 
         with store.lock():
             paper.detector(store.path / paper.DETECTOR_FILE, seed)
         click.echo(f"{len(paper.DETECTOR_THETA)} average responses in {store.path / paper.DETECTOR_FILE}")
+        return
+    if name == "misspecification":
+        with store.lock():
+            record = misspecification.misspecification(store.path / misspecification.FILE, seed)
+        click.echo(f"{len(record['runs'])} runs in {store.path / misspecification.FILE}")
         return
     with ProgressView(Console(stderr=True), lambda sweep, cell: None) as view:
         cells = CELLS[name](seed) if name in CELLS else paper.cells(name, seed)

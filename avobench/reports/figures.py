@@ -5,14 +5,29 @@ from pathlib import Path
 from typing import Any
 
 from avobench.bench.store import Store
-from avobench.studies import paper as study
+from avobench.studies import misspecification, paper
 from avobench.tasks.errors import StoreError
 
-FIGURES = ("benchmark", "weinberg", "efficiency", "cost", "poisson", "alignment", "detector", "dimension", "coverage")
+FIGURES = (
+    "benchmark",
+    "weinberg",
+    "efficiency",
+    "cost",
+    "poisson",
+    "alignment",
+    "detector",
+    "dimension",
+    "coverage",
+    "misspecification",
+)
 STUDY_FIGURES = ("poisson", "alignment", "detector")
 """Drawn from the records of the paper's experiment of that name."""
-FOLDERS = {**dict.fromkeys(STUDY_FIGURES, Path("results/studies")), "dimension": Path("results/dimension")}
+FOLDERS = dict.fromkeys((*STUDY_FIGURES, "misspecification"), Path("results/studies")) | {
+    "dimension": Path("results/dimension")
+}
 """Where the records of a figure are, unless it is told; those of the others are a benchmark's."""
+ONE_FILE = {"detector": paper.read_detector, "misspecification": misspecification.read}
+"""Of the figures that are drawn from a file of their own, what reads it."""
 TRACED = ("efficiency", *STUDY_FIGURES)
 """Drawn from the traces of the records; the others do without, for which there is room in memory for many more."""
 
@@ -27,5 +42,5 @@ def draw(name: str, records: list[dict[str, Any]], folder: Path) -> list[Path]:
 
 
 def records_for(name: str, store: Store) -> list[dict[str, Any]]:
-    """What the figure `name` draws: the records of the store, or the one of the study `detector`. Raises StoreError."""
-    return [study.read_detector(store.path)] if name == "detector" else store.read_all(traces=name in TRACED)
+    """What the figure `name` draws: the records of the store, or the one of a study. Raises StoreError."""
+    return [ONE_FILE[name](store.path)] if name in ONE_FILE else store.read_all(traces=name in TRACED)
