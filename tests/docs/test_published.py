@@ -62,6 +62,10 @@ def test_the_readme_shows_what_its_example_prints(tmp_path):
     assert numbers_now == pytest.approx(numbers, rel=0.01)
 
 
+def test_the_readme_is_read_in_one_go():
+    assert len((ROOT / "README.md").read_text().splitlines()) <= 120
+
+
 @pytest.mark.parametrize("name", FIGURES)
 def test_the_committed_figures_are_of_the_committed_records(name, monkeypatch, tmp_path):
     monkeypatch.setattr(Figure, "savefig", lambda self, file, **_: file.write(b"figure"))  # the numbers are enough
