@@ -7,7 +7,7 @@ from rich.console import Console
 
 from avobench.bench.backends.workers import Workers
 from avobench.bench.runner import run
-from avobench.bench.status import Status, reason
+from avobench.bench.status import ESTIMATED, reason
 from avobench.bench.store import Store
 from avobench.cli import listing
 from avobench.cli.isolated import State
@@ -73,6 +73,6 @@ def study(state: State, name: str, results: Path | None, seed: int, jobs: int | 
         cells = CELLS[name](seed) if name in CELLS else paper.cells(name, seed)
         records = run(cells, store, workers.begin(store.running, debug=state.debug), view)
     click.echo(format_table(store.path) if name == "tuning" else listing.status_table(records))
-    failed = [record for record in records if record["status"] != Status.OK]
+    failed = [record for record in records if record["status"] not in ESTIMATED]
     if failed:
         raise AvobenchError(f"{len(failed)} of {len(records)} cells failed, the first with {reason(failed[0])}")

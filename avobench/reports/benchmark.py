@@ -8,7 +8,7 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
 
-from avobench.bench.status import Status
+from avobench.bench.status import ESTIMATED
 from avobench.bench.table import labels, to_frame
 from avobench.reports.quantities import comparable
 from avobench.reports.style import FLOOR, METHOD_ORDER, STYLE, TASK_ORDER, colours, ordered, panels, save
@@ -41,7 +41,7 @@ def numbers(frame: pd.DataFrame) -> pd.DataFrame:
                 "method": method,
                 "targets": cells["target"].nunique(),
                 "cells": len(cells),
-                "failed": int((cells["status"] != Status.OK).sum()),
+                "failed": int((~cells["status"].isin(ESTIMATED)).sum()),
                 **dict(zip(("min", "lower_quartile", "median", "upper_quartile", "max"), quartiles, strict=True)),
                 "mean": errors.mean(),
                 "median_floor": floors.median(),
@@ -83,7 +83,7 @@ def _panel(axis: Any, cells: pd.DataFrame, methods: list[str], colours: dict[str
     ticks = []
     for method in shown:
         status = cells.loc[cells["method"] == method, "status"]
-        failed = int((status != Status.OK).sum())
+        failed = int((~status.isin(ESTIMATED)).sum())
         name = method.replace(" ", "\n")
         ticks.append(f"{name}\n{len(status) - failed} cells" + f", {failed} failed" * bool(failed))
     axis.set_xticks(range(len(shown)), ticks, fontsize="small")

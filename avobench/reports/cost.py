@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from avobench.bench.status import Status
+from avobench.bench.status import ESTIMATED
 from avobench.reports.quantities import comparable, labelled
 from avobench.reports.style import FLOOR, MARKERS, METHOD_ORDER, STYLE, TASK_ORDER, colours, note, ordered, panels, save
 
@@ -40,7 +40,7 @@ def _figure(frame: pd.DataFrame) -> Figure:
     tasks, methods = ordered(frame["task"], TASK_ORDER), ordered(frame["method"], METHOD_ORDER)
     figure, axes = panels(tasks)
     for axis, task in zip(axes, tasks, strict=True):
-        own = frame[(frame["task"] == task) & (frame["status"] == Status.OK)]
+        own = frame[(frame["task"] == task) & frame["status"].isin(ESTIMATED)]
         if own.empty:
             note(axis, "no cell has an estimate")
         else:

@@ -10,7 +10,7 @@ from typing import Any
 
 import pandas as pd
 
-from avobench.bench.status import Status
+from avobench.bench.status import ESTIMATED
 from avobench.bench.store import Store
 from avobench.bench.table import labels, to_frame
 from avobench.reports import html
@@ -53,7 +53,7 @@ def render(results: Path, studies: Path | None) -> str:
     store, examples = Store(results), None if studies is None else Store(studies)
     records = store.read_all()
     frame = to_frame(records)
-    failed = int((frame["status"] != Status.OK).sum())
+    failed = int((~frame["status"].isin(ESTIMATED)).sum())
     facts = {
         "cells": len(records),
         "failed": failed,
@@ -140,7 +140,7 @@ def _cells(frame: pd.DataFrame) -> html.Table:
         "squared error above their floor. The summary counts all; the download has the rows shown, `avobench export` "
     )
     text += "writes every row and field."
-    failed, above = frame["status"] != Status.OK, frame["squared_error"] / frame["floor"]
+    failed, above = ~frame["status"].isin(ESTIMATED), frame["squared_error"] / frame["floor"]
     shown = frame.assign(failed=failed, above=above).sort_values(["failed", "above"], ascending=False, kind="stable")
     return _table("cells", "Cells", text, shown[columns].head(MOST_CELLS))
 

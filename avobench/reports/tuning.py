@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import gmean
 
-from avobench.bench.status import Status
+from avobench.bench.status import ESTIMATED
 from avobench.bench.store import Store
 from avobench.reports.quantities import efficient_median
 from avobench.studies.development import TASKS
@@ -53,7 +53,7 @@ def _common(method: str, task: str, records: dict[str, dict[str, Any]]) -> set[i
 
 def _ratio(name: str, record: dict[str, Any]) -> float:
     """Squared error over its floor, in units of an efficient estimator's median; of a failure it is infinite."""
-    if record["status"] != Status.OK:
+    if record["status"] not in ESTIMATED:
         return np.inf
     task, true = TASKS[name](), np.array(record["theta_true"])
     if name == "weinberg":

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from avobench.bench.status import Status
+from avobench.bench.status import ESTIMATED
 from avobench.bench.streams import observe
 from avobench.reports.quantities import comparable, labelled, task_of
 from avobench.reports.style import METHOD_ORDER, STYLE, TRUTH, colours, ordered, save
@@ -26,7 +26,7 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
     The first targets that all methods have, in their first repetition. The observed events, a histogram with error bars
     of one standard deviation, are drawn again from the seed in the record. Raises StoreError without such records.
     """
-    shown = [record for record in records if (record["task"], record["status"]) == ("weinberg", Status.OK)]
+    shown = [record for record in records if record["task"] == "weinberg" and record["status"] in ESTIMATED]
     if not shown:
         raise StoreError("there are no records of weinberg with an estimate to draw")
     cells = labelled(shown)
