@@ -23,7 +23,7 @@ from avobench.tasks.errors import StoreError
 STORE = Path("results/dimension")
 WITHIN = 100.0
 """Floors beyond which a run went astray."""
-WHAT = {"warped": "means say next to nothing", "means": "means say all"}
+WHAT = {"warped": "means say little", "means": "means say all"}
 """Of the families of tasks, what the mean of the events tells of the parameters."""
 SPAN = 5e-2
 """Share of the number of parameters by which marks of different methods are moved apart."""

@@ -8,7 +8,6 @@ from typing import Any
 
 import matplotlib
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from avobench.reports.style import FLOOR, MARKERS, PALETTE, STYLE, panels, save
@@ -51,19 +50,15 @@ def _figure(runs: pd.DataFrame) -> Figure:
         above.plot(ends, ends, color=FLOOR, ls="--", lw=1.2, label="hidden width")
         above.set(ylabel="std / prior's std")
         above.set_yscale("symlog", linthresh=LINEAR)
-        above.legend(loc="upper left")
+        above.legend(loc="lower right")
         below.plot(own["strength"], own["p_value"].clip(lower=LEAST), MARKERS[1], color=PALETTE[1], ms=4, alpha=0.6)
         below.axhline(0.05, color=FLOOR, ls="--", lw=1.2, label="0.05")
         below.set(ylabel="p-value", yscale="log")
         below.legend(loc="lower left")
         for axis in (above, below):
-            _strengths(axis)
+            axis.set_xscale("symlog", linthresh=LINEAR)
+            axis.set(xlabel="hidden std / prior's std", xlim=(-LINEAR / 5, 1.5 * ends[1]))
     return figure
-
-
-def _strengths(axis: Axes) -> None:
-    axis.set_xscale("symlog", linthresh=LINEAR)
-    axis.set(xlabel="hidden std / prior's std")
 
 
 def format_table(folder: Path = Path("results/studies")) -> str:
