@@ -15,7 +15,7 @@ from avobench.reports.quantities import asymmetry_errors, labelled
 from avobench.reports.targets import asymmetry_inefficiency, inefficiency_of
 from avobench.studies.paper import ABLATION_TASKS, ABLATIONS, ablation
 
-STORES = Path("results/reference"), Path("results/ablation")
+STORES = tuple(map(Path, ("results/reference", "results/dimension", "results/ablation")))
 
 
 def worth(cells: pd.DataFrame, task: str) -> str:
