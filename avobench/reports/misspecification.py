@@ -41,9 +41,10 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
 
 
 def _figure(runs: pd.DataFrame) -> Figure:
-    figure, axes = panels([f"{task}: {what}" for what in ("the proposal", "the diagnosis") for task in TASKS])
-    for column, task in enumerate(TASKS):
-        own, (above, below) = runs[runs["task"] == task], axes[column :: len(TASKS)]
+    tasks = sorted(runs["task"].unique(), key=TASKS.index)
+    figure, axes = panels([f"{task}: {what}" for what in ("the proposal", "the diagnosis") for task in tasks])
+    for column, task in enumerate(tasks):
+        own, (above, below) = runs[runs["task"] == task], axes[column :: len(tasks)]
         widths = own.explode("width")
         above.plot(widths["strength"], widths["width"].astype(float), MARKERS[0], color=PALETTE[0], ms=4, alpha=0.6)
         ends = [own["strength"].min(), own["strength"].max()]

@@ -22,10 +22,13 @@ from avobench.studies.paper import NUM_OBSERVATIONS
 from avobench.tasks.errors import StoreError
 
 FILE = "misspecification.json"
+"""The record's name in a results folder."""
 TASKS = ("poisson", "carl")
+"""One with a count for an event, one with five features."""
 STRENGTHS = (0.0, 0.01, 0.03, 0.1, 0.3)
 """Standard deviation of each parameter between events, in units of the prior's."""
 REPETITIONS = 3
+"""A median then has one run on either side."""
 BUDGET = 160_000
 """Simulated events, as in the benchmark."""
 METHOD = Avo(polish=False, min_std=1e-3)
