@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr, ndtri
+from scipy.special import erfcx, log_ndtr, ndtr, ndtri, ndtri_exp
 
 from avobench.tasks import Box
 
@@ -30,24 +30,26 @@ class TruncatedGaussian:
         return np.clip(u * self.scale + self.center, self.support.low, self.support.high)  # rounding at the edge
 
     def sample(self, psi: NDArray[np.float64], n: int, rng: np.random.Generator) -> NDArray[np.float64]:
-        """Draws by inversion of the distribution function, exact in both tails: psi (2, p) -> u (n, p)."""
+        """Draws by inversion of the distribution function, exact far in both tails: psi (2, p) -> u (n, p)."""
         mean, std, a, b = self._standard_bounds(psi)
-        flip = a > 0  # invert in the lower tail, where the distribution function keeps its precision
-        below, above = ndtr(np.where(flip, -b, a)), ndtr(np.where(flip, -a, b))
-        z = ndtri(below + rng.uniform(size=(n, len(mean))) * (above - below))
-        return np.clip(mean + std * np.where(flip, -z, z), self.low, self.high)
+        uniform, (near, far) = rng.uniform(size=(n, len(mean))), _distances(a, b)
+        ratio = np.exp(log_ndtr(-far) - log_ndtr(-near))
+        in_tail = ndtri_exp(log_ndtr(-near) + np.log(ratio + uniform * (1 - ratio)))  # as a logarithm: ndtr underflows
+        z = np.where(near > 0, np.where(a > 0, -in_tail, in_tail), ndtri(ndtr(a) + uniform * (ndtr(b) - ndtr(a))))
+        return np.clip(mean + std * z, self.low, self.high)
 
     def score(self, psi: NDArray[np.float64], u: NDArray[np.float64]) -> NDArray[np.float64]:
         """Gradient of log q(u | psi) with respect to psi: u (n, p) -> (n, 2, p)."""
         mean, std, a, b = self._standard_bounds(psi)
         z = (u - mean) / std
-        first, second, _ = _moments(a, b)
+        first, second = _moments(a, b)
         return np.stack([(z - first) / std, z**2 - second], axis=1)
 
     def log_density(self, psi: NDArray[np.float64], u: NDArray[np.float64]) -> NDArray[np.float64]:
         """log q(u | psi) per parameter: u (n, p) within the support -> (n, p)."""
         mean, std, a, b = self._standard_bounds(psi)
-        return -(((u - mean) / std) ** 2) / 2 - np.log(std * SQRT_2PI * _moments(a, b)[2])
+        near, _ = _distances(a, b)
+        return (near**2 - ((u - mean) / std) ** 2) / 2 - np.log(std * SQRT_2PI * _scaled(a, b)[0])
 
     def entropy_gradient(self, psi: NDArray[np.float64]) -> NDArray[np.float64]:
         """Gradient of the entropy H = log(std Z sqrt(2 pi)) + E[z^2] / 2, summed over parameters: (2, p).
@@ -56,8 +58,7 @@ class TruncatedGaussian:
         dH/d log std = (m_4 - m_2^2) / 2: both are the covariance of the score with z^2 / 2.
         """
         _, std, a, b = self._standard_bounds(psi)
-        m1, m2, z = _moments(a, b)
-        density_a, density_b = np.exp(-(a**2) / 2) / SQRT_2PI, np.exp(-(b**2) / 2) / SQRT_2PI
+        (m1, m2), (z, density_a, density_b) = _moments(a, b), _scaled(a, b)
         m3 = 2 * m1 + (a**2 * density_a - b**2 * density_b) / z
         m4 = 3 * m2 + (a**3 * density_a - b**3 * density_b) / z
         return np.stack([(m3 - m1 * m2) / (2 * std), (m4 - m2**2) / 2])
@@ -69,7 +70,7 @@ class TruncatedGaussian:
     def mean_and_std(self, psi: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Mean and standard deviation of the truncated density: psi (2, p) -> u (p,), (p,)."""
         mean, std, a, b = self._standard_bounds(psi)
-        m1, m2, _ = _moments(a, b)
+        m1, m2 = _moments(a, b)
         return mean + std * m1, std * np.sqrt(m2 - m1**2)
 
     def _standard_bounds(self, psi: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
@@ -77,9 +78,23 @@ class TruncatedGaussian:
         return mean, std, (self.low - mean) / std, (self.high - mean) / std
 
 
-def _moments(a: NDArray[np.float64], b: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-    """E[z], E[z^2] and Z of a standard Gaussian truncated to [a, b]."""
-    flip = a > 0
-    z = ndtr(np.where(flip, -a, b)) - ndtr(np.where(flip, -b, a))
-    density_a, density_b = np.exp(-(a**2) / 2) / SQRT_2PI, np.exp(-(b**2) / 2) / SQRT_2PI
-    return (density_a - density_b) / z, 1 + (a * density_a - b * density_b) / z, z
+def _distances(a: NDArray[np.float64], b: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """How far the nearest and the farthest point of [a, b] are from the mean, in standard deviations."""
+    return np.maximum(np.maximum(a, -b), 0), np.maximum(-a, b)
+
+
+def _scaled(a: NDArray[np.float64], b: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    """The standard Gaussian's probability Z of [a, b] and its density at a and at b, times exp(near^2 / 2).
+
+    With the mean outside, all three underflow from 38 standard deviations on; their ratios do not.
+    """
+    near, far = _distances(a, b)
+    density_a, density_b = (np.exp((near**2 - bound**2) / 2) / SQRT_2PI for bound in (a, b))
+    tail = (erfcx(near / np.sqrt(2)) - np.exp((near**2 - far**2) / 2) * erfcx(far / np.sqrt(2))) / 2
+    return np.where(near > 0, tail, ndtr(b) - ndtr(a)), density_a, density_b
+
+
+def _moments(a: NDArray[np.float64], b: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """E[z] and E[z^2] of a standard Gaussian truncated to [a, b]."""
+    z, density_a, density_b = _scaled(a, b)
+    return (density_a - density_b) / z, 1 + (a * density_a - b * density_b) / z
