@@ -15,12 +15,10 @@ class Effort:
     """Where a p-value is at stake, a measured one: simulation then adds a tenth to the variance."""
     known: float = 24
     """Of the model that candidates are added to, a measured one."""
-    again: tuple[float, ...] = (3, 6)
-    """Of the repeated fits of candidates that may be the best, a measured one."""
-    final: tuple[float, ...] = (36, 36)
-    """Of candidates that are tied, a measured one: again where the first did not settle."""
+    rounds_of_search: tuple[tuple[float, int], ...] = ((1, 7), (4, 3), (16, 2))
+    """Of the fits that go on, a measured one, and steps of each."""
     few: int = 10_000
-    """What fewer measured events count as in the last two: where simulation is cheap, its noise need not blur ties."""
+    """What fewer measured events count as in the last one: where simulation is cheap, its noise need not blur ties."""
     settle: tuple[float, ...] = (3, 9)
     """Times a sharpening, for the last step of a fit, and to tell what the data say nothing about."""
     least: int = 30_000
@@ -31,7 +29,7 @@ class Effort:
     """From which effects are screened."""
     generated: float = 10
     """By a slow generator that is asked only once, a measured one."""
-    screen: int = 24_000
+    screen: int = 20_000
     """For a screening grid; each of its points gets a fiftieth of it at least."""
     card: int = 3_000
     """For each strength on the identifiability card."""
@@ -39,14 +37,17 @@ class Effort:
     """For the covariance that a model predicts."""
     scan: tuple[int, int] = (200, 300)
     """Points of each search for theta, and events at each."""
-    families: int = 12
-    """Effects that are fitted."""
-    families_beside: int = 6
-    """The same beside another effect."""
-    starts: int = 5
-    """Shapes of an effect that are fitted."""
+    starts: int = 45
+    """Fits that begin, at most."""
+    begun: int = 16
+    """Fits that go on, at most."""
     enough: float = 24_000
     """Of a whole diagnosis, a measured one: after so many no further effect is looked for."""
+
+    @property
+    def beside(self) -> "Effort":
+        """For a further effect: half as many fits."""
+        return replace(self, starts=self.starts // 3, begun=self.begun // 2)
 
     def scaled(self, share: float) -> "Effort":
         """Less of everything, but not so little that fits fail."""
@@ -55,8 +56,7 @@ class Effort:
             rounds=self.rounds * share,
             sharpen=max(self.sharpen * share, 1),
             known=max(self.known * share, 1),
-            again=tuple(max(n * share, 0.5) for n in self.again),
-            final=tuple(max(n * share, 1) for n in self.final),
+            rounds_of_search=tuple((max(n * share, 0.5), steps) for n, steps in self.rounds_of_search),
             few=max(int(self.few * share), 1000),
             least=max(int(self.least * share), 3000),
             fit=max(int(self.fit * share), 3000),
@@ -73,8 +73,7 @@ IMAGES = Effort(
     rounds=2,
     sharpen=8,
     known=12,
-    again=(4,),
-    final=(8, 8),
+    rounds_of_search=((1, 6), (4, 2), (8, 1)),
     settle=(2,),
     least=8000,
     fit=8000,
@@ -83,12 +82,11 @@ IMAGES = Effort(
     card=600,
     covariance=30_000,
     scan=(60, 150),
-    families=8,
-    families_beside=4,
-    starts=2,
+    starts=12,
+    begun=6,
 )
 """For images, which are slow to simulate and to summarise."""
-MANY = Effort(known=12, final=(12, 12), screen=14_000, families=8, families_beside=8, starts=3)
+MANY = Effort(known=12, rounds_of_search=((1, 6), (4, 2), (12, 1)), screen=14_000, starts=20, begun=8)
 """For several features, each of which has its own entries in the catalogue."""
 USUAL = {"counts": 4_000_000, "continuous": 12_000_000, "images": 1_500_000}
 """Simulated events that a diagnosis usually takes, by domain; a little more or less with what it finds."""

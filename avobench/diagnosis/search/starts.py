@@ -20,13 +20,13 @@ MOVED_EVENTS = 200
 """Of each point, from which the share of events that change bins is taken."""
 LOCATIONS = 12
 """Grid points of a location: what is narrower than a twelfth of the range is found by `Sample.places`."""
-SHAPES = 5
+SHAPES = 8
 """Grid points of a single shape parameter."""
 WIDTHS = 3
 """Grid points of a width beside a location: narrow, middling and wide."""
 FINALISTS = 8
 """Points of the grid that are looked at again, with more events: the first look is too noisy to choose one."""
-FINAL_EVENTS = 8
+FINAL_EVENTS = 4
 """Times the events of the first look, for the second: as many again in all, since a grid has some 100 points."""
 ABSORBED = 0.3
 """Share of an effect's signal below which theta hides it, so that it is also looked for where it is strong. Chosen

@@ -1,6 +1,6 @@
 """A model of the loop, before all gates."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,6 @@ from avobench.diagnosis.gates.cells import cell_gate
 from avobench.diagnosis.gates.classifier import classifier_gate
 from avobench.diagnosis.gates.summary import summary_gate
 from avobench.diagnosis.schema import Gate
-from avobench.diagnosis.search.ranking import Ranked, tied
 from avobench.diagnosis.summary.target import Target
 
 SHARES = {"summary": 0.8, "classifier": 0.2}
@@ -23,19 +22,13 @@ IMAGE_SHARES = {"summary": 0.6, "cells": 0.2, "classifier": 0.2}
 
 @dataclass(frozen=True)
 class Step:
-    """A model of the loop, tested, and the candidates to come after it."""
+    """A model of the loop, tested."""
 
     fit: Fit
     """In the metric of the loop's target."""
     own: Fit
     """In its own metric, with more events: what is reported."""
     gates: dict[str, Gate]
-    ranks: list[Ranked] = field(default_factory=list)
-    chosen: Ranked | None = None
-    """The effect that comes after it, where that is not the first of the ranks."""
-    rivals: tuple[Ranked, ...] = ()
-    """Of that effect."""
-
     @classmethod
     def of(
         cls,
@@ -53,16 +46,6 @@ class Step:
             gates["cells"] = cell_gate(own, x, rng, effort)
         gates["classifier"] = classifier_gate(own, own_target, x, rng)
         return cls(fit, own, gates)
-
-    @property
-    def added(self) -> Ranked:
-        """The effect that comes after it."""
-        return self.chosen or self.ranks[0]
-
-    @property
-    def ties(self) -> list[Ranked]:
-        """Those that the effect which comes after it cannot be told from."""
-        return list(self.rivals) if self.chosen else tied(self.ranks)
 
     @property
     def shares(self) -> dict[str, float]:

@@ -1,14 +1,15 @@
 """The summary of events with features: shares of bins whose edges follow the data."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 from scipy.sparse import csr_array
 
-from avobench.diagnosis.summary.contract import Summary
+from avobench.diagnosis.summary.contract import Summary, close
 
 LEAST_IN_BIN = 12
 """Measured and simulated events together, each counted half."""
@@ -76,6 +77,10 @@ class Bins(Summary):
             second[a : a + m, b : b + n] = cells.reshape(m, n)
         mean = self.mean(x)[0]
         return (second + second.T) / len(x) + np.diag(mean) - np.outer(mean, mean)
+
+    def alike(self, length: float) -> NDArray[np.float64]:
+        sides = [[bins] if len(f) == 1 else [len(self.coarse[j]) + 1 for j in f] for f, bins in self.blocks]
+        return block_diag(*(reduce(np.kron, [close(bins, length) for bins in side]) for side in sides))
 
 
 def bins_of(x: NDArray, simulated: NDArray) -> Bins:

@@ -30,3 +30,17 @@ class Summary(ABC):
     @abstractmethod
     def covariance(self, x: NDArray) -> NDArray[np.float64]:
         """Covariance of the vectors of events (n, d) -> (K, K)."""
+
+    @abstractmethod
+    def alike(self, length: float) -> NDArray[np.float64]:
+        """How alike parts of the vector are that lie close to each other: (K, K), 1 on the diagonal.
+
+        Squared-exponential with `length` as a share of the range of a feature, told in bins; parts of different features
+        have nothing in common.
+        """
+
+
+def close(bins: int, length: float) -> NDArray[np.float64]:
+    """Squared-exponential correlation of so many bins side by side: (bins, bins)."""
+    at = np.arange(bins) / bins
+    return np.exp(-0.5 * ((at[:, None] - at) / length) ** 2)

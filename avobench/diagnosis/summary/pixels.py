@@ -5,9 +5,10 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from avobench.diagnosis.summary.bins import inner_edges
-from avobench.diagnosis.summary.contract import Summary
+from avobench.diagnosis.summary.contract import Summary, close
 
 BLOCKS = 8
 """Along each axis, at most."""
@@ -79,6 +80,11 @@ class Pixels(Summary):
 
     def covariance(self, x: NDArray) -> NDArray[np.float64]:
         return np.cov(self.vectors(x), rowvar=False, dtype=np.float64)
+
+    def alike(self, length: float) -> NDArray[np.float64]:
+        r, c = self.grid
+        blocks = np.kron(close(min(BLOCKS, r), length), close(min(BLOCKS, c), length))
+        return block_diag(close(r, length), close(c, length), close(len(self.fullness) + 1, length), blocks, np.eye(2))
 
 
 def pixels_of(x: NDArray, simulated: NDArray, event_shape: tuple[int, ...]) -> Pixels:

@@ -74,15 +74,26 @@ class Target:
 
 def whitening(cov: NDArray[np.float64]) -> NDArray[np.float64]:
     """W (K, r) with W^T cov W = 1, r the rank of cov: one less for each block of bins that sums to one."""
+    values, vectors = _directions(cov)
+    return vectors[:, values > 0] / np.sqrt(values[values > 0])
+
+
+def fixed(cov: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Combinations of the summary that no event changes, such as the sum of the shares of all bins: (K, K - r)."""
+    values, vectors = _directions(cov)
+    return vectors[:, values == 0]
+
+
+def _directions(cov: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Combinations (K, k) that are uncorrelated, and their variances (k,), 0 where that is rounding."""
     seen = np.flatnonzero(np.diag(cov) > 0)  # a cell of a pair may be empty
+    w = np.zeros((len(cov), len(seen)))
     if not len(seen):
-        return np.zeros((len(cov), 0))
+        return np.empty(0), w
     scale = np.sqrt(np.diag(cov)[seen])
     values, vectors = np.linalg.eigh(cov[np.ix_(seen, seen)] / np.outer(scale, scale))
-    keep = values > RANK_TOLERANCE * values[-1]
-    w = np.zeros((len(cov), int(keep.sum())))
-    w[seen] = vectors[:, keep] / np.sqrt(values[keep]) / scale[:, None]
-    return w
+    w[seen] = vectors / scale[:, None]
+    return np.where(values > RANK_TOLERANCE * values[-1], values, 0), w
 
 
 def summary_of(task: Task, x: NDArray, simulated: NDArray) -> Summary:

@@ -1,0 +1,84 @@
+"""How probable each set of effects is, of all that were weighed."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import comb, logsumexp
+
+from avobench.diagnosis.search.candidates import Weighed
+from avobench.effects import Effect
+
+Names = frozenset[tuple]
+"""The effects of a model, by their keys; empty for the simulator as it is."""
+OUTSIDE: Names = frozenset({("outside",)})
+"""That what is missing is not in the catalogue."""
+NUMBER = (0.1, 0.6, 0.2, 0.1)
+"""How probable beforehand, once a disagreement is shown, it is that no, one, two or more effects are missing."""
+UNKNOWN = 0.15
+"""How probable beforehand that it is none of the catalogue."""
+TEMPERATURE = 1.0
+"""By which log evidence is divided: what the formula leaves out makes it too sure."""
+CREDIBLE = 0.95
+"""Probability of the smallest set of models that is told."""
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Probabilities of sets of effects, most probable first, and the best fit of each."""
+
+    probability: dict[Names, float]
+    best: dict[Names, Weighed]
+
+    @classmethod
+    def of(cls, weighed: Iterable[Weighed], outside: float, catalogue: list[Effect]) -> "Posterior":
+        """Of all models that were weighed, each shape once."""
+        shapes: dict[Names, dict[tuple, Weighed]] = {}
+        for one in weighed:
+            each = tuple(sorted((str(effect.key), effect.shape) for effect in one.fit.model.effects))
+            own = shapes.setdefault(one.effects, {})
+            if each not in own or own[each].evidence.at_least < one.evidence.at_least:
+                own[each] = one
+        families: dict[str, int] = {}
+        for effect in catalogue:
+            families[effect.name] = families.get(effect.name, 0) + 1
+        logs = {OUTSIDE: outside + np.log(UNKNOWN)}
+        for names, own in shapes.items():
+            values = [one.evidence.at_least for one in own.values()]
+            logs[names] = float(logsumexp(values)) - _num_shapes(next(iter(own.values()))) + _prior(names, families)
+        names = sorted(logs, key=lambda each: -logs[each])
+        values = np.array([logs[each] for each in names]) / TEMPERATURE
+        shares = np.exp(values - logsumexp(values))
+        best = {each: max(own.values(), key=lambda one: one.evidence.at_least) for each, own in shapes.items()}
+        return cls(dict(zip(names, shares.tolist(), strict=True)), best)
+
+    @property
+    def outside(self) -> float:
+        return self.probability[OUTSIDE]
+
+    @property
+    def credible(self) -> list[Names]:
+        """The smallest set of models that has CREDIBLE of the probability."""
+        reached = np.cumsum(list(self.probability.values()))
+        return list(self.probability)[: int(np.searchsorted(reached, CREDIBLE)) + 1]
+
+    @property
+    def included(self) -> dict[tuple, float]:
+        """By effect: the probability that it is in the model; most probable first."""
+        found: dict[tuple, float] = {}
+        for names, share in self.probability.items():
+            for key in names - OUTSIDE:
+                found[key] = found.get(key, 0.0) + share
+        return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+
+def _num_shapes(one: Weighed) -> float:
+    """Logarithm of how many combinations of shapes the effects of a model have."""
+    return float(sum(np.log(len(effect.shapes())) for effect in one.fit.model.effects))
+
+
+def _prior(names: Names, families: dict[str, int]) -> float:
+    """Of a set of effects: families alike, and of each its features alike."""
+    k = len(names)
+    chosen = np.log(comb(len(families), k)) + sum(np.log(families.get(name, 1)) for name, _ in names)
+    return float(np.log(NUMBER[min(k, len(NUMBER) - 1)]) - chosen)
