@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 """Raised when a field of `diagnosis.json` changes its meaning."""
 
 
@@ -72,6 +72,20 @@ class FoundEffect(Named):
     """Which of its shapes was fitted; empty where it has one."""
     parameters: dict[str, EffectValue]
     tied_with: list[Named]
+    probability: float | None = None
+    """Of being in the model; None where the search gives none."""
+
+
+class Probable(Named):
+    probability: float
+    """Of being in the model."""
+
+
+class ProbableModel(Strict):
+    """A set of effects, none for the simulator as it is, and how probable it is that it is the model."""
+
+    effects: list[Named]
+    probability: float
 
 
 class Region(Strict):
@@ -115,6 +129,12 @@ class Diagnosis(Strict):
     identified_before: list[Combination]
     identified_after: list[Combination] | None
     effects: list[FoundEffect]
+    probabilities: list[Probable] = []
+    """For every name that was considered; empty where the search gives none."""
+    outside: float | None = None
+    """Probability that what is missing is outside the catalogue."""
+    models: list[ProbableModel] = []
+    """The smallest set of models that holds 95 %, the most probable first."""
     regions: list[Region]
     candidates: list[Candidate]
     identifiability: list[Identifiable]
