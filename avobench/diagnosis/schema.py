@@ -30,6 +30,15 @@ class Gate(Strict):
     statistic: float
     dof: int | None
     p_value: float
+    share: float = 1.0
+    """Of alpha, with which the p-value is compared."""
+    sides: Literal[1, 2] = 1
+    """One if only a large statistic speaks against the model, two if a small one does as well."""
+
+    @property
+    def divided(self) -> float:
+        """The p-value over its share of alpha, which is compared with alpha itself."""
+        return min(self.p_value / self.share, 1.0)
 
 
 class Gap(Strict):
@@ -95,6 +104,8 @@ class Region(Strict):
     kind: Literal["excess", "deficit"]
     z: float
     p_global: float
+    """Two-sided: of an excess or a deficit as large, anywhere."""
+    unit: str = "1"
 
 
 class Candidate(Named):
