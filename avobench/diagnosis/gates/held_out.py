@@ -48,7 +48,7 @@ class HeldOut:
         """
         metric, _ = own_metric(fit, self.target.summary, self.mean, self.num_events, rng, num_simulated)
         others = fit.model.simulate(np.tile(fit.params, (num_simulated, 1)), rng)
-        mean, variance = _null(metric, others)
+        mean, variance = null_moments(metric, others)
         share = self.num_events / self.target.num_events
         ndf = max(mean * (1 + fit.noise * share) + fit.num_identified * share, 1.0)
         variance *= (ndf / mean) ** 2 if mean > 0 else 0
@@ -75,7 +75,7 @@ class HeldOut:
         return np.sqrt(self.num_events) * ((self.mean - fit.predicted) @ self.target.whitening)
 
 
-def _null(metric: Target, x: NDArray) -> tuple[float, float]:
+def null_moments(metric: Target, x: NDArray) -> tuple[float, float]:
     """Mean and variance of chi-squared of n events of a model, from other events x (m, d) of it; n is the metric's.
 
     With whitened vectors z of covariance S, chi-squared of a mean of n has the variance 2 tr(S^2) plus that of |z|^2
