@@ -79,7 +79,7 @@ def _tests(diagnosis: Diagnosis) -> html.Table:
         "degrees of freedom": html.figures([gate.dof for gate in gates]),
         "p": html.p_values([gate.p_value for gate in gates]),
         "sides": html.texts([SIDES[gate.sides] for gate in gates]),
-        "share of the error rate": html.figures([gate.share for gate in gates]),
+        "share": html.figures([gate.share for gate in gates]),
         "p / share": html.p_values([gate.divided for gate in gates]),
     }
     text = (

@@ -119,7 +119,15 @@ def test_the_page_opens_without_network_shows_its_figures_and_escapes(browser, t
     assert browser.run("return document.scripts.length") == 1  # the page's own
     assert browser.run("return document.querySelector('#verdict').textContent") == "missing effect named"
     text = browser.run("return document.body.innerText")
-    for expected in ("zero_inflation", "cannot tell it from dead_time", "0.04 ± 0.002", "deficit", "log_rate 0.01"):
+    for expected in (
+        "do not tell which: 2 effects",
+        "one-sided",
+        "zero_inflation",
+        "cannot tell it from dead_time",
+        "0.04 ± 0.002",
+        "deficit",
+        "log_rate 0.01",
+    ):
         assert expected in text
 
 
