@@ -133,6 +133,8 @@ class Diagnosis(Strict):
     p_value_before: float
     p_value_after: float | None
     gates: dict[str, Gate]
+    gates_after: dict[str, Gate] | None = None
+    """Those of the model with the effects; None where none was added."""
     gap_before: Gap
     gap_after: Gap | None
     theta_before: dict[str, Value]

@@ -9,7 +9,8 @@ from avobench.diagnosis.answer.identifiability import Row
 from avobench.diagnosis.answer.pictures import Pictures
 from avobench.diagnosis.answer.quoted import Move, found_effect, identified, named, theta_values
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.schema import Candidate, Diagnosis, Identifiable, Region
+from avobench.diagnosis.schema import Candidate, Diagnosis, Gate, Identifiable, Region
+from avobench.diagnosis.search.tested import Step
 from avobench.tasks import Task
 
 PACKAGES = ("avobench", "numpy", "scipy", "scikit-learn")
@@ -60,10 +61,8 @@ def assemble(
         alpha=found.alpha,
         p_value_before=found.steps[0].p_value,
         p_value_after=final.p_value if any_named else None,
-        gates={
-            name: gate.model_copy(update={"share": found.steps[0].shares[name]})
-            for name, gate in found.steps[0].gates.items()
-        },
+        gates=_gates(found.steps[0]),
+        gates_after=_gates(final) if any_named else None,
         gap_before=found.gap_before,
         gap_after=found.gap_after,
         theta_before=theta_values(first),
@@ -81,6 +80,10 @@ def assemble(
         seed=run.seed,
         versions={name: version(name) for name in PACKAGES},
     )
+
+
+def _gates(step: Step) -> dict[str, Gate]:
+    return {name: gate.model_copy(update={"share": step.shares[name]}) for name, gate in step.gates.items()}
 
 
 def _candidates(found: Found) -> list[Candidate]:

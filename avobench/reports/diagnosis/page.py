@@ -72,9 +72,12 @@ def _value(fitted: Value | EffectValue | None) -> html.Cell:
 
 
 def _tests(diagnosis: Diagnosis) -> html.Table:
-    gates = diagnosis.gates.values()
+    tested = {"as it is": diagnosis.gates, "with what was added": diagnosis.gates_after or {}}
+    rows = [(when, name, gate) for when, gates in tested.items() for name, gate in gates.items()]
+    gates = [gate for _, _, gate in rows]
     columns = {
-        "gate": html.texts(diagnosis.gates),
+        "simulator": html.texts([when for when, _, _ in rows]),
+        "test": html.texts([name for _, name, _ in rows]),
         "statistic": html.figures([gate.statistic for gate in gates]),
         "degrees of freedom": html.figures([gate.dof for gate in gates]),
         "p": html.p_values([gate.p_value for gate in gates]),
@@ -83,8 +86,8 @@ def _tests(diagnosis: Diagnosis) -> html.Table:
         "p / share": html.p_values([gate.divided for gate in gates]),
     }
     text = (
-        "The simulator as it is against the measurement. Each test has a share of the error rate: it speaks against "
-        "the simulator if p / share is below that rate."
+        "The simulator against the measurement. Each test has a share of the error rate: it speaks against the "
+        "simulator if p / share is below that rate."
     )
     return html.Table.of("tests", "Tests", text, columns)
 

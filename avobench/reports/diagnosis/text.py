@@ -1,6 +1,6 @@
 """A diagnosis in words, at most a screen of them."""
 
-from avobench.diagnosis.schema import Diagnosis, EffectValue, FoundEffect, Gap, Named, Value, Verdict
+from avobench.diagnosis.schema import Diagnosis, EffectValue, FoundEffect, Gap, Gate, Named, Value, Verdict
 from avobench.reports.numbers import p_equals, p_value
 
 MOST_REGIONS = 4
@@ -42,8 +42,12 @@ def summary(diagnosis: Diagnosis) -> str:
 
 def gates(diagnosis: Diagnosis) -> str:
     """The p-value of each gate as it is compared with alpha, over its share of it."""
-    each = [f"{name} {p_value(gate.divided)} ({SIDES[gate.sides]})" for name, gate in diagnosis.gates.items()]
-    return f"tests of the simulator as it is, p over its share of alpha: {', '.join(each)}"
+    told = f"tests, p over its share of alpha: {_each(diagnosis.gates)}"
+    return told + (f" -> {_each(diagnosis.gates_after)}" if diagnosis.gates_after else "")
+
+
+def _each(gates: dict[str, Gate]) -> str:
+    return ", ".join(f"{name} {p_value(gate.divided)} ({SIDES[gate.sides]})" for name, gate in gates.items())
 
 
 def meaning(diagnosis: Diagnosis) -> str:
@@ -88,9 +92,12 @@ def _left(diagnosis: Diagnosis) -> str:
             f"With {found}, {p_equals(p)} is left, below alpha = {alpha:g}: too little to look for another effect, "
             "and too much to say that simulation and measurement agree."
         )
-    gates = f"by the gates ({p_equals(p)}, alpha = {alpha:g})" if p < alpha else ""
+    seen = [name for name, gate in (diagnosis.gates_after or {}).items() if gate.divided < alpha]
+    gates = f"by the {' and '.join(seen) or 'tests'} ({p_equals(p)}, alpha = {alpha:g})" if p < alpha else ""
     aside = f"on the events kept aside ({gap_of(gap)})" if gap.low > 1 else ""
-    return f"With {found} the gap shrinks, but a disagreement is left {' and '.join(filter(None, (gates, aside)))}."
+    unseen = " The gap is that of the summary and does not show it." if seen and "summary" not in seen else ""
+    left = " and ".join(filter(None, (gates, aside)))
+    return f"With {found} the gap shrinks, but a disagreement is left {left}.{unseen}"
 
 
 def probabilities(diagnosis: Diagnosis) -> str:

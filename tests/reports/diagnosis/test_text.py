@@ -74,7 +74,14 @@ def test_agreement_is_said_of_no_p_value_below_alpha_and_of_no_gap_above_one():
     weak = meaning(diagnosis(Verdict.NAMED, p_after=0.0259))
     assert f"too much to say that {AGREE}" in weak
     assert f"With it, {AGREE}" not in weak
-    assert AGREE not in meaning(diagnosis(Verdict.REDUCED, p_after=1e-5))
+    gates = {
+        "summary": {"statistic": 40.0, "dof": 43, "p_value": 0.5, "share": 0.8},
+        "classifier": {"statistic": 9.0, "dof": None, "p_value": 2e-6, "share": 0.2},
+    }
+    left = meaning(diagnosis(Verdict.REDUCED, p_after=1e-5, gates_after=gates))
+    assert AGREE not in left
+    assert "a disagreement is left by the classifier (p = 1e-05, alpha = 0.05)" in left
+    assert "The gap is that of the summary and does not show it." in left
     aside = meaning(diagnosis(Verdict.REDUCED, gap_after={"value": 1.64, "low": 1.08, "high": 2.19}))
     assert "a disagreement is left on the events kept aside (1.64 [1.08, 2.19])" in aside
     above = meaning(diagnosis(Verdict.NOTHING, p_before=0.2, gap_before={"value": 1.64, "low": 1.08, "high": 2.19}))
