@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from avobench.methods import Problem
 from avobench.tasks import Task
+from avobench.tasks.checked import checked_events
 from avobench.tasks.errors import BudgetExhausted, SimulatorError, SupportError
 
 
@@ -97,27 +98,6 @@ def pose(task: Task, x_observed: NDArray, simulate: MeteredSimulator) -> Problem
         event_shape=task.event_shape,
         cyclic_axes=task.cyclic_axes,
     )
-
-
-def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-    """Events of `task`, or SimulatorError saying what its simulator did wrong: theta (n, p) -> x (n, d)."""
-    try:
-        x = task.simulate(theta, rng)
-    except (Exception, SystemExit) as error:
-        raise SimulatorError(f"the simulator of {task.name} raised {type(error).__name__}: {error}") from error
-    if not isinstance(x, np.ndarray) or x.shape != (len(theta), task.num_features):
-        expected = (len(theta), task.num_features)
-        got = f"shape {x.shape}" if isinstance(x, np.ndarray) else type(x).__name__
-        raise SimulatorError(f"the simulator of {task.name} returned {got} where an array {expected} was due")
-    if x.dtype != task.dtype:
-        raise SimulatorError(f"the simulator of {task.name} returned {x.dtype} where {np.dtype(task.dtype)} was due")
-    if x.dtype.kind == "f" and not np.isfinite(x).all():
-        bad = np.flatnonzero(~np.isfinite(x).all(axis=1))
-        raise SimulatorError(
-            f"the simulator of {task.name} returned NaN or infinity in {len(bad)} of {len(x)} events, "
-            f"the first at theta = {theta[bad[0]].tolist()}"
-        )
-    return x
 
 
 def checked_summary(task: Task, x: NDArray) -> NDArray[np.float64]:

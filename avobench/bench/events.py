@@ -10,6 +10,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.tasks import Task
+from avobench.tasks.checked import checked_events
 from avobench.tasks.errors import UsageError
 
 MIN_EVENTS = 200
@@ -21,8 +22,14 @@ LARGEST = 2.0**53
 """Beyond it double precision does not tell a whole number from the next."""
 FAR = 100
 """Widths of what the simulator makes, from where on no value of it is near: what lies there is another quantity."""
+ALIKE = 1e-12
+"""Of the width of what the simulator makes: values that differ by less lie at one place in it, for lack of digits."""
 NUM_REFERENCE = 20_000
 """Simulated events that tell which values the simulator can make; a tenth of it for images."""
+TAIL = 0.001
+"""Share of the simulated values beyond which a tail is looked at."""
+BY_CHANCE = 0.01
+"""Probability that the largest of all measured values lies beyond the range though the simulator made it."""
 MANY_REPEATS = 0.01
 """Share of repeated events above which it is worth a warning."""
 
@@ -144,7 +151,8 @@ def check_events(
     Raises UsageError where an inference would be meaningless: no numbers, another number of columns, rows that are not
     finite (unless `drop_invalid` drops them), whole numbers for a continuous task or fractions for counts, none at all,
     numbers beyond 2^53, or a feature of which most values lie far from all that the simulator makes. A `diagnosis` also
-    takes neither fewer than MIN_EVENTS nor more than MOST_EVENTS, nor a feature of which all values are alike.
+    takes neither fewer than MIN_EVENTS nor more than MOST_EVENTS, nor a feature of which all values are alike. Raises
+    SimulatorError for a task whose simulator does not make what it declares.
     """
     x = np.asarray(x)
     x = x[:, None] if x.ndim == 1 else x
@@ -154,6 +162,10 @@ def check_events(
         got = x.shape[1] if x.ndim == 2 else f"an array of shape {x.shape}"
         raise UsageError(f"an event of {task.name} has {task.num_features} columns, the data have {got}")
     warnings = []
+    void = ~np.isfinite(x).any(axis=0)
+    if len(x) and void.any() and not task.event_shape:
+        names = ", ".join(name for name, each in zip(task.labels, void, strict=True) if each)
+        raise UsageError(f"all values of {names} are NaN or infinite; choose a column that holds it, by --columns")
     finite = np.isfinite(x).all(axis=1)
     if not finite.all():
         count = f"{(~finite).sum()} of {len(x)} rows hold NaN or infinite values"
@@ -174,7 +186,7 @@ def check_events(
             raise UsageError(f"{task.name} makes whole numbers, {broken} of {len(x)} rows hold fractions")
     elif whole and not task.event_shape:
         raise UsageError(f"{task.name} makes continuous values, the data hold whole numbers only")
-    warnings += _outside(task, x)
+    warnings += _outside(task, x, diagnosis)
     if diagnosis:
         _check_for_diagnosis(task, x)
     if task.event_shape or not np.issubdtype(np.dtype(task.dtype), np.integer):
@@ -207,25 +219,36 @@ def _cast(task: Task, x: NDArray) -> NDArray:
     return x.astype(dtype)
 
 
-def _outside(task: Task, x: NDArray) -> list[str]:
-    """A sentence for each feature with values where the simulator, over its whole prior, makes none.
+def _outside(task: Task, x: NDArray, diagnosis: bool = True) -> list[str]:
+    """A sentence for each feature with values where the simulator makes none, whatever theta of its prior.
 
-    Where simulated events crowd at an end of their range, as a cosine does at 1, the range is taken to end there, and
-    any value beyond is told. Elsewhere, as in the tail of a Gaussian, only values that lie beyond by the range's whole
-    width are. The features of an image are taken together. Raises UsageError where most values lie FAR outside.
+    The features of an image are taken together. Raises UsageError where most values lie FAR outside, or, for a
+    `diagnosis`, where those of one side differ and those of the other do not; SimulatorError where the simulator fails.
     """
     rng = np.random.default_rng(0)
-    simulated = task.simulate(task.prior.sample(NUM_REFERENCE // (10 if task.event_shape else 1), rng), rng)
+    theta = task.prior.sample(NUM_REFERENCE // (10 if task.event_shape else 1), rng)
+    # Where theta is at an end of the prior there are values that few others make: each coordinate is there for a third.
+    end = rng.integers(-1, 2, theta.shape)
+    theta = np.where(end == 0, theta, np.where(end < 0, task.prior.low, task.prior.high))
+    simulated = checked_events(task, theta, rng)
     if task.event_shape:
         features = [("cells", simulated.ravel(), x.ravel())]
     else:
         features = list(zip(task.labels, simulated.T, x.T, strict=True))
     sentences = []
     for name, made, values in features:
-        low, near_low, near_high, high = (float(q) for q in np.quantile(made, [0, 0.001, 0.999, 1]))
+        low, high = float(made.min()), float(made.max())
         width = high - low
-        below = low - (0.001 if near_low - low <= 0.01 * width else 1) * width
-        above = high + (0.001 if high - near_high <= 0.01 * width else 1) * width
+        if diagnosis and width == 0:
+            raise UsageError(
+                f"the simulator makes {low:g} for every value of {name}; a diagnosis needs one that varies"
+            )
+        if diagnosis and 0 < np.ptp(values) < ALIKE * width:
+            raise UsageError(
+                f"all values of {name} are {np.median(values):.4g}, nearly at one place of what the simulator makes, "
+                f"{low:.4g} to {high:.4g}; are they in another unit?"
+            )
+        below, above = _reach(made, len(values))
         count = int(((values < below) | (values > above)).sum())
         if count > len(values) / 2 and np.median(np.maximum(low - values, values - high)) > FAR * width > 0:
             raise UsageError(
@@ -238,3 +261,19 @@ def _outside(task: Task, x: NDArray) -> list[str]:
                 f"(they reach from {values.min():.4g} to {values.max():.4g}); this may itself be the disagreement"
             )
     return sentences
+
+
+def _reach(made: NDArray, n: int) -> tuple[float, float]:
+    """How far down and up n values may reach by chance, if they are like simulated ones (m,).
+
+    From the last thousandth of the simulated ones to their end a tail grows by some factor about the median. It grows
+    by the same again each time that as many times more values are drawn, at most: that is how a power falls, and all
+    others fall faster. Where values crowd at an end, as a cosine does at 1, the factor is 1, and the range ends there.
+    """
+    low, near_low, middle, near_high, high = (float(q) for q in np.quantile(made, [0, TAIL, 0.5, 1 - TAIL, 1]))
+    again = max(np.log(n / BY_CHANCE / len(made)) / np.log(TAIL * len(made)), 0)
+    ends = []
+    for near, end in ((near_low, low), (near_high, high)):
+        grown = (end - middle) / (near - middle) if near != middle else 1.0
+        ends.append(middle + (end - middle) * grown**again)
+    return ends[0], ends[1]

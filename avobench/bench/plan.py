@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from avobench.bench import registry
-from avobench.bench.budget import checked_events
 from avobench.bench.cell import Cell
 from avobench.tasks import Task
+from avobench.tasks.checked import checked_events
 from avobench.tasks.contract import NUM_TARGETS
 from avobench.tasks.errors import SimulatorError, UsageError
 

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.bench.budget import checked_events
 from avobench.tasks import Task
+from avobench.tasks.checked import checked_events
 from avobench.tasks.contract import stable_hash
 
 

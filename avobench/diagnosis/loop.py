@@ -75,13 +75,14 @@ def diagnose(
         steps, notes = search.steps_from(before)
 
     # Localise, and show: the values with their errors, where the disagreement is, what could not have been seen.
-    found = Found(task, target, seen, held_out, steps, alpha)
+    found = Found.of(task, target, seen, held_out, steps, alpha, rng, effort)
     last = found.last(rng, effort)
     spent = inferred.num_simulations if inferred else 0
     notes += notes_of(found, last, inferred, Run(len(x), events.used + spent, num_simulations))
     moves = found.moves(last, rng, effort)
     where = found.regions(rng)
-    could = card(steps[-1].fit, target, effects, alpha * steps[-1].shares["summary"], rng, effort)
+    model = found.steps[-1]
+    could = card(model.fit, target, effects, alpha * model.shares["summary"], rng, effort)
     run = Run(len(x), events.used + spent, num_simulations, time.perf_counter() - started, seed)
     diagnosis = assemble(found, last, moves, where, could, notes, run)
     drawn = pictures(seen, target, found.first, last if found.effects else None, task.labels)

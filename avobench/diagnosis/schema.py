@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 """Raised when a field of `diagnosis.json` changes its meaning."""
 
 
@@ -30,6 +30,15 @@ class Gate(Strict):
     statistic: float
     dof: int | None
     p_value: float
+    share: float = 1.0
+    """Of alpha, with which the p-value is compared."""
+    sides: Literal[1, 2] = 1
+    """One if only a large statistic speaks against the model, two if a small one does as well."""
+
+    @property
+    def divided(self) -> float:
+        """The p-value over its share of alpha, which is compared with alpha itself."""
+        return min(self.p_value / self.share, 1.0)
 
 
 class Gap(Strict):
@@ -72,6 +81,20 @@ class FoundEffect(Named):
     """Which of its shapes was fitted; empty where it has one."""
     parameters: dict[str, EffectValue]
     tied_with: list[Named]
+    probability: float | None = None
+    """Of being in the model; None where the search gives none."""
+
+
+class Probable(Named):
+    probability: float
+    """Of being in the model."""
+
+
+class ProbableModel(Strict):
+    """A set of effects, none for the simulator as it is, and how probable it is that it is the model."""
+
+    effects: list[Named]
+    probability: float
 
 
 class Region(Strict):
@@ -81,6 +104,8 @@ class Region(Strict):
     kind: Literal["excess", "deficit"]
     z: float
     p_global: float
+    """Two-sided: of an excess or a deficit as large, anywhere."""
+    unit: str = "1"
 
 
 class Candidate(Named):
@@ -108,6 +133,8 @@ class Diagnosis(Strict):
     p_value_before: float
     p_value_after: float | None
     gates: dict[str, Gate]
+    gates_after: dict[str, Gate] | None = None
+    """Those of the model with the effects; None where none was added."""
     gap_before: Gap
     gap_after: Gap | None
     theta_before: dict[str, Value]
@@ -115,6 +142,12 @@ class Diagnosis(Strict):
     identified_before: list[Combination]
     identified_after: list[Combination] | None
     effects: list[FoundEffect]
+    probabilities: list[Probable] = []
+    """For every name that was considered; empty where the search gives none."""
+    outside: float | None = None
+    """Probability that what is missing is outside the catalogue."""
+    models: list[ProbableModel] = []
+    """The smallest set of models that holds 95 %, the most probable first."""
     regions: list[Region]
     candidates: list[Candidate]
     identifiability: list[Identifiable]

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.tasks import Task
+from avobench.tasks.checked import checked_events
 
 Alter = Callable[[Any, slice], Any]
 """What happens to generated events before they are detected, and in which rows of theta they are."""
@@ -29,9 +30,9 @@ class Counted:
         self.task, self.used = task, 0
 
     def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        """theta (n, p) -> (n, d)"""
+        """theta (n, p) -> (n, d). Raises SimulatorError for other events than the task declares."""
         self.used += len(theta)
-        return self.task.simulate(theta, rng)
+        return checked_events(self.task, theta, rng)
 
 
 class Pool:

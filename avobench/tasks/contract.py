@@ -103,6 +103,8 @@ class Task(ABC):
     num_features: ClassVar[int]
     feature_names: ClassVar[tuple[str, ...]] = ()
     """One a feature, where they have names."""
+    feature_units: ClassVar[tuple[str, ...]] = ()
+    """One a feature, where they have units; that of a pure number is "1"."""
     event_shape: ClassVar[tuple[int, ...]] = ()
     """Of an event whose features form an image, row by row, e.g. (32, 32); () where they are a plain list."""
     cyclic_axes: ClassVar[tuple[int, ...]] = ()

@@ -8,10 +8,12 @@ import pytest
 import uproot
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.stats import binom
 
-from avobench.bench.events import check_events, read_events
+from avobench.bench.events import _outside, check_events, read_events
 from avobench.tasks.carl import Carl
-from avobench.tasks.errors import UsageError
+from avobench.tasks.errors import SimulatorError, UsageError
+from avobench.tasks.function import task as task_of
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
 
@@ -169,6 +171,27 @@ def test_values_that_the_simulator_never_makes_are_counted(task, value):
     assert len([text for text in warnings if text.startswith(f"7 values of {name} lie outside")]) == 1
 
 
+FAMILIES = {
+    "exponential": lambda theta, rng: rng.exponential(theta[:, 0]),
+    "power": lambda theta, rng: rng.pareto(theta[:, 0]),
+    "lognormal": lambda theta, rng: np.exp(theta[:, 0] * rng.standard_normal(len(theta))),
+    "two-sided": lambda theta, rng: theta[:, 0] * rng.standard_cauchy(len(theta)),
+    "narrow": lambda theta, rng: theta[:, 0] + rng.normal(0, 0.01, len(theta)),
+    "counts": lambda theta, rng: rng.poisson(theta[:, 0]),
+    "cosine": lambda theta, rng: np.cos(rng.uniform(0, np.pi / theta[:, 0], len(theta))),
+}
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.parametrize("at", [1.0, 2.5, 4.0])
+def test_what_the_simulator_made_does_not_lie_outside_of_where_it_makes_events(name, at):
+    """Of ten sets at a theta in the middle, or at an end, of the prior; each may be told once in a hundred times."""
+    made = task_of(FAMILIES[name], prior={"theta": (1, 4)}, name=name)
+    rng = np.random.default_rng(7)
+    told = sum(bool(_outside(made, made.simulate(np.full((100_000, 1), at), rng))) for _ in range(10))
+    assert told <= binom.isf(1e-3, 10, 0.01)
+
+
 def test_repeated_events_are_told_where_values_are_continuous():
     x = simulate(Weinberg())
     x[500:] = x[:500]
@@ -204,3 +227,64 @@ def test_a_few_absurd_counts_are_told_and_taken():
 
 def test_an_inference_takes_any_number_of_events():
     assert len(check_events(Poisson(), np.ones((2_000_001, 1), np.int8), diagnosis=False)[0]) == 2_000_001
+
+
+def gaussians(d):
+    def simulate(theta, rng):
+        return theta + rng.standard_normal((len(theta), d))
+
+    return task_of(simulate, prior={"mean": (-1, 1)}, features=[f"f{j}" for j in range(d)], name="gaussians")
+
+
+def with_column(values):
+    return np.c_[np.random.default_rng(0).normal(size=(300, 2)), np.full(300, values)]
+
+
+@pytest.mark.parametrize(
+    ("x", "message"),
+    [
+        (with_column(0.5), r"all values of f2 are 0\.5; a diagnosis needs values that differ"),
+        (np.full((300, 3), 0.5), r"all values of f0 are 0\.5"),
+        (np.random.default_rng(0).normal(size=(300, 3)) * 1e-301, "all values of f0 are .* are they in another unit"),
+        (with_column(np.nan), "all values of f2 are NaN or infinite; choose a column"),
+        (with_column(-np.inf), "all values of f2 are NaN or infinite; choose a column"),
+        (np.full((300, 3), np.nan), "all values of f0, f1, f2 are NaN or infinite"),
+        (with_column(1e301), r"reach to 1e\+301, beyond 2\^53"),
+        (with_column(0.0)[:0], "0 events are too few, at least 200"),
+        (with_column(0.0)[:49], "49 events are too few, at least 200"),
+    ],
+)
+@pytest.mark.parametrize("drop_invalid", [False, True])
+def test_columns_without_content_are_named_in_a_line(x, message, drop_invalid):
+    with pytest.raises(UsageError, match=message) as caught:
+        check_events(gaussians(3), x, drop_invalid=drop_invalid)
+    assert "\n" not in str(caught.value)
+
+
+class Declares(Weinberg):
+    """Says that it makes one real number an event, and makes something else."""
+
+    def __init__(self, made):
+        object.__setattr__(self, "made", made)
+
+    def simulate(self, theta, rng):
+        return self.made(super().simulate(theta, rng))
+
+
+@pytest.mark.parametrize(
+    ("made", "message"),
+    [
+        (lambda x: np.c_[x, x], r"returned shape \(20000, 2\) where an array \(20000, 1\) was due"),
+        (lambda x: x[1:], r"returned shape \(19999, 1\)"),
+        (lambda x: x[:, 0], r"returned shape \(20000,\)"),
+        (lambda x: x.tolist(), "returned list where an array"),
+        (lambda x: np.rint(x).astype(int), "returned int64 where float64 was due"),
+        (lambda x: x * np.nan, "returned NaN or infinity in 20000 of 20000 events"),
+        (lambda x: 1 / 0, "raised ZeroDivisionError"),
+        (lambda x: np.full_like(x, 7), "makes 7 for every value of cos_angle; a diagnosis needs one that varies"),
+    ],
+)
+def test_a_task_that_makes_other_events_than_it_declares_is_refused_in_a_line(made, message):
+    with pytest.raises((SimulatorError, UsageError), match=message) as caught:
+        check_events(Declares(made), simulate(Weinberg()))
+    assert "\n" not in str(caught.value)

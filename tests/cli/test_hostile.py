@@ -90,6 +90,32 @@ def test_infer_and_diagnose_end_with_a_line_and_write_nothing(avobench, tmp_path
     assert not list((tmp_path / "d").iterdir())
 
 
+def test_a_task_that_makes_other_events_than_it_declares_is_refused_in_a_line(avobench, tmp_path):
+    np.save(tmp_path / "x.npy", np.random.default_rng(0).normal(size=(300, 1)))
+    start = ("--task", "hostile:Wider", "--data", tmp_path / "x.npy", "--out")
+    said = "the simulator of wider returned shape (20000, 2) where an array (20000, 1) was due"
+    line(avobench("diagnose", *start, tmp_path / "d"), 1, said)
+    assert not list((tmp_path / "d").iterdir())
+    line(avobench("infer", *start, tmp_path / "o.json", "--method", "faulty:SoundMethod"), 1, said)
+
+
+@pytest.mark.parametrize(
+    ("counts", "word"),
+    [
+        (np.full(300, 1e301), "the data reach to 1e+301, beyond 2^53"),
+        (np.random.default_rng(0).integers(0, 2**64 - 1, 300, dtype=np.uint64), "beyond 2^53"),
+        (np.full(300, 7), "all values of count are 7"),
+        (np.full(300, np.nan), "all values of count are NaN or infinite"),
+        (np.array([], int), "0 events are too few, at least 200 are needed"),
+        (np.arange(49), "49 events are too few, at least 200 are needed"),
+    ],
+)
+def test_absurd_counts_are_refused_in_a_line(avobench, tmp_path, counts, word):
+    np.save(tmp_path / "x.npy", counts)
+    line(avobench("diagnose", "--task", "poisson", "--data", tmp_path / "x.npy", "--out", tmp_path / "d"), 2, word)
+    assert not list((tmp_path / "d").iterdir())
+
+
 def test_a_spread_must_be_of_the_posterior_or_the_proposal(avobench):
     code, out, _ = avobench("check", "method", "hostile:NoSpread")
     assert code == 1

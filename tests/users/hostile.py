@@ -56,6 +56,15 @@ class NoTargets(SoundTask):
         segfault()
 
 
+class Wider(SoundTask):
+    """Makes two features an event, and declares one."""
+
+    name = "wider"
+
+    def events(self, theta, rng):
+        return np.hstack([rng.normal(theta)] * 2)
+
+
 class Hangs(SoundTask):
     name = "hangs"
 

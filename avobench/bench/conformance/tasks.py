@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import ks_2samp, norm, rankdata
 
-from avobench.bench.budget import checked_events
 from avobench.bench.conformance.promises import (
     BrokenPromise,
     Round,
@@ -22,6 +21,7 @@ from avobench.bench.conformance.promises import (
     state_kept,
 )
 from avobench.tasks import Box, Discriminator, Task
+from avobench.tasks.checked import checked_events
 from avobench.tasks.contract import NUM_TARGETS
 
 ALPHA = 1e-6

@@ -9,7 +9,8 @@ from avobench.diagnosis.answer.identifiability import Row
 from avobench.diagnosis.answer.pictures import Pictures
 from avobench.diagnosis.answer.quoted import Move, found_effect, identified, named, theta_values
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.schema import Candidate, Diagnosis, Identifiable, Region
+from avobench.diagnosis.schema import Candidate, Diagnosis, Gate, Identifiable, Region
+from avobench.diagnosis.search.tested import Step
 from avobench.tasks import Task
 
 PACKAGES = ("avobench", "numpy", "scipy", "scikit-learn")
@@ -53,21 +54,23 @@ def assemble(
     data could have shown of effects that the model has not.
     """
     first, final, labels = found.first, found.steps[-1], found.task.labels
-    gap, any_named = found.held_out.gap, bool(found.effects)
+    any_named = bool(found.effects)
+    units = dict(zip(labels, found.task.feature_units, strict=False))  # none where the task does not say them
     return Diagnosis(
         verdict=found.verdict,
         alpha=found.alpha,
         p_value_before=found.steps[0].p_value,
         p_value_after=final.p_value if any_named else None,
-        gates=found.steps[0].gates,
-        gap_before=gap(first),
-        gap_after=gap(last) if any_named else None,
+        gates=_gates(found.steps[0]),
+        gates_after=_gates(final) if any_named else None,
+        gap_before=found.gap_before,
+        gap_after=found.gap_after,
         theta_before=theta_values(first),
         theta_after=theta_values(last, moves) if any_named else None,
         identified_before=identified(first),
         identified_after=identified(last, moves) if any_named else None,
         effects=[found_effect(last, k, step.ties, labels) for k, step in enumerate(found.steps[:-1])],
-        regions=where,
+        regions=[region.model_copy(update={"unit": units.get(region.feature, "1")}) for region in where],
         candidates=_candidates(found),
         identifiability=[_identifiable(row, found.task) for row in could],
         notes=notes,
@@ -79,6 +82,10 @@ def assemble(
     )
 
 
+def _gates(step: Step) -> dict[str, Gate]:
+    return {name: gate.model_copy(update={"share": step.shares[name]}) for name, gate in step.gates.items()}
+
+
 def _candidates(found: Found) -> list[Candidate]:
     """The effects that were tried on the task alone, best first."""
     return [
@@ -86,9 +93,9 @@ def _candidates(found: Found) -> list[Candidate]:
             **named(entry.effect, found.task.labels).model_dump(),
             score=entry.score,
             p_value=entry.fit.p_value,
-            held_out_gap=found.held_out.gap(entry.fit).value,
+            held_out_gap=gap,
         )
-        for entry in found.steps[0].ranks
+        for entry, gap in zip(found.steps[0].ranks, found.candidate_gaps, strict=True)
     ]
 
 

@@ -12,7 +12,7 @@ from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.sharpening import settled
 from avobench.diagnosis.gates import regions as gates
 from avobench.diagnosis.gates.held_out import HeldOut
-from avobench.diagnosis.schema import Region, Verdict
+from avobench.diagnosis.schema import Gap, Region, Verdict
 from avobench.diagnosis.search.search import STILL
 from avobench.diagnosis.search.tested import Step
 from avobench.diagnosis.summary.target import Target
@@ -29,10 +29,42 @@ class Found:
     target: Target
     x: NDArray
     """The measured events that were fitted (N, d)."""
-    held_out: HeldOut
     steps: list[Step]
     """The first is the task alone."""
     alpha: float
+    gap_before: Gap
+    """On events kept aside, of the task alone."""
+    gap_after: Gap | None
+    """With the effects; None where none was added."""
+    candidate_gaps: list[float]
+    """With each of the effects that were tried on the task alone, best first."""
+    withdrawn: tuple[Effect, ...] = ()
+    """Effects that the search had added, which the events kept aside do not confirm."""
+
+    @classmethod
+    def of(
+        cls,
+        task: Task,
+        target: Target,
+        x: NDArray,
+        held_out: HeldOut,
+        steps: list[Step],
+        alpha: float,
+        rng: np.random.Generator,
+        effort: Effort,
+    ) -> "Found":
+        """What the `steps` of the loop are worth by the events kept aside.
+
+        Effects count with which the model agrees with the measurement, by the gates and on these events, or with which
+        the gap there at least shrinks below the interval that it has without them.
+        """
+        before = held_out.gap(steps[0].own, rng, effort.covariance)
+        after = held_out.gap(steps[-1].own, rng, effort.covariance) if len(steps) > 1 else None
+        withdrawn: tuple[Effect, ...] = ()
+        if after and not _describes(steps[-1], after, alpha) and after.value >= before.low:
+            withdrawn, steps, after = steps[-1].fit.model.effects, steps[:1], None
+        tried = [held_out.gap(entry.fit, rng, effort.fit).value for entry in steps[0].ranks]
+        return cls(task, target, x, steps, alpha, before, after, tried, withdrawn)
 
     @property
     def disagree(self) -> bool:
@@ -48,16 +80,16 @@ class Found:
     def verdict(self) -> Verdict:
         if not self.disagree:
             return Verdict.NOTHING
-        if not self.effects:
+        if self.gap_after is None:
             return Verdict.UNEXPLAINED
-        return Verdict.NAMED if self.steps[-1].p_value >= STILL * self.alpha else Verdict.REDUCED
+        return Verdict.NAMED if _describes(self.steps[-1], self.gap_after, self.alpha) else Verdict.REDUCED
 
     @property
     def first(self) -> Fit:
         """The fit of the task alone that is reported.
 
         In its own metric a fit is efficient, but only where the model is right. Where it is wrong the two metrics want
-        different parameters, and the gap is measured in that of the loop.
+        different parameters, and effects are compared in that of the loop.
         """
         return self.steps[0].fit if self.disagree else self.steps[0].own
 
@@ -81,3 +113,8 @@ class Found:
             return []
         names = () if domain(self.task) == "counts" else self.task.labels
         return gates.regions(self.steps[0].fit, self.target, self.x, rng, self.alpha, names)
+
+
+def _describes(step: Step, gap: Gap, alpha: float) -> bool:
+    """Whether a model agrees with the measurement, by the gates and, on the events kept aside, by the `gap`."""
+    return step.p_value >= STILL * alpha and gap.low <= 1

@@ -16,12 +16,17 @@ often explained by others, and above which they seldom were (docs/challenge.md).
 def notes_of(found: Found, last: Fit, inferred: Inferred | None, run: Run) -> list[str]:
     """The notes on what was found, with the `last` fit, by a diagnosis that began at `inferred`."""
     notes = []
-    gap = found.held_out.gap(found.first).value
-    if found.verdict == Verdict.NAMED and gap < FAINT:
+    gap = found.gap_before
+    if found.verdict == Verdict.NAMED and gap.value < FAINT:
         notes.append(
-            f"a gap of {gap:.2g} seldom excludes that an effect outside the catalogue did this: compare "
+            f"a gap of {gap.value:.2g} seldom excludes that an effect outside the catalogue did this: compare "
             "docs/challenge.md"
         )
+    if found.withdrawn:
+        names = " and ".join(effect.name for effect in found.withdrawn)
+        notes.append(f"{names} was tried and left out: on the events kept aside the gap shrank by less than its error")
+    if found.disagree and gap.low <= 1:
+        notes.append(_unseen(found))
     taken = run.num_simulations
     if run.allowed is not None and taken > 2 * run.allowed:
         notes.append(f"no diagnosis of {run.num_events} events takes much fewer simulated events than these {taken}")
@@ -31,7 +36,30 @@ def notes_of(found: Found, last: Fit, inferred: Inferred | None, run: Run) -> li
         notes.append(
             f"{run.num_events} events make {found.target.rank} bins or less: the card says what so few cannot show"
         )
+    notes += prior_notes(found.first, "without effects")
+    if found.effects:
+        notes += prior_notes(last, "with what was added")
     return notes + bound_notes(last)
+
+
+def _unseen(found: Found) -> str:
+    """Why there is a disagreement, though the events kept aside show no gap."""
+    gates = found.steps[0].gates
+    seen = [name for name, gate in gates.items() if gate.p_value / found.steps[0].shares[name] < found.alpha]
+    if "summary" in seen:
+        return "the events kept aside are too few to show by themselves what the others show"
+    return f"the gap is of the summary, and does not show what the gate {' and '.join(seen)} saw"
+
+
+def prior_notes(fit: Fit, how: str) -> list[str]:
+    """Parameters of the task that were fitted to a value outside the prior; `how` says by which fit."""
+    task = fit.model.task
+    fitted = zip(task.parameter_names, fit.params.tolist(), task.prior.low, task.prior.high, strict=False)
+    return [
+        f"{name} = {value:.4g}, fitted {how}, lies outside its prior, {low:g} to {high:g}"
+        for name, value, low, high in fitted
+        if not low <= value <= high
+    ]
 
 
 def bound_notes(fit: Fit) -> list[str]:

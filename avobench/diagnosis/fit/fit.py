@@ -108,8 +108,8 @@ class Fit:
 
     @property
     def p_value(self) -> float:
-        """Of `q`; 1 where as many parameters are fitted as there are bins."""
-        return float(chi2.sf(self.q, self.dof)) if self.dof else 1.0
+        """Of `q`, with one degree of freedom where as many parameters are fitted as there are bins."""
+        return float(chi2.sf(self.q, max(self.dof, 1)))
 
     @cached_property
     def point_covariance(self) -> NDArray[np.float64]:

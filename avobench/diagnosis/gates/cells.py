@@ -24,4 +24,4 @@ def cell_gate(fit: Fit, x: NDArray, rng: np.random.Generator, effort: Effort) ->
     tail = np.minimum(binom.cdf(measured, both, share), binom.sf(measured - 1, both, share))
     least = float(min(2 * tail.min(), 1.0))
     p = -np.expm1((both > 0).sum() * np.log1p(-min(least, 1 - 1e-16)))
-    return Gate(statistic=float(norm.isf(max(least, 1e-300) / 2)), dof=None, p_value=float(p))
+    return Gate(statistic=float(norm.isf(max(least, 1e-300) / 2)), dof=None, p_value=float(p), sides=2)

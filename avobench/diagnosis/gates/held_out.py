@@ -4,8 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.stats import chi2
 
 from avobench.diagnosis.fit.fit import Fit
+from avobench.diagnosis.gates.summary import own_metric
 from avobench.diagnosis.schema import Gap
 from avobench.diagnosis.summary.target import Target
 
@@ -14,6 +17,10 @@ SHARE = 0.25
 VETO = 2.5
 """Standard errors of the scatter of the events kept aside: a gap that grows on them by more vetoes an effect. A right
 effect then is vetoed once in 160 times."""
+LOOKED_AT = 2000
+"""Simulated events whose vectors are looked at, for how chi-squared scatters where bins hold few events."""
+BEYOND = 0.025
+"""Probability on either side of an interval of the gap."""
 
 
 @dataclass(frozen=True)
@@ -31,18 +38,24 @@ class HeldOut:
         """Of events x (n, d)."""
         return cls(target, target.summary.mean(x)[0], len(x))
 
-    def gap(self, fit: Fit) -> Gap:
-        """Chi-squared per degree of freedom between a fitted model and these events.
+    def gap(self, fit: Fit, rng: np.random.Generator, num_simulated: int) -> Gap:
+        """Chi-squared per degree of freedom between a fitted model and these events, in the metric of the summary gate.
 
         1 is what is expected if the model is true: scatter of these events, and of the fit by measurement and
-        simulation.
+        simulation. A covariance of `num_simulated` events is not the true one, and bins with few events do not scatter
+        as Gaussians do. How large chi-squared is of events of the model, and how far it scatters, is therefore taken
+        from as many other ones.
         """
-        r = self._left(fit)
+        metric, _ = own_metric(fit, self.target.summary, self.mean, self.num_events, rng, num_simulated)
+        others = fit.model.simulate(np.tile(fit.params, (num_simulated, 1)), rng)
+        mean, variance = null_moments(metric, others)
         share = self.num_events / self.target.num_events
-        ndf = self.target.rank * (1 + fit.noise * share) + fit.num_identified * share
+        ndf = max(mean * (1 + fit.noise * share) + fit.num_identified * share, 1.0)
+        variance *= (ndf / mean) ** 2 if mean > 0 else 0
+        r = metric.whiten(self.mean - fit.predicted)
         q = float(r @ r)
-        spread = np.sqrt(2 * self.target.rank + 4 * max(q - self.target.rank, 0))
-        return Gap(value=q / ndf, low=max(q - 1.96 * spread, 0) / ndf, high=(q + 1.96 * spread) / ndf)
+        low, high = interval(q, ndf, max(variance, 2.0))
+        return Gap(value=q / ndf, low=low / ndf, high=high / ndf)
 
     def grew(self, new: Fit, old: Fit) -> bool:
         """Whether the gap grows from one fit to another, beyond the scatter of these events.
@@ -60,3 +73,43 @@ class HeldOut:
     def _left(self, fit: Fit) -> NDArray[np.float64]:
         """Measured minus fitted mean, whitened for so many events: (r,)."""
         return np.sqrt(self.num_events) * ((self.mean - fit.predicted) @ self.target.whitening)
+
+
+def null_moments(metric: Target, x: NDArray) -> tuple[float, float]:
+    """Mean and variance of chi-squared of n events of a model, from other events x (m, d) of it; n is the metric's.
+
+    With whitened vectors z of covariance S, chi-squared of a mean of n has the variance 2 tr(S^2) plus that of |z|^2
+    over n.
+    """
+    own = metric.whitening.T @ metric.summary.covariance(x) @ metric.whitening
+    some = x[:LOOKED_AT]
+    z = metric.summary.moments(some, np.eye(len(some))) @ metric.whitening
+    length = ((z - z.mean(axis=0)) ** 2).sum(axis=1)
+    mean = float(np.trace(own))
+    return mean, 2 * mean**2 / metric.rank + float(length.var()) / metric.num_events
+
+
+def interval(q: float, mean: float, variance: float) -> tuple[float, float]:
+    """Where the expectation of a chi-squared may lie that was seen to be q: 95 %, by both tails.
+
+    Without a gap it has the `mean` and the `variance` given; a gap raises its mean by the noncentrality, and its
+    variance by four times as much. In between it is a scaled chi-squared of the same two moments (P. B. Patnaik,
+    Biometrika 36 (1949) 202).
+    """
+
+    def above(at: float) -> float:
+        """Probability to see more than q where `at` is expected."""
+        spread = variance + 4 * (at - mean) if at > mean else variance * (at / mean) ** 2
+        return float(chi2.sf(2 * at * q / spread, 2 * at**2 / spread))
+
+    if q <= 0:
+        return 0.0, 0.0
+    ends = []
+    for tail in (BEYOND, 1 - BEYOND):
+        low = high = mean
+        while above(low) > tail:
+            low /= 2
+        while above(high) < tail:
+            high *= 2
+        ends.append(float(brentq(lambda at, tail=tail: above(at) - tail, low, high)) if low < high else mean)
+    return ends[0], ends[1]

@@ -66,9 +66,10 @@ def intervals(fit: Fit, target: Target, spans: list[Span]) -> Scan:
                 regions.append((k, first, last))
                 masks.append(mask)
     # A mean of whitened residual r is the mean C W r of the summary, so a sum of bins reads r through W^T C.
-    reading = np.array(masks) @ target.cov @ target.whitening @ fit.projector()
+    whole = np.array(masks) @ target.cov @ target.whitening
+    reading = whole @ fit.projector()
     length = np.linalg.norm(reading, axis=1)
-    seen = length > 1e-6 * length.max()
+    seen = length > 1e-6 * np.linalg.norm(whole, axis=1).max()  # none where theta takes up all that there is
     return Scan([r for r, s in zip(regions, seen, strict=True) if s], reading[seen] / length[seen, None])
 
 
@@ -81,6 +82,8 @@ def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> li
         return []
     spans = [span for span in spans_of(target.summary, x) if feature in ("all", None, span.feature)]
     scan = intervals(fit, target, spans)
+    if not scan.regions:
+        return []
     z = scan.reading @ fit.residual
     found = []
     for i in (z.argmax(), z.argmin()):
@@ -96,6 +99,8 @@ def significant(
 
     Each is (which span, first bin, last bin, z, global p).
     """
+    if not scan.regions:
+        return []
     z = scan.reading @ fit.residual / np.sqrt(1 + fit.noise)
     draws = rng.standard_normal((DRAWS, len(fit.residual))) @ fit.projector()
     highest = np.sort(np.abs(draws @ scan.reading.T).max(axis=1))

@@ -39,7 +39,7 @@ Model = tuple[str, Any, str, NDArray[np.float64]]
 """When, colour, line style, shares of the bins."""
 
 
-def distribution(spectrum: Spectrum, regions: Sequence[Region], name: str) -> Drawn:
+def distribution(spectrum: Spectrum, regions: Sequence[Region], name: str, unit: str = "1") -> Drawn:
     """Measured and simulated densities of a feature, and below them the pulls of each simulation on one scale."""
     models: list[Model] = [("before", BEFORE, "--", spectrum.before)]
     if spectrum.after is not None:
@@ -60,7 +60,7 @@ def distribution(spectrum: Spectrum, regions: Sequence[Region], name: str) -> Dr
         below.set_xlabel("enlarged")
         below.xaxis.set_major_locator(MaxNLocator(2))
     far = _one_scale(axes[1:], [spectrum.pulls(share) for *_, share in models])
-    _words(axes, spectrum, models)
+    _words(axes, spectrum, models, unit)
     caption = (
         f"Measured and simulated {spectrum.feature}. Pulls are differences in standard errors, the band spans 2, and "
         "all panels of pulls have one scale"
@@ -149,11 +149,11 @@ def _one_scale(axes: NDArray, pulls: list[NDArray[np.float64]]) -> bool:
     return far
 
 
-def _words(axes: NDArray, spectrum: Spectrum, models: list[Model]) -> None:
+def _words(axes: NDArray, spectrum: Spectrum, models: list[Model], unit: str) -> None:
     axes[0, 0].set_ylabel("probability density")
     for axis, (when, *_) in zip(axes[1:, 0], models, strict=True):
         axis.set_ylabel(f"pull\n{when}")
-    axes[-1, 0].set_xlabel(spectrum.feature)
+    axes[-1, 0].set_xlabel(spectrum.feature if unit == "1" else f"{spectrum.feature} [{unit}]")
     handles, labels = axes[0, 0].get_legend_handles_labels()
     once = dict(zip(labels, handles, strict=True))  # several regions of a kind are one entry
     axes[0, 0].legend(once.values(), once.keys(), frameon=True, framealpha=0.9, edgecolor="none")

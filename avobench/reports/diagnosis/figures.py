@@ -33,9 +33,10 @@ def drawings(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> Iterator[t
     found: list[tuple[str, Callable[[], Drawn]]] = []
     if pictures.maps is not None:
         found.append(("maps", partial(_maps, pictures.maps, diagnosis.regions)))
+    units = dict(zip(task.labels, task.feature_units, strict=False))  # none where the task does not say them
     for number, spectrum in enumerate(pictures.spectra, start=1):
-        name = f"distribution-{number}"
-        found.append((name, partial(distribution, spectrum, diagnosis.regions, name)))
+        name, unit = f"distribution-{number}", units.get(spectrum.feature, "1")
+        found.append((name, partial(distribution, spectrum, diagnosis.regions, name, unit)))
     found += [("gap", partial(_gap, diagnosis)), ("theta", partial(_theta, task, diagnosis))]
     if diagnosis.candidates:
         found.append(("candidates", partial(_candidates, diagnosis)))

@@ -3,18 +3,13 @@
 from collections.abc import Iterator
 
 from avobench.diagnosis import Result
-from avobench.diagnosis.schema import Diagnosis, EffectValue, Named, Value, Verdict
+from avobench.diagnosis.schema import Diagnosis, EffectValue, Named, Value
 from avobench.reports import html
 from avobench.reports.diagnosis.figures import label
+from avobench.reports.diagnosis.text import SIDES, likely_models, meaning, probabilities, unit_of
 from avobench.reports.numbers import number, p_equals, with_error
 from avobench.tasks import Task
 
-MEANING = {
-    Verdict.NOTHING: "These data do not contradict the simulator. Below stands what they could not have shown.",
-    Verdict.NAMED: "The simulator lacks what follows. With it, simulation and measurement agree.",
-    Verdict.REDUCED: "The effect below closes a part of the gap; what is left is still significant.",
-    Verdict.UNEXPLAINED: "Simulation and measurement disagree, and no effect of the catalogue says why.",
-}
 PARAMETERS = "θ as fitted to the simulator as it is, and with the effects that were added."
 SIZE = (
     " The error of an effect's parameter holds if nature's effect has the very shape of the catalogue's. Where it has "
@@ -31,7 +26,9 @@ def render(task: Task, result: Result, figures: list[html.Picture | html.Missing
         title=title,
         task=task,
         diagnosis=diagnosis,
-        meaning=MEANING[diagnosis.verdict],
+        meaning=meaning(diagnosis),
+        probabilities=probabilities(diagnosis),
+        models=likely_models(diagnosis),
         figures=figures,
         tables=list(_tables(task, diagnosis)),
         sentences={effect.name: effect.sentence for effect in added},
@@ -60,7 +57,7 @@ def _parameters(task: Task, diagnosis: Diagnosis) -> html.Table:
         rows.append((title, _value(before), _value(after.get(name)), unit))
     for effect in diagnosis.effects:
         for name, parameter in effect.parameters.items():
-            title, unit = html.texts([f"{label(effect)}: {name}", parameter.unit])
+            title, unit = html.texts([f"{label(effect)}: {name}", unit_of(parameter, effect)])
             null = html.Cell(number(parameter.null), html.key(parameter.null), True)
             rows.append((title, null, _value(parameter), unit))
     text = PARAMETERS + SIZE * bool(diagnosis.effects)
@@ -75,14 +72,24 @@ def _value(fitted: Value | EffectValue | None) -> html.Cell:
 
 
 def _tests(diagnosis: Diagnosis) -> html.Table:
-    gates = diagnosis.gates.values()
+    tested = {"as it is": diagnosis.gates, "with what was added": diagnosis.gates_after or {}}
+    rows = [(when, name, gate) for when, gates in tested.items() for name, gate in gates.items()]
+    gates = [gate for _, _, gate in rows]
     columns = {
-        "gate": html.texts(diagnosis.gates),
+        "simulator": html.texts([when for when, _, _ in rows]),
+        "test": html.texts([name for _, name, _ in rows]),
         "statistic": html.figures([gate.statistic for gate in gates]),
         "degrees of freedom": html.figures([gate.dof for gate in gates]),
         "p": html.p_values([gate.p_value for gate in gates]),
+        "sides": html.texts([SIDES[gate.sides] for gate in gates]),
+        "share": html.figures([gate.share for gate in gates]),
+        "p / share": html.p_values([gate.divided for gate in gates]),
     }
-    return html.Table.of("tests", "Tests", "The simulator as it is against the measurement.", columns)
+    text = (
+        "The simulator against the measurement. Each test has a share of the error rate: it speaks against the "
+        "simulator if p / share is below that rate."
+    )
+    return html.Table.of("tests", "Tests", text, columns)
 
 
 def _regions(diagnosis: Diagnosis) -> html.Table:
@@ -91,11 +98,12 @@ def _regions(diagnosis: Diagnosis) -> html.Table:
         "feature": html.texts([region.feature or "-" for region in regions]),
         "from": html.figures([region.low for region in regions], _each),
         "to": html.figures([region.high for region in regions], _each),
+        "unit": html.texts([region.unit for region in regions]),
         "kind": html.texts([region.kind for region in regions]),
         "sigma": html.figures([region.z for region in regions], lambda values: [f"{value:+.1f}" for value in values]),
         "global p": html.p_values([region.p_global for region in regions]),
     }
-    text = "Where they differ, by the p of the largest such difference anywhere."
+    text = "Where they differ, by the two-sided p of the largest such difference anywhere."
     return html.Table.of("regions", "Where", text if regions else "No region stands out.", columns)
 
 
@@ -112,7 +120,7 @@ def _candidates(diagnosis: Diagnosis) -> html.Table:
         "p": html.p_values([candidate.p_value for candidate in candidates]),
         "held-out χ²/ndf": html.figures([candidate.held_out_gap for candidate in candidates]),
     }
-    text = "Each added alone to the simulator; a lower score is better."
+    text = "Each added alone to the simulator; a lower score is better. p is one-sided, of the summary that was fitted."
     return html.Table.of("candidates", "Effects that were tried", text, columns)
 
 

@@ -14,6 +14,7 @@ from avobench.diagnosis.schema import Diagnosis, Region, Verdict
 from avobench.effects.model import Model
 from avobench.reports.diagnosis import write
 from avobench.reports.diagnosis.distribution import distribution
+from avobench.reports.diagnosis.page import render
 from avobench.tasks import Box, Task
 from avobench.tasks.poisson import Poisson
 
@@ -119,7 +120,15 @@ def test_the_page_opens_without_network_shows_its_figures_and_escapes(browser, t
     assert browser.run("return document.scripts.length") == 1  # the page's own
     assert browser.run("return document.querySelector('#verdict').textContent") == "missing effect named"
     text = browser.run("return document.body.innerText")
-    for expected in ("zero_inflation", "cannot tell it from dead_time", "0.04 ± 0.002", "deficit", "log_rate 0.01"):
+    for expected in (
+        "do not tell which: 2 effects",
+        "one-sided",
+        "zero_inflation",
+        "cannot tell it from dead_time",
+        "0.04 ± 0.002",
+        "deficit",
+        "log_rate 0.01",
+    ):
         assert expected in text
 
 
@@ -196,6 +205,19 @@ def test_the_page_says_what_the_error_of_a_size_does_not_cover(opened):
     )
 
 
+def test_the_page_says_what_the_numbers_say():
+    gates = {"summary": {"statistic": 60.0, "dof": 43, "p_value": 0.044, "share": 0.8}}
+    probable = [{**EFFECT, "probability": 0.62}]
+    task = Poisson()
+    nothing = render(task, diagnosis(task, Verdict.NOTHING, gates=gates, p_value_before=0.055), [], "title")
+    assert "These data do not contradict the simulator (p = 0.055, alpha = 0.05)" in nothing
+    assert "0.055" in nothing[nothing.index("p / share") :]
+    assert "Probability of being in the model" not in nothing
+    ranked = render(task, diagnosis(task, probabilities=probable, outside=0.15), [], "title")
+    assert "Probability of being in the model: zero_inflation, 0.62; nothing in the catalogue, 0.15." in ranked
+    assert "The simulator lacks" not in ranked  # of two that are tied
+
+
 def hatched(axis):
     """The limits with which the one excess is drawn."""
     (span,) = (patch for patch in axis.patches if patch.get_label() == "excess")
@@ -211,6 +233,11 @@ def test_a_narrow_region_at_the_edge_is_seen_labelled_and_enlarged():
     assert hatched(enlarged) == pytest.approx((0.995, 1))
     wide = distribution(edge(12.0), [region.model_copy(update={"low": 0.5})], "distribution-1")
     assert len(wide.figure.axes) == 3  # nothing to enlarge
+
+
+def test_the_axis_of_a_feature_has_its_unit():
+    figure = distribution(edge(12.0), [], "distribution-1", "GeV").figure
+    assert figure.axes[-1].get_xlabel().endswith(" [GeV]")
 
 
 def test_labels_of_near_regions_do_not_stand_on_each_other():

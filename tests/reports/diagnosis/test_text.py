@@ -1,0 +1,110 @@
+"""What is said follows from the verdict, the p-values, the gap and the ties."""
+
+import pytest
+
+from avobench.diagnosis.schema import Diagnosis, Verdict
+from avobench.reports.diagnosis.text import meaning, summary
+
+NAMES = ("saturation", "outliers", "scale", "offset")
+GAP = {"value": 1.1, "low": 0.6, "high": 1.6}
+
+
+def named(name, feature="mass"):
+    return {"name": name, "feature": feature}
+
+
+def diagnosis(verdict, ties=0, p_before=1e-9, p_after=0.4, **changes):
+    added = verdict in (Verdict.NAMED, Verdict.REDUCED)
+    parameters = {
+        "sigma": {"value": 1.5, "std": 0.1, "null": 0.0, "unit": "of the feature"},
+        "knee": {"value": 0.924, "std": None, "null": None, "unit": "of half the range"},
+    }
+    ranks = [{**named(name), "score": 1.0, "p_value": 0.3, "held_out_gap": 1.0} for name in NAMES]
+    content = {
+        "verdict": verdict,
+        "alpha": 0.05,
+        "p_value_before": p_before,
+        "p_value_after": p_after if added else None,
+        "gates": {
+            "summary": {"statistic": 60.0, "dof": 43, "p_value": 0.8 * p_before, "share": 0.8},
+            "cells": {"statistic": 1.0, "dof": None, "p_value": 0.5, "share": 0.2, "sides": 2},
+        },
+        "gap_before": GAP,
+        "gap_after": GAP if added else None,
+        "theta_before": {"mu": {"value": 1.0, "std": 0.1}},
+        "theta_after": None,
+        "identified_before": [],
+        "identified_after": None,
+        "effects": [{**named(NAMES[0]), "parameters": parameters, "tied_with": list(map(named, NAMES[1 : 1 + ties]))}]
+        if added
+        else [],
+        "regions": [
+            {"feature": "mass", "low": 3, "high": 4, "kind": "excess", "z": 5.0, "p_global": 0.001, "unit": "GeV"}
+        ],
+        "candidates": ranks if added else [],
+        "identifiability": [],
+        "notes": [],
+        "num_events": 200,
+        "num_simulations": 1000,
+        "seconds": 1.0,
+        "seed": 0,
+        "versions": {},
+    }
+    return Diagnosis.model_validate({**content, **changes})
+
+
+AGREE = "simulation and measurement agree"
+
+
+def test_an_effect_without_a_rival_is_what_the_simulator_lacks():
+    said = meaning(diagnosis(Verdict.NAMED))
+    assert (
+        said == "The simulator lacks what follows. With it, simulation and measurement agree (p = 0.4, alpha = 0.05)."
+    )
+
+
+@pytest.mark.parametrize(("ties", "words"), [(1, "do not tell which: 2 effects"), (3, "but not what: all 4 effects")])
+def test_with_ties_no_effect_is_said_to_be_what_the_simulator_lacks(ties, words):
+    said = meaning(diagnosis(Verdict.NAMED, ties))
+    assert "The simulator lacks" not in said
+    assert words in said
+
+
+def test_agreement_is_said_of_no_p_value_below_alpha_and_of_no_gap_above_one():
+    weak = meaning(diagnosis(Verdict.NAMED, p_after=0.0259))
+    assert f"too much to say that {AGREE}" in weak
+    assert f"With it, {AGREE}" not in weak
+    gates = {
+        "summary": {"statistic": 40.0, "dof": 43, "p_value": 0.5, "share": 0.8},
+        "classifier": {"statistic": 9.0, "dof": None, "p_value": 2e-6, "share": 0.2},
+    }
+    left = meaning(diagnosis(Verdict.REDUCED, p_after=1e-5, gates_after=gates))
+    assert AGREE not in left
+    assert "a disagreement is left by the classifier (p = 1e-05, alpha = 0.05)" in left
+    assert "The gap is that of the summary and does not show it." in left
+    aside = meaning(diagnosis(Verdict.REDUCED, gap_after={"value": 1.64, "low": 1.08, "high": 2.19}))
+    assert "a disagreement is left on the events kept aside (1.64 [1.08, 2.19])" in aside
+    above = meaning(diagnosis(Verdict.NOTHING, p_before=0.2, gap_before={"value": 1.64, "low": 1.08, "high": 2.19}))
+    assert "On the events kept aside the gap is above 1, as it is by chance once in 40 times." in above
+
+
+def test_p_values_are_printed_as_they_are_compared_with_alpha_and_say_how_many_sides():
+    told = summary(diagnosis(Verdict.NOTHING, p_before=0.055))
+    assert "summary 0.055 (one-sided), cells 1 (two-sided)" in told
+    assert "0.044" not in told  # which is below alpha
+
+
+def test_numbers_say_in_which_unit_and_of_which_feature():
+    told = summary(diagnosis(Verdict.NAMED))
+    assert "sigma = 1.5 +- 0.1 in the unit of mass, knee = 0.924 of half the range of mass" in told
+    assert "excess at mass 3 to 4 GeV" in told
+
+
+def test_probabilities_are_told_where_there_are_any():
+    assert "probability" not in summary(diagnosis(Verdict.NAMED))
+    each = {"outliers": 0.21, "smearing": 0.62, "scale": 0.001}
+    probable = [{**named(name, None), "probability": p} for name, p in each.items()]
+    models = [{"effects": [named("smearing", None)], "probability": 0.62}, {"effects": [], "probability": 0.35}]
+    told = summary(diagnosis(Verdict.NAMED, probabilities=probable, outside=0.15, models=models))
+    assert "probability: smearing, 0.62; outliers, 0.21; nothing in the catalogue, 0.15\n" in told
+    assert "95 %: smearing, 0.62; the simulator as it is, 0.35\n" in told
