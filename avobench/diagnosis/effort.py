@@ -39,7 +39,7 @@ class Effort:
     """Points of each search for theta, and events at each."""
     starts: int = 45
     """Fits that begin, at most."""
-    begun: int = 16
+    begun: int = 14
     """Fits that go on, at most."""
     enough: float = 24_000
     """Of a whole diagnosis, a measured one: after so many no further effect is looked for."""

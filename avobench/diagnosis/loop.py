@@ -17,7 +17,7 @@ from avobench.diagnosis.fit.null import best_null, fit_null
 from avobench.diagnosis.gates.held_out import SHARE, HeldOut
 from avobench.diagnosis.gates.summary import HOPELESS
 from avobench.diagnosis.schema import Verdict
-from avobench.diagnosis.search.search import Search
+from avobench.diagnosis.search.search import Search, refined
 from avobench.diagnosis.search.tested import Step
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
@@ -68,14 +68,16 @@ def diagnose(
     before, target = detect(model, seen, inferred and inferred.centre(model), alpha, rng, effort)
     held_out = HeldOut.of(target, aside)
 
-    # Name, add and refit: one effect after the other, until the gates accept the model or nothing helps.
-    steps, notes = [before], []
+    # Name, add and refit: all sets of effects that may be missing are weighed, and the most probable one is added.
+    steps, notes, posterior = [before], [], None
     if before.p_value < alpha:
-        search = Search(target, seen, held_out, effects, alpha, max_effects, rng, effort, jobs)
-        steps, notes = search.steps_from(before)
+        posterior = Search(target, seen, effects, max_effects, rng, effort, jobs).posterior(before.fit)
+        if posterior.named:
+            fit, notes = refined(posterior.named.fit, target, rng, effort)
+            steps.append(Step.of(fit, target, seen, rng, effort))
 
     # Localise, and show: the values with their errors, where the disagreement is, what could not have been seen.
-    found = Found.of(task, target, seen, held_out, steps, alpha, rng, effort)
+    found = Found.of(task, target, seen, held_out, steps, posterior, alpha, rng, effort)
     last = found.last(rng, effort)
     spent = inferred.num_simulations if inferred else 0
     notes += notes_of(found, last, inferred, Run(len(x), events.used + spent, num_simulations))

@@ -43,11 +43,6 @@ class Model:
         stretch = (*self.stretch, 1.0) if self.stretch else ()
         return replace(self, effects=(*self.effects, effect), stretch=stretch)
 
-    def minus(self, k: int) -> "Model":
-        """This model without its k-th effect."""
-        stretch = self.stretch[:k] + self.stretch[k + 1 :]
-        return replace(self, effects=self.effects[:k] + self.effects[k + 1 :], stretch=stretch)
-
     @cached_property
     def low(self) -> NDArray[np.float64]:
         """(P,)"""

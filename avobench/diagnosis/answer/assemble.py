@@ -7,7 +7,7 @@ from avobench.diagnosis.answer.correction import Correction
 from avobench.diagnosis.answer.found import Found
 from avobench.diagnosis.answer.identifiability import Row
 from avobench.diagnosis.answer.pictures import Pictures
-from avobench.diagnosis.answer.quoted import Move, found_effect, identified, named, theta_values
+from avobench.diagnosis.answer.quoted import Move, found_effect, identified, models, named, probabilities, theta_values
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.schema import Candidate, Diagnosis, Gate, Identifiable, Region
 from avobench.diagnosis.search.tested import Step
@@ -54,7 +54,7 @@ def assemble(
     data could have shown of effects that the model has not.
     """
     first, final, labels = found.first, found.steps[-1], found.task.labels
-    any_named = bool(found.effects)
+    any_named, posterior = bool(found.effects), found.posterior
     units = dict(zip(labels, found.task.feature_units, strict=False))  # none where the task does not say them
     return Diagnosis(
         verdict=found.verdict,
@@ -69,7 +69,10 @@ def assemble(
         theta_after=theta_values(last, moves) if any_named else None,
         identified_before=identified(first),
         identified_after=identified(last, moves) if any_named else None,
-        effects=[found_effect(last, k, step.ties, labels) for k, step in enumerate(found.steps[:-1])],
+        effects=[found_effect(last, k, posterior, labels) for k in range(len(found.effects))],
+        probabilities=probabilities(posterior, labels) if posterior else [],
+        outside=posterior.outside if posterior else None,
+        models=models(posterior, labels) if posterior else [],
         regions=[region.model_copy(update={"unit": units.get(region.feature, "1")}) for region in where],
         candidates=_candidates(found),
         identifiability=[_identifiable(row, found.task) for row in could],
@@ -88,22 +91,25 @@ def _gates(step: Step) -> dict[str, Gate]:
 
 def _candidates(found: Found) -> list[Candidate]:
     """The effects that were tried on the task alone, best first."""
+    if not found.candidates:
+        return []
+    best = found.candidates[0][0].evidence.at_least
     return [
         Candidate(
-            **named(entry.effect, found.task.labels).model_dump(),
-            score=entry.score,
-            p_value=entry.fit.p_value,
+            **named(one.fit.model.effects[0].key, found.task.labels).model_dump(),
+            score=best - one.evidence.at_least,
+            p_value=one.fit.p_value,
             held_out_gap=gap,
         )
-        for entry, gap in zip(found.steps[0].ranks, found.candidate_gaps, strict=True)
+        for one, gap in found.candidates
     ]
 
 
 def _identifiable(row: Row, task: Task) -> Identifiable:
     return Identifiable(
-        **named(row.effect, task.labels).model_dump(),
+        **named(row.effect.key, task.labels).model_dump(),
         retained=row.retained,
         minimum_detectable=row.minimum_detectable,
         theta_bias=dict(zip(task.parameter_names, map(float, row.theta_bias), strict=False)),
-        rivals=[named(rival, task.labels) for rival in row.rivals],
+        rivals=[named(rival.key, task.labels) for rival in row.rivals],
     )

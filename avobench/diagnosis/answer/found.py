@@ -13,12 +13,16 @@ from avobench.diagnosis.fit.sharpening import settled
 from avobench.diagnosis.gates import regions as gates
 from avobench.diagnosis.gates.held_out import HeldOut
 from avobench.diagnosis.schema import Gap, Region, Verdict
-from avobench.diagnosis.search.search import STILL
+from avobench.diagnosis.search.candidates import Weighed
+from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.tested import Step
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.effects.catalogue import domain
 from avobench.tasks import Task
+
+STILL = 0.2
+"""Share of alpha at which a model with an effect is still rejected: no shape of the catalogue is exactly right."""
 
 
 @dataclass(frozen=True)
@@ -30,14 +34,16 @@ class Found:
     x: NDArray
     """The measured events that were fitted (N, d)."""
     steps: list[Step]
-    """The first is the task alone."""
+    """The task alone, and with the effects that were added, if any were."""
+    posterior: Posterior | None
+    """How probable which effects are; None where nothing disagrees."""
     alpha: float
     gap_before: Gap
     """On events kept aside, of the task alone."""
     gap_after: Gap | None
     """With the effects; None where none was added."""
-    candidate_gaps: list[float]
-    """With each of the effects that were tried on the task alone, best first."""
+    candidates: list[tuple[Weighed, float]]
+    """The task with each of the effects that were tried on it alone, best first, and its gap."""
     withdrawn: tuple[Effect, ...] = ()
     """Effects that the search had added, which the events kept aside do not confirm."""
 
@@ -49,6 +55,7 @@ class Found:
         x: NDArray,
         held_out: HeldOut,
         steps: list[Step],
+        posterior: Posterior | None,
         alpha: float,
         rng: np.random.Generator,
         effort: Effort,
@@ -63,8 +70,9 @@ class Found:
         withdrawn: tuple[Effect, ...] = ()
         if after and not _describes(steps[-1], after, alpha) and after.value >= before.low:
             withdrawn, steps, after = steps[-1].fit.model.effects, steps[:1], None
-        tried = [held_out.gap(entry.fit, rng, effort.fit).value for entry in steps[0].ranks]
-        return cls(task, target, x, steps, alpha, before, after, tried, withdrawn)
+        single = posterior.single if posterior else []
+        tried = [(one, held_out.gap(one.fit, rng, effort.fit).value) for one in single]
+        return cls(task, target, x, steps, posterior, alpha, before, after, tried, withdrawn)
 
     @property
     def disagree(self) -> bool:
@@ -103,9 +111,9 @@ class Found:
     def moves(self, last: Fit, rng: np.random.Generator, effort: Effort) -> list[Move]:
         """Where theta would be with other effects, or other shapes, that the data allow beside the `last` fit."""
         many = int(effort.sharpen * len(self.x))
-        return [
-            move for step in self.steps[:-1] for move in ambiguity(last, step.added, step.ties, self.target, rng, many)
-        ]
+        if not (self.posterior and self.effects):
+            return []
+        return ambiguity(last, self.steps[-1].fit, self.posterior.allowed, self.target, rng, many)
 
     def regions(self, rng: np.random.Generator) -> list[Region]:
         """Where the task alone disagrees with the events; nothing where it does not."""

@@ -8,10 +8,9 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.fit.fit import IDENTIFIED, Fit
 from avobench.diagnosis.fit.sharpening import settled
-from avobench.diagnosis.schema import Combination, EffectValue, FoundEffect, Named, Value
-from avobench.diagnosis.search.ranking import Ranked, shape_parameters
+from avobench.diagnosis.schema import Combination, EffectValue, FoundEffect, Named, Probable, ProbableModel, Value
+from avobench.diagnosis.search.posterior import OUTSIDE, Posterior
 from avobench.diagnosis.summary.target import Target
-from avobench.effects import Effect
 
 ALLOWED = 4.0
 """Chi-squared above the best up to which another shape is allowed: two standard errors."""
@@ -34,41 +33,40 @@ class Move:
 
 
 def ambiguity(
-    last: Fit, chosen: Ranked, ties: list[Ranked], target: Target, rng: np.random.Generator, num_events: int
+    last: Fit, chosen: Fit, rivals: list[Fit], target: Target, rng: np.random.Generator, num_events: int
 ) -> list[Move]:
-    """What theta would be with another shape of the chosen effect, or with one that is tied with it.
+    """What theta would be with other shapes of the chosen effects, or with other effects: `rivals`.
 
     Those that move it furthest are fitted once more with `num_events`. Only what the data determine of theta counts, by
     the final fit `last`. How far theta moves is measured in events of the chosen model, since a straight line between
     two values may mean nothing where they are not determined.
     """
-    p, seed, model = last.model.num_theta, int(rng.integers(2**63)), chosen.fit.model
+    p, seed, model = last.model.num_theta, int(rng.integers(2**63)), chosen.model
     known = _determined(last)[1]
 
     def settle(fit: Fit) -> Fit:
         return settled(fit, target, rng, num_events, (1, 3))
 
     def worse(fit: Fit, than: Fit) -> float:
-        shapes = shape_parameters(fit.model.effects[-1]) - shape_parameters(than.model.effects[-1])
+        shapes = shape_parameters(fit) - shape_parameters(than)
         return max(
             fit.noiseless_q + shapes - than.noiseless_q - np.hypot(fit.noiseless_q_error, than.noiseless_q_error), 0.0
         )
 
     def mean(fit: Fit) -> NDArray[np.float64]:
-        params = np.concatenate([fit.params[:p], chosen.fit.params[p:]])
+        params = np.concatenate([fit.params[:p], chosen.params[p:]])
         x = model.simulate(np.tile(params, (MOVED_EVENTS, 1)), np.random.default_rng(seed))
         return target.whiten(target.summary.mean(x)[0])
 
     def back(fit: Fit) -> NDArray[np.float64]:
         return known @ np.linalg.pinv(fit.jacobian[:, :p] @ known)
 
-    rivals = [*chosen.others, *(fit for tie in ties for fit in (tie.fit, *tie.others))]
-    rivals = [fit for fit in rivals if worse(fit, chosen.fit) < ALLOWED]
+    rivals = [fit for fit in rivals if worse(fit, chosen) < ALLOWED]
     if not rivals:
         return []
-    here, along = mean(chosen.fit), back(chosen.fit)
+    here, along = mean(chosen), back(chosen)
     far = [np.abs(along @ (mean(fit) - here)).max() for fit in rivals]
-    best = settle(chosen.fit)
+    best = settle(chosen)
     here, along, moves = mean(best), back(best), []
     for k in np.argsort(far)[::-1][:TRIED]:
         fit = settle(rivals[k])
@@ -76,6 +74,11 @@ def ambiguity(
             there = along @ fit.jacobian[:, :p]
             moves.append(Move(along @ (mean(fit) - here), by, there @ fit.point_covariance[:p, :p] @ there.T))
     return moves
+
+
+def shape_parameters(fit: Fit) -> int:
+    """What the effects of a fit have beside their strengths."""
+    return sum(len(effect.parameters) - 1 + effect.choices for effect in fit.model.effects)
 
 
 def covering(std: NDArray[np.float64], directions: NDArray[np.float64], moves: Sequence[Move]) -> NDArray[np.float64]:
@@ -141,12 +144,13 @@ def _determined(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return variances[known], directions[:, known]
 
 
-def named(effect: Effect, names: tuple[str, ...]) -> Named:
-    feature = effect.feature
-    return Named(name=effect.name, feature=names[feature] if isinstance(feature, int) else feature)
+def named(key: tuple, names: tuple[str, ...]) -> Named:
+    """An effect by its key, its feature by its name."""
+    name, feature = key
+    return Named(name=name, feature=names[feature] if isinstance(feature, int) else feature)
 
 
-def found_effect(fit: Fit, k: int, ties: list[Ranked], names: tuple[str, ...]) -> FoundEffect:
+def found_effect(fit: Fit, k: int, posterior: Posterior, names: tuple[str, ...]) -> FoundEffect:
     """The k-th effect of a fitted model."""
     effect = fit.model.effects[k]
     start = fit.model.num_theta + sum(len(e.parameters) for e in fit.model.effects[:k])
@@ -156,8 +160,26 @@ def found_effect(fit: Fit, k: int, ties: list[Ranked], names: tuple[str, ...]) -
         for i, p in enumerate(effect.parameters)
     }
     return FoundEffect(
-        **named(effect, names).model_dump(),
+        **named(effect.key, names).model_dump(),
         shape=effect.shape,
         parameters=parameters,
-        tied_with=[named(tie.effect, names) for tie in ties],
+        tied_with=[named(key, names) for key in posterior.rivals(k)],
+        probability=posterior.included[effect.key],
     )
+
+
+def probabilities(posterior: Posterior, names: tuple[str, ...]) -> list[Probable]:
+    """Of every effect that was considered, to be in the model; most probable first."""
+    return [
+        Probable(**named(key, names).model_dump(), probability=min(share, 1.0))
+        for key, share in posterior.included.items()
+    ]
+
+
+def models(posterior: Posterior, names: tuple[str, ...]) -> list[ProbableModel]:
+    """The smallest set of models that is credible, but for what is outside the catalogue."""
+    return [
+        ProbableModel(effects=[named(key, names) for key in sorted(each, key=str)], probability=posterior.probability[each])
+        for each in posterior.credible
+        if each != OUTSIDE
+    ]

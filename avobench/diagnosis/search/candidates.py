@@ -100,7 +100,7 @@ class Candidates:
             if start.expected < self.without.noiseless_q and len(own) < 2:
                 own.append(start)
         first, second = ([own[k] for own in kept.values() if len(own) > k] for k in (0, 1))
-        return [*first[: self.effort.starts], *second[: self.effort.starts // 2]]
+        return [*first[: self.effort.starts], *second[: self.effort.starts // 4]]
 
     def weighed(self, beside: float) -> list[Weighed]:
         """The model with one more effect, fitted: all that may matter beside a log evidence of `beside`."""

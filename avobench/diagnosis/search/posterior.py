@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import comb, logsumexp
 
+from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.search.candidates import Weighed
 from avobench.effects import Effect
 
@@ -13,7 +14,7 @@ Names = frozenset[tuple]
 """The effects of a model, by their keys; empty for the simulator as it is."""
 OUTSIDE: Names = frozenset({("outside",)})
 """That what is missing is not in the catalogue."""
-NUMBER = (0.1, 0.6, 0.2, 0.1)
+NUMBER = (0.1, 0.6, 0.15, 0.03)
 """How probable beforehand, once a disagreement is shown, it is that no, one, two or more effects are missing."""
 UNKNOWN = 0.15
 """How probable beforehand that it is none of the catalogue."""
@@ -25,10 +26,11 @@ CREDIBLE = 0.95
 
 @dataclass(frozen=True)
 class Posterior:
-    """Probabilities of sets of effects, most probable first, and the best fit of each."""
+    """Probabilities of sets of effects, most probable first, and the fits of each."""
 
     probability: dict[Names, float]
-    best: dict[Names, Weighed]
+    shapes: dict[Names, list[Weighed]]
+    """The fits of each set, a shape each, best first."""
 
     @classmethod
     def of(cls, weighed: Iterable[Weighed], outside: float, catalogue: list[Effect]) -> "Posterior":
@@ -49,8 +51,10 @@ class Posterior:
         names = sorted(logs, key=lambda each: -logs[each])
         values = np.array([logs[each] for each in names]) / TEMPERATURE
         shares = np.exp(values - logsumexp(values))
-        best = {each: max(own.values(), key=lambda one: one.evidence.at_least) for each, own in shapes.items()}
-        return cls(dict(zip(names, shares.tolist(), strict=True)), best)
+        fits = {
+            each: sorted(own.values(), key=lambda one: -one.evidence.at_least) for each, own in shapes.items()
+        }
+        return cls(dict(zip(names, shares.tolist(), strict=True)), fits)
 
     @property
     def outside(self) -> float:
@@ -61,6 +65,35 @@ class Posterior:
         """The smallest set of models that has CREDIBLE of the probability."""
         reached = np.cumsum(list(self.probability.values()))
         return list(self.probability)[: int(np.searchsorted(reached, CREDIBLE)) + 1]
+
+    @property
+    def named(self) -> Weighed | None:
+        """The model of the most probable effects; None where more probably nothing in the catalogue is missing."""
+        first = next(iter(self.probability))
+        return self.shapes[first][0] if first and first != OUTSIDE else None
+
+    def rivals(self, k: int) -> list[tuple]:
+        """Effects in credible models that lack the k-th of the named ones, but for the named ones: by key."""
+        model = self.named.fit.model
+        names, key = {effect.key for effect in model.effects}, model.effects[k].key
+        others = [each for each in self.credible if each != OUTSIDE and key not in each]
+        return [one for one in self.included if one not in names and any(one in each for each in others)]
+
+    @property
+    def allowed(self) -> list[Fit]:
+        """The fits of credible models beside the named one: in other shapes, or with other effects."""
+        return [
+            one.fit
+            for each in self.credible
+            for one in self.shapes.get(each, [])
+            if one is not self.named and one.fit.model.effects
+        ]
+
+    @property
+    def single(self) -> list[Weighed]:
+        """The best fit with each effect alone, best first."""
+        fits = [own[0] for names, own in self.shapes.items() if len(names) == 1]
+        return sorted(fits, key=lambda one: -one.evidence.at_least)
 
     @property
     def included(self) -> dict[tuple, float]:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.descent import refine
 from avobench.diagnosis.fit.fit import Fit
+from avobench.diagnosis.fit.sharpening import sharpen
 from avobench.diagnosis.search.candidates import PARENTS, Candidates, Weighed
 from avobench.diagnosis.search.evidence import Scale
 from avobench.diagnosis.search.posterior import Posterior
@@ -56,13 +57,22 @@ class Search:
         return list({one.effects: one for one in best_last}.values())[::-1][:PARENTS]
 
 
-def widened(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) -> tuple[Fit, list[str]]:
-    """The fit with the bound of its last effect's strength doubled, if it ended there and the bound is a guess."""
-    effect = fit.model.effects[-1]
-    at = fit.model.dim - len(effect.parameters)
-    if not (effect.parameters[0].soft and fit.at_bound[at] > 0):
-        return fit, []
-    stretch = (*(fit.model.stretch or (1.0,) * len(fit.model.effects))[:-1], 2.0)
-    model = replace(fit.model, stretch=stretch)
-    again = refine(model, target, model.to_cube(fit.params), 0.1, rng, num_events=effort.least)
-    return again, [f"the bound of {effect.name}: {effect.parameters[0].name} was doubled, since the fit ended there"]
+def refined(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) -> tuple[Fit, list[str]]:
+    """The fit of the effects that were named, with more events; and notes.
+
+    The bound of a strength is doubled if the fit ended there and the bound is a guess.
+    """
+    notes = []
+    at = fit.model.num_theta
+    for k, effect in enumerate(fit.model.effects):
+        if effect.parameters[0].soft and fit.at_bound[at] > 0:
+            stretch = list(fit.model.stretch or (1.0,) * len(fit.model.effects))
+            stretch[k] = 2.0
+            model = replace(fit.model, stretch=tuple(stretch))
+            fit = refine(model, target, model.to_cube(fit.params), 0.1, rng, num_events=effort.least)
+            name = f"{effect.name}: {effect.parameters[0].name}"
+            notes.append(f"the bound of {name} was doubled, since the fit ended there")
+        at += len(effect.parameters)
+    (ratio, _), rounds = effort.rounds_of_search[-2], 8
+    again = sharpen(fit, target, rng, int(ratio * target.num_events), rounds)
+    return min(again, fit, key=lambda fit: fit.noiseless_q + fit.noiseless_q_error), notes

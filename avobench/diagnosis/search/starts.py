@@ -188,16 +188,6 @@ def screen(sample: Sample, effect: Effect, x: NDArray, rng: np.random.Generator,
     return starts
 
 
-def searched(fit: Fit, target: Target, effect: Effect, rng: np.random.Generator, effort: Effort) -> Start:
-    """A start from a search over theta and all parameters of an effect, wherever the fit without it may have gone."""
-    model = fit.model.plus(effect)
-    point, _ = scan(model, target, rng, size=(effort.scan[0] // 2, effort.scan[1] // 2))
-    x = model.simulate(np.tile(model.from_cube(point), (effort.fit // 5, 1)), rng)
-    left = target.whiten(target.mean - target.summary.mean(x)[0])
-    scatter = target.num_events / len(x) * target.rank
-    return Start(model, point, float(left @ left) - scatter, ROUGH * model.strengths(point)[fit.model.dim])
-
-
 def hidden(sample: Sample, start: Start, rng: np.random.Generator, effort: Effort) -> list[Start]:
     """Starts at large strengths, to either side, of an effect whose small strength theta hides; else none.
 
