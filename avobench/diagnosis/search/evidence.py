@@ -33,7 +33,7 @@ SMOOTH = ((1 / 8, 0.7), (1 / 40, 0.3))
 """Lengths, as shares of a feature's range, over which a shape is wrong in the same way, and how much of it is so."""
 DISTORTED = np.geomspace(0.003, 1, 12)
 """Shares a by which something unknown distorts the simulation: log-uniform, from what a million events would show."""
-UNKNOWN = (1 / 16, 1 / 8, 1 / 4)
+UNKNOWN = (1 / 40, 1 / 16, 1 / 8, 1 / 4)
 """Lengths over which it does so."""
 ANYWHERE = 0.1
 """Of the mean of all bins: what the unknown may add where nothing is expected."""
@@ -55,7 +55,7 @@ class Evidence:
     @property
     def at_least(self) -> float:
         """What counts: a fit that is known badly must not win by chance."""
-        return self.value - self.error
+        return self.value - 2 * self.error
 
 
 @dataclass(frozen=True)
