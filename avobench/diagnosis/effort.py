@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 from avobench.tasks import Task
+from avobench.tasks.errors import UsageError
 
 
 @dataclass(frozen=True)
@@ -91,10 +92,40 @@ IMAGES = Effort(
 MANY = Effort(known=12, final=(12, 12), screen=14_000, families=8, families_beside=8, starts=3)
 """For several features, each of which has its own entries in the catalogue."""
 USUAL = {"counts": 4_000_000, "continuous": 12_000_000, "images": 1_500_000}
-"""Simulated events that a diagnosis usually takes, by domain; a little more or less with what it finds."""
+"""Simulated events that a diagnosis of USUAL_EVENTS measured ones takes, by domain; a little more or less with what it
+finds."""
+USUAL_EVENTS = 50_000
+STEP = 0.8
+"""By which the effort is made less until it fits."""
+LEAST_SHARE = 1e-3
+"""Of the effort: below, all is at its least."""
+ROUNDS = 30
+"""Of the five fits of theta before a disagreement is believed, and of all gates: the most that were seen."""
+GATES = (20, 9)
+"""Events of two looks through the gates, a measured one: of each sharpening, and beside it."""
 
 
-def effort_for(task: Task, domain: str, num_simulations: int | None) -> Effort:
-    """The effort that takes about `num_simulations` events; the full one for None."""
+def first(effort: Effort, task: Task, num_events: int) -> int:
+    """Simulated events, at most about, of the first fit to so many measured ones and of the gates."""
+    if task.generates:
+        return int(max(effort.generated * num_events, effort.least)) + 2 * num_events
+    points, events = effort.scan
+    rounds = max(effort.least, effort.rounds * num_events)
+    return int(9 * points * events * 1.1 + ROUNDS * rounds + (GATES[0] * effort.sharpen + GATES[1]) * num_events)
+
+
+def effort_for(task: Task, domain: str, num_events: int, num_simulations: int | None) -> Effort:
+    """The effort for so many measured events, with which the first fit and the gates fit into `num_simulations`.
+
+    The full one for None. Raises UsageError where even the least does not fit.
+    """
     full = IMAGES if domain == "images" else MANY if task.num_features > 1 else Effort()
-    return full if num_simulations is None else full.scaled(min(1.0, num_simulations / USUAL[domain]))
+    if num_simulations is None:
+        return full
+    least = first(full.scaled(0), task, num_events)
+    if num_simulations < least:
+        raise UsageError(f"{num_simulations} simulated events are too few: the first fit and the gates need {least}")
+    share = min(1.0, num_simulations / USUAL[domain])
+    while first(full.scaled(share), task, num_events) > num_simulations:
+        share = share * STEP if share > LEAST_SHARE else 0.0
+    return full.scaled(share)

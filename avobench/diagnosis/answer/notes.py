@@ -22,9 +22,6 @@ def notes_of(found: Found, last: Fit, inferred: Inferred | None, run: Run) -> li
             f"a gap of {gap:.2g} seldom excludes that an effect outside the catalogue did this: compare "
             "docs/challenge.md"
         )
-    taken = run.num_simulations
-    if run.allowed is not None and taken > 2 * run.allowed:
-        notes.append(f"no diagnosis of {run.num_events} events takes much fewer simulated events than these {taken}")
     if inferred is not None:
         notes.append(inferred.note(found.first))
     if run.num_events < FEW_EVENTS:

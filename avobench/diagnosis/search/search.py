@@ -21,6 +21,7 @@ from avobench.diagnosis.search.ranking import TIE, Ranked, cost, left, likely, r
 from avobench.diagnosis.search.tested import Step
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
+from avobench.tasks.errors import BudgetExhausted
 
 STILL = 0.2
 """Share of alpha at which a model with an effect is still rejected: no shape of the catalogue is exactly right."""
@@ -47,7 +48,18 @@ class Search:
     jobs: int
 
     def steps_from(self, before: Step) -> tuple[list[Step], list[str]]:
-        """The steps from a rejected model on, an effect more in each, until one is not rejected; and notes."""
+        """The steps from a rejected model on, an effect more in each, until one is not rejected; and notes.
+
+        Where the simulated events end, the steps that were complete.
+        """
+        kept: list[list[Step]] = [[before]]
+        try:
+            return self._steps_from(before, kept)
+        except BudgetExhausted:
+            return kept[-1], ["the search ended early, since as many events were simulated as are allowed"]
+
+    def _steps_from(self, before: Step, kept: list[list[Step]]) -> tuple[list[Step], list[str]]:
+        """The same, adding to `kept` the steps whenever they are complete."""
         steps, notes = [before], []
         worse = self.held_out.grew
         clears = partial(clears_feature, target=self.target)
@@ -71,7 +83,9 @@ class Search:
             if step is None:
                 break
             steps, more = self._with(step, steps, known)
+            kept.append(steps)
             steps, notes = self.first_again(self.without_second(steps)), notes + more
+            kept.append(steps)
         if steps[-1].p_value < self.alpha and self._spent(steps):
             notes.append("the search ended early, since it had taken as many simulated events as a diagnosis may")
         return steps, notes
