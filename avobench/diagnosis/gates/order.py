@@ -24,7 +24,7 @@ MOST_BINS = 2**20
 IN_BIN = 10
 """Events, on average, in an interval of the time in which they are counted."""
 ALIKE = 0.9
-"""Correlation of ranks from which the spread of a feature says no more than its level: of two values, or rare counts."""
+"""Correlation of ranks from which the spread of a feature says no more than its level, as of rare counts."""
 TAIL = 0.01
 """Share of the values at either end that count as the last one before, where a size is measured."""
 
@@ -56,7 +56,8 @@ class Look:
     shape: NDArray[np.float64] | None = None
     """What is there if it is true, but for factors (n, k)."""
     size: float = 0.0
-    """Where there is no shape."""
+    """Where there is no shape, and its unit."""
+    unit: str = "correlation"
 
 
 def order(
@@ -231,7 +232,7 @@ def bursts(counts: NDArray[np.float64]) -> Look:
     pairs = pairs[pairs.sum(axis=1) > 0]
     q = float((np.diff(pairs, axis=1)[:, 0] ** 2 / pairs.sum(axis=1)).sum())
     p, z = float(chi2.sf(q, len(pairs))), (q - len(pairs)) / np.sqrt(2 * len(pairs))
-    return Look("clustering", p, max(z, 0) ** 2 / 2, 1, size=q / len(pairs) - 1)
+    return Look("clustering", p, max(z, 0) ** 2 / 2, 1, None, q / len(pairs) - 1, "of the mean count")
 
 
 def without(values: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -254,7 +255,7 @@ def told(
         where = start + span * look.at
     elif look.kind == "season":
         where = span * look.at
-    size, unit = look.size, "correlation"
+    size, unit = look.size, look.unit
     if look.shape is not None:
         size, unit = factors(series.values, look.shape), series.unit
         size = float(np.linalg.norm(size)) if look.kind == "season" else float(size[0])

@@ -6,6 +6,7 @@ from avobench.diagnosis import Result
 from avobench.diagnosis.schema import Diagnosis, EffectValue, Named, Value, Verdict
 from avobench.reports import html
 from avobench.reports.diagnosis.figures import label
+from avobench.reports.diagnosis.order import sentences
 from avobench.reports.numbers import number, p_equals, with_error
 from avobench.tasks import Task
 
@@ -34,6 +35,7 @@ def render(task: Task, result: Result, figures: list[html.Picture | html.Missing
         meaning=MEANING[diagnosis.verdict],
         figures=figures,
         tables=list(_tables(task, diagnosis)),
+        order=sentences(diagnosis),
         sentences={effect.name: effect.sentence for effect in added},
         label=label,
         number=number,
