@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
@@ -95,6 +97,10 @@ USUAL = {"counts": 4_000_000, "continuous": 12_000_000, "images": 1_500_000}
 """Simulated events that a diagnosis of USUAL_EVENTS measured ones takes, by domain; a little more or less with what it
 finds."""
 USUAL_EVENTS = 50_000
+LEAST_SEARCH = 2_000_000
+"""Simulated events of a search for one effect at the least effort, of 3 000 counts or angles. With fewer it ends early."""
+SEVERAL = 3
+"""Searches that are to fit into the events that are allowed, so that they seldom end early."""
 STEP = 0.8
 """By which the effort is made less until it fits."""
 LEAST_SHARE = 1e-3
@@ -103,6 +109,9 @@ ROUNDS = 30
 """Of the five fits of theta before a disagreement is believed, and of all gates: the most that were seen."""
 GATES = (20, 9)
 """Events of two looks through the gates, a measured one: of each sharpening, and beside it."""
+
+REFINED = 8
+"""Rounds of the fit of an effect that was chosen, at most."""
 
 
 def first(effort: Effort, task: Task, num_events: int) -> int:
@@ -114,8 +123,13 @@ def first(effort: Effort, task: Task, num_events: int) -> int:
     return int(9 * points * events * 1.1 + ROUNDS * rounds + (GATES[0] * effort.sharpen + GATES[1]) * num_events)
 
 
-def effort_for(task: Task, domain: str, num_events: int, num_simulations: int | None) -> Effort:
-    """The effort for so many measured events, with which the first fit and the gates fit into `num_simulations`.
+def addition(effort: Effort, num_events: int) -> int:
+    """Simulated events, at most about, with which an effect that was chosen is fitted and the gates look again."""
+    return int((REFINED * effort.again[-1] + (GATES[0] * effort.sharpen + GATES[1]) / 2) * num_events)
+
+
+def effort_for(task: Task, domain: str, num_simulations: int | None, num_events: int = 0) -> Effort:
+    """The effort with which the first fit to so many measured events and the gates fit into `num_simulations`.
 
     The full one for None. Raises UsageError where even the least does not fit.
     """
@@ -125,7 +139,7 @@ def effort_for(task: Task, domain: str, num_events: int, num_simulations: int | 
     least = first(full.scaled(0), task, num_events)
     if num_simulations < least:
         raise UsageError(f"{num_simulations} simulated events are too few: the first fit and the gates need {least}")
-    share = min(1.0, num_simulations / USUAL[domain])
+    share = float(np.clip((num_simulations - LEAST_SEARCH) / (SEVERAL * USUAL[domain]), 0, 1))
     while first(full.scaled(share), task, num_events) > num_simulations:
         share = share * STEP if share > LEAST_SHARE else 0.0
     return full.scaled(share)

@@ -77,7 +77,7 @@ def diagnose(
     shuffled = rng.permutation(len(x))
     cut = len(x) - int(SHARE * len(x))
     seen, aside = x[shuffled[:cut]], x[shuffled[cut:]]
-    effort = effort_for(task, domain(task), cut, num_simulations)
+    effort = effort_for(task, domain(task), num_simulations, cut)
     telling = Telling(progress, first(effort, task, cut) // 2)
     meter = Meter(num_simulations, telling)
     try:
@@ -103,10 +103,12 @@ def diagnose(
     steps = [before]
     if before.p_value < alpha:
         telling.begin("search", USUAL[domain(task)] * max(cut // USUAL_EVENTS, 1) if num_simulations is None else 0)
-        search = Search(target, seen, held_out, effects, alpha, max_effects, rng, effort, jobs)
+        search = Search(target, seen, held_out, effects, alpha, max_effects, rng, effort, jobs, telling)
         with meter.keeping(card_events(effects, effort) + 2 * cut):
             steps, more = search.steps_from(before)
         notes += more
+        if meter.refused:
+            notes.append(f"the search ended early: {num_simulations} simulated events did not suffice")
 
     # Localise, and show: the values with their errors, where the disagreement is, what could not have been seen.
     telling.begin("checks")

@@ -4,6 +4,7 @@ From `candidates` downwards: screen, begin, go on, repeat with more events, sett
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +22,7 @@ from avobench.diagnosis.search.ranking import likely, ranking
 from avobench.diagnosis.search.starts import ROUGH, Sample, Start, hidden, screen, searched
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
+from avobench.tasks.errors import BudgetExhausted
 
 MOST_SCREENED = 32
 """Effects of which all shapes are screened. Above that, where several features have their own entries in the catalogue,
@@ -195,10 +197,13 @@ def candidates(
     starts = found.chosen(families)
     known = without.known(target, int(effort.known * target.num_events), rng)
     fits = found.begun(starts, known)
-    more = found.further(fits, spare)
-    fits += found.begun(more, known)
-    fits = found.gone_on(fits, [*starts, *more], known)
-    return found.repeated(fits, known, hopeful, q_without), known
+    # Where simulated events end, what was fitted so far is compared.
+    with suppress(BudgetExhausted):
+        more = found.further(fits, spare)
+        fits += found.begun(more, known)
+        fits = found.gone_on(fits, [*starts, *more], known)
+        fits = found.repeated(fits, known, hopeful, q_without)
+    return fits, known
 
 
 def on_all(fits: list[Fit], effects: list[Effect]) -> list[Start]:

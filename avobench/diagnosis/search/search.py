@@ -1,17 +1,19 @@
 """Which effects to add to a model that the events reject: one after the other, or two at once."""
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.diagnosis.effort import Effort
+from avobench.diagnosis.effort import Effort, addition
 from avobench.diagnosis.fit.descent import refine
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.known import KnownModel
 from avobench.diagnosis.fit.sharpening import sharpen
 from avobench.diagnosis.gates.held_out import HeldOut
+from avobench.diagnosis.progress import Telling
 from avobench.diagnosis.search.acceptance import CHANCE, PAIR_LEAVES, accepted, enough, excess, scatter, shown
 from avobench.diagnosis.search.candidates import candidates
 from avobench.diagnosis.search.features import CLOSES, clears_feature
@@ -22,6 +24,7 @@ from avobench.diagnosis.search.tested import Step
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.tasks.errors import BudgetExhausted
+from avobench.tasks.meter import Meter
 
 STILL = 0.2
 """Share of alpha at which a model with an effect is still rejected: no shape of the catalogue is exactly right."""
@@ -46,6 +49,8 @@ class Search:
     rng: np.random.Generator
     effort: Effort
     jobs: int
+    telling: Telling | None = None
+    """What is told which effect is looked for."""
 
     def steps_from(self, before: Step) -> tuple[list[Step], list[str]]:
         """The steps from a rejected model on, an effect more in each, until one is not rejected; and notes.
@@ -56,7 +61,7 @@ class Search:
         try:
             return self._steps_from(before, kept)
         except BudgetExhausted:
-            return kept[-1], ["the search ended early, since as many events were simulated as are allowed"]
+            return kept[-1], []
 
     def _steps_from(self, before: Step, kept: list[list[Step]]) -> tuple[list[Step], list[str]]:
         """The same, adding to `kept` the steps whenever they are complete."""
@@ -64,6 +69,8 @@ class Search:
         worse = self.held_out.grew
         clears = partial(clears_feature, target=self.target)
         while len(steps) <= self.max_effects and steps[-1].p_value < self.alpha:
+            if self.telling is not None:
+                self.telling.begin(f"search for effect {len(steps)}")
             rejected = len(steps) == 1 or steps[-1].p_value < STILL * self.alpha
             if self._spent(steps) or (len(steps) > 1 and not shown(steps[-1], rejected, self.alpha)):
                 break
@@ -76,7 +83,9 @@ class Search:
             step = accepted(steps, worse, clears, rejected)
             two = rejected and len(steps) <= 2 <= self.max_effects and not self._spent(steps)
             if two and not enough(steps, step, clears):
-                both = best_pair(steps, self.ranked, worse)
+                both = None
+                with suppress(BudgetExhausted):  # the single effect then stands
+                    both = best_pair(steps, self.ranked, worse)
                 if both and (step is None or cost(both[0][-1].added.fit) < cost(step.added.fit)):
                     steps, known = both
                     step = steps[-1]
@@ -164,7 +173,9 @@ class Search:
             return leaves_little or clears_feature(one, fit, self.target)
 
         options = {"hopeful": hopeful, "q_without": without, "jobs": self.jobs}
-        fits, known = candidates(fit, self.target, free, self.x, self.rng, effort, **options)
+        meter = fit.model.events.meter if fit.model.events is not None else Meter()
+        with meter.keeping(addition(effort, self.target.num_events)):
+            fits, known = candidates(fit, self.target, free, self.x, self.rng, effort, **options)
         ranks = ranking(fits, without)
         if ranks and others and excess(ranks[0].fit) > scatter(ranks[0].fit):
             foremost = ranks[:1] + tied(ranks)[: RIVALS - 1]

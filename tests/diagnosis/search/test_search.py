@@ -39,7 +39,7 @@ def test_a_second_effect_stays_only_where_the_first_alone_does_not_do(share):
 
 def test_no_further_effect_is_looked_for_after_so_many_simulated_events():
     x, rng = with_effect(Poisson(), "zero_inflation", [1.5], [0.2], 2000), np.random.default_rng(1)
-    effort = replace(effort_for(Poisson(), "counts", 100_000), enough=0)
+    effort = replace(effort_for(Poisson(), "counts", 200_000), enough=0)
     model = Model(Poisson(), events=Counted(Poisson()))
     null, target = fit_null(model, x, rng, effort, None)
     before = Step.of(null, target, x, rng, effort)
