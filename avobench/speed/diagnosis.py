@@ -52,7 +52,8 @@ def measure(task_name: str, num_events: int, share: float, seed: int = 0) -> dic
 
 LARGE = {"poisson": 10_000_000, "carl": 3_000_000}
 """Rows of the tables whose memory is measured: one column of counts, and five of numbers."""
-LARGE_SIMULATIONS = 100_000_000
+LARGE_SIMULATIONS = 50_000_000
+"""At most: memory does not grow with them."""
 
 
 def memory(task_name: str, num_events: int, seed: int = 0) -> dict[str, float | str]:
