@@ -5,7 +5,7 @@ import html
 import io
 import json
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from avobench.bench import registry
 from avobench.bench.atomic import write_atomically
-from avobench.bench.events import check_events
+from avobench.bench.events import check_events, with_times
 from avobench.bench.files import require_folder
 from avobench.effects import Effect
 from avobench.tasks import Task
@@ -185,6 +185,9 @@ def diagnose(
     own: Sequence[Effect | type[Effect] | str] = (),
     drop_invalid: bool = False,
     jobs: int = 1,
+    ordered: bool = False,
+    time: ArrayLike | None = None,
+    progress: Callable[[str, int, int], None] | None = None,
 ) -> Diagnosed:
     """Say whether measured events disagree with a simulator, where, which effect is missing, and add it.
 
@@ -203,7 +206,7 @@ def diagnose(
     max_effects
         Effects to add at most.
     simulations
-        Simulated events, about; as many as it takes where None.
+        Simulated events, at most; as many as it takes where None.
     fit
         Method that looks for theta first; by default a surrogate of the summary.
     effects
@@ -214,6 +217,12 @@ def diagnose(
         Leave out rows that hold NaN or infinite values.
     jobs
         Worker processes.
+    ordered
+        Whether the order of the events is theirs: then drift, change points, seasons and clustering are looked for.
+    time
+        When each event was (N,), in any unit and order: the same along the time.
+    progress
+        Is told now and then the phase, the simulated events so far, and about how many there will be.
 
     Raises
     ------
@@ -234,6 +243,9 @@ def diagnose(
         raise UsageError(f"two effects have the same name; your own are {', '.join(theirs)}: give them other names")
     for _, effect in theirs.values():
         require_events(effect, task)
+    told = []
+    if time is not None:
+        x, time, told = with_times(x, time, drop_invalid=drop_invalid)
     x, remarks = check_events(task, x, drop_invalid=drop_invalid)
     for source, effect in theirs.values():  # what no file can keep would else show when all is done
         registry.blamed(lambda s=source, e=effect: _keepable(e, x, task, s), f"effect {effect.name}")
@@ -247,8 +259,11 @@ def diagnose(
         fit=fit,
         effects=[*tried, *(effect for _, effect in theirs.values())],
         jobs=jobs,
+        ordered=ordered,
+        time=time,
+        progress=progress,
     )
-    result.diagnosis.notes[:0] = remarks
+    result.diagnosis.notes[:0] = told + remarks
     return Diagnosed(result, theirs, spec)
 
 

@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 from avobench.methods import Problem
 from avobench.tasks import Task
 from avobench.tasks.checked import checked_events
-from avobench.tasks.errors import BudgetExhausted, SimulatorError, SupportError
+from avobench.tasks.errors import SimulatorError, SupportError
+from avobench.tasks.meter import Meter
 
 
 class MeteredSimulator:
@@ -24,7 +25,7 @@ class MeteredSimulator:
         self, task: Task, budget: int, rng: np.random.Generator, progress: Callable[[int], None] | None = None
     ) -> None:
         self._task, self._rng, self._progress = task, rng, progress
-        self._budget, self._used, self._refused, self._seconds = budget, 0, 0, 0.0
+        self._meter, self._budget, self._seconds = Meter(budget), budget, 0.0
 
     @property
     def budget(self) -> int:
@@ -32,19 +33,19 @@ class MeteredSimulator:
 
     @property
     def used(self) -> int:
-        return self._used
+        return self._meter.used
 
     @property
     def refused(self) -> int:
-        return self._refused
+        return self._meter.refused
 
     @property
     def requested(self) -> int:
-        return self._used + self._refused
+        return self.used + self.refused
 
     @property
     def remaining(self) -> int:
-        return self._budget - self._used
+        return self._budget - self.used
 
     @property
     def seconds(self) -> float:
@@ -69,18 +70,14 @@ class MeteredSimulator:
 
     def _simulate(self, theta: NDArray[np.float64]) -> NDArray:
         """Charge and simulate one event per row of an array that was checked and that nobody else holds."""
-        n = len(theta)
-        if n > self._budget - self._used:
-            self._refused += n
-            raise BudgetExhausted(f"{n} events asked for, {self.remaining} of {self.budget} left")
-        self._used += n
+        self._meter.charge(len(theta))
         start = time.perf_counter()
         try:
             x = checked_events(self._task, theta, self._rng)
         finally:
             self._seconds += time.perf_counter() - start
         if self._progress is not None:
-            self._progress(self._used)
+            self._progress(self.used)
         return x
 
 

@@ -15,9 +15,6 @@ from avobench.tasks.errors import UsageError
 
 MIN_EVENTS = 200
 """That a diagnosis needs: fewer fill no bins in which an effect could be told from another."""
-MOST_EVENTS = 2_000_000
-"""That a diagnosis takes: it needs 20 to 60 s of a processor and 0.2 GB for each million, and its errors are then far
-below what a simulator is trusted to."""
 LARGEST = 2.0**53
 """Beyond it double precision does not tell a whole number from the next."""
 FAR = 100
@@ -30,16 +27,26 @@ TAIL = 0.001
 """Share of the simulated values beyond which a tail is looked at."""
 BY_CHANCE = 0.01
 """Probability that the largest of all measured values lies beyond the range though the simulator made it."""
+PRIME = 0x9E3779B97F4A7C15
+"""By which the features of an event are told apart where one number stands for it: 2^64 over the golden ratio."""
 MANY_REPEATS = 0.01
 """Share of repeated events above which it is worth a warning."""
 
 
 def read_events(path: str, columns: Sequence[str] | None = None) -> NDArray:
+    """The events of a file: `read_timed` without a time."""
+    return read_timed(path, columns)[0]
+
+
+def read_timed(
+    path: str, columns: Sequence[str] | None = None, time: str | None = None
+) -> tuple[NDArray, NDArray | None]:
     """The events of a .npy, .npz, .csv or .parquet file, or of a tree `file.root:tree`: (n, d), one row an event.
 
     `columns` chooses columns, branches, or arrays of a .npz, in this order; without it all are read. A one-dimensional
-    array is one feature; what has more than two dimensions, such as images, is flattened row by row. Raises UsageError
-    for what cannot be read as numbers, and for pickled content, which could run code.
+    array is one feature; what has more than two dimensions, such as images, is flattened row by row. Also the column
+    `time` (n,), if one is named, which is then none of the events'. Raises UsageError for what cannot be read as
+    numbers, and for pickled content, which could run code.
     """
     file, _, tree = path.rpartition(":") if re.search(r"\.root:[^:]+$", path) else (path, "", "")
     if not Path(file).is_file():
@@ -49,13 +56,25 @@ def read_events(path: str, columns: Sequence[str] | None = None) -> NDArray:
         raise UsageError(f"a ROOT file needs the name of a tree: {file}:TREE")
     if suffix not in (".npy", *_READERS):
         raise UsageError(f"{file}: events are read from .npy, .npz, .csv, .parquet, or .root:TREE")
-    if columns and suffix == ".npy":
+    if (columns or time) and suffix == ".npy":
         raise UsageError(f"{file}: the columns of a .npy file have no names to choose from")
     try:
+        when = None
         if suffix == ".npy":
             x = np.load(file, allow_pickle=False)
         else:
-            x = _READERS[suffix](file, tree, list(columns) if columns else None)
+            wanted = [*(name for name in columns if name != time), *([time] if time else [])] if columns else None
+            arrays = _READERS[suffix](file, tree, wanted)
+            if time is not None:
+                _chosen(file, list(arrays), [time])
+                when = _stack(file, {time: arrays.pop(time)})[:, 0]
+                _chosen(file, list(arrays), None)
+            if suffix == ".npz" and len(arrays) == 1:
+                (x,) = arrays.values()
+            elif suffix == ".npz" and columns is None:
+                raise UsageError(f"{file} holds several arrays, choose by --columns: {', '.join(arrays)}")
+            else:
+                x = _stack(file, arrays)
     except UsageError:
         raise
     except Exception as error:  # every reader has its own exceptions, and a damaged file may raise any
@@ -68,20 +87,17 @@ def read_events(path: str, columns: Sequence[str] | None = None) -> NDArray:
         raise UsageError(f"{file} holds {x.dtype} instead of real numbers")
     if x.ndim == 0:
         raise UsageError(f"{file} holds a single number")
-    return x.reshape(len(x), math.prod(x.shape[1:]))
+    if when is not None and len(when) != len(x):
+        raise UsageError(f"{file}: the columns differ in length")
+    return x.reshape(len(x), math.prod(x.shape[1:])), when
 
 
-def _read_npz(file: str, tree: str, columns: list[str] | None) -> NDArray:
+def _read_npz(file: str, tree: str, columns: list[str] | None) -> dict[str, NDArray]:
     with np.load(file, allow_pickle=False) as arrays:
-        names = _chosen(file, arrays.files, columns)
-        if len(names) == 1:
-            return arrays[names[0]]
-        if columns is None:
-            raise UsageError(f"{file} holds several arrays, choose by --columns: {', '.join(names)}")
-        return _stack(file, {name: arrays[name] for name in names})
+        return {name: arrays[name] for name in _chosen(file, arrays.files, columns)}
 
 
-def _read_csv(file: str, tree: str, columns: list[str] | None) -> NDArray:
+def _read_csv(file: str, tree: str, columns: list[str] | None) -> dict[str, NDArray]:
     first = pd.read_csv(file, header=None, nrows=1, dtype=str).iloc[0]
     empty = first.isna() | first.str.strip().str.lower().isin(("nan", ""))
     named = pd.to_numeric(first[~empty], errors="coerce").isna().any()
@@ -91,11 +107,11 @@ def _read_csv(file: str, tree: str, columns: list[str] | None) -> NDArray:
     return _frame(file, frame, columns)
 
 
-def _read_parquet(file: str, tree: str, columns: list[str] | None) -> NDArray:
+def _read_parquet(file: str, tree: str, columns: list[str] | None) -> dict[str, NDArray]:
     return _frame(file, pd.read_parquet(file), columns)
 
 
-def _read_root(file: str, tree: str, columns: list[str] | None) -> NDArray:
+def _read_root(file: str, tree: str, columns: list[str] | None) -> dict[str, NDArray]:
     try:
         import uproot
     except ModuleNotFoundError as error:
@@ -108,10 +124,10 @@ def _read_root(file: str, tree: str, columns: list[str] | None) -> NDArray:
             raise UsageError(f"{file} has no tree '{tree}'; it has: {', '.join(dict.fromkeys(trees)) or 'none'}")
         names = _chosen(file, opened[tree].keys(), columns)
         arrays = opened[tree].arrays(names, library="np")
-    return _stack(file, {name: arrays[name] for name in names})  # uproot has an order of its own
+    return {name: arrays[name] for name in names}  # uproot has an order of its own
 
 
-_READERS: dict[str, Callable[[str, str, list[str] | None], NDArray]] = {
+_READERS: dict[str, Callable[[str, str, list[str] | None], dict[str, NDArray]]] = {
     ".npz": _read_npz,
     ".csv": _read_csv,
     ".parquet": _read_parquet,
@@ -119,9 +135,9 @@ _READERS: dict[str, Callable[[str, str, list[str] | None], NDArray]] = {
 }
 
 
-def _frame(file: str, frame: pd.DataFrame, columns: list[str] | None) -> NDArray:
+def _frame(file: str, frame: pd.DataFrame, columns: list[str] | None) -> dict[str, NDArray]:
     frame = frame[_chosen(file, list(frame.columns), columns)]
-    return _stack(file, {str(name): values.to_numpy() for name, values in frame.items()})
+    return {str(name): values.to_numpy() for name, values in frame.items()}
 
 
 def _chosen(file: str, names: list, columns: list[str] | None) -> list:
@@ -151,8 +167,8 @@ def check_events(
     Raises UsageError where an inference would be meaningless: no numbers, another number of columns, rows that are not
     finite (unless `drop_invalid` drops them), whole numbers for a continuous task or fractions for counts, none at all,
     numbers beyond 2^53, or a feature of which most values lie far from all that the simulator makes. A `diagnosis` also
-    takes neither fewer than MIN_EVENTS nor more than MOST_EVENTS, nor a feature of which all values are alike. Raises
-    SimulatorError for a task whose simulator does not make what it declares.
+    takes neither fewer than MIN_EVENTS nor a feature of which all values are alike. Raises SimulatorError for a task
+    whose simulator does not make what it declares.
     """
     x = np.asarray(x)
     x = x[:, None] if x.ndim == 1 else x
@@ -190,7 +206,7 @@ def check_events(
     if diagnosis:
         _check_for_diagnosis(task, x)
     if task.event_shape or not np.issubdtype(np.dtype(task.dtype), np.integer):
-        repeated = len(x) - len(np.unique(x, axis=0))
+        repeated = num_repeated(x)
         if repeated > MANY_REPEATS * len(x):
             warnings.append(
                 f"{repeated} of {len(x)} events repeat an earlier one: unless the values were rounded, "
@@ -199,12 +215,44 @@ def check_events(
     return _cast(task, x), warnings
 
 
+def num_repeated(x: NDArray) -> int:
+    """How many events (n, d) repeat an earlier one: by a number of 64 bits for each, which takes the least memory."""
+    if len(x) == 0:
+        return 0
+    key = np.zeros(len(x), np.uint64)
+    with np.errstate(over="ignore"):
+        for column in x.T:
+            key = key * np.uint64(PRIME) + pd.util.hash_array(np.ascontiguousarray(column) + 0)
+    key.sort()
+    return int((key[1:] == key[:-1]).sum())
+
+
+def with_times(
+    x: ArrayLike, time: ArrayLike, *, drop_invalid: bool = False
+) -> tuple[NDArray, NDArray[np.float64], list[str]]:
+    """Events (n, ...) and their times (n,), without rows that are not finite if `drop_invalid` says so; and warnings.
+
+    Raises UsageError for times that are no numbers, that are not one an event, not finite, or all alike.
+    """
+    x, time = np.asarray(x), np.asarray(time)
+    if time.dtype.kind not in "biuf" or time.shape != x.shape[:1]:
+        raise UsageError(f"times must be one number for each of {len(x)} events, got {time.dtype} {time.shape}")
+    time, warnings = time.astype(float), []
+    keep = np.isfinite(time)
+    if not keep.all():
+        count = f"{(~keep).sum()} of {len(time)} times are NaN or infinite"
+        if not drop_invalid:
+            raise UsageError(f"{count}; mend them, or drop them with --drop-invalid")
+        warnings.append(f"{count}, and their events were dropped")
+    if drop_invalid and x.dtype.kind == "f":
+        keep &= np.isfinite(x.reshape(len(x), -1)).all(axis=1)
+    if len(np.unique(time[keep])) < 2:
+        raise UsageError("all times are alike: they say nothing of the order")
+    return x[keep], time[keep], warnings
+
+
 def _check_for_diagnosis(task: Task, x: NDArray) -> None:
-    """Raise UsageError for more events than a diagnosis takes, or data in which there is nothing to compare."""
-    if len(x) > MOST_EVENTS:
-        raise UsageError(
-            f"{len(x)} events are more than a diagnosis takes, {MOST_EVENTS}; give a random sample of them"
-        )
+    """Raise UsageError for data in which there is nothing to compare."""
     features = {"the data": x} if task.event_shape else dict(zip(task.labels, x.T, strict=True))
     for name, values in features.items():
         if values.min() == values.max():

@@ -3,13 +3,15 @@
 from pathlib import Path
 
 import click
+from rich.console import Console
 
 from avobench.api.diagnosis import diagnose as diagnose_events
 from avobench.bench import registry
-from avobench.bench.events import read_events
+from avobench.bench.events import read_timed
 from avobench.bench.files import require_folder
 from avobench.cli.isolated import Isolated
 from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
+from avobench.cli.progress import DiagnosisProgress
 
 
 @click.command(cls=Isolated)
@@ -22,7 +24,9 @@ from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True)
 @click.option("--alpha", type=float, default=0.05, show_default=True, help="Rate of false alarms, at most.")
 @click.option("--max-effects", type=click.IntRange(0), default=3, show_default=True, help="Effects to add at most.")
-@click.option("--simulations", type=click.IntRange(1), default=None, help="Simulated events, about.  [what it takes]")
+@click.option("--simulations", type=click.IntRange(1), default=None, help="Simulated events, at most.  [what it takes]")
+@click.option("--ordered", is_flag=True, help="Test the order of the rows: drift, change points, seasons, clustering.")
+@click.option("--time", default=None, metavar="COLUMN", help="The same along this column, which is no feature then.")
 @click.option(
     "--fit", default="surrogate", show_default=True, metavar="NAME", help="Method that looks for theta first."
 )
@@ -40,6 +44,8 @@ def diagnose(
     alpha: float,
     max_effects: int,
     simulations: int | None,
+    ordered: bool,
+    time: str | None,
     fit: str,
     effects: str | None,
     own: tuple[str, ...],
@@ -52,20 +58,24 @@ def diagnose(
     """
     spec = named(spec, trust)
     registry.load("task", spec)  # what is wrong with the request is said before a folder is made
-    x = read_events(data, [c.strip() for c in columns.split(",")] if columns else None)
+    x, when = read_timed(data, [c.strip() for c in columns.split(",")] if columns else None, time)
     require_folder(out)
-    found = diagnose_events(
-        spec,
-        x,
-        seed=seed,
-        alpha=alpha,
-        max_effects=max_effects,
-        simulations=simulations,
-        fit=fit,
-        effects=None if effects is None else [name.strip() for name in effects.split(",")],
-        own=own,
-        drop_invalid=drop_invalid,
-        jobs=jobs,
-    )
+    with DiagnosisProgress(Console(stderr=True)) as progress:
+        found = diagnose_events(
+            spec,
+            x,
+            seed=seed,
+            alpha=alpha,
+            max_effects=max_effects,
+            simulations=simulations,
+            fit=fit,
+            effects=None if effects is None else [name.strip() for name in effects.split(",")],
+            own=own,
+            drop_invalid=drop_invalid,
+            jobs=jobs,
+            ordered=ordered,
+            time=when,
+            progress=progress,
+        )
     found.save(out, f"{Path(data).name} against {spec}")
     click.echo(found)

@@ -1,4 +1,4 @@
-"""What a sweep shows while it works: a live display on a terminal, plain lines elsewhere. All on standard error."""
+"""What a command shows while it works: a live display on a terminal, plain lines elsewhere. All on standard error."""
 
 import time
 from collections.abc import Callable
@@ -6,6 +6,7 @@ from typing import Any
 
 from rich.console import Console
 from rich.live import Live
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.progress_bar import ProgressBar
 from rich.table import Table
 
@@ -68,6 +69,36 @@ class ProgressView(View):
 
     def _line(self, line: str) -> None:
         self.console.print(line, markup=False, highlight=False, soft_wrap=True)
+
+
+class DiagnosisProgress:
+    """Called with the phase of a diagnosis, its simulated events so far, and about how many there will be."""
+
+    def __init__(self, console: Console) -> None:
+        self.console, self.began, self.last = console, time.monotonic(), time.monotonic()
+        columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+        self.shown = Progress(*columns, console=console, transient=True) if console.is_terminal else None
+        self.row = self.shown.add_task("first fit", total=None) if self.shown else None
+
+    def __enter__(self) -> "DiagnosisProgress":
+        if self.shown:
+            self.shown.start()
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        if self.shown:
+            self.shown.stop()
+
+    def __call__(self, phase: str, done: int, total: int) -> None:
+        if self.shown:
+            self.shown.update(self.row, description=phase, completed=done, total=total)
+        elif (now := time.monotonic()) - self.last >= QUIET_SECONDS:
+            self.last = now
+            left = (now - self.began) * (total - done) / done if done else 0
+            share = f", {done / total:.0%} of what is usual, about {_clock(left)} left" if left else ""
+            self.console.print(
+                f"{phase}: {done} simulated events{share}", markup=False, highlight=False, soft_wrap=True
+            )
 
 
 def _left(sweep: Sweep) -> str:

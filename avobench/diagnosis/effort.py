@@ -2,7 +2,10 @@
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from avobench.tasks import Task
+from avobench.tasks.errors import UsageError
 
 
 @dataclass(frozen=True)
@@ -89,10 +92,56 @@ IMAGES = Effort(
 MANY = Effort(known=12, rounds_of_search=((1, 6), (4, 2), (12, 1)), screen=14_000, starts=20, begun=8)
 """For several features, each of which has its own entries in the catalogue."""
 USUAL = {"counts": 4_000_000, "continuous": 12_000_000, "images": 1_500_000}
-"""Simulated events that a diagnosis usually takes, by domain; a little more or less with what it finds."""
+"""Simulated events that a diagnosis of USUAL_EVENTS measured ones takes, by domain; a little more or less with what it
+finds."""
+USUAL_EVENTS = 50_000
+LEAST_SEARCH = 2_000_000
+"""Simulated events of a search for one effect at the least effort, of 3 000 counts or angles: with fewer it ends early.
+"""
+SEVERAL = 3
+"""Searches that are to fit into the events that are allowed, so that they seldom end early."""
+STEP = 0.8
+"""By which the effort is made less until it fits."""
+LEAST_SHARE = 1e-3
+"""Of the effort: below, all is at its least."""
+ROUNDS = 30
+"""Of the five fits of theta before a disagreement is believed, and of all gates: the most that were seen."""
+GATES = (20, 9)
+"""Events of two looks through the gates, a measured one: of each sharpening, and beside it."""
+GAP = 2
+"""Samples of simulated events that a gap takes: for its covariance, and for its scatter."""
+REFINED = 8
+"""Rounds of the fit of an effect that was chosen, at most."""
 
 
-def effort_for(task: Task, domain: str, num_simulations: int | None) -> Effort:
-    """The effort that takes about `num_simulations` events; the full one for None."""
+def first(effort: Effort, task: Task, num_events: int) -> int:
+    """Simulated events, at most about, of the first fit to so many measured ones, of the gates and of the gap."""
+    if task.generates:
+        return int(max(effort.generated * num_events, effort.least)) + 2 * num_events
+    points, events = effort.scan
+    rounds = max(effort.least, effort.rounds * num_events)
+    gates = (GATES[0] * effort.sharpen + GATES[1]) * num_events
+    return int(9 * points * events * 1.1 + ROUNDS * rounds + gates) + GAP * effort.covariance
+
+
+def addition(effort: Effort, num_events: int) -> int:
+    """Simulated events, at most about, with which an effect that was chosen is fitted and the gates look again."""
+    ratio, _ = effort.rounds_of_search[-2]
+    return int((REFINED * ratio + (GATES[0] * effort.sharpen + GATES[1]) / 2) * num_events)
+
+
+def effort_for(task: Task, domain: str, num_simulations: int | None, num_events: int = 0) -> Effort:
+    """The effort with which the first fit to so many measured events and the gates fit into `num_simulations`.
+
+    The full one for None. Raises UsageError where even the least does not fit.
+    """
     full = IMAGES if domain == "images" else MANY if task.num_features > 1 else Effort()
-    return full if num_simulations is None else full.scaled(min(1.0, num_simulations / USUAL[domain]))
+    if num_simulations is None:
+        return full
+    least = first(full.scaled(0), task, num_events)
+    if num_simulations < least:
+        raise UsageError(f"{num_simulations} simulated events are too few: the first fit and the gates need {least}")
+    share = float(np.clip((num_simulations - LEAST_SEARCH) / (SEVERAL * USUAL[domain]), 0, 1))
+    while first(full.scaled(share), task, num_events) > num_simulations:
+        share = share * STEP if share > LEAST_SHARE else 0.0
+    return full.scaled(share)

@@ -126,6 +126,26 @@ class Identifiable(Named):
     rivals: list[Named]
 
 
+class Disorder(Strict):
+    """Something that contradicts that the measured events are exchangeable."""
+
+    kind: Literal["drift", "change point", "season", "clustering"]
+    feature: Feature
+    of: Literal["level", "spread", "rate"]
+    """Of the feature's values, of how far they lie from their median, or of how often events come."""
+    at: float | None
+    """The index (from 0) or time of the first event after a change, a season's period in events or in time, a
+    clustering's lag in events; of a rate, in intervals of ten events on average."""
+    along: Literal["index", "time"]
+    size: float
+    """From first to last of a drift, the step of a change, the amplitude of a season; of a clustering the correlation,
+    or the excess of the variance of counts over their mean."""
+    unit: str
+    """Of the size."""
+    p_value: float
+    """With all tests of the order counted."""
+
+
 class Diagnosis(Strict):
     schema_version: int = SCHEMA_VERSION
     verdict: Verdict
@@ -151,6 +171,8 @@ class Diagnosis(Strict):
     regions: list[Region]
     candidates: list[Candidate]
     identifiability: list[Identifiable]
+    order: list[Disorder] | None = None
+    """What contradicts that events are exchangeable, the surest first; None where it was not asked."""
     notes: list[str]
     """Sentences for a person: fits that ended at a bound, what so few events cannot show, a wide AVO proposal."""
     num_events: int

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from avobench.tasks import Task
 from avobench.tasks.checked import checked_events
+from avobench.tasks.meter import Meter
 
 Alter = Callable[[Any, slice], Any]
 """What happens to generated events before they are detected, and in which rows of theta they are."""
@@ -24,27 +25,39 @@ class Generating(Protocol):
 
 
 class Counted:
-    """A task's simulator, counting events."""
+    """A task's simulator, whose events a meter counts. It raises BudgetExhausted at the meter's limit."""
 
-    def __init__(self, task: Task) -> None:
-        self.task, self.used = task, 0
+    def __init__(self, task: Task, meter: Meter | None = None) -> None:
+        self.task, self.meter = task, meter or Meter()
+
+    @property
+    def used(self) -> int:
+        """Events that were simulated."""
+        return self.meter.used
 
     def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """theta (n, p) -> (n, d). Raises SimulatorError for other events than the task declares."""
-        self.used += len(theta)
+        self.meter.charge(len(theta))
         return checked_events(self.task, theta, rng)
 
 
 class Pool:
     """Generated events of a task, handed out from a random place on, again and again.
 
-    Within one request no event comes twice as long as it asks for no more than the pool holds.
+    Within one request no event comes twice as long as it asks for no more than the pool holds. What is generated is
+    counted by a meter, and raises BudgetExhausted at its limit.
     """
 
-    def __init__(self, task: Generating, num_events: int, rng: np.random.Generator) -> None:
-        self.task, self.used = task, num_events
+    def __init__(self, task: Generating, num_events: int, rng: np.random.Generator, meter: Meter | None = None) -> None:
+        self.task, self.meter = task, meter or Meter()
+        self.meter.charge(num_events)
         self._pieces = list(task.generate(num_events, rng))
         self._starts = np.cumsum([0, *(len(piece) for piece in self._pieces)])
+
+    @property
+    def used(self) -> int:
+        """Events that were generated."""
+        return self.meter.used
 
     @property
     def size(self) -> int:
@@ -53,7 +66,7 @@ class Pool:
 
     def fresh(self, theta: NDArray[np.float64], rng: np.random.Generator, alter: Alter | None = None) -> NDArray:
         """Events that are not in the pool: theta (n, p) -> (n, d)."""
-        self.used += len(theta)
+        self.meter.charge(len(theta))
         return self.task.simulate(theta, rng) if alter is None else self.task.simulate(theta, rng, alter)
 
     def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator, alter: Alter | None = None) -> NDArray:

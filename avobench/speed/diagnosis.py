@@ -4,6 +4,7 @@ Measured events have one effect of the catalogue, strong enough that its name is
 processor time of one thread; exponents are slopes of straight lines through the logarithms.
 """
 
+import multiprocessing
 import time
 
 import click
@@ -11,6 +12,8 @@ import numpy as np
 import pandas as pd
 
 from avobench.bench import registry
+from avobench.bench.events import check_events
+from avobench.bench.memory import peak_memory_mib, reset_peak_memory
 from avobench.diagnosis.loop import diagnose
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
@@ -47,10 +50,43 @@ def measure(task_name: str, num_events: int, share: float, seed: int = 0) -> dic
     }
 
 
+LARGE = {"poisson": 10_000_000, "carl": 3_000_000}
+"""Rows of the tables whose memory is measured: one column of counts, and five of numbers."""
+LARGE_SIMULATIONS = 50_000_000
+"""At most: memory does not grow with them."""
+
+
+def memory(task_name: str, num_events: int, seed: int = 0) -> dict[str, float | str]:
+    """A row: the memory [GB] that a process has with so many events, and at most while it diagnoses them in order."""
+    task = registry.build("task", task_name, {})
+    rng = np.random.default_rng(seed)
+    theta = np.add(task.prior.low, task.prior.high) / 2
+    pieces = np.array_split(np.arange(num_events), max(num_events // 100_000, 1))
+    x = np.concatenate([task.simulate(np.tile(theta, (len(piece), 1)), rng) for piece in pieces])
+    reset_peak_memory()
+    held, start = peak_memory_mib(), time.process_time()
+    x, _ = check_events(task, x)
+    found = diagnose(task, x, seed=seed, num_simulations=LARGE_SIMULATIONS, ordered=True).diagnosis
+    return {
+        "task": task_name,
+        "events": num_events,
+        "compared": found.num_events,
+        "GB before": (held or np.nan) / 1024,
+        "GB at most": (peak_memory_mib() or np.nan) / 1024,
+        "seconds": time.process_time() - start,
+        "simulated": found.num_simulations,
+    }
+
+
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
 @click.option("--largest", type=int, default=EVENTS[-1], show_default=True, help="Measured events, at most.")
-def main(largest: int) -> None:
+@click.option("--memory", "only_memory", is_flag=True, help="Instead the memory of diagnoses of millions of rows.")
+def main(largest: int, only_memory: bool) -> None:
     """Print the seconds of diagnoses against measured events and against the size of the catalogue."""
+    if only_memory:
+        with multiprocessing.get_context("spawn").Pool(1, maxtasksperchild=1) as alone:  # the peak is of a process
+            show(pd.DataFrame([alone.apply(memory, row) for row in LARGE.items()]))
+        return
     sizes = [size for size in EVENTS if size <= largest]
     if len(sizes) < 2:
         raise click.UsageError(f"--largest must be at least {EVENTS[1]}")

@@ -1,4 +1,4 @@
-from avobench.speed.diagnosis import HIDDEN, measure
+from avobench.speed.diagnosis import HIDDEN, measure, memory
 
 
 def test_a_row_tells_what_a_diagnosis_took_and_that_it_was_right():
@@ -7,3 +7,11 @@ def test_a_row_tells_what_a_diagnosis_took_and_that_it_was_right():
     assert (row["events"], row["effects"]) == (2000, 2)
     assert row["seconds"] > 0
     assert row["simulated"] > 2000
+
+
+def test_a_row_of_memory_tells_the_peak(monkeypatch):
+    monkeypatch.setattr("avobench.speed.diagnosis.LARGE_SIMULATIONS", 300_000)
+    row = memory("poisson", 2000)
+    assert row["events"] == row["compared"] == 2000
+    assert 0 < row["GB before"] <= row["GB at most"]
+    assert row["simulated"] <= 300_000

@@ -9,7 +9,7 @@ from avobench.diagnosis.answer.identifiability import Row
 from avobench.diagnosis.answer.pictures import Pictures
 from avobench.diagnosis.answer.quoted import Move, found_effect, identified, models, named, probabilities, theta_values
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.schema import Candidate, Diagnosis, Gate, Identifiable, Region
+from avobench.diagnosis.schema import Candidate, Diagnosis, Disorder, Gate, Identifiable, Region
 from avobench.diagnosis.search.tested import Step
 from avobench.tasks import Task
 
@@ -40,18 +40,25 @@ class Run:
     """Measured."""
     num_simulations: int
     allowed: int | None
-    """Simulated events that were asked for, about; None for as many as it takes."""
+    """Simulated events, at most; None for as many as it takes."""
     seconds: float = 0.0
     seed: int = 0
 
 
 def assemble(
-    found: Found, last: Fit, moves: list[Move], where: list[Region], could: list[Row], notes: list[str], run: Run
+    found: Found,
+    last: Fit,
+    moves: list[Move],
+    where: list[Region],
+    could: list[Row],
+    notes: list[str],
+    run: Run,
+    disorder: list[Disorder] | None = None,
 ) -> Diagnosis:
     """The diagnosis.
 
     `last` is the final fit, `moves` say how far theta may be from it, `where` the disagreement is, and `could` what the
-    data could have shown of effects that the model has not.
+    data could have shown of effects that the model has not; `disorder` is what their order says, if that was asked.
     """
     first, final, labels = found.first, found.steps[-1], found.task.labels
     any_named, posterior = bool(found.effects), found.posterior
@@ -76,6 +83,7 @@ def assemble(
         regions=[region.model_copy(update={"unit": units.get(region.feature, "1")}) for region in where],
         candidates=_candidates(found),
         identifiability=[_identifiable(row, found.task) for row in could],
+        order=disorder,
         notes=notes,
         num_events=run.num_events,
         num_simulations=run.num_simulations,

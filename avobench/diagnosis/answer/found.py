@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.answer.quoted import Move, ambiguity
-from avobench.diagnosis.effort import Effort
+from avobench.diagnosis.effort import GAP, Effort
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.sharpening import settled
 from avobench.diagnosis.gates import regions as gates
 from avobench.diagnosis.gates.held_out import HeldOut
 from avobench.diagnosis.schema import Gap, Region, Verdict
-from avobench.diagnosis.search.candidates import Weighed
+from avobench.diagnosis.search.candidates import MOST, Weighed
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.tested import Step
 from avobench.diagnosis.summary.target import Target
@@ -121,6 +121,11 @@ class Found:
             return []
         names = () if domain(self.task) == "counts" else self.task.labels
         return gates.regions(self.steps[0].fit, self.target, self.x, rng, self.alpha, names)
+
+
+def gap_events(effort: Effort) -> int:
+    """Simulated events, at most, of the gaps before and after, and of those with each effect that was tried alone."""
+    return GAP * (2 * effort.covariance + MOST[0] * effort.fit)
 
 
 def _describes(step: Step, gap: Gap, alpha: float) -> bool:

@@ -41,6 +41,11 @@ class Row:
     rivals: tuple[Effect, ...] = ()
 
 
+def card_events(effects: list[Effect], effort: Effort) -> int:
+    """Simulated events that the card takes at most: for each effect, with it and without."""
+    return (2 * len(effects) + 1) * effort.card * len(STRENGTHS)
+
+
 def card(
     fit: Fit, target: Target, effects: list[Effect], alpha: float, rng: np.random.Generator, effort: Effort
 ) -> list[Row]:

@@ -27,9 +27,6 @@ def notes_of(found: Found, last: Fit, inferred: Inferred | None, run: Run) -> li
         notes.append(f"{names} was tried and left out: on the events kept aside the gap shrank by less than its error")
     if found.disagree and gap.low <= 1:
         notes.append(_unseen(found))
-    taken = run.num_simulations
-    if run.allowed is not None and taken > 2 * run.allowed:
-        notes.append(f"no diagnosis of {run.num_events} events takes much fewer simulated events than these {taken}")
     if inferred is not None:
         notes.append(inferred.note(found.first))
     if run.num_events < FEW_EVENTS:

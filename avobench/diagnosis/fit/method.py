@@ -28,11 +28,11 @@ class Inferred:
 
     @classmethod
     def by(cls, name: str, task: Task, x: NDArray, num_events: int | None, rng: np.random.Generator) -> "Inferred":
-        """From events x (N, d), with at most so many simulated ones, METHOD_EVENTS for None.
+        """From events x (N, d), with at most so many simulated ones, and METHOD_EVENTS.
 
         Raises UsageError for an unknown method and for too few events.
         """
-        num_events = num_events or METHOD_EVENTS
+        num_events = METHOD_EVENTS if num_events is None else min(num_events, METHOD_EVENTS)
         method = registry.build("method", name, {})
         registry.require_packages("method", method)
         least = method.min_simulations(len(task.parameter_names))

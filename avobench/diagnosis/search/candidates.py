@@ -1,10 +1,11 @@
-"""Which effect may a fitted model lack? All are screened, and what may be the answer is fitted with more and more events.
+"""Which effect may a fitted model lack? All are screened; what may be the answer is fitted with more and more events.
 
 Successive halving: after each round a candidate stays if, for all that simulation leaves open, it may still matter
 beside the best.
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 
@@ -21,6 +22,7 @@ from avobench.diagnosis.search.processes import in_processes
 from avobench.diagnosis.search.starts import Sample, Start, hidden, screen
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
+from avobench.tasks.errors import BudgetExhausted
 
 MOST_SCREENED = 32
 """Effects of which all shapes are screened; of more, the plainest shape of each, and all of the most promising."""
@@ -109,12 +111,13 @@ class Candidates:
         begun = self.work(begin, starts, known, self.effort.fit // 2)
         fits = distinct(sorted(begun, key=lambda fit: fit.noiseless_q))[: self.effort.begun]
         found: list[Weighed] = []
-        for (ratio, rounds), most in zip(self.effort.rounds_of_search, MOST, strict=True):
-            events = int(ratio * max(self.target.num_events, self.effort.few))
-            found = self.weigh(self.work(go_on, fits, known, events, rounds))
-            found = self.matter(found, beside)[:most]
-            fits = [one.fit for one in found]
-        return found
+        with suppress(BudgetExhausted):  # what was fitted until then is weighed
+            for (ratio, rounds), most in zip(self.effort.rounds_of_search, MOST, strict=True):
+                events = int(ratio * max(self.target.num_events, self.effort.few))
+                found = self.weigh(self.work(go_on, fits, known, events, rounds))
+                found = self.matter(found, beside)[:most]
+                fits = [one.fit for one in found]
+        return found or self.matter(self.weigh(fits), beside)[: MOST[0]]
 
     def work(self, fitting: Callable[..., Fit], begun: list, known: KnownModel, *how: int) -> list[Fit]:
         """The fits of all, from one seed, by so many processes as were asked for."""
@@ -134,7 +137,11 @@ class Candidates:
         found = sorted(found, key=lambda one: -one.evidence.at_least)
         least = max([beside, *(one.evidence.at_least for one in found)]) - MATTERS
         firsts = list({one.effects: one for one in reversed(found)}.values())[::-1][:PARENTS]
-        return [one for one in found if one.evidence.value + one.evidence.error > least or any(one is first for first in firsts)]
+        return [
+            one
+            for one in found
+            if one.evidence.value + one.evidence.error > least or any(one is first for first in firsts)
+        ]
 
 
 def begin(start: Start, known: KnownModel, target: Target, rng: np.random.Generator, num_events: int) -> Fit:

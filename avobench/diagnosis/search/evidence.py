@@ -5,9 +5,9 @@ no shape of the catalogue is exactly right: each effect is wrong by a smooth sha
 
     m ~ N(s(theta, eta), C / N + sum over effects of d^2 diag(D) K diag(D)).
 
-D is the change that adding the effect makes to the mean, theta following it, K a smooth correlation between bins, d the share. Theta, eta and d are
-integrated over (Laplace), so that whatever is free pays for itself. That something is missing which the catalogue does
-not have is a model too: the simulator, distorted smoothly by a share a of each bin,
+D is the change that adding the effect makes to the mean, theta following it, K a smooth correlation between bins, d the
+share. Theta, eta and d are integrated over (Laplace), so that whatever is free pays for itself. That something is
+missing which the catalogue does not have is a model too: the simulator, distorted smoothly by a share a of each bin,
 
     m ~ N(s(theta), C / N + a^2 diag(s) K diag(s)).
 
@@ -41,6 +41,7 @@ WEAKEST = 0.001
 """Of the range of a strength: log-uniform from there, since effects are weak more often than strong."""
 CHOICE = 2.5
 """Price of a choice among shapes that the parameters do not tell, such as a step: as of twelve to choose from."""
+
 
 @dataclass(frozen=True)
 class Evidence:

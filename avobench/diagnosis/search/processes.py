@@ -11,28 +11,47 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.search.starts import Start
 from avobench.effects.pool import Counted, Pool
-from avobench.tasks.errors import ProcessEnded
+from avobench.tasks.errors import BudgetExhausted, ProcessEnded
 
 
 def in_processes(
     jobs: int, events: Counted | Pool | None, fitting: Callable[..., Fit], calls: list[tuple]
 ) -> list[Fit]:
-    """The fits of all calls, by so many processes; `events` is what simulates, and counts what they simulated."""
-    fits = []
+    """The fits of all calls, by so many processes; `events` is what simulates, and its meter counts it.
+
+    Under a limit each other process has an equal share of what remains. A fit that needs more is made here, from the
+    rest. Raises BudgetExhausted where that is too little.
+    """
+    left = events.meter.remaining if events is not None else None
+    share = None if jobs == 1 or left is None else max(left, 0) // max(len(calls), 1)
     try:
-        made = joblib.Parallel(n_jobs=jobs)(joblib.delayed(_apart)(fitting, *call) for call in calls)
+        work = joblib.Parallel(n_jobs=jobs, return_as="generator")
+        made = []
+        for fit, used, process in work(joblib.delayed(_apart)(share, fitting, *call) for call in calls):
+            made.append(fit)
+            if process != os.getpid() and events is not None:
+                events.meter.add(used)
     except TerminatedWorkerError as error:
         raise ProcessEnded("crashed", "a worker process of the fits was ended (killed, or out of memory)") from error
-    for fit, used, process in made:
-        if process != os.getpid() and events is not None:
-            events.used += used
-        fits.append(replace(fit, model=replace(fit.model, events=events)))
-    return fits
+    fits = [fitting(*call) if fit is None else fit for fit, call in zip(made, calls, strict=True)]
+    return [replace(fit, model=replace(fit.model, events=events)) for fit in fits]
 
 
-def _apart(fitting: Callable[..., Fit], begun: Start | Fit, *more: Any) -> tuple[Fit, int, int]:
-    """A fit without this process's copy of what simulates, how many events that made, and which process it is."""
+def _apart(
+    share: int | None, fitting: Callable[..., Fit], begun: Start | Fit, *more: Any
+) -> tuple[Fit | None, int, int]:
+    """A fit without this process's copy of what simulates, how many events that made, and which process it is.
+
+    In a process of its own no more than a `share` of events is made; None where the fit needs more.
+    """
     events = begun.model.events
     before = events.used if events else 0
-    fit = fitting(begun, *more)
+    if share is not None:
+        events.meter.share(share)
+    try:
+        fit = fitting(begun, *more)
+    except BudgetExhausted:
+        if share is None:
+            raise
+        return None, events.used - before, os.getpid()
     return replace(fit, model=replace(fit.model, events=None)), events.used - before if events else 0, os.getpid()

@@ -1,19 +1,23 @@
 """Which effects are missing: a beam search over sets of effects, all weighed by their evidence."""
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.diagnosis.effort import Effort
+from avobench.diagnosis.effort import REFINED, Effort, addition
 from avobench.diagnosis.fit.descent import refine
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.sharpening import sharpen
+from avobench.diagnosis.progress import Telling
 from avobench.diagnosis.search.candidates import PARENTS, Candidates, Weighed
 from avobench.diagnosis.search.evidence import Scale
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
+from avobench.tasks.errors import BudgetExhausted
+from avobench.tasks.meter import Meter
 
 PRICE = 8.0
 """What a further effect costs in log evidence at least: its strength, and its place among all sets."""
@@ -31,24 +35,34 @@ class Search:
     rng: np.random.Generator
     effort: Effort
     jobs: int
+    telling: Telling | None = None
+    """What is told which effect is looked for."""
 
     def posterior(self, null: Fit) -> Posterior:
-        """Sets of effects that may be missing from a rejected model, with their probabilities."""
+        """Sets of effects that may be missing from a rejected model, with their probabilities.
+
+        Where the simulated events end, those that were weighed until then.
+        """
         scale, effects = Scale(self.target), [effect.adapted(self.x) for effect in self.effects]
         weighed = [Weighed(null, scale.of(null))]
         outside = scale.outside(null)
         beam = list(weighed)
-        for size in range(self.max_effects):
-            added = []
-            for parent in beam[: PARENTS if size < 2 else 1]:
-                beside = max(outside, *(one.evidence.at_least for one in weighed + added))
-                if parent.effects and parent.evidence.value + parent.evidence.excess - PRICE < beside:
-                    continue  # no further effect can make it the best
-                free = [e for e in effects if e.key not in parent.effects]
-                effort = self.effort.beside if parent.effects else self.effort
-                added += Candidates(parent, scale, free, self.x, self.rng, effort, self.jobs).weighed(beside)
-            weighed += added
-            beam = self.foremost(added)
+        meter = null.model.events.meter if null.model.events is not None else Meter()
+        with suppress(BudgetExhausted), meter.keeping(addition(self.effort, self.target.num_events)):
+            for size in range(self.max_effects):
+                added = []
+                for parent in beam[: PARENTS if size < 2 else 1]:
+                    beside = max(outside, *(one.evidence.at_least for one in weighed))
+                    if parent.effects and parent.evidence.value + parent.evidence.excess - PRICE < beside:
+                        continue  # no further effect can make it the best
+                    if self.telling is not None:
+                        self.telling.begin(f"search for effect {size + 1}")
+                    free = [e for e in effects if e.key not in parent.effects]
+                    effort = self.effort.beside if parent.effects else self.effort
+                    found = Candidates(parent, scale, free, self.x, self.rng, effort, self.jobs).weighed(beside)
+                    added += found
+                    weighed += found
+                beam = self.foremost(added)
         return Posterior.of(weighed, outside, effects)
 
     def foremost(self, added: list[Weighed]) -> list[Weighed]:
@@ -73,6 +87,6 @@ def refined(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) 
             name = f"{effect.name}: {effect.parameters[0].name}"
             notes.append(f"the bound of {name} was doubled, since the fit ended there")
         at += len(effect.parameters)
-    (ratio, _), rounds = effort.rounds_of_search[-2], 8
-    again = sharpen(fit, target, rng, int(ratio * target.num_events), rounds)
+    ratio, _ = effort.rounds_of_search[-2]
+    again = sharpen(fit, target, rng, int(ratio * target.num_events), REFINED)
     return min(again, fit, key=lambda fit: fit.noiseless_q + fit.noiseless_q_error), notes

@@ -6,6 +6,7 @@ from avobench.diagnosis import Result
 from avobench.diagnosis.schema import Diagnosis, EffectValue, Named, Value
 from avobench.reports import html
 from avobench.reports.diagnosis.figures import label
+from avobench.reports.diagnosis.order import sentences
 from avobench.reports.diagnosis.text import SIDES, likely_models, meaning, probabilities, unit_of
 from avobench.reports.numbers import number, p_equals, with_error
 from avobench.tasks import Task
@@ -31,6 +32,7 @@ def render(task: Task, result: Result, figures: list[html.Picture | html.Missing
         models=likely_models(diagnosis),
         figures=figures,
         tables=list(_tables(task, diagnosis)),
+        order=sentences(diagnosis),
         sentences={effect.name: effect.sentence for effect in added},
         label=label,
         number=number,

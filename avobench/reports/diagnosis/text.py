@@ -1,6 +1,7 @@
 """A diagnosis in words, at most a screen of them."""
 
 from avobench.diagnosis.schema import Diagnosis, EffectValue, FoundEffect, Gap, Gate, Named, Value, Verdict
+from avobench.reports.diagnosis.order import sentences
 from avobench.reports.numbers import p_equals, p_value
 
 MOST_REGIONS = 4
@@ -35,6 +36,7 @@ def summary(diagnosis: Diagnosis) -> str:
         lines.append(f"{name} = {_value(value)}" + (f" -> {_value(after[name])}" if name in after else ""))
     if diagnosis.effects:
         lines.append("the errors of an effect's size hold if its shape is the one that was fitted")
+    lines += [f"order: {sentence}" for sentence in sentences(diagnosis)[:MOST_REGIONS]]
     lines += [f"note: {note}" for note in diagnosis.notes[:MOST_NOTES]]
     lines.append(f"{diagnosis.num_simulations} simulated events, {diagnosis.seconds:.1f} s")
     return "\n".join(lines)

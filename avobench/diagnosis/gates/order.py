@@ -1,0 +1,271 @@
+"""Are events exchangeable? Tests of the order in which they came: drift, change point, season and clustering.
+
+If they are, any order of the same events is as probable as the one that was measured, whatever the simulator. Of each
+feature the ranks are tested, so that no tail matters; given the ranks, all null distributions here are known.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+from scipy.stats import chi2, kstwobign, norm, pearson3, rankdata
+
+from avobench.diagnosis.schema import Disorder
+
+LAGS = (1, 2, 4, 8, 16, 32, 64)
+"""Events apart, of which it is asked whether they are alike."""
+LEAST_CYCLES = 2
+"""Of a season within the data: fewer cannot be told from a drift."""
+MOST_BINS = 2**20
+"""Of the order or the time, for the periodogram: what bounds its time and memory."""
+IN_BIN = 10
+"""Events, on average, in an interval of the time in which they are counted."""
+ALIKE = 0.9
+"""Correlation of ranks from which the spread of a feature says no more than its level, as of rare counts."""
+TAIL = 0.01
+"""Share of the values at either end that count as the last one before, where a size is measured."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """A number for each event, or for each interval of time, in order."""
+
+    feature: str | None
+    of: Literal["level", "spread", "rate"]
+    values: NDArray[np.float64]
+    """(n,)"""
+    at: NDArray[np.float64]
+    """Position of each, ascending, 0 at the first and 1 at the last at most: (n,)."""
+    unit: str
+    """Of the values."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """What one test of a series says."""
+
+    kind: Literal["drift", "change point", "season", "clustering"]
+    p_value: float
+    gain: float
+    """About the negative logarithm of p, which tells apart what is too small for a number."""
+    at: float | None = None
+    """The position of a change, the period of a season, or the lag of a clustering, in events."""
+    shape: NDArray[np.float64] | None = None
+    """What is there if it is true, but for factors (n, k)."""
+    size: float = 0.0
+    """Where there is no shape, and its unit."""
+    unit: str = "correlation"
+
+
+def order(
+    features: dict[str | None, NDArray],
+    position: NDArray[np.float64],
+    along: Literal["index", "time"],
+    alpha: float,
+    rng: np.random.Generator,
+) -> list[Disorder]:
+    """What contradicts that events are exchangeable, at level `alpha` for all tests together; the surest first.
+
+    `features` are numbers of each event (n,), `position` its index or its time (n,), in any order. Along the time, how
+    often events come is a series as well. Events of one time, as where times are rounded, are put into a random order.
+    """
+    gaps = np.diff(np.unique(position))
+    spread = position + rng.uniform(0, gaps.min(), len(position)) if along == "time" else position.astype(float)
+    rows = np.argsort(spread)
+    start, span = float(spread[rows[0]]), float(spread[rows[-1]] - spread[rows[0]])
+    at = (spread[rows] - start) / span
+    looks = 4 * (2 * len(features) + (along == "time")) + (along == "time")
+    found: list[tuple[Look, Series]] = []
+    for name, values in features.items():
+        level = Series(name, "level", clipped(values[rows]), at, "its own unit")
+        seen, left = pursued(level, scores(values[rows]), alpha / looks)
+        found += [(look, level) for look in seen]
+        width = np.abs(left - np.median(left))
+        told_apart = abs(scores(width) @ scores(left)) < ALIKE * len(left)
+        if told_apart and all(look.kind != "clustering" for look in seen):
+            spreads = Series(name, "spread", width / max(width.mean(), 1e-300), at, "of its mean")
+            found += [(look, spreads) for look in pursued(spreads, scores(width), alpha / looks)[0]]
+    if along == "time":
+        counts = np.histogram(at, max(min(len(at) // IN_BIN, MOST_BINS), 2), (0, 1))[0].astype(float)
+        middle = (np.arange(len(counts)) + 0.5) / len(counts)
+        rate = Series(None, "rate", counts / counts.mean(), middle, "of the mean rate")
+        found += [(look, rate) for look in pursued(rate, scores(counts), alpha / looks)[0]]
+        if (look := bursts(counts)).p_value < alpha / looks:
+            found.append((look, rate))
+    found.sort(key=lambda each: (each[0].p_value, -each[0].gain))
+    return [told(look, series, along, start, span, looks) for look, series in found]
+
+
+def projections(x: NDArray, names: tuple[str, ...], image: tuple[int, ...]) -> dict[str | None, NDArray]:
+    """What is followed of events x (N, d): each feature, named or not; of images their hits and where these are."""
+    if not image:
+        return dict(zip(names, x.T, strict=True)) if names else {None: x[:, 0]}
+    hits = (x > 0).sum(axis=1)
+    row, column = np.divmod(np.arange(x.shape[1]), int(np.prod(image[1:])))
+    found: dict[str | None, NDArray] = {"hits": hits}
+    for name, place in (("row", row), ("column", column)):
+        mean = (x > 0) @ place / np.maximum(hits, 1)
+        found[name] = np.where(hits > 0, mean, np.median(mean[hits > 0]) if hits.any() else 0)
+    return found
+
+
+def scores(values: NDArray) -> NDArray[np.float64]:
+    """Ranks of values (n,), of mean 0 and variance 1; all 0 where values are alike."""
+    ranks = rankdata(values)
+    ranks -= ranks.mean()
+    return ranks / max(ranks.std(), 1e-12)
+
+
+def clipped(values: NDArray) -> NDArray[np.float64]:
+    """Values (n,) without their tails, of which few events would decide how large something is."""
+    return np.clip(values.astype(float), *np.quantile(values, [TAIL, 1 - TAIL]))
+
+
+def pursued(series: Series, score: NDArray[np.float64], level: float) -> tuple[list[Look], NDArray[np.float64]]:
+    """What is in a series at this level, and its values without it (n,): the surest first, then what is in the rest.
+
+    A drift looks a little like a change point, and every other pair is alike too: what one explains does not count for
+    another. Each kind is told once. After a clustering nothing is looked for, since events then depend on each other.
+    """
+    found: list[Look] = []
+    values = series.values
+    while True:
+        told = {look.kind for look in found}
+        looks = [look for look in looked(score, series.at) if look.kind not in told]
+        best = min(looks, key=lambda look: (look.p_value, -look.gain), default=None)
+        if best is None or best.p_value >= level or not score.any():
+            return found, values
+        found.append(best)
+        if best.shape is None:
+            return found, values
+        values, score = without(values, best.shape), without(score, best.shape)
+        score /= max(score.std(), 1e-12)
+
+
+def looked(s: NDArray[np.float64], at: NDArray[np.float64]) -> Iterator[Look]:
+    """The four tests of scores s (n,) of mean 0 and variance 1 at positions (n,)."""
+    yield drift(s)
+    yield change_point(s, at)
+    yield season(s, at)
+    yield clustering(s)
+
+
+def drift(s: NDArray[np.float64]) -> Look:
+    """A monotonic change: Spearman's rank correlation with the order, whose variance is 1 / (n - 1)."""
+    n = len(s)
+    line = np.linspace(-0.5, 0.5, n)
+    z = float(s @ line / np.linalg.norm(line) / np.sqrt(n) * np.sqrt(n - 1))
+    return Look("drift", float(2 * norm.sf(abs(z))), z**2 / 2, shape=line[:, None])
+
+
+def change_point(s: NDArray[np.float64], at: NDArray[np.float64]) -> Look:
+    """A step: the largest cumulated sum, as that of a Brownian bridge (A. N. Pettitt, Appl. Statist. 28 (1979) 126)."""
+    path = np.abs(np.cumsum(s)) / np.sqrt(len(s))
+    k = int(path[:-1].argmax())
+    after = (np.arange(len(s)) > k).astype(float)
+    return Look("change point", float(kstwobign.sf(path[k])), 2 * path[k] ** 2, float(at[k + 1]), after[:, None])
+
+
+def season(s: NDArray[np.float64], at: NDArray[np.float64]) -> Look:
+    """The highest of a periodogram that allows for uneven positions (J. D. Scargle, Astrophys. J. 263 (1982) 835).
+
+    At each frequency the cosine and sine sums are compared with their covariance over all orders of the scores, which
+    makes the power exponential. The p-value is a bound, for all frequencies up to that of two mean distances; they are
+    half a cycle apart, so that no season falls between them.
+    """
+    n = len(s)
+    bins = min(n, MOST_BINS)
+    cell = np.minimum((at * (bins - 1) + 0.5).astype(int), bins - 1)
+    k = np.arange(2 * LEAST_CYCLES, bins)  # half a cycle each
+    sums = np.fft.rfft(np.bincount(cell, s, bins), 2 * bins)[k]
+    window = np.fft.rfft(np.bincount(cell, minlength=bins) / n, 2 * bins)
+    once = window[k]
+    twice = np.where(2 * k <= bins, window[np.minimum(2 * k, bins)], window[np.clip(2 * bins - 2 * k, 0, bins)].conj())
+    # Sums of s cos and s sin over the order, and their covariance if s comes in any order.
+    a, b = sums.real, -sums.imag
+    vaa = n * ((1 + twice.real) / 2 - once.real**2)
+    vbb = n * ((1 - twice.real) / 2 - once.imag**2)
+    vab = n * (-twice.imag / 2 + once.real * once.imag)
+    det = vaa * vbb - vab**2
+    fine = det > 1e-3 * n**2 / 4  # at others the positions leave no room for both a cosine and a sine
+    power = np.where(fine, (a**2 * vbb - 2 * a * b * vab + b**2 * vaa) / np.where(fine, 2 * det, 1), 0.0)
+    best = int(power.argmax())
+
+    def waves(cycles: float) -> NDArray[np.float64]:
+        phase = 2 * np.pi * cycles * at
+        return np.column_stack([np.cos(phase), np.sin(phase)])
+
+    def left(cycles: float) -> float:
+        return float((without(s, waves(cycles)) ** 2).sum())
+
+    around = k[best] / 2 * (bins / (bins - 1) if bins > 1 else 1)
+    p = float(min(-np.expm1(len(k) * np.log1p(-np.exp(-power[best]))), 1.0)) if power[best] > 0 else 1.0
+    if p > 1e-3:  # too little for a period to be worth more care
+        return Look("season", p, float(power[best]), 1 / around, waves(around))
+    cycles = float(minimize_scalar(left, bounds=(around - 0.5, around + 0.5), method="bounded").x)
+    return Look("season", p, float(power[best] - np.log(len(k))), 1 / cycles, waves(cycles))
+
+
+def clustering(s: NDArray[np.float64]) -> Look:
+    """Events that are close to each other are alike: the largest autocorrelation.
+
+    A sum of products of independent scores has a third moment, which matters where few events differ from all others.
+    """
+    n = len(s)
+    skew = float((np.abs(s) ** 3).mean() ** 2 / np.sqrt(n))
+    lags = [lag for lag in LAGS if lag < n // 4]
+    z = [float(s[lag:] @ s[:-lag]) / np.sqrt(n - lag) for lag in lags]
+    best = int(np.argmax(z))
+    p = float(min(len(lags) * pearson3.sf(z[best], skew), 1.0))
+    return Look("clustering", p, max(z[best], 0) ** 2 / 2, lags[best], size=z[best] / np.sqrt(n - lags[best]))
+
+
+def bursts(counts: NDArray[np.float64]) -> Look:
+    """Events that come together: counts (n,) of neighbouring intervals differ by more than those of a Poisson process.
+
+    Of the events in two neighbours, each has one half; a rate that changes slowly does not matter.
+    """
+    pairs = counts[: len(counts) // 2 * 2].reshape(-1, 2)
+    pairs = pairs[pairs.sum(axis=1) > 0]
+    q = float((np.diff(pairs, axis=1)[:, 0] ** 2 / pairs.sum(axis=1)).sum())
+    p, z = float(chi2.sf(q, len(pairs))), (q - len(pairs)) / np.sqrt(2 * len(pairs))
+    return Look("clustering", p, max(z, 0) ** 2 / 2, 1, None, q / len(pairs) - 1, "of the mean count")
+
+
+def without(values: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Values (n,) less their mean and the best multiple of a shape (n, k)."""
+    return values - values.mean() - (shape - shape.mean(axis=0)) @ factors(values, shape)
+
+
+def factors(values: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray[np.float64]:
+    """By how much of each column of a shape (n, k) values (n,) are best described beside a constant: (k,)."""
+    shape = shape - shape.mean(axis=0)
+    return np.linalg.solve(shape.T @ shape + 1e-12 * np.eye(shape.shape[1]), shape.T @ values)
+
+
+def told(
+    look: Look, series: Series, along: Literal["index", "time"], start: float, span: float, looks: int
+) -> Disorder:
+    """A finding with its size in the units of the series, and with where it is in those of the order or the time."""
+    where = look.at
+    if look.kind == "change point":
+        where = start + span * look.at
+    elif look.kind == "season":
+        where = span * look.at
+    size, unit = look.size, look.unit
+    if look.shape is not None:
+        size, unit = factors(series.values, look.shape), series.unit
+        size = float(np.linalg.norm(size)) if look.kind == "season" else float(size[0])
+    return Disorder(
+        kind=look.kind,
+        feature=series.feature,
+        of=series.of,
+        at=where,
+        along=along,
+        size=size,
+        unit=unit,
+        p_value=min(look.p_value * looks, 1.0),
+    )

@@ -1,0 +1,58 @@
+"""The one meter of simulated events: whatever simulates is charged here first, and never beyond its limit."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from avobench.tasks.errors import BudgetExhausted
+
+
+class Meter:
+    """Counts events, and refuses those beyond `limit`; no limit for None.
+
+    A request that would exceed the limit is refused whole, and its events are added to `refused`.
+    """
+
+    def __init__(self, limit: int | None = None, progress: Callable[[int], None] | None = None) -> None:
+        self.limit, self.used, self.refused, self._progress = limit, 0, 0, progress
+        self.kept = 0
+        """Of the events that remain, for what is to follow."""
+
+    @property
+    def remaining(self) -> int | None:
+        """Events that may still be simulated; None for any number."""
+        return None if self.limit is None else self.limit - self.used - self.kept
+
+    def charge(self, num_events: int) -> None:
+        """Count events that are about to be simulated. Raises BudgetExhausted where too few remain."""
+        if self.limit is not None and num_events > self.remaining:
+            self.refused += num_events
+            raise BudgetExhausted(f"{num_events} events asked for, {self.remaining} of {self.limit} left")
+        self.used += num_events
+        self.tell()
+
+    def share(self, num_events: int) -> None:
+        """Allow so many more events and no others: this is the copy of another process."""
+        self.limit, self.kept = self.used + num_events, 0
+
+    def add(self, num_events: int) -> None:
+        """Count events that were simulated in another process, under a limit that this one gave it."""
+        self.used += num_events
+        self.tell()
+
+    def tell(self) -> None:
+        """Say how many were used."""
+        if self._progress is not None:
+            self._progress(self.used)
+
+    @contextmanager
+    def keeping(self, num_events: int) -> Iterator[None]:
+        """Meanwhile so many of the events that remain are for what follows."""
+        self.kept += num_events
+        try:
+            yield
+        finally:
+            self.kept -= num_events
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_progress": None}  # a copy in another process tells nobody

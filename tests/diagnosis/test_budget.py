@@ -1,0 +1,102 @@
+"""A diagnosis never simulates more than it may, and says what it left out."""
+
+import json
+
+import numpy as np
+import pytest
+
+from avobench.diagnosis import Diagnosis, diagnose
+from avobench.diagnosis.schema import Verdict
+from avobench.effects.catalogue import catalogue
+from avobench.tasks.errors import UsageError
+from avobench.tasks.poisson import Poisson
+
+
+class Counting(Poisson):
+    """Poisson that counts what it is asked for itself."""
+
+    def __init__(self):
+        super().__init__()
+        object.__setattr__(self, "made", [0])
+
+    def simulate(self, theta, rng):
+        self.made[0] += len(theta)
+        return super().simulate(theta, rng)
+
+
+@pytest.fixture(scope="module")
+def often_off():
+    rng = np.random.default_rng(0)
+    x = rng.poisson(7, (1000, 1))
+    x[rng.random(1000) < 0.1] = 0
+    return x
+
+
+@pytest.mark.parametrize("allowed", [190_000, 300_000, 3_000_000])
+def test_the_limit_holds_whatever_is_found(often_off, allowed):
+    task = Counting()
+    effects = [e for e in catalogue(task) if e.name in ("zero_inflation", "overdispersion", "dead_time")]
+    diagnosis = diagnose(task, often_off, effects=effects, num_simulations=allowed).diagnosis
+    assert diagnosis.num_simulations == task.made[0] <= allowed
+    assert diagnosis.verdict != Verdict.NOTHING
+    ended = [note for note in diagnosis.notes if "the search ended early" in note]
+    assert bool(ended) or diagnosis.effects[0].name == "zero_inflation"
+
+
+def test_too_few_simulated_events_are_refused_with_the_least_number(often_off):
+    with pytest.raises(
+        UsageError, match="1000 simulated events are too few: the first fit and the gates need"
+    ) as refused:
+        diagnose(Poisson(), often_off, num_simulations=1000)
+    least = int(str(refused.value).split()[-1])
+    task = Counting()
+    diagnosis = diagnose(task, often_off, num_simulations=least, max_effects=0)
+    assert task.made[0] <= least
+    assert diagnosis.diagnosis.p_value_before < 0.05
+
+
+def test_several_workers_keep_the_limit_too(often_off):
+    effects = [e for e in catalogue(Poisson()) if e.name in ("zero_inflation", "overdispersion")]
+    found = diagnose(Poisson(), often_off, effects=effects, num_simulations=400_000, jobs=2)
+    assert found.diagnosis.num_simulations <= 400_000
+
+
+def test_progress_goes_through_the_phases_and_never_back(often_off):
+    told = []
+    effects = [e for e in catalogue(Poisson()) if e.name == "zero_inflation"]
+    result = diagnose(
+        Poisson(), often_off, effects=effects, num_simulations=1_000_000, progress=lambda *each: told.append(each)
+    )
+    phases, done, total = zip(*told, strict=True)
+    seen = list(dict.fromkeys(phases))
+    assert seen[:4] == ["first fit", "gates", "search", "search for effect 1"]
+    assert seen[-1] == "checks"
+    assert list(done) == sorted(done)
+    assert all(d <= t for d, t in zip(done, total, strict=True))
+    assert done[-1] == result.diagnosis.num_simulations
+
+
+def test_order_changes_nothing_else():
+    """Without the option the field is null, and with it all else is the same."""
+    x = np.random.default_rng(0).poisson(7, (600, 1))
+    x = np.r_[x, np.random.default_rng(1).poisson(8, (600, 1))]
+    plain, ordered = (
+        diagnose(Poisson(), x, effects=[], num_simulations=250_000, ordered=option).diagnosis
+        for option in (False, True)
+    )
+    assert plain.order is None
+    assert [(one.kind, one.feature, one.of) for one in ordered.order] == [("change point", None, "level")]
+    assert ordered.order[0].at == pytest.approx(600, abs=100)
+    same = {"order", "seconds"}
+    assert plain.model_dump(exclude=same) == ordered.model_dump(exclude=same)
+    text = json.dumps(ordered.model_dump(mode="json"), allow_nan=False)
+    assert Diagnosis.model_validate_json(text) == ordered
+
+
+def test_of_millions_of_events_a_random_sample_is_compared(monkeypatch):
+    monkeypatch.setattr("avobench.diagnosis.loop.MOST_EVENTS", 1000)
+    x = np.r_[np.random.default_rng(0).poisson(7, (1500, 1)), np.random.default_rng(1).poisson(9, (1500, 1))]
+    diagnosis = diagnose(Poisson(), x, effects=[], num_simulations=250_000, ordered=True).diagnosis
+    assert diagnosis.num_events == 1000
+    assert any("a random 1000 of the 3000 events were compared" in note for note in diagnosis.notes)
+    assert diagnosis.order[0].at == pytest.approx(1500, abs=150)  # an index of all events
