@@ -23,11 +23,11 @@ from avobench.tasks.weinberg import Weinberg
 
 COUNTS = (
     "zero_inflation overdispersion dead_time threshold_loss flat_background double_counting readout_noise quantisation "
-    "pile_up inefficiency"
+    "pile_up inefficiency spread mixture after_pulses heaping truncation censoring"
 )
 CONTINUOUS = (
     "resolution offset scale edge_acceptance forward_backward_acceptance flat_background peak_background dead_region "
-    "charge_misid outliers crosstalk quantisation saturation"
+    "charge_misid outliers crosstalk quantisation saturation spread mixture heaping"
 )
 
 
@@ -46,10 +46,11 @@ def test_catalogue_has_the_promised_names():
     assert {e.name for e in catalogue(Weinberg())} == set(CONTINUOUS.split()) - {"crosstalk"}
     of_carl = catalogue(Carl())
     assert {e.name for e in of_carl} == set(CONTINUOUS.split())
-    assert len({e.key for e in of_carl}) == len(of_carl) == 13 * 6  # five features, and all alike
+    # five features, and all alike; two parameters, and both in a second population
+    assert len({e.key for e in of_carl}) == len(of_carl) == 14 * 6 + 2 + 1
 
 
-@pytest.mark.parametrize("name", ["overdispersion", "double_counting", "resolution", "edge_acceptance"])
+@pytest.mark.parametrize("name", ["overdispersion", "counts.spread", "after_pulses", "heaping", "resolution"])
 def test_effects_keep_their_contract(name):
     results = list(check.run("effect", name))
     assert [f"{r.what}: {r.why}" for r in results if not r.passed] == []
