@@ -169,7 +169,7 @@ def check_events(
         largest = x.max() if x.max() > LARGEST else x.min()
         raise UsageError(f"the data reach to {largest:.3g}, beyond 2^53 numbers are not exact; give another unit")
     whole = np.issubdtype(np.dtype(task.dtype), np.integer)
-    counts = np.array([whole or kind == "count" for kind in task.kinds])
+    counts = np.array([whole or kind == "count" for kind in task.kinds_of_features])
     fractions = counts & (x != np.rint(x))
     if broken := int(fractions.any(axis=1).sum()):
         names = [name for name, some in zip(task.labels, fractions.any(axis=0), strict=True) if some]
@@ -178,7 +178,7 @@ def check_events(
     warnings += _outside(task, x)
     if diagnosis:
         _check_for_diagnosis(task, x)
-    if task.event_shape or set(task.kinds) != {"count"}:
+    if task.event_shape or set(task.kinds_of_features) != {"count"}:
         repeated = len(x) - len(np.unique(x, axis=0))
         if repeated > MANY_REPEATS * len(x):
             warnings.append(

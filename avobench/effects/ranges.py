@@ -78,7 +78,7 @@ def ranges(task: Task) -> tuple[Range, ...]:
     x = task.simulate(task.prior.sample(REFERENCE_EVENTS, rng), rng)
     found = []
     units = task.feature_units or ("",) * task.num_features
-    for column, kind, unit in zip(x.T.astype(float), task.kinds, units, strict=True):
+    for column, kind, unit in zip(x.T.astype(float), task.kinds_of_features, units, strict=True):
         low, high = column.min(), column.max()
         if kind == "angle":
             once = 360.0 if unit == "deg" else 2 * np.pi

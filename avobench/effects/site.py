@@ -17,7 +17,7 @@ def domain(task: Task) -> Domain:
     """What the events of a task are: counts only where all features are."""
     if task.event_shape:
         return "images"
-    return "counts" if set(task.kinds) == {"count"} else "continuous"
+    return "counts" if set(task.kinds_of_features) == {"count"} else "continuous"
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class Site:
         """Of the effects that apply: those of its features where an event has counts beside real numbers."""
         if self.task.event_shape:
             return {"images"}
-        return {"counts" if kind == "count" else "continuous" for kind in self.task.kinds}
+        return {"counts" if kind == "count" else "continuous" for kind in self.task.kinds_of_features}
 
     @cached_property
     def ranges(self) -> tuple[Range, ...]:
@@ -44,14 +44,14 @@ class Site:
     @property
     def features(self) -> list[int | Literal["all"]]:
         """What an effect on real numbers may act on: each of them, and all alike where an event has several."""
-        return self._acted_on([j for j, kind in enumerate(self.task.kinds) if kind != "count"])
+        return self._acted_on([j for j, kind in enumerate(self.task.kinds_of_features) if kind != "count"])
 
     @property
     def counts(self) -> list[int | Literal["all"] | None]:
         """The same of an effect on counts; None where an event is but one, so that there is nothing to choose from."""
         if self.task.num_features == 1 and self.domains == {"counts"}:
             return [None]
-        return self._acted_on([j for j, kind in enumerate(self.task.kinds) if kind == "count"])
+        return self._acted_on([j for j, kind in enumerate(self.task.kinds_of_features) if kind == "count"])
 
     def columns(self, feature: int | Literal["all"] | None) -> tuple[int, ...]:
         """Where a feature of these stands in an event."""

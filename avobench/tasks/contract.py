@@ -141,7 +141,7 @@ class Task(ABC):
         return self.feature_names or tuple(f"x{j + 1}" for j in range(self.num_features))
 
     @property
-    def kinds(self) -> tuple[Kind, ...]:
+    def kinds_of_features(self) -> tuple[Kind, ...]:
         """What each feature is, as it was stated or as `dtype` says: (d,)"""
         whole = np.dtype(self.dtype).kind in "iu"
         return self.feature_kinds or ("count" if whole else "continuous",) * self.num_features

@@ -60,7 +60,7 @@ class FunctionTask(Task):
         if kinds:
             if wrong := [kind for kind in kinds.values() if kind not in get_args(Kind)]:
                 raise ValueError(f"a feature is one of {', '.join(get_args(Kind))}, not {wrong[0]}")
-            plain = dict(zip(self.labels, self.kinds, strict=True))
+            plain = dict(zip(self.labels, self.kinds_of_features, strict=True))
             self.feature_kinds = tuple((plain | dict(kinds)).values())
             self.dtype = np.dtype(np.int64 if set(self.feature_kinds) == {"count"} else np.float64)
             self._of_their_kinds(x)

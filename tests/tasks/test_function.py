@@ -44,8 +44,8 @@ def test_counts_are_whole_numbers_and_columns_keep_their_place():
 def test_features_are_of_the_kinds_that_are_stated():
     options = {"prior": [(0, 1), (1, 2)], "names": ["a", "b"], "features": ["x", "n"]}
     plain, stated = task(pair, **options), task(pair, **options, kinds={"n": "count"}, feature_units={"x": "GeV"})
-    assert plain.kinds == ("continuous", "continuous")
-    assert stated.kinds == ("continuous", "count")
+    assert plain.kinds_of_features == ("continuous", "continuous")
+    assert stated.kinds_of_features == ("continuous", "count")
     assert stated.feature_units == ("GeV", "1")
     assert stated.dtype == np.float64
     assert plain.parts[1] != stated.parts[1]

@@ -112,7 +112,7 @@ def _kinds(task: Task) -> None:
     if task.event_shape:
         return
     x = task.simulate(task.prior.sample(1000, np.random.default_rng(0)), np.random.default_rng(1))
-    for name, kind, span, values in zip(task.labels, task.kinds, ranges(task), x.T, strict=True):
+    for name, kind, span, values in zip(task.labels, task.kinds_of_features, ranges(task), x.T, strict=True):
         if kind == "count":
             wrong = values[(values < 0) | (values != np.rint(values))]
             expect(len(wrong) == 0, f"{name} is a count and was {wrong[:1]}; of another kind feature_kinds tells")

@@ -20,6 +20,8 @@ REPEATED = 5
 """So many equal values of a real number are no chance."""
 KNOWN = 1e-9
 """Relative error of a step that is read off the data."""
+FINEST = 0.01
+"""Of half the range, the finest step that is thought of."""
 MOSTLY = 0.98
 """The largest share that a fit begins at: at one there is no slope to follow."""
 REACHES = (0.05, 0.15, 0.5)
@@ -52,8 +54,8 @@ class Heaping(Family):
     """Where the values stand in an event."""
     whole: bool = False
     """Whether they are counts."""
-    step: float = 10.0
-    """That which the data show."""
+    steps: tuple[float, float] = (5.0, 100.0)
+    """Between which the step lies: next to each other where the data show it."""
 
     stage = 4
     name = "heaping"
@@ -68,21 +70,25 @@ class Heaping(Family):
     @classmethod
     def entries(cls, site):
         """One a feature that is a number, whether a count or not, and one that acts on all alike."""
-        features = [(feature, True) for feature in site.counts] + [(feature, False) for feature in site.features]
-        return [cls(feature=feature, columns=site.columns(feature), whole=whole) for feature, whole in features]
+        entries = [cls(feature=feature, columns=site.columns(feature), whole=True) for feature in site.counts]
+        for feature in site.features:
+            columns = site.columns(feature)
+            widest = max(site.ranges[j].half for j in columns)
+            entries.append(cls(feature=feature, columns=columns, steps=(FINEST * widest, widest)))
+        return entries
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         unit = "counts" if self.whole else OF_FEATURE
-        step = Parameter("step", (1 - KNOWN) * self.step, (1 + KNOWN) * self.step, None, unit)
-        return (self.STRENGTH, step, *self.SHAPES[self.shape])
+        return (self.STRENGTH, Parameter("step", *self.steps, None, unit), *self.SHAPES[self.shape])
 
     def shown(self, x: NDArray) -> Heaps:
         """The heaps of measured events x (N, d) that stand out most, of all features that it acts on."""
         return max((heaps(x[:, j], self.whole) for j in self.columns), key=lambda one: one.z)
 
     def adapted(self, x):
-        return replace(self, step=self.shown(x).step or self.step)
+        step = self.shown(x).step
+        return replace(self, steps=((1 - KNOWN) * step, (1 + KNOWN) * step) if step else self.steps)
 
     def guess(self, x):
         """Nothing where no multiples stand out."""
