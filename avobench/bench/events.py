@@ -165,10 +165,10 @@ def check_events(
     """The events (n, d), or (n,) of one number each, as an array (n, d) of the task's type, and warnings.
 
     Raises UsageError where an inference would be meaningless: no numbers, another number of columns, rows that are not
-    finite (unless `drop_invalid` drops them), whole numbers for a continuous task or fractions for counts, none at all,
-    numbers beyond 2^53, or a feature of which most values lie far from all that the simulator makes. A `diagnosis` also
-    takes neither fewer than MIN_EVENTS nor a feature of which all values are alike. Raises SimulatorError for a task
-    whose simulator does not make what it declares.
+    finite (unless `drop_invalid` drops them), fractions for counts, none at all, numbers beyond 2^53, or a feature of
+    which most values lie far from all that the simulator makes. A `diagnosis` also takes neither fewer than MIN_EVENTS
+    nor a feature of which all values are alike. Real numbers that happen to be whole are taken: rounding is an effect.
+    Raises SimulatorError for a task whose simulator does not make what it declares.
     """
     x = np.asarray(x)
     x = x[:, None] if x.ndim == 1 else x
@@ -195,17 +195,17 @@ def check_events(
     if x.max() > LARGEST or x.min() < -LARGEST:
         largest = x.max() if x.max() > LARGEST else x.min()
         raise UsageError(f"the data reach to {largest:.3g}, beyond 2^53 numbers are not exact; give another unit")
-    whole = bool((x == np.rint(x)).all())
-    if np.issubdtype(np.dtype(task.dtype), np.integer):
-        if not whole:
-            broken = (x != np.rint(x)).any(axis=1).sum()
-            raise UsageError(f"{task.name} makes whole numbers, {broken} of {len(x)} rows hold fractions")
-    elif whole and not task.event_shape:
-        raise UsageError(f"{task.name} makes continuous values, the data hold whole numbers only")
+    whole = np.issubdtype(np.dtype(task.dtype), np.integer)
+    counts = np.array([whole or kind == "count" for kind in task.kinds_of_features])
+    fractions = counts & (x != np.rint(x))
+    if broken := int(fractions.any(axis=1).sum()):
+        names = [name for name, some in zip(task.labels, fractions.any(axis=0), strict=True) if some]
+        what = "" if counts.all() else f" of {', '.join(names)}"
+        raise UsageError(f"{task.name} makes whole numbers{what}, {broken} of {len(x)} rows hold fractions")
     warnings += _outside(task, x, diagnosis)
     if diagnosis:
         _check_for_diagnosis(task, x)
-    if task.event_shape or not np.issubdtype(np.dtype(task.dtype), np.integer):
+    if task.event_shape or set(task.kinds_of_features) != {"count"}:
         repeated = num_repeated(x)
         if repeated > MANY_REPEATS * len(x):
             warnings.append(

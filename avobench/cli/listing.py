@@ -67,8 +67,10 @@ def effects_of(spec: str) -> str:
         where = f"each acts on one of {', '.join(features)}, or on all alike; bounds are those for {features[0]}"
         lines += _wrapped(f"  {where}", 4)
     for name in dict.fromkeys(effect.name for effect in entries):
-        first = next(effect for effect in entries if effect.name == name)
-        lines += _effect(first.shapes(), _bounds)
+        own = [effect for effect in entries if effect.name == name]
+        lines += _effect(own[0].shapes(), _bounds)
+        if len(own) > 1 and isinstance(own[0].feature, str):
+            lines += _wrapped(f"        each acts on one of {', '.join(effect.feature for effect in own)}", 12)
     return "\n".join(lines)
 
 

@@ -17,7 +17,8 @@ class Verdict(StrEnum):
 
 
 Feature = str | None
-"""None where events have no features to choose from, "all" where an effect acts on all alike, else a feature's name."""
+"""None where events have no features to choose from, "all" where an effect acts on all alike, else a feature's name, or
+that of the parameter of the task that an effect acts on."""
 
 
 class Strict(BaseModel):

@@ -40,20 +40,19 @@ def families() -> dict[str, type[Effect]]:
     return found
 
 
-def of_domain(kind: Domain) -> list[type[Effect]]:
-    """The families for events of a kind, in the order of the catalogue."""
-    own = {family: None for family in families().values() if kind in family.domains}
+def of_domain(*kinds: Domain) -> list[type[Effect]]:
+    """The families for features of any of these kinds, in the order of the catalogue."""
+    own = {family: None for family in families().values() if not set(kinds).isdisjoint(family.domains)}
     return sorted(own, key=lambda family: (family.position is None, family.position or 0, family.name))
 
 
 def catalogue(task: Task, x: NDArray | None = None) -> list[Effect]:
     """Every effect that applies to `task`: one entry a name and feature, each in its plainest shape.
 
-    Ranges of features are those that events x (N, d) show, or those over the prior. Raises UsageError for a task whose
-    events are of no known domain.
+    Ranges of features are those that events x (N, d) show, or those over the prior.
     """
     site = Site(task, x)
-    return [entry for family in of_domain(site.domain) for entry in family.entries(site)]
+    return [entry for family in of_domain(*site.domains) for entry in family.entries(site)]
 
 
 def chosen(effects: Iterable[Effect], names: Iterable[str], task: str) -> list[Effect]:

@@ -2,12 +2,15 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal, Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avobench.effects.site import Domain, Site
+
+OF_FEATURE = "of the feature"
+"""The unit of a parameter that is a value of the feature; in answers it has the feature's own, if the task says it."""
 
 
 class Simulate(Protocol):
@@ -53,8 +56,9 @@ class Effect(ABC):
     """
 
     name: str
-    feature: int | Literal["all"] | None = None
-    """The column it acts on, "all" where it acts on all alike, None where events have no features to choose from."""
+    feature: int | str | None = None
+    """The column it acts on, "all" where it acts on all alike, None where events have no features to choose from; the
+    name of a parameter of the task, if it acts on that."""
     parameters: tuple[Parameter, ...]
     """Strength first; the other parameters give its shape."""
     shape: str = ""
@@ -70,6 +74,8 @@ class Effect(ABC):
     domains: ClassVar[tuple[Domain, ...]] = ()
     """For which kinds of events it stands in the catalogue. An effect that is only ever asked for by `--effect` needs
     to say nothing; one with an entry point must."""
+    moves_theta: ClassVar[bool] = False
+    """Whether it asks the simulator for every event at another theta, so that nothing of finished events stays."""
     position: ClassVar[int | None] = None
     """Its place in the catalogue, lowest first; effects without one follow by name. A search draws its random numbers
     in this order: effects that take part get a place once and keep it."""

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.effects import Effect
+from avobench.effects.contract import OF_FEATURE
 from avobench.effects.pool import Alter, Pool
 from avobench.tasks import Task
 
@@ -61,6 +62,16 @@ class Model:
     def logarithmic(self) -> NDArray[np.bool_]:
         """(P,)"""
         return np.array([False] * self.num_theta + [p.logarithmic for e in self.effects for p in e.parameters])
+
+    @cached_property
+    def units(self) -> tuple[str, ...]:
+        """(P,)"""
+        units = list(self.task.parameter_units)
+        for effect in self.effects:
+            named = self.task.feature_units and isinstance(effect.feature, int)
+            feature = self.task.feature_units[effect.feature] if named else OF_FEATURE
+            units += [feature if p.unit == OF_FEATURE else p.unit for p in effect.parameters]
+        return tuple(units)
 
     @property
     def at_once(self) -> int:
@@ -133,8 +144,8 @@ class Model:
     @property
     def newest_acts_last(self) -> bool:
         """Whether the effect that was added last changes the finished events of the model without it."""
-        newest = len(self.effects) - 1
-        return self.effects[newest].stage > 0 and self._chain[-1][0] == newest
+        newest = self.effects[-1]
+        return newest.stage > 0 and not newest.moves_theta and self._chain[-1][0] == len(self.effects) - 1
 
     def _with_effects(
         self,

@@ -32,7 +32,8 @@ class Strict(BaseModel):
 
 class AddedEffect(Strict):
     name: str = Field(pattern=EFFECT_NAME)
-    feature: int | Literal["all"] | None
+    feature: int | str | None
+    """A column, "all", or the name of a parameter of the task."""
     shape: str
     source: str | None
     """module:Class or file.py:Class of an effect of the user's own."""
@@ -122,8 +123,8 @@ class AugmentedTask(Task):
             "prior": prior,
             "support": support,
         }
-        same = ("num_features", "feature_names", "event_shape", "cyclic_axes", "dtype", "discriminator")
-        own |= {name: getattr(base, name) for name in (*same, "packages", "extra")}
+        same = ("num_features", "feature_names", "feature_kinds", "feature_units", "event_shape", "cyclic_axes")
+        own |= {name: getattr(base, name) for name in (*same, "dtype", "discriminator", "packages", "extra")}
         for name, value in own.items():
             object.__setattr__(task, name, value)
         return task

@@ -27,6 +27,8 @@ class Range:
     high: float
     bounded: bool
     """Whether it ends sharply at both ends, as a cosine does."""
+    periodic: bool = False
+    """Whether it comes round again at its ends, as an angle does."""
 
     @property
     def centre(self) -> float:
@@ -55,7 +57,11 @@ class Range:
     def shown(self, column: NDArray[np.float64]) -> "Range":
         """The range that values (n,) show: its own where it ends sharply, else that of all but one in a hundred."""
         low, high = np.quantile(column, SHOWN).tolist()
-        return self if self.bounded or low == high else Range(low, high, False)
+        return self if self.bounded or self.periodic or low == high else Range(low, high, False)
+
+    def wrapped(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The same angle within the range; x itself where the feature is none."""
+        return self.low + (x - self.low) % (self.high - self.low) if self.periodic else x
 
     def reflect(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """x folded back into the range."""
@@ -65,13 +71,20 @@ class Range:
 def ranges(task: Task) -> tuple[Range, ...]:
     """The range of each feature, from events over the prior: exact ends if they are sharp, 3.5 deviations else.
 
-    An end is sharp if the outermost hundredth of the range holds at least a fifth of an even share of the events.
+    An end is sharp if the outermost hundredth of the range holds at least a fifth of an even share of the events. The
+    range of an angle is once round: from zero, or as far to either side of it where some are negative.
     """
     rng = np.random.default_rng(0)
     x = task.simulate(task.prior.sample(REFERENCE_EVENTS, rng), rng)
     found = []
-    for column in x.T.astype(float):
+    units = task.feature_units or ("",) * task.num_features
+    for column, kind, unit in zip(x.T.astype(float), task.kinds_of_features, units, strict=True):
         low, high = column.min(), column.max()
+        if kind == "angle":
+            once = 360.0 if unit == "deg" else 2 * np.pi
+            start = -once / 2 if low < 0 else 0.0
+            found.append(Range(start, start + once, False, periodic=True))
+            continue
         margin = OUTERMOST * (high - low)
         share = min(np.mean(column < low + margin), np.mean(column > high - margin))
         if share > SHARP:

@@ -4,42 +4,36 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
-import numpy as np
 from numpy.typing import NDArray
 
 from avobench.effects.ranges import Range, ranges
 from avobench.tasks import Task
-from avobench.tasks.errors import UsageError
 
 Domain = Literal["counts", "continuous", "images"]
-"""What events are: one whole number, real numbers, or an image."""
+"""What an effect acts on: counts, real numbers, or the cells of an image."""
 
 
 def domain(task: Task) -> Domain:
-    """What the events of a task are. Raises UsageError for several counts an event, for which there is no catalogue."""
+    """What the events of a task are: counts only where all features are."""
     if task.event_shape:
         return "images"
-    if np.dtype(task.dtype).kind not in "iu":
-        return "continuous"
-    if task.num_features > 1:
-        raise UsageError(f"an event of {task.name} has {task.num_features} counts: effects are known of one count only")
-    return "counts"
+    return "counts" if set(task.kinds_of_features) == {"count"} else "continuous"
 
 
 @dataclass(frozen=True, eq=False)
 class Site:
-    """A task as its effects see it. Families make their entries in its catalogue from this.
-
-    Raises UsageError for a task whose events are of no known domain.
-    """
+    """A task as its effects see it. Families make their entries in its catalogue from this."""
 
     task: Task
     x: NDArray | None = None
     """Measured events (N, d), if the ranges of features are to be those that they show."""
 
-    @cached_property
-    def domain(self) -> Domain:
-        return domain(self.task)
+    @property
+    def domains(self) -> set[Domain]:
+        """Of the effects that apply: those of its features where an event has counts beside real numbers."""
+        if self.task.event_shape:
+            return {"images"}
+        return {"counts" if kind == "count" else "continuous" for kind in self.task.kinds_of_features}
 
     @cached_property
     def ranges(self) -> tuple[Range, ...]:
@@ -49,5 +43,20 @@ class Site:
 
     @property
     def features(self) -> list[int | Literal["all"]]:
-        """What an effect on continuous events may act on: each feature, and all alike where there are several."""
-        return [0] if self.task.num_features == 1 else [*range(self.task.num_features), "all"]
+        """What an effect on real numbers may act on: each of them, and all alike where an event has several."""
+        return self._acted_on([j for j, kind in enumerate(self.task.kinds_of_features) if kind != "count"])
+
+    @property
+    def counts(self) -> list[int | Literal["all"] | None]:
+        """The same of an effect on counts; None where an event is but one, so that there is nothing to choose from."""
+        if self.task.num_features == 1 and self.domains == {"counts"}:
+            return [None]
+        return self._acted_on([j for j, kind in enumerate(self.task.kinds_of_features) if kind == "count"])
+
+    def columns(self, feature: int | Literal["all"] | None) -> tuple[int, ...]:
+        """Where a feature of these stands in an event."""
+        return (feature,) if isinstance(feature, int) else tuple(range(self.task.num_features))
+
+    def _acted_on(self, columns: list[int]) -> list[int | Literal["all"]]:
+        """All alike only where all are of one kind."""
+        return [*columns, "all"] if len(columns) == self.task.num_features > 1 else columns

@@ -113,8 +113,8 @@ class View:
     def _edges(self) -> list[NDArray[np.float64]]:
         """Of each feature; counts have a bin each, beginning at zero."""
         edges = []
-        for column in self.plain.T:
-            if column.dtype.kind in "iu":
+        for column, kind in zip(self.plain.T, self.model.task.kinds_of_features, strict=True):
+            if kind == "count":
                 top = int(1.6 * np.quantile(column, 0.999)) + 2
                 edges.append(np.arange(0, top + 1, -(-top // MOST_BARS)) - 0.5)
             else:
@@ -228,7 +228,8 @@ def _images(view: View, made: list[Drawn]) -> Figure:
 
 
 def _titled(figure: Figure, task: Task, effect: Effect, drawn: int, shapes: int) -> None:
-    feature = f" of {task.labels[effect.feature]}" if isinstance(effect.feature, int) else ""
+    feature = task.labels[effect.feature] if isinstance(effect.feature, int) else effect.feature
+    feature = "" if feature in (None, "all") else f" of {feature}"
     some = "" if drawn == shapes else f" ({drawn} of its {shapes} shapes)"
     text = f"{effect.name}{feature} on {task.name}{some}: {effect.sentence}"
     letters = int(LETTERS * figure.get_figwidth() / 4.6)

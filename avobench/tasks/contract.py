@@ -4,13 +4,16 @@ import hashlib
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 NUM_TARGETS = 15
 """Target parameters of every task (paper, Section 4.3)."""
+Kind = Literal["count", "continuous", "angle"]
+"""What a feature is: how many there are of something, a real number, or one that comes round again. An angle does so
+after 360 if its unit is "deg", else after 2 pi. A cosine is a real number that ends at -1 and 1."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +106,9 @@ class Task(ABC):
     num_features: ClassVar[int]
     feature_names: ClassVar[tuple[str, ...]] = ()
     """One a feature, where they have names."""
+    feature_kinds: ClassVar[tuple[Kind, ...]] = ()
+    """What each feature is; where a task says nothing, whole numbers are counts and all others continuous. Cells of an
+    image, which is declared by `event_shape`, have none."""
     feature_units: ClassVar[tuple[str, ...]] = ()
     """One a feature, where they have units; that of a pure number is "1"."""
     event_shape: ClassVar[tuple[int, ...]] = ()
@@ -133,6 +139,12 @@ class Task(ABC):
     def labels(self) -> tuple[str, ...]:
         """What to call each feature: its name, or x1, x2, ... where they have none: (d,)"""
         return self.feature_names or tuple(f"x{j + 1}" for j in range(self.num_features))
+
+    @property
+    def kinds_of_features(self) -> tuple[Kind, ...]:
+        """What each feature is, as it was stated or as `dtype` says: (d,)"""
+        whole = np.dtype(self.dtype).kind in "iu"
+        return self.feature_kinds or ("count" if whole else "continuous",) * self.num_features
 
     @property
     def parts(self) -> tuple[object, ...]:

@@ -3,11 +3,12 @@
 import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
+from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from avobench.tasks.contract import Box, Task, histogram
+from avobench.tasks.contract import Box, Kind, Task, histogram
 from avobench.tasks.errors import UsageError
 
 Simulate = Callable[[NDArray[np.float64], np.random.Generator], ArrayLike]
@@ -36,6 +37,8 @@ class FunctionTask(Task):
         support: Mapping[str, tuple[float, float]],
         units: Mapping[str, str],
         feature_names: Sequence[str],
+        kinds: Mapping[str, Kind] | None = None,
+        feature_units: Mapping[str, str] | None = None,
     ) -> None:
         self.function, self.name = function, name
         self.parameter_names = tuple(prior)
@@ -47,17 +50,34 @@ class FunctionTask(Task):
             raise ValueError(f"theta of shape (2, {self.prior.dim}) gave events of shape {x.shape}, not (2, d) or (2,)")
         self.num_features, self.dtype = x.shape[1], x.dtype
         self.feature_names = tuple(feature_names)
+        if feature_names and len(feature_names) != self.num_features:
+            raise ValueError(f"an event has {self.num_features} features, {len(feature_names)} names were given")
+        for given, what in ((kinds or {}, "kinds"), (feature_units or {}, "feature_units")):
+            if unknown := [feature for feature in given if feature not in self.labels]:
+                raise ValueError(f"{what} names '{unknown[0]}'; the features are {', '.join(self.labels)}")
+        if feature_units:
+            self.feature_units = tuple(feature_units.get(feature, "1") for feature in self.labels)
+        if kinds:
+            if wrong := [kind for kind in kinds.values() if kind not in get_args(Kind)]:
+                raise ValueError(f"a feature is one of {', '.join(get_args(Kind))}, not {wrong[0]}")
+            plain = dict(zip(self.labels, self.kinds_of_features, strict=True))
+            self.feature_kinds = tuple((plain | dict(kinds)).values())
+            self.dtype = np.dtype(np.int64 if set(self.feature_kinds) == {"count"} else np.float64)
+            self._of_their_kinds(x)
 
     @property
     def parts(self) -> tuple[object, ...]:
         """The function, and what was said of its parameters and events."""
         said = (self.prior, self.support, self.parameter_names, self.parameter_units, self.feature_names)
+        if self.feature_kinds or self.feature_units:
+            said += (self.feature_kinds, self.feature_units)
         return (self.function, repr(said))
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """One event per row: theta (n, p) -> (n, d). Raises ValueError outside the support."""
         self.require_support(theta)
-        return self._events(theta, rng)
+        x = self._events(theta, rng)
+        return self._of_their_kinds(x) if self.feature_kinds else x
 
     def summary(self, x: NDArray) -> NDArray[np.float64]:
         """Shares of the events in bins of each feature that hold equal shares over the prior: (n, d) -> (k,)."""
@@ -72,6 +92,14 @@ class FunctionTask(Task):
         if x.ndim == 1:
             x = x[:, None]
         return x.astype(np.int64) if x.dtype.kind in "bui" else x.astype(np.float64, copy=False)
+
+    def _of_their_kinds(self, x: NDArray) -> NDArray:
+        """Events (n, d) in the type of the task. Raises ValueError for a count that is none."""
+        counts = x[:, [kind == "count" for kind in self.feature_kinds]]
+        if not ((counts >= 0) & (counts == np.rint(counts))).all():
+            wrong = counts[(counts < 0) | (counts != np.rint(counts))][0]
+            raise ValueError(f"{self.name} makes {wrong:g} where its kinds promise a count")
+        return x.astype(self.dtype, copy=False)
 
     @cached_property
     def _edges(self) -> list[NDArray[np.float64]]:
@@ -89,6 +117,8 @@ def task(
     support: Mapping[str, tuple[float, float]] | None = None,
     units: Mapping[str, str] | None = None,
     features: Sequence[str] = (),
+    kinds: Mapping[str, Kind] | None = None,
+    feature_units: Mapping[str, str] | None = None,
     name: str | None = None,
 ) -> FunctionTask:
     """A task from a function that simulates one event for each row of parameters.
@@ -109,14 +139,19 @@ def task(
         Physical units by name of the parameter; "1" where there is none.
     features
         A name for each of the d numbers of an event.
+    kinds
+        What a feature is, by its name (x1, x2, ... where it has none): "count", "continuous", or "angle" for one that
+        comes round again. Of others the type of the events says it: whole numbers are counts.
+    feature_units
+        Physical units by name of the feature. An angle comes round after 360 "deg", or else after 2 pi.
     name
         What records and pages call the task; that of the function by default.
 
     Raises
     ------
     UsageError
-        If the prior is no box of finite ends, if the function raises or returns events of another shape, or if a name
-        cannot be one.
+        If the prior is no box of finite ends, if the function raises or returns events of another shape, if a name
+        cannot be one, or if a feature is not of the kind that was stated.
 
     Examples
     --------
@@ -136,9 +171,7 @@ def task(
             if parameter not in prior:
                 raise UsageError(f"{what} names '{parameter}'; the parameters of {label} are {', '.join(prior)}")
     try:
-        made = FunctionTask(simulate, label, prior, support or {}, units or {}, features)
+        made = FunctionTask(simulate, label, prior, support or {}, units or {}, features, kinds, feature_units)
     except Exception as error:  # a user's function may raise anything
         raise UsageError(f"the task {label} cannot be made: {type(error).__name__}: {error}") from error
-    if features and len(features) != made.num_features:
-        raise UsageError(f"an event of {label} has {made.num_features} features, {len(features)} names were given")
     return made

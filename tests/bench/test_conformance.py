@@ -20,6 +20,7 @@ THETA = "leaves theta as it is"
 SAME_EVENTS = "repeats its events for a seed, whatever the global seeds"
 OTHER_EVENTS = "makes other events for another seed"
 GLOBAL_STATE = "leaves global state as it is"
+KINDS = "makes features of the kinds that it states"
 DEPENDS = "makes events that depend on theta"
 OWN = "gives each row its own theta and randomness"
 NEIGHBOURS = "makes neighbouring rows independent"
@@ -73,6 +74,9 @@ def test_sound_methods_pass(name):
         ("HoldsASet", {RECORDABLE}, "a record cannot hold the settings"),
         ("TwoNames", {DESCRIBED}, "parameter_names must be 1 texts"),
         ("WidePrior", {DESCRIBED}, "must contain the prior"),
+        ("TwoKinds", {DESCRIBED}, "feature_kinds must be 1 of count, continuous, angle"),
+        ("HalfCounts", {KINDS}, "x1 is a count and was ["),
+        ("WideAngle", {KINDS}, "x1 is an angle from -3.142 to 3.142 and was ["),
         ("TargetsElsewhere", {TARGETS}, "a target lies outside the prior"),
         ("NotANumber", {SIMULATES}, "returned NaN or infinity in"),
         ("SinglePrecision", {SIMULATES}, "returned float32 where float64 was due"),

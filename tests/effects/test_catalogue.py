@@ -1,5 +1,6 @@
 """The catalogue of a task: which families take part, where they come from, and in which order."""
 
+import numpy as np
 import pytest
 
 from avobench.effects import catalogue as module
@@ -7,15 +8,17 @@ from avobench.effects.catalogue import catalogue, chosen, families, of_domain
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
 from avobench.tasks.errors import UsageError
+from avobench.tasks.function import task
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
 
 ORDER = {
     "counts": "zero_inflation overdispersion dead_time threshold_loss flat_background double_counting readout_noise "
-    "quantisation pile_up inefficiency",
+    "quantisation pile_up inefficiency spread mixture after_pulses heaping truncation censoring",
     "continuous": "resolution offset scale edge_acceptance forward_backward_acceptance flat_background peak_background "
-    "dead_region charge_misid outliers crosstalk quantisation saturation",
-    "images": "dead_cells noisy_cells inefficiency random_noise pile_up threshold transverse_offset axial_tilt",
+    "dead_region charge_misid outliers crosstalk quantisation saturation spread mixture heaping",
+    "images": "dead_cells noisy_cells inefficiency random_noise pile_up threshold transverse_offset axial_tilt "
+    "spread mixture",
 }
 """The streams of random numbers of a search follow it: another order would give other numbers for a seed."""
 
@@ -51,6 +54,27 @@ def test_a_name_has_an_entry_for_each_feature_beside_one_another(task):
     assert len(set(keys)) == len(keys)
     names = [name for name, _ in keys]
     assert sorted(names, key=names.index) == names
+
+
+def weeks(theta, rng):
+    return rng.poisson(np.exp(theta[:, [0]]) * [1, 2, 3])
+
+
+def test_each_of_several_counts_has_its_entries_beside_all_alike():
+    entries = catalogue(task(weeks, prior={"log_rate": (0, 3)}))
+    assert [effect.feature for effect in entries if effect.name == "dead_time"] == [0, 1, 2, "all"]
+    assert [effect.feature for effect in entries if effect.name in ("spread", "mixture")] == ["log_rate", None]
+    assert {effect.name for effect in entries} == set(ORDER["counts"].split())
+
+
+def test_counts_beside_real_numbers_have_the_effects_of_each():
+    def both(theta, rng):
+        return np.column_stack([rng.normal(theta[:, 0]), rng.poisson(7, len(theta))])
+
+    keys = [effect.key for effect in catalogue(task(both, prior={"mean": (0, 3)}, kinds={"x2": "count"}))]
+    assert {("resolution", 0), ("dead_time", 1), ("heaping", 0), ("heaping", 1)} <= set(keys)
+    assert not {("resolution", 1), ("dead_time", 0), ("flat_background", "all")} & set(keys)
+    assert len(set(keys)) == len(keys)
 
 
 def test_effects_on_particles_are_for_tasks_that_generate_them():

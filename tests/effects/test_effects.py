@@ -8,6 +8,7 @@ from scipy.special import ndtr
 from scipy.stats import poisson
 
 from avobench.bench import conformance as check
+from avobench.bench import registry
 from avobench.effects.catalogue import catalogue
 from avobench.effects.continuous.comb import Comb
 from avobench.effects.contract import Parameter
@@ -16,6 +17,7 @@ from avobench.effects.images.grid import odd_cells
 from avobench.effects.noise import skewed_noise
 from avobench.effects.ranges import Range, ranges
 from avobench.effects.rejection import accepted
+from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
 from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson
@@ -23,11 +25,11 @@ from avobench.tasks.weinberg import Weinberg
 
 COUNTS = (
     "zero_inflation overdispersion dead_time threshold_loss flat_background double_counting readout_noise quantisation "
-    "pile_up inefficiency"
+    "pile_up inefficiency spread mixture after_pulses heaping truncation censoring"
 )
 CONTINUOUS = (
     "resolution offset scale edge_acceptance forward_backward_acceptance flat_background peak_background dead_region "
-    "charge_misid outliers crosstalk quantisation saturation"
+    "charge_misid outliers crosstalk quantisation saturation spread mixture heaping"
 )
 
 
@@ -46,10 +48,11 @@ def test_catalogue_has_the_promised_names():
     assert {e.name for e in catalogue(Weinberg())} == set(CONTINUOUS.split()) - {"crosstalk"}
     of_carl = catalogue(Carl())
     assert {e.name for e in of_carl} == set(CONTINUOUS.split())
-    assert len({e.key for e in of_carl}) == len(of_carl) == 13 * 6  # five features, and all alike
+    # five features, and all alike; two parameters, and both in a second population
+    assert len({e.key for e in of_carl}) == len(of_carl) == 14 * 6 + 2 + 1
 
 
-@pytest.mark.parametrize("name", ["overdispersion", "double_counting", "resolution", "edge_acceptance"])
+@pytest.mark.parametrize("name", ["overdispersion", "after_pulses", "heaping", "resolution"])
 def test_effects_keep_their_contract(name):
     results = list(check.run("effect", name))
     assert [f"{r.what}: {r.why}" for r in results if not r.passed] == []
@@ -64,6 +67,21 @@ def test_the_example_of_the_page_is_an_effect_and_the_page_quotes_it(monkeypatch
     quoted = (docs / "add-an-effect.md").read_text().split("```python\n")[1].split("```")[0]
     for line in quoted.splitlines():
         assert line in source
+
+
+def test_the_example_that_alters_a_stage_stops_its_share_and_the_page_quotes_it(monkeypatch):
+    docs = Path(__file__).parents[2] / "docs"
+    monkeypatch.syspath_prepend(str(docs / "examples"))
+    effect, theta = registry.effect("absorber:Absorber"), np.zeros((400, 1))
+    task = Alignment(response="energy")  # of hits, two in one cell are one
+    seen = [
+        effect.apply(task.simulate, theta, np.full((400, 1), stopped), np.random.default_rng(0)).sum()
+        for stopped in (0.0, 0.6)
+    ]
+    assert seen[1] / seen[0] == pytest.approx(0.4, abs=0.03)
+    source = (docs / "examples" / "absorber.py").read_text()
+    quoted = (docs / "add-an-effect.md").read_text().split("```python\n")[2].split("```")[0]
+    assert all(line in source for line in quoted.splitlines())
 
 
 @pytest.mark.parametrize(

@@ -40,6 +40,7 @@ class Evil(Poisson):
 class EvilEffect(Inefficiency):
     name = "dead_time"
     shape = "paralysable"
+    SHAPES = {"paralysable": ()}
 """
 
 

@@ -41,6 +41,21 @@ def test_counts_are_whole_numbers_and_columns_keep_their_place():
     assert two.summary(two.simulate(np.tile([0.5, 1.5], (100, 1)), np.random.default_rng(0))).ndim == 1
 
 
+def test_features_are_of_the_kinds_that_are_stated():
+    options = {"prior": [(0, 1), (1, 2)], "names": ["a", "b"], "features": ["x", "n"]}
+    plain, stated = task(pair, **options), task(pair, **options, kinds={"n": "count"}, feature_units={"x": "GeV"})
+    assert plain.kinds_of_features == ("continuous", "continuous")
+    assert stated.kinds_of_features == ("continuous", "count")
+    assert stated.feature_units == ("GeV", "1")
+    assert stated.dtype == np.float64
+    assert plain.parts[1] != stated.parts[1]
+    counts = task(lambda theta, rng: 1.0 * rng.poisson(theta), prior={"rate": (1, 9)}, name="n", kinds={"x1": "count"})
+    assert counts.simulate(np.ones((3, 1)), np.random.default_rng(0)).dtype == counts.dtype == np.int64
+    half = task(lambda theta, rng: np.rint(theta[:, 0] - 2), prior={"a": (1, 9)}, name="low", kinds={"x1": "count"})
+    with pytest.raises(ValueError, match="low makes -1 where"):
+        half.simulate(np.ones((3, 1)), np.random.default_rng(0))
+
+
 @settings(max_examples=30, deadline=None)
 @given(low=st.floats(-5, 5), width=st.floats(1e-3, 10), n=st.integers(1, 50))
 def test_any_prior_makes_a_task_whose_rows_have_their_own_theta(low, width, n):
@@ -57,6 +72,10 @@ def test_any_prior_makes_a_task_whose_rows_have_their_own_theta(low, width, n):
         (decay, {"prior": {"t": (1, 4)}, "units": {"u": "s"}}, "the parameters of decay are t"),
         (decay, {"prior": {"t": (1, 4)}, "features": ["a", "b"]}, "1 features, 2 names"),
         (decay, {"prior": {"t": (1, 4)}, "name": "../x"}, "letters, digits"),
+        (decay, {"prior": {"t": (1, 4)}, "kinds": {"x1": "count"}}, "where its kinds promise a count"),
+        (decay, {"prior": {"t": (1, 4)}, "kinds": {"time": "count"}}, "kinds names 'time'; the features are x1"),
+        (decay, {"prior": {"t": (1, 4)}, "kinds": {"x1": "cosine"}}, "one of count, continuous, angle, not cosine"),
+        (decay, {"prior": {"t": (1, 4)}, "feature_units": {"t": "us"}}, "feature_units names 't'"),
         (lambda theta, rng: 1 / 0, {"prior": {"t": (1, 4)}}, "ZeroDivisionError"),
         (lambda theta, rng: np.ones(7), {"prior": {"t": (1, 4)}}, "events of shape"),
         (lambda theta: theta, {"prior": {"t": (1, 4)}}, "TypeError"),

@@ -54,6 +54,18 @@ class WidePrior(SoundTask):
     prior = Box((-10,), (1,))
 
 
+class TwoKinds(SoundTask):
+    feature_kinds = ("count", "count")
+
+
+class HalfCounts(SoundTask):
+    feature_kinds = ("count",)
+
+
+class WideAngle(SoundTask):
+    feature_kinds = ("angle",)
+
+
 class TargetsElsewhere(SoundTask):
     def targets(self, n=15):
         return np.full((n, 1), 2.0)

@@ -5,7 +5,7 @@ import numbers
 import pickle
 from collections.abc import Iterator
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,14 +20,16 @@ from avobench.bench.conformance.promises import (
     recordable,
     state_kept,
 )
+from avobench.effects.ranges import ranges
 from avobench.tasks import Box, Discriminator, Task
 from avobench.tasks.checked import checked_events
-from avobench.tasks.contract import NUM_TARGETS
+from avobench.tasks.contract import NUM_TARGETS, Kind
 
 ALPHA = 1e-6
 """Chance that a statistical check blames a sound task: a suite runs dozens of them."""
 NUM_ALONE = 1000
 """Events simulated one at a time, which cannot know of each other, at each of two theta."""
+KINDS = ", ".join(get_args(Kind))
 NUM_BATCHES = 5
 """That alternate between the two theta: what is drawn once for a whole batch differs between them."""
 
@@ -50,6 +52,7 @@ def rounds(name: str, task: Task) -> Iterator[Round]:
         ("repeats its events for a seed, whatever the global seeds", partial(_same_seed, task)),
         ("makes other events for another seed", partial(_other_seed, task)),
         ("leaves global state as it is", partial(_global_state, task)),
+        ("makes features of the kinds that it states", partial(_kinds, task)),
         ("makes events that depend on theta", statistics.depends_on_theta),
         ("gives each row its own theta and randomness", statistics.own_theta_and_randomness),
         ("makes neighbouring rows independent", statistics.independent_rows),
@@ -80,6 +83,10 @@ def _described(task: Task) -> None:
     expect(len(names) in (0, d) and len(set(names)) == len(names), f"feature_names must be {d} names, or none: {names}")
     expect(not shape or np.prod(shape) == d, f"event_shape {shape} does not hold {d} features")
     expect(set(axes) <= set(range(len(shape))), f"cyclic_axes {axes} are not axes of event_shape {shape}")
+    kinds, units = task.feature_kinds, task.feature_units
+    expect(len(kinds) in (0, d) and set(kinds) <= set(get_args(Kind)), f"feature_kinds must be {d} of {KINDS}: {kinds}")
+    expect(not (kinds and shape), "feature_kinds are those of a plain list: cells of an image have none")
+    expect(len(units) in (0, d) and all(map(is_text, units)), f"feature_units must be {d} texts, or none: {units}")
     expect(np.dtype(task.dtype).kind in "biuf", f"dtype must be a type of real numbers, got {task.dtype!r}")
     expect(isinstance(task.generates, str), f"generates must be a text, got {task.generates!r}")
     expect(isinstance(task.parts, tuple), f"parts must be a tuple, got {task.parts!r}")
@@ -98,6 +105,22 @@ def _batch_sizes(task: Task) -> None:
     rng = np.random.default_rng(0)
     for n in (1, 1000):
         checked_events(task, task.prior.sample(n, rng), rng)
+
+
+def _kinds(task: Task) -> None:
+    """Of events over the prior. What is no count would end a diagnosis in an effect that takes it for one."""
+    if task.event_shape:
+        return
+    x = task.simulate(task.prior.sample(1000, np.random.default_rng(0)), np.random.default_rng(1))
+    for name, kind, span, values in zip(task.labels, task.kinds_of_features, ranges(task), x.T, strict=True):
+        if kind == "count":
+            wrong = values[(values < 0) | (values != np.rint(values))]
+            expect(len(wrong) == 0, f"{name} is a count and was {wrong[:1]}; of another kind feature_kinds tells")
+        else:
+            expect(x.dtype.kind == "f", f"{name} is {kind}, so that the events must be of a type of real numbers")
+        if kind == "angle":
+            wrong = values[(values < span.low) | (values > span.high)]
+            expect(len(wrong) == 0, f"{name} is an angle from {span.low:.4g} to {span.high:.4g} and was {wrong[:1]}")
 
 
 def _identifiable(task: Task) -> None:

@@ -119,7 +119,8 @@ class Found:
         """Where the task alone disagrees with the events; nothing where it does not."""
         if not self.disagree:
             return []
-        names = () if domain(self.task) == "counts" else self.task.labels
+        one_count = self.task.num_features == 1 and domain(self.task) == "counts"
+        names = () if one_count else self.task.labels
         return gates.regions(self.steps[0].fit, self.target, self.x, rng, self.alpha, names)
 
 

@@ -39,12 +39,10 @@ def describe(
     base = model.task
     inner = isinstance(base, AugmentedTask)
     names = list(base.parameter_names)
-    units = list(base.parameter_units)
     for effect in model.effects:
         prefix = effect.name if effect.feature is None else f"{effect.name}_{_feature(base, effect)}"
         again = sum(name.startswith(f"{prefix}_") for name in base.parameter_names)  # by a model that was found before
         names += [f"{prefix}{'_again' if again else ''}_{p.name}" for p in effect.parameters]
-        units += [p.unit for p in effect.parameters]
     margin = np.maximum(PRIOR_SIGMAS * std, LEAST_PRIOR * (model.high - model.low))
     low = np.maximum(model.low, fit.params - margin)
     high = np.minimum(model.high, fit.params + margin)
@@ -58,7 +56,7 @@ def describe(
         parameters=[
             Parameter(
                 name=names[i],
-                unit=units[i],
+                unit=model.units[i],
                 value=float(fit.params[i]),
                 std=float(std[i]),
                 prior=(float(low[i]), float(high[i])),
@@ -70,7 +68,7 @@ def describe(
 
 
 def _feature(task: Task, effect: Effect) -> str:
-    return "all" if effect.feature == "all" else task.labels[effect.feature]
+    return task.labels[effect.feature] if isinstance(effect.feature, int) else effect.feature
 
 
 def kept(effect: Effect, base: Task, source: str | None = None, own: Effect | None = None) -> AddedEffect:

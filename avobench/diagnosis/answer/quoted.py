@@ -153,11 +153,11 @@ def named(key: tuple, names: tuple[str, ...]) -> Named:
 def found_effect(fit: Fit, k: int, posterior: Posterior, names: tuple[str, ...]) -> FoundEffect:
     """The k-th effect of a fitted model."""
     effect = fit.model.effects[k]
-    start = fit.model.num_theta + sum(len(e.parameters) for e in fit.model.effects[:k])
-    std = scaled_std(fit)
+    at = fit.model.num_theta + sum(len(e.parameters) for e in fit.model.effects[:k])
+    std, units = scaled_std(fit), fit.model.units
     parameters = {
-        p.name: EffectValue(value=float(fit.params[start + i]), std=float(std[start + i]), null=p.null, unit=p.unit)
-        for i, p in enumerate(effect.parameters)
+        p.name: EffectValue(value=float(fit.params[i]), std=float(std[i]), null=p.null, unit=units[i])
+        for i, p in enumerate(effect.parameters, at)
     }
     return FoundEffect(
         **named(effect.key, names).model_dump(),

@@ -76,11 +76,14 @@ def intervals(fit: Fit, target: Target, spans: list[Span]) -> Scan:
 def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> list[tuple[float, float, int]]:
     """Where a feature of simulated events x (n, d), or any if it is "all", disagrees most with measured ones.
 
-    The ends and the feature of the interval of the largest excess, and of the largest deficit; nothing for images.
+    The ends and the feature of the interval of the largest excess, and of the largest deficit; nothing for images, nor
+    for an effect on a parameter of the task.
     """
     if not isinstance(target.summary, Bins):
         return []
     spans = [span for span in spans_of(target.summary, x) if feature in ("all", None, span.feature)]
+    if not spans:
+        return []
     scan = intervals(fit, target, spans)
     if not scan.regions:
         return []

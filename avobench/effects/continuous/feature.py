@@ -96,7 +96,7 @@ class Change(FeatureEffect):
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
         for j in self.columns:
-            x[:, j] = self.changed(x[:, j], self.ranges[j], phi, rng)
+            x[:, j] = self.ranges[j].wrapped(self.changed(x[:, j], self.ranges[j], phi, rng))
         return x
 
 
@@ -114,7 +114,7 @@ class Background(FeatureEffect):
         x = simulate(theta, rng)
         rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
         for j in self.columns:
-            x[rows, j] = self.drawn(self.ranges[j], phi[rows], rng)
+            x[rows, j] = self.ranges[j].wrapped(self.drawn(self.ranges[j], phi[rows], rng))
         return x
 
 

@@ -6,11 +6,12 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.effects.contract import Family, Parameter
+from avobench.effects.contract import Parameter
+from avobench.effects.counts.feature import CountEffect, whole
 
 
 @dataclass(frozen=True)
-class DeadTime(Family):
+class DeadTime(CountEffect):
     """Pulses arrive at random times of the window; after each that is counted the counter is blind for `tau`.
 
     A pulse that it does not see prolongs this always (`paralysable`), never, or with some probability (`hybrid`). More
@@ -24,7 +25,6 @@ class DeadTime(Family):
     """Of tau; a counter hardly records more than 1 / tau counts."""
 
     name = "dead_time"
-    domains = ("counts",)
     position = 3
     SHAPES: ClassVar = {
         "non_paralysable": (),
@@ -50,13 +50,14 @@ class DeadTime(Family):
         return max(200.0, 10 / self.highest)
 
     def adapted(self, x):
-        return replace(self, highest=1 / max(float(np.median(x)), 1.0))
+        return replace(self, highest=1 / max(float(np.median(x[:, self.columns], axis=0).max()), 1.0))
 
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
-        x[(x[:, 0] > self.overload) & (x[:, 0] * phi[:, 0] > 1), 0] = 0
         prolonging = phi[:, 1] if self.shape == "hybrid" else np.full(len(x), float(self.shape == "paralysable"))
-        x[:, 0] = counted(x[:, 0].astype(int), phi[:, 0], prolonging, rng)
+        for j in self.columns:
+            x[(x[:, j] > self.overload) & (x[:, j] * phi[:, 0] > 1), j] = 0
+            x[:, j] = counted(whole(x[:, j]), phi[:, 0], prolonging, rng)
         return x
 
 

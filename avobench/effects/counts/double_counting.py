@@ -5,17 +5,17 @@ from typing import ClassVar
 
 import numpy as np
 
-from avobench.effects.contract import Family, Parameter
+from avobench.effects.contract import Parameter
+from avobench.effects.counts.feature import CountEffect, whole
 
 
 @dataclass(frozen=True)
-class DoubleCounting(Family):
+class DoubleCounting(CountEffect):
     """Two events are taken for one (`merged`), an event is read twice (`repeated`), or single counts are (`pairs`)."""
 
     shape: str = "merged"
 
     name = "double_counting"
-    domains = ("counts",)
     position = 6
     STRENGTH = Parameter("fraction", 0, 1, 0, "1")
     SHAPES: ClassVar = {"merged": (), "repeated": (), "pairs": ()}
@@ -28,9 +28,10 @@ class DoubleCounting(Family):
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
         if self.shape == "pairs":
-            x[:, 0] += rng.binomial(x[:, 0], phi[:, 0])
+            x[:, self.columns] += rng.binomial(whole(x[:, self.columns]), phi[:, :1])
             return x
         twice = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
         if len(twice):
-            x[twice] += x[twice] if self.shape == "repeated" else simulate(theta[twice], rng)
+            again = x[twice] if self.shape == "repeated" else simulate(theta[twice], rng)
+            x[self.cells(twice)] += again[:, self.columns]
         return x

@@ -5,18 +5,18 @@ from typing import ClassVar
 
 import numpy as np
 
-from avobench.effects.contract import Family, Parameter
+from avobench.effects.contract import Parameter
+from avobench.effects.counts.feature import CountEffect
 
 
 @dataclass(frozen=True)
-class FlatBackground(Family):
+class FlatBackground(CountEffect):
     """A share of the events has nothing to do with the source: counts are uniform, or exponential, up to `reach`."""
 
     shape: str = "uniform"
 
     stage = 4
     name = "flat_background"
-    domains = ("counts",)
     position = 5
     STRENGTH = Parameter("fraction", 0, 1, 0, "1")
     SHAPES: ClassVar = {
@@ -29,6 +29,7 @@ class FlatBackground(Family):
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
         rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
-        reach, u = phi[rows, 1], rng.random(len(rows))
-        x[rows, 0] = np.floor(u * (reach + 1)) if self.shape == "uniform" else np.floor(-reach * np.log1p(-u))
+        reach, u = phi[rows, 1:], rng.random((len(rows), len(self.columns)))
+        drawn = u * (reach + 1) if self.shape == "uniform" else -reach * np.log1p(-u)
+        x[self.cells(rows)] = np.floor(drawn)
         return x

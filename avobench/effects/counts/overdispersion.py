@@ -7,8 +7,9 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.effects.contract import Family, Parameter
+from avobench.effects.contract import Parameter
 from avobench.effects.counts.exposure import exposed
+from avobench.effects.counts.feature import CountEffect
 from avobench.effects.noise import skewed_noise
 
 LOWEST = 0.3
@@ -59,14 +60,13 @@ RATES = {
 
 
 @dataclass(frozen=True)
-class Overdispersion(Family):
+class Overdispersion(CountEffect):
     """The rate differs from event to event, with mean 1 and relative variance `variance`."""
 
     shape: str = "gamma"
 
     stage = 1
     name = "overdispersion"
-    domains = ("counts",)
     position = 2
     SHAPES: ClassVar = {shape: rates.parameters for shape, rates in RATES.items()}
     sentence: ClassVar = "The rate is not the same in every event, so the counts scatter more than they should."
@@ -78,4 +78,4 @@ class Overdispersion(Family):
 
     def apply(self, simulate, theta, phi, rng):
         rates = RATES[self.shape].drawn(np.maximum(phi[:, 0], LEAST_VARIANCE), phi, rng)
-        return exposed(simulate, theta, rates, rng)
+        return exposed(simulate, theta, rates, rng, self.columns)

@@ -5,7 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from avobench.effects.contract import Family, Parameter
+from avobench.effects.contract import Parameter
+from avobench.effects.counts.feature import CountEffect, whole
 
 ONE_VALUE = 0.95
 """Share of the counts that a rounding may make the same, at most."""
@@ -34,14 +35,13 @@ BITS = {
 
 
 @dataclass(frozen=True)
-class Quantisation(Family):
+class Quantisation(CountEffect):
     """A share of the readings is known only in steps of `shape` counts, rounded as it says; or one bit sticks."""
 
     shape: str = "2 down"
 
     stage = 4
     name = "quantisation"
-    domains = ("counts",)
     position = 8
     choices = 1
     STRENGTH = Parameter("fraction", 0, 1, 0, "1")
@@ -51,18 +51,19 @@ class Quantisation(Family):
 
     def guess(self, x):
         """Nothing where the step is so wide that nearly all counts become the same: that is no rounding."""
-        _, counts = np.unique(self._rounded(x[:, 0]), return_counts=True)
-        return np.empty((0, 1)) if counts.max() > ONE_VALUE * len(x) else None
+        same = max(np.unique(self._rounded(x[:, j]), return_counts=True)[1].max() for j in self.columns)
+        return np.empty((0, 1)) if same > ONE_VALUE * len(x) else None
 
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
-        rows = rng.random(len(x)) < phi[:, 0]
-        x[rows] = self._rounded(x[rows])
+        for j in self.columns:
+            rows = rng.random(len(x)) < phi[:, 0]
+            x[rows, j] = self._rounded(x[rows, j])
         return x
 
     def _rounded(self, x):
         if self.shape in BITS:
             bit, high = BITS[self.shape]
-            return x | bit if high else x & ~bit
+            return whole(x) | bit if high else whole(x) & ~bit
         step, before, after = STEPS[self.shape]
         return (x + before) // step * step + after

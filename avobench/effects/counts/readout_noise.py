@@ -5,18 +5,18 @@ from typing import ClassVar
 
 import numpy as np
 
-from avobench.effects.contract import Family, Parameter
+from avobench.effects.contract import Parameter
+from avobench.effects.counts.feature import CountEffect
 
 
 @dataclass(frozen=True)
-class ReadoutNoise(Family):
+class ReadoutNoise(CountEffect):
     """Noise of standard deviation `sigma` is added to each count, rounded, and cut at zero."""
 
     shape: str = "gaussian"
 
     stage = 4
     name = "readout_noise"
-    domains = ("counts",)
     position = 7
     STRENGTH = Parameter("sigma", 0, 30, 0, "counts", soft=True)
     SHAPES: ClassVar = {"gaussian": (), "laplace": (), "folded": ()}
@@ -25,8 +25,8 @@ class ReadoutNoise(Family):
 
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
-        n = len(x)
+        n = (len(x), len(self.columns))
         noise = rng.laplace(0, np.sqrt(0.5), n) if self.shape == "laplace" else rng.standard_normal(n)
-        y = np.rint(x[:, 0] + phi[:, 0] * noise)
-        x[:, 0] = np.abs(y) if self.shape == "folded" else np.maximum(y, 0)
+        y = np.rint(x[:, self.columns] + phi[:, :1] * noise)
+        x[:, self.columns] = np.abs(y) if self.shape == "folded" else np.maximum(y, 0)
         return x

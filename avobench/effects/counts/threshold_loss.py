@@ -5,7 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from avobench.effects.contract import Family, Parameter
+from avobench.effects.contract import Parameter
+from avobench.effects.counts.feature import CountEffect
 from avobench.effects.rejection import accepted
 
 
@@ -26,7 +27,7 @@ LOST = {
 
 
 @dataclass(frozen=True)
-class ThresholdLoss(Family):
+class ThresholdLoss(CountEffect):
     """Events of few counts are not recorded: below a threshold, or the fewer the less."""
 
     shape: str = "step"
@@ -35,7 +36,6 @@ class ThresholdLoss(Family):
 
     stage = 3
     name = "threshold_loss"
-    domains = ("counts",)
     position = 4
     STRENGTH = Parameter("lost", 0, 1, 0, "1")
     SHAPES: ClassVar = {shape: () for shape in LOST}
@@ -49,7 +49,10 @@ class ThresholdLoss(Family):
         return (self.STRENGTH, threshold, *((width,) if self.shape == "free_turn_on" else ()))
 
     def adapted(self, x):
-        return replace(self, highest=max(1.0, float(np.quantile(x, 0.99))))
+        return replace(self, highest=max(1.0, float(np.quantile(x[:, self.columns], 0.99, axis=0).max())))
 
     def apply(self, simulate, theta, phi, rng):
-        return accepted(simulate, theta, lambda x, rows: 1 - LOST[self.shape](x[:, 0], phi[rows]), rng)
+        def kept(x, rows):
+            return np.prod([1 - LOST[self.shape](x[:, j], phi[rows]) for j in self.columns], axis=0)
+
+        return accepted(simulate, theta, kept, rng)

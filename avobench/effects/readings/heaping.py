@@ -1,0 +1,147 @@
+"""Heaping: values are recorded as round numbers near them."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.effects.contract import OF_FEATURE, Family, Parameter
+
+ROUND = (1.0, 2.0, 2.5, 5.0)
+"""Steps between round numbers, times any power of ten."""
+OF_TIME = (6.0, 7.0, 12.0, 15.0, 24.0, 30.0, 60.0)
+"""Other steps that are looked for: months, days and minutes come in these."""
+CLEAR = 5.0
+"""Standard deviations by which multiples of a step stand out from the values next to them."""
+APART = 4.5
+"""Grains of the values in a step, at least: what is finer is rounding, which is `quantisation`."""
+REPEATED = 5
+"""So many equal values of a real number are no chance."""
+KNOWN = 1e-9
+"""Relative error of a step that is read off the data."""
+FINEST = 0.01
+"""Of half the range, the finest step that is thought of."""
+MOSTLY = 0.98
+"""The largest share that a fit begins at: at one there is no slope to follow."""
+REACHES = (0.05, 0.15, 0.5)
+"""In steps, from which a fit begins."""
+
+
+class Heaps(NamedTuple):
+    """Multiples of a step that stand out."""
+
+    step: float
+    share: float
+    """Of all values, so many are there beyond those that the values next to them let expect."""
+    z: float
+    """In standard deviations."""
+
+
+NONE = Heaps(0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Heaping(Family):
+    """A share of the values is recorded as the nearest multiple of a step: of all values, or the more the nearer.
+
+    In the shape `near` the share falls off with the distance d from the multiple, as exp(-d / (reach step)).
+    """
+
+    shape: str = "any"
+    feature: int | Literal["all"] | None = None
+    columns: tuple[int, ...] = (0,)
+    """Where the values stand in an event."""
+    whole: bool = False
+    """Whether they are counts."""
+    steps: tuple[float, float] = (5.0, 100.0)
+    """Between which the step lies: next to each other where the data show it."""
+
+    stage = 4
+    name = "heaping"
+    domains = ("counts", "continuous")
+    position = 33
+    choices = 1
+    STRENGTH = Parameter("share", 0, 1, 0, "1")
+    SHAPES: ClassVar = {"any": (), "near": (Parameter("reach", 0.03, 1, None, "steps"),)}
+    sentence: ClassVar = "Round numbers are preferred: values near them are recorded as these."
+    source: ClassVar = "D. F. Heitjan, D. B. Rubin, J. Am. Stat. Assoc. 85 (1990) 304"
+
+    @classmethod
+    def entries(cls, site):
+        """One a feature that is a number, whether a count or not, and one that acts on all alike."""
+        entries = [cls(feature=feature, columns=site.columns(feature), whole=True) for feature in site.counts]
+        for feature in site.features:
+            columns = site.columns(feature)
+            widest = max(site.ranges[j].half for j in columns)
+            entries.append(cls(feature=feature, columns=columns, steps=(FINEST * widest, widest)))
+        return entries
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        unit = "counts" if self.whole else OF_FEATURE
+        return (self.STRENGTH, Parameter("step", *self.steps, None, unit), *self.SHAPES[self.shape])
+
+    def shown(self, x: NDArray) -> Heaps:
+        """The heaps of measured events x (N, d) that stand out most, of all features that it acts on."""
+        return max((heaps(x[:, j], self.whole) for j in self.columns), key=lambda one: one.z)
+
+    def adapted(self, x):
+        step = self.shown(x).step
+        return replace(self, steps=((1 - KNOWN) * step, (1 + KNOWN) * step) if step else self.steps)
+
+    def guess(self, x):
+        """Nothing where no multiples stand out."""
+        shown = self.shown(x)
+        if not shown.step:
+            return np.empty((0, len(self.parameters)))
+        if self.shape == "any":
+            return np.array([[min(shown.share, MOSTLY), shown.step]])
+        reach = np.array(REACHES)
+        of_all = 2 * reach * (1 - np.exp(-0.5 / reach))  # the mean of exp(-d / reach), d even from 0 to half a step
+        return np.stack([np.minimum(shown.share / of_all, MOSTLY), np.full(3, shown.step), reach], axis=1)
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        values, share, step = x[:, self.columns], phi[:, :1], phi[:, 1:2]
+        round_numbers = step * np.rint(values / step)
+        if self.shape == "near":
+            share = share * np.exp(-np.abs(values - round_numbers) / (phi[:, 2:] * step))
+        if self.whole:
+            round_numbers = np.rint(round_numbers)
+        x[:, self.columns] = np.where(rng.random(values.shape) < share, round_numbers, values)
+        return x
+
+
+def heaps(x: NDArray, whole: bool) -> Heaps:
+    """The step whose multiples hold most more of the values x (N,) than those next to them let expect.
+
+    What to expect at a multiple is the cubic through the two values to either side of it, which lie a grain apart; of
+    real numbers that nobody rounded nothing.
+    """
+    values, numbers = np.unique(x.astype(float), return_counts=True)
+    often = values[numbers >= REPEATED]
+    if len(often) < 3:
+        return NONE
+    gap = 1.0 if whole else float(np.median(np.diff(often)))
+    rounded = whole or numbers[numbers >= REPEATED].sum() > len(x) / 2
+    if not rounded:
+        values, numbers = often, numbers[numbers >= REPEATED]
+    best = NONE
+    for step in _steps(APART * gap if rounded else (1 - KNOWN) * gap, (values[-1] - values[0]) / 2, whole):
+        away = np.abs(values - step * np.rint(values / step)) / gap
+        at, one, two = (float(numbers[np.abs(away - k) < 1e-3].sum()) for k in (0, 1, 2))
+        expected = max((4 * one - two) / 6, 0.0) if rounded else 0.0
+        z = (at - expected) / np.sqrt(at + expected + 1)
+        if z > max(best.z, CLEAR):
+            best = Heaps(step, (at - expected) / len(x), float(z))
+    return best
+
+
+def _steps(low: float, high: float, whole: bool) -> list[float]:
+    """Those from low to high, the largest first: of real numbers that are heaped, finer steps have the same heaps."""
+    if not 0 < low < high < np.inf:
+        return []
+    powers = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
+    steps = sorted({*(one * 10.0**power for one in ROUND for power in powers), *OF_TIME}, reverse=True)
+    return [step for step in steps if low <= step <= high and not (whole and step % 1)]

@@ -1,0 +1,87 @@
+"""Spread: a parameter of the simulator is not the same in every event."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from scipy.special import ndtr, ndtri
+
+from avobench.effects.contract import Family, Parameter
+
+WIDEST = 0.3
+"""Of the prior's width: about the standard deviation of values that spread over all of it."""
+LEAST = 1e-9
+"""Of the support's width: the standard deviation at the null value, which no event shows."""
+
+
+def _gaussian(at, width, low, high, rng):
+    """What falls outside the support is drawn again: here by the inverse of the distribution function, at once."""
+    below, above = ndtr((low - at) / width), ndtr((high - at) / width)
+    return at + width * ndtri(below + (above - below) * rng.random(len(at)))
+
+
+def _uniform(at, width, low, high, rng):
+    """What falls outside the support is drawn again."""
+    low, high = np.maximum(at - np.sqrt(3) * width, low), np.minimum(at + np.sqrt(3) * width, high)
+    return low + (high - low) * rng.random(len(at))
+
+
+def _two_values(at, width, low, high, rng):
+    """One in each half of the events; a value outside the support is its end."""
+    return at + np.where(rng.random(len(at)) < 0.5, -width, width)
+
+
+DRAWN = {"gaussian": _gaussian, "uniform": _uniform, "two_values": _two_values}
+"""By shape: a parameter's values (n,) around `at` (n,) with the standard deviation `width` (n,), where the support from
+`low` to `high` does not cut them off."""
+
+
+@dataclass(frozen=True)
+class Spread(Family):
+    """A parameter of the task, named by `feature`, has another value in each event, around that of theta.
+
+    Overdispersion of counts is a special case: a rate that differs. It can be had of any count, whatever the parameters
+    of its simulator mean, so both stay, and tie where both describe the events.
+    """
+
+    shape: str = "gaussian"
+    feature: str = ""
+    column: int = 0
+    """Of the parameter in theta."""
+    support: tuple[float, float] = (0.0, 1.0)
+    widest: float = WIDEST
+    """Of the standard deviation."""
+    unit: str = "1"
+
+    stage = 1
+    name = "spread"
+    domains = ("counts", "continuous", "images")
+    moves_theta = True
+    position = 30
+    SHAPES: ClassVar = {shape: () for shape in DRAWN}
+    sentence: ClassVar = (
+        "A parameter of the simulator is not the same in every event; of a rate, this is overdispersion."
+    )
+    source: ClassVar = "N. M. Laird, J. H. Ware, Biometrics 38 (1982) 963"
+
+    @classmethod
+    def entries(cls, site):
+        """One a parameter of the task."""
+        task = site.task
+        supports = zip(task.support.low, task.support.high, strict=True)
+        described = zip(task.parameter_names, supports, WIDEST * task.prior.width, task.parameter_units, strict=True)
+        return [
+            cls(feature=name, column=j, support=support, widest=float(widest), unit=unit)
+            for j, (name, support, widest, unit) in enumerate(described)
+        ]
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        return (Parameter("width", 0, self.widest, 0, self.unit, soft=True),)
+
+    def apply(self, simulate, theta, phi, rng):
+        low, high = self.support
+        theta, width = theta.copy(), np.maximum(phi[:, 0], LEAST * (high - low))
+        drawn = DRAWN[self.shape](theta[:, self.column], width, low, high, rng)
+        theta[:, self.column] = np.clip(drawn, low, high)
+        return simulate(theta, rng)

@@ -1,0 +1,127 @@
+"""Effects on counts: the newer families, and all of them on several counts an event or beside real numbers."""
+
+import numpy as np
+import pytest
+from scipy.stats import poisson
+
+from avobench.bench.conformance import effects as suite
+from avobench.effects.catalogue import catalogue, of_domain
+from avobench.effects.model import Model
+from avobench.tasks.function import task
+from avobench.tasks.poisson import Poisson
+
+N = 200_000
+
+
+def weeks(theta, rng):
+    return rng.poisson(np.exp(theta[:, [0]]) * [1, 2, 4])
+
+
+def beside(theta, rng):
+    return np.column_stack([rng.normal(theta[:, 0]), rng.poisson(np.exp(theta[:, 0]))])
+
+
+WEEKS = task(weeks, prior={"log_rate": (0, 3)})
+BESIDE = task(beside, prior={"log_rate": (0, 3)}, kinds={"x2": "count"})
+
+
+def effect_of(task, name, shape=None, feature=None):
+    entry = next(effect for effect in catalogue(task) if effect.key == (name, feature))
+    return next(one for one in entry.shapes() if shape in (None, one.shape))
+
+
+def events(task, effects, params, n=N):
+    return Model(task, tuple(effects)).simulate(np.tile(params, (n, 1)), np.random.default_rng(0))
+
+
+@pytest.mark.parametrize(
+    ("shape", "mean", "variance"),
+    [
+        ("chain", lambda p: 1 / (1 - p), lambda p: (1 + p) / (1 - p) ** 2),
+        ("one_generation", lambda p: 1 + p, lambda p: p + (1 + p) ** 2),
+    ],
+)
+def test_afterpulses_have_the_moments_of_their_generations(shape, mean, variance):
+    """Of a Poisson count both moments are in proportion to its rate (law of total variance)."""
+    x = events(Poisson(), [effect_of(Poisson(), "after_pulses", shape)], [np.log(3.0), 0.3])[:, 0]
+    assert x.mean() == pytest.approx(3 * mean(0.3), abs=5 * x.std() / np.sqrt(N))
+    assert x.var() == pytest.approx(3 * variance(0.3), rel=0.02)
+
+
+@pytest.mark.parametrize("lost", [0.4, 1.0])
+def test_truncated_counts_are_those_up_to_the_limit(lost):
+    x = events(Poisson(), [effect_of(Poisson(), "truncation")], [np.log(6.0), lost, 7.0])[:, 0]
+    k = np.arange(25)
+    kept = poisson.pmf(k, 6) * np.where(k > 7, 1 - lost, 1)
+    np.testing.assert_allclose(np.bincount(x, minlength=25)[:25] / N, kept / kept.sum(), atol=5 * 0.5 / np.sqrt(N))
+
+
+def test_a_limit_is_looked_for_among_the_measured_counts():
+    x = np.random.default_rng(0).poisson(6, (1000, 1))
+    limit = effect_of(Poisson(), "truncation").adapted(x).parameters[1]
+    assert (limit.low, limit.high) == (np.median(x), x.max() + 1)
+
+
+@pytest.mark.parametrize(("shape", "limit", "piled"), [("above", 8, poisson.sf(7, 6)), ("below", 4, poisson.cdf(4, 6))])
+def test_censored_counts_are_a_spike_at_the_limit_which_is_read_off_the_data(shape, limit, piled):
+    effect = effect_of(Poisson(), "censoring", shape)
+    x = events(Poisson(), [effect], [np.log(6.0), 1.0, limit], 20_000)
+    assert (x == limit).mean() == pytest.approx(piled, abs=5 * 0.5 / np.sqrt(20_000))
+    assert (x.max() if shape == "above" else x.min()) == limit
+    shown = effect.adapted(x)
+    assert shown.parameters[1].low < limit < shown.parameters[1].high
+    assert (shown.guess(x)[:, 1] == limit).all()
+
+
+@pytest.mark.parametrize("rate", [0.3, 1.0, 2.0, 6.0, 50.0, 3000.0])
+def test_counts_that_nothing_censors_show_no_spike(rate):
+    x = np.random.default_rng(0).poisson(rate, (50_000, 1))
+    for shape in effect_of(Poisson(), "censoring").shapes():
+        assert len(shape.guess(x)) == 0
+
+
+def test_an_excess_of_zeros_stands_beside_another_process():
+    """A channel that is off behind a dead time: only no pulse at all makes a dead counter read zero."""
+    effects = [effect_of(Poisson(), "zero_inflation", "dead"), effect_of(Poisson(), "dead_time", "non_paralysable")]
+    both = events(Poisson(), effects, [np.log(3.0), 0.2, 0.1])[:, 0]
+    alone = events(Poisson(), effects[1:], [np.log(3.0), 0.1])[:, 0]
+    assert (both == 0).mean() == pytest.approx(0.2 + 0.8 * np.exp(-3), abs=5 * 0.5 / np.sqrt(N))
+    assert both.mean() == pytest.approx(0.8 * alone.mean(), rel=0.01)
+
+
+def test_what_happens_to_an_event_happens_to_all_its_counts_and_to_a_count_by_itself():
+    theta = [np.log(5.0)]
+    off = events(WEEKS, [effect_of(WEEKS, "zero_inflation", "dead", "all")], [*theta, 0.3])
+    assert (off == 0).all(axis=1).mean() == pytest.approx(0.3, abs=0.01)
+    scattered = events(WEEKS, [effect_of(WEEKS, "overdispersion", "gamma", "all")], [*theta, 0.1])
+    thinned = events(WEEKS, [effect_of(WEEKS, "inefficiency", "", "all")], [*theta, 0.4])
+    for x, covariance in ((scattered, 0.1 * np.outer([5, 10, 20], [5, 10, 20])), (thinned, np.zeros((3, 3)))):
+        off_diagonal = ~np.eye(3, dtype=bool)
+        assert np.cov(x.T)[off_diagonal] == pytest.approx(covariance[off_diagonal], rel=0.1, abs=0.3)
+    assert thinned.mean(axis=0) == pytest.approx(0.6 * np.array([5, 10, 20]), rel=0.01)
+
+
+def test_an_effect_on_one_count_leaves_the_others_as_they_are():
+    plain = events(WEEKS, [], [np.log(5.0)], 2000)
+    for name in ("readout_noise", "double_counting", "dead_time"):
+        effect = effect_of(WEEKS, name, None, 1)
+        phi = [(p.low + p.high) / 2 for p in effect.parameters]
+        x = effect.apply(
+            lambda theta, rng: plain[: len(theta)].copy(), plain, np.tile(phi, (2000, 1)), np.random.default_rng(0)
+        )
+        assert (x[:, [0, 2]] == plain[:, [0, 2]]).all()
+        assert (x[:, 1] != plain[:, 1]).any()
+
+
+@pytest.mark.parametrize(("which", "feature"), [(WEEKS, 2), (WEEKS, "all"), (BESIDE, 1)], ids=["one", "all", "beside"])
+@pytest.mark.parametrize("family", [one.name for one in of_domain("counts") if one.name not in ("spread", "mixture")])
+def test_effects_keep_their_contract_on_any_count(family, which, feature):
+    effect = effect_of(which, family, None, feature)
+    (described,), checks = suite.rounds(family, [(which, effect)])
+    described[1]()
+    wanted = effect.shapes()[:: max(1, len(effect.shapes()) // 3)]
+    names = {f"({which.name}{', ' + shape.shape if shape.shape else ''})" for shape in wanted}
+    tried = [check for what, check in checks if any(what.endswith(name) for name in names) and "process" not in what]
+    assert len(tried) == 4 * len(wanted)
+    for check in tried:
+        check()

@@ -1,0 +1,58 @@
+"""Heaping: what it makes, and how its step is read off the data."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avobench.effects.catalogue import catalogue
+from avobench.effects.readings.heaping import heaps
+from avobench.tasks.carl import Carl
+from avobench.tasks.poisson import Poisson
+
+
+def heaping(task, feature, shape):
+    entry = next(effect for effect in catalogue(task) if effect.key == ("heaping", feature))
+    return next(one for one in entry.shapes() if one.shape == shape)
+
+
+def applied(effect, x, phi):
+    phi = np.tile(phi, (len(x), 1))
+    return effect.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(0))
+
+
+@pytest.mark.parametrize(("shape", "phi"), [("any", [0.3, 5]), ("near", [0.8, 5, 0.2])])
+def test_a_share_of_the_counts_is_the_nearest_round_number(shape, phi):
+    x = np.random.default_rng(1).integers(20, 120, (200_000, 1))
+    y = applied(heaping(Poisson(), None, shape), x, phi)
+    assert y.dtype == x.dtype
+    for away in (0, 1, 2):
+        at = np.abs(x - 5 * np.rint(x / 5)) == away
+        moved = 0 if away == 0 else 0.3 if shape == "any" else 0.8 * np.exp(-away / (0.2 * 5))
+        assert (y[at] != x[at]).mean() == pytest.approx(moved, abs=0.01)
+    assert (y[y != x] % 5 == 0).all()
+
+
+def test_the_step_is_read_off_counts_and_off_real_numbers():
+    rng = np.random.default_rng(2)
+    counts = rng.poisson(40, (20_000, 1))
+    effect = heaping(Poisson(), None, "any")
+    adapted = effect.adapted(applied(effect, counts, [0.3, 10]))
+    assert adapted.steps == pytest.approx((10, 10))
+    assert adapted.guess(applied(effect, counts, [0.3, 10]))[0] == pytest.approx([0.3, 10], abs=0.03)
+    x = rng.normal(7, 3, (20_000, 5))
+    effect = heaping(Carl(), 1, "any")
+    y = applied(effect, x, [0.1, 0.5])
+    assert effect.adapted(y).steps == pytest.approx((0.5, 0.5))
+    assert (y[:, [0, 2, 3, 4]] == x[:, [0, 2, 3, 4]]).all()
+    tenths = np.round(x, 1)
+    assert effect.adapted(applied(effect, tenths, [0.2, 1])).steps == pytest.approx((1, 1))
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.5, 60), st.booleans())
+def test_what_nobody_heaped_shows_no_heaps(seed, scale, whole):
+    rng = np.random.default_rng(seed)
+    x = rng.poisson(scale, 20_000) if whole else rng.normal(scale, scale / 4, 20_000)
+    assert heaps(x, whole).step == 0
+    entry = heaping(Poisson() if whole else Carl(), None if whole else 0, "near")
+    assert entry.guess(np.tile(x[:, None], 1 if whole else 5)).shape == (0, 3)
