@@ -70,7 +70,7 @@ def test_the_example_of_the_page_is_an_effect_and_the_page_quotes_it(monkeypatch
     ("name", "what", "why"),
     [
         ("Silent", "says what it is", "sentence must be text"),
-        ("NoStage", "says what it is", "the stage must be a whole number from 0 to 4, got 7"),
+        ("NoStage", "says what it is", "the stage must be a whole number from 0 to 5, got 7"),
         ("NoNull", "says what it is", "the strength rate has no null value"),
         ("OtherType", "makes events within its bounds", "returned float32 where int64 was due"),
         ("NeverAbsent", "changes nothing at its null value", "differ from the simulator's"),

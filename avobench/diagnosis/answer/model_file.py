@@ -44,7 +44,7 @@ def describe(
         prefix = effect.name if effect.feature is None else f"{effect.name}_{_feature(base, effect)}"
         again = sum(name.startswith(f"{prefix}_") for name in base.parameter_names)  # by a model that was found before
         names += [f"{prefix}{'_again' if again else ''}_{p.name}" for p in effect.parameters]
-        units += [p.unit for p in effect.parameters]
+        units += [effect.unit(p, getattr(base, "feature_units", ())) for p in effect.parameters]
     margin = np.maximum(PRIOR_SIGMAS * std, LEAST_PRIOR * (model.high - model.low))
     low = np.maximum(model.low, fit.params - margin)
     high = np.minimum(model.high, fit.params + margin)

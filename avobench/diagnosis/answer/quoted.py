@@ -151,9 +151,10 @@ def found_effect(fit: Fit, k: int, ties: list[Ranked], names: tuple[str, ...]) -
     effect = fit.model.effects[k]
     start = fit.model.num_theta + sum(len(e.parameters) for e in fit.model.effects[:k])
     std = scaled_std(fit)
+    units = getattr(fit.model.task, "feature_units", ())
     parameters = {
-        p.name: EffectValue(value=float(fit.params[start + i]), std=float(std[start + i]), null=p.null, unit=p.unit)
-        for i, p in enumerate(effect.parameters)
+        p.name: EffectValue(value=float(value), std=float(error), null=p.null, unit=effect.unit(p, units))
+        for p, value, error in zip(effect.parameters, fit.params[start:], std[start:], strict=False)
     }
     return FoundEffect(
         **named(effect, names).model_dump(),

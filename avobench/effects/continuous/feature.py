@@ -1,7 +1,8 @@
 """What effects on real features share: the columns to act on, and three ways to act on them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +27,24 @@ class FeatureEffect(Effect):
     shape: str = ""
 
     domains = ("continuous",)
+    on_all: ClassVar[bool] = True
+    """Whether it may act on all features alike."""
 
     @classmethod
     def entries(cls, site: Site) -> list[Effect]:
-        """One a feature, and one that acts on all of them where there are several."""
-        return [cls(feature, site.ranges) for feature in site.features]
+        """One a feature, and one that acts on all of them where there are several and it may."""
+        return [cls(feature, site.ranges) for feature in site.features if cls.on_all or feature != "all"]
+
+    def unit(self, parameter: Parameter, units: Sequence[str] = ()) -> str:
+        """That of the feature in place of `of the feature`, and of what range half is meant."""
+        own = units[self.feature] if len(units) and self.feature != "all" else ""
+        if parameter.unit == "of the feature":
+            return own or ("in the feature's unit" if self.feature != "all" else "in the unit of each feature")
+        if parameter.unit != "of half the range":
+            return parameter.unit
+        if self.feature == "all":
+            return "of half the range of each"
+        return f"of half the range {self.low:.4g} to {self.high:.4g}{'' if own in ('', '1') else f' {own}'}"
 
     @property
     def columns(self) -> range:

@@ -1,0 +1,44 @@
+"""A radiative tail: some events have lost a part of their energy before they are measured."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from avobench.effects.continuous.feature import Change
+from avobench.effects.contract import Parameter
+
+INDEX = 3
+"""Of the power that the tail falls by: its mean is finite, its variance is not."""
+LOSSES = {
+    "exponential": lambda n, rng: rng.standard_exponential(n),
+    "power": lambda n, rng: (INDEX - 2) * rng.pareto(INDEX - 1, n),
+}
+"""By shape: losses (n,) in units of their mean."""
+
+
+@dataclass(frozen=True)
+class RadiativeTail(Change):
+    """A share of the values is moved to one side, by an exponential or a power: at most half the range as a rule.
+
+    `outliers` to one side are those that are moved by more.
+    """
+
+    shape: str = "exponential_below"
+    stage = 1
+    on_all = False
+    name = "radiative_tail"
+    position = 24
+    sentence = "Some events have lost a part of their energy, as by radiation before the measurement."
+    source = "Y.-S. Tsai, Rev. Mod. Phys. 46 (1974) 815"
+
+    def strength(self) -> Parameter:
+        return Parameter("fraction", 0, 0.95, 0, "1")
+
+    def variants(self):
+        tail = Parameter("tail", 0.01 * self.half, 0.5 * self.half, None, "of the feature")
+        return {f"{law}_{side}": (tail,) for side in ("below", "above") for law in LOSSES}
+
+    def changed(self, x, span, phi, rng):
+        law, _, side = self.shape.partition("_")
+        lost = phi[:, 1] * LOSSES[law](len(x), rng) * (rng.random(len(x)) < phi[:, 0])
+        return x - lost if side == "below" else x + lost
