@@ -62,7 +62,8 @@ class Effect(ABC):
     """Which of its shapes this is."""
     stage: int = 2
     """Of the chain: 0 generated particles, which are altered before there is an event; 1 the source; 2 measurement;
-    3 selection; 4 what is added or read out; 5 a selection after everything else. Effects act in this order, and of one stage in that of being added."""
+    3 selection; 4 what is added or read out; 5 a selection after everything else. Effects act in this order, and of one
+    stage in that of being added."""
     choices: int = 0
     """Shape parameters beyond `parameters` that choosing among its shapes amounts to, such as a step."""
     sentence: ClassVar[str]
@@ -116,7 +117,7 @@ class Effect(ABC):
         return self
 
     def unit(self, parameter: Parameter, units: Sequence[str] = ()) -> str:
-        """What an answer says of the unit of one of its parameters; `units` are those of the features, none if unknown."""
+        """The unit of one of its parameters, as an answer says it; `units` (d,) are those of the features, if known."""
         return parameter.unit
 
     @property

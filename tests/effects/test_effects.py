@@ -27,8 +27,12 @@ COUNTS = (
 )
 CONTINUOUS = (
     "resolution offset scale edge_acceptance forward_backward_acceptance flat_background peak_background dead_region "
-    "charge_misid outliers crosstalk quantisation saturation"
+    "charge_misid outliers crosstalk quantisation saturation turn_on truncation censoring analysis_window "
+    "radiative_tail second_exponential conditional_response correlation"
 )
+
+BETWEEN = ("conditional_response", "correlation")
+"""Where there are several features, as is crosstalk."""
 
 
 def effect_of(task, name, shape=None):
@@ -43,10 +47,11 @@ def events(task, effect, theta, phi, n=40_000, seed=0):
 
 def test_catalogue_has_the_promised_names():
     assert [e.name for e in catalogue(Poisson())] == COUNTS.split()
-    assert {e.name for e in catalogue(Weinberg())} == set(CONTINUOUS.split()) - {"crosstalk"}
+    assert {e.name for e in catalogue(Weinberg())} == set(CONTINUOUS.split()) - {"crosstalk", *BETWEEN}
     of_carl = catalogue(Carl())
     assert {e.name for e in of_carl} == set(CONTINUOUS.split())
-    assert len({e.key for e in of_carl}) == len(of_carl) == 13 * 6  # five features, and all alike
+    of_each, on_all = 7, 1  # of which an entry a feature, and one on all, would mean nothing
+    assert len({e.key for e in of_carl}) == len(of_carl) == 13 * 6 + 5 * of_each + on_all  # five features
 
 
 @pytest.mark.parametrize("name", ["overdispersion", "double_counting", "resolution", "edge_acceptance"])

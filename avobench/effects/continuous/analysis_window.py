@@ -6,7 +6,7 @@ import numpy as np
 
 from avobench.effects.continuous.ends import sharp_end
 from avobench.effects.continuous.feature import Acceptance
-from avobench.effects.continuous.limited import BEYOND, INSIDE
+from avobench.effects.continuous.truncation import BEYOND, INSIDE
 from avobench.effects.contract import Parameter
 
 CENTRES = 0.25
@@ -39,8 +39,8 @@ class AnalysisWindow(Acceptance):
             return middle - off, middle + off, self.half, 2 * (self.half + off)
         (low, high), off = self.window, INSIDE * self.half
         left, right = (low + high) / 2 - off, (low + high) / 2 + off
-        all_of_it = 2 * max(right - self.low, self.high - left, (high - low) / 2 + off + BEYOND * self.half)
-        return left, right, (high - low) - 2 * off, all_of_it
+        reach = max(right - self.low, self.high - left, (high - low) / 2 + off) + BEYOND * self.half
+        return left, right, (high - low) - 2 * off, 2 * reach
 
     def strength(self) -> Parameter:
         _, _, narrow, wide = self._place()

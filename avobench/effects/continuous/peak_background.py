@@ -34,7 +34,7 @@ def _crystal_ball(n, rng):
 
 @dataclass(frozen=True)
 class PeakBackground(Background):
-    """A share of the events forms a peak: Gaussian, Lorentzian, a box of the same standard deviation, or with a tail."""
+    """A share of the events forms a peak: Gaussian, Lorentzian, a box of the same deviation, or with a tail."""
 
     shape: str = "gaussian"
     name = "peak_background"

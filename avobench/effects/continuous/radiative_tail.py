@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from avobench.effects.continuous.feature import Change
 from avobench.effects.contract import Parameter
 

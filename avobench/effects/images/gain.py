@@ -69,9 +69,13 @@ def odd_line(x: NDArray, grid: tuple[int, int], axis: int) -> int | None:
     if len(total) < 5 or not usual > 0:
         return None
     y = np.log(np.maximum(total, LEAST * usual))
-    expected = np.r_[2 * y[1] - y[2], (y[:-2] + y[2:]) / 2, 2 * y[-2] - y[-3]]
-    off = y - expected
+    off = y - _beside(y)
     scatter = np.median(np.abs(off)) / 0.6745  # as of a normal distribution
-    z = np.abs(off) / np.sqrt(scatter**2 + 1.5 / np.maximum(fires, 1))
+    z = np.abs(off) / np.sqrt(scatter**2 + 1.5 / np.maximum(_beside(fires), 1))
     worst = int(z.argmax())
     return worst if z[worst] > ODD else None
+
+
+def _beside(y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What each of y (n,) is by its two neighbours on a straight line, or at the ends by the next two."""
+    return np.r_[2 * y[1] - y[2], (y[:-2] + y[2:]) / 2, 2 * y[-2] - y[-3]]
