@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.stats import crystalball, expon, kstest, lomax, norm
+from scipy.stats import beta, crystalball, expon, kstest, lomax, norm
 
 from avobench.effects.catalogue import catalogue
 from avobench.effects.continuous.analysis_window import AnalysisWindow
@@ -207,6 +207,13 @@ def test_a_radiative_tail_moves_a_share_to_one_side(side, sign):
         assert np.mean(lost > 0) == pytest.approx(0.3, abs=5 * np.sqrt(0.21 / N))
         assert lost.min() == 0
         assert kstest(lost[lost > 0] / 1.5, losses.cdf).pvalue > CHANCE
+
+
+def test_behind_a_radiator_the_share_lost_is_a_power_of_an_even_number():
+    effect = shape(RadiativeTail, "radiator")
+    x = made(effect, [0.2], lambda theta, rng: np.full((len(theta), 1), 5.0))
+    assert kstest(1 - x / 5, beta(0.2, 1).cdf).pvalue > CHANCE
+    np.testing.assert_array_equal(made(effect, [0.0], lambda theta, rng: np.full((len(theta), 1), 5.0)), 5)
 
 
 def test_a_second_exponential_begins_at_the_end_of_the_range():
