@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from avobench.effects.continuous.ends import sharp_end
+from avobench.effects.continuous.ends import SIDES, sharp_end
 from avobench.effects.continuous.feature import Acceptance
 from avobench.effects.continuous.truncation import BEYOND, INSIDE
 from avobench.effects.contract import Parameter
@@ -51,11 +51,10 @@ class AnalysisWindow(Acceptance):
         return {"": (Parameter("centre", left, right, None, "of the feature"),)}
 
     def adapted(self, x):
-        """With the range of the data, if an end of it is sharp; else as it is."""
+        """With the range of the data, if an end of it is sharp."""
         column = x[:, self.feature]
-        if sharp_end(column, "below") is None and sharp_end(column, "above") is None:
-            return self
-        return replace(self, window=(float(column.min()), float(column.max())))
+        sharp = any(sharp_end(column, side) is not None for side in SIDES)
+        return replace(self, window=(float(column.min()), float(column.max())) if sharp else None)
 
     def guess(self, x):
         """Nothing where the data thin out to both sides."""
