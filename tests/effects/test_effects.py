@@ -54,7 +54,10 @@ def test_catalogue_has_the_promised_names():
     assert len({e.key for e in of_carl}) == len(of_carl) == 13 * 6 + 5 * of_each + on_all  # five features
 
 
-@pytest.mark.parametrize("name", ["overdispersion", "double_counting", "resolution", "edge_acceptance"])
+@pytest.mark.parametrize(
+    "name",
+    ["overdispersion", "double_counting", "resolution", "edge_acceptance", "turn_on", "truncation", "analysis_window"],
+)
 def test_effects_keep_their_contract(name):
     results = list(check.run("effect", name))
     assert [f"{r.what}: {r.why}" for r in results if not r.passed] == []
