@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import beta, crystalball, expon, kstest, lomax, norm
 
@@ -67,6 +67,7 @@ def test_a_turn_on_has_the_mean_that_its_curve_gives(width):
     assert x.mean() == pytest.approx((width + 1) / (width + 2), abs=five_errors(x))
 
 
+@settings(deadline=None)
 @given(place=st.floats(-0.5, 0.5), width=st.floats(0.05, 0.5), lost=st.floats(0.1, 1))
 def test_of_a_turn_on_one_side_is_the_mirror_of_the_other(place, width, lost):
     span = Range(-1.0, 1.0, True)
@@ -186,6 +187,7 @@ def test_a_window_acts_after_everything_else_whichever_was_added_first():
     assert len(window.guess(smeared)) == 0
 
 
+@settings(deadline=None)
 @given(low=st.floats(-3, 5), width=st.floats(0.5, 8))
 def test_the_window_of_any_data_is_within_its_bounds_and_can_be_absent(low, width):
     x = low + width * np.random.default_rng(0).random((2000, 1))
