@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from avobench.effects.catalogue import catalogue
-from avobench.effects.continuous.conditional_response import SHIFTS, ConditionalResponse
+from avobench.effects.continuous.conditional_response import FLOOR, SHIFTS, ConditionalResponse
 from avobench.effects.continuous.correlation import MOST_PAIRS, Correlation
 from avobench.effects.ranges import Range
 from avobench.tasks.carl import Carl
@@ -42,7 +42,7 @@ def test_a_walk_is_latest_at_nothing_and_goes_by_the_inverse_root():
     assert walk[[0, -1]] == pytest.approx([1, 0], abs=1e-12)
     assert (np.diff(walk) < 0).all()
     assert (np.diff(walk, 2) > 0).all()
-    assert np.corrcoef(walk, ((1 + u) / 2 + 0.02) ** -0.5)[0, 1] == pytest.approx(1)
+    assert np.corrcoef(walk, ((1 + u) / 2 + FLOOR) ** -0.5)[0, 1] == pytest.approx(1)
     assert np.isfinite(SHIFTS["walk"](np.array([-9.0, 9.0]))).all()  # beyond the range as well
 
 

@@ -7,8 +7,8 @@ import numpy as np
 from avobench.effects.continuous.feature import FeatureEffect
 from avobench.effects.contract import Effect, Parameter
 
-FLOOR = 0.02
-"""Of the range of what acts, added to it in `walk`: at nothing the time of a threshold would come infinitely late."""
+FLOOR = 0.1
+"""Of the range of what acts, added to it in `walk`: signals begin at a threshold, not at nothing."""
 
 
 def _walk(u):
@@ -17,7 +17,7 @@ def _walk(u):
     return (at**-0.5 - least) / (most - least)
 
 
-SHIFTS = {"quadratic": np.square, "tanh": lambda u: np.tanh(3 * u), "walk": _walk}
+SHIFTS = {"tanh": lambda u: np.tanh(3 * u), "walk": _walk, "quadratic": np.square}
 """By shape: the shift (n,), in units of the strength, where what acts is u (n,), in half ranges from its centre.
 
 One that is linear is `crosstalk`. A walk is that of a leading edge: the smaller the signal, the later, by its inverse
