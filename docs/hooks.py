@@ -17,7 +17,7 @@ FROM_THE_ROOT = {"changelog.md": "CHANGELOG.md", "contributing.md": "CONTRIBUTIN
 """Pages of the site that stand where whoever looks at the repository expects them."""
 DOMAINS = {
     "Continuous features": ("carl", "Such as energies and angles. An effect acts on one feature, or on all alike."),
-    "Counts": ("poisson", "Such as the pulses in an interval. An effect acts on one count, or on all of an event alike."),
+    "Counts": ("poisson", "Such as the pulses in an interval. An effect acts on one count, or on all of them alike."),
     "Images": ("alignment", "Hits in the cells of a detector. Some effects act on the particles that make them."),
 }
 """Kinds of events, a task with a catalogue of each, and what they are."""

@@ -1,6 +1,7 @@
 """The contract of an effect: something that a simulator may lack, written as a change of that simulator."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, Protocol
 
@@ -65,7 +66,8 @@ class Effect(ABC):
     """Which of its shapes this is."""
     stage: int = 2
     """Of the chain: 0 generated particles, which are altered before there is an event; 1 the source; 2 measurement;
-    3 selection; 4 what is added or read out. Effects act in this order, and of one stage in that of being added."""
+    3 selection; 4 what is added or read out; 5 a selection after everything else. Effects act in this order, and of one
+    stage in that of being added."""
     choices: int = 0
     """Shape parameters beyond `parameters` that choosing among its shapes amounts to, such as a step."""
     sentence: ClassVar[str]
@@ -119,6 +121,11 @@ class Effect(ABC):
     def adapted(self, x: NDArray) -> "Effect":
         """The same effect with bounds within which it keeps its meaning for measured events x (N, d)."""
         return self
+
+    def unit(self, parameter: Parameter, units: Sequence[str] = ()) -> str:
+        """The unit of one of its parameters, as an answer says it; `units` (d,) are those of the features, if known."""
+        known = units and isinstance(self.feature, int)
+        return units[self.feature] if known and parameter.unit == OF_FEATURE else parameter.unit
 
     @property
     def key(self) -> tuple[str, int | str | None]:

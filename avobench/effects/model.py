@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.effects import Effect
-from avobench.effects.contract import OF_FEATURE
 from avobench.effects.pool import Alter, Pool
 from avobench.tasks import Task
 
@@ -68,9 +67,7 @@ class Model:
         """(P,)"""
         units = list(self.task.parameter_units)
         for effect in self.effects:
-            named = self.task.feature_units and isinstance(effect.feature, int)
-            feature = self.task.feature_units[effect.feature] if named else OF_FEATURE
-            units += [feature if p.unit == OF_FEATURE else p.unit for p in effect.parameters]
+            units += [effect.unit(p, self.task.feature_units) for p in effect.parameters]
         return tuple(units)
 
     @property

@@ -16,8 +16,9 @@ ORDER = {
     "counts": "zero_inflation overdispersion dead_time threshold_loss flat_background double_counting readout_noise "
     "quantisation pile_up inefficiency spread mixture after_pulses heaping truncation censoring",
     "continuous": "resolution offset scale edge_acceptance forward_backward_acceptance flat_background peak_background "
-    "dead_region charge_misid outliers crosstalk quantisation saturation spread mixture heaping",
-    "images": "dead_cells noisy_cells inefficiency random_noise pile_up threshold transverse_offset axial_tilt "
+    "dead_region charge_misid outliers crosstalk quantisation saturation turn_on truncation censoring analysis_window "
+    "radiative_tail second_exponential conditional_response correlation spread mixture heaping",
+    "images": "dead_cells noisy_cells inefficiency random_noise pile_up threshold transverse_offset axial_tilt gain "
     "spread mixture",
 }
 """The streams of random numbers of a search follow it: another order would give other numbers for a seed."""

@@ -29,8 +29,12 @@ COUNTS = (
 )
 CONTINUOUS = (
     "resolution offset scale edge_acceptance forward_backward_acceptance flat_background peak_background dead_region "
-    "charge_misid outliers crosstalk quantisation saturation spread mixture heaping"
+    "charge_misid outliers crosstalk quantisation saturation turn_on truncation censoring analysis_window "
+    "radiative_tail second_exponential conditional_response correlation spread mixture heaping"
 )
+
+BETWEEN = ("conditional_response", "correlation")
+"""Where there are several features, as is crosstalk."""
 
 
 def effect_of(task, name, shape=None):
@@ -45,14 +49,21 @@ def events(task, effect, theta, phi, n=40_000, seed=0):
 
 def test_catalogue_has_the_promised_names():
     assert [e.name for e in catalogue(Poisson())] == COUNTS.split()
-    assert {e.name for e in catalogue(Weinberg())} == set(CONTINUOUS.split()) - {"crosstalk"}
+    assert {e.name for e in catalogue(Weinberg())} == set(CONTINUOUS.split()) - {"crosstalk", *BETWEEN}
     of_carl = catalogue(Carl())
     assert {e.name for e in of_carl} == set(CONTINUOUS.split())
-    # five features, and all alike; two parameters, and both in a second population
-    assert len({e.key for e in of_carl}) == len(of_carl) == 14 * 6 + 2 + 1
+    of_each, on_all = 7, 1  # of which an entry a feature, and one on all, would mean nothing
+    of_theta = 2 + 1  # two parameters, and both in a second population
+    assert len({e.key for e in of_carl}) == len(of_carl) == 14 * 6 + 5 * of_each + on_all + of_theta  # five features
 
 
-@pytest.mark.parametrize("name", ["overdispersion", "after_pulses", "heaping", "resolution"])
+CHECKED = (
+    "overdispersion after_pulses double_counting heaping resolution edge_acceptance turn_on truncation analysis_window"
+)
+"""Of each way to act one or two, since every check simulates."""
+
+
+@pytest.mark.parametrize("name", CHECKED.split())
 def test_effects_keep_their_contract(name):
     results = list(check.run("effect", name))
     assert [f"{r.what}: {r.why}" for r in results if not r.passed] == []
@@ -88,7 +99,7 @@ def test_the_example_that_alters_a_stage_stops_its_share_and_the_page_quotes_it(
     ("name", "what", "why"),
     [
         ("Silent", "says what it is", "sentence must be text"),
-        ("NoStage", "says what it is", "the stage must be a whole number from 0 to 4, got 7"),
+        ("NoStage", "says what it is", "the stage must be a whole number from 0 to 5, got 7"),
         ("NoNull", "says what it is", "the strength rate has no null value"),
         ("OtherType", "makes events within its bounds", "returned float32 where int64 was due"),
         ("NeverAbsent", "changes nothing at its null value", "differ from the simulator's"),

@@ -52,5 +52,5 @@ def test_a_value_of_a_feature_has_its_unit_and_one_of_all_features_has_none():
     peak, of_all = entry("peak_background", 1), entry("peak_background", "all")
     assert [p.unit for p in peak.parameters].count(OF_FEATURE) == 2
     assert Model(COMPASS, (peak,)).units == ("1", "1", "GeV", "GeV")
-    assert "of half the range" in Model(COMPASS, (of_all,)).units
+    assert "of half the range of each" in Model(COMPASS, (of_all,)).units
     assert Model(COMPASS, (entry("peak_background", 0),)).units == ("1", "1", "deg", "deg")

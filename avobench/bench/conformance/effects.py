@@ -74,7 +74,7 @@ def _described(effect: Effect) -> None:
     for attribute in ("name", "sentence", "source"):
         expect(is_text(getattr(effect, attribute)), f"{attribute} must be text, got {getattr(effect, attribute)!r}")
     for shape in effect.shapes():
-        expect(shape.stage in range(5), f"the stage must be a whole number from 0 to 4, got {shape.stage!r}")
+        expect(shape.stage in range(6), f"the stage must be a whole number from 0 to 5, got {shape.stage!r}")
         expect(shape.key == effect.key, f"the shape {shape.shape} has another name or feature: {shape.key}")
         p = shape.parameters
         expect(isinstance(p, tuple) and len(p) > 0 and all(isinstance(q, Parameter) for q in p), "parameters: no tuple")

@@ -50,7 +50,7 @@ class Crosstalk(Change):
         x = simulate(theta, rng)
         columns = list(self.columns)
         x[:, columns] += phi[:, [0]] * self._leaking(x, phi)[:, columns]
-        return x
+        return self.wrapped(x)
 
     def _leaking(self, x, phi):
         """What leaks into each feature: (n, d) -> (n, d)."""

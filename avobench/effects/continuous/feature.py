@@ -1,12 +1,13 @@
 """What effects on real features share: the columns to act on, and three ways to act on them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.effects.contract import Effect, Parameter
+from avobench.effects.contract import OF_FEATURE, Effect, Parameter
 from avobench.effects.ranges import Range
 from avobench.effects.rejection import accepted
 from avobench.effects.site import Site
@@ -26,11 +27,24 @@ class FeatureEffect(Effect):
     shape: str = ""
 
     domains = ("continuous",)
+    on_all: ClassVar[bool] = True
+    """Whether it may act on all features alike."""
 
     @classmethod
     def entries(cls, site: Site) -> list[Effect]:
-        """One a feature, and one that acts on all of them where there are several."""
-        return [cls(feature, site.ranges) for feature in site.features]
+        """One a feature, and one that acts on all of them where there are several and it may."""
+        return [cls(feature, site.ranges) for feature in site.features if cls.on_all or feature != "all"]
+
+    def unit(self, parameter: Parameter, units: Sequence[str] = ()) -> str:
+        """That of the feature in place of `of the feature`, and of what range half is meant."""
+        if parameter.unit not in (OF_FEATURE, "of half the range"):
+            return parameter.unit
+        if self.feature == "all":
+            return "in the unit of each feature" if parameter.unit == OF_FEATURE else "of half the range of each"
+        if parameter.unit == OF_FEATURE:
+            return super().unit(parameter, units)
+        own = units[self.feature] if units else ""
+        return f"of half the range {self.low:.4g} to {self.high:.4g}{'' if own in ('', '1') else f' {own}'}"
 
     @property
     def columns(self) -> range:
@@ -72,6 +86,12 @@ class FeatureEffect(Effect):
     def placed(self, x: NDArray[np.float64], span: Range) -> NDArray[np.float64]:
         """Values of a feature in the units of `place`."""
         return span.unit(x) if self.feature == "all" else x
+
+    def wrapped(self, x: NDArray) -> NDArray:
+        """Events x (n, d), in which the angles that it acts on are brought back into their range."""
+        for j in self.columns:
+            x[:, j] = self.ranges[j].wrapped(x[:, j])
+        return x
 
     def variants(self) -> dict[str, tuple[Parameter, ...]]:
         """The shapes: name -> parameters beside the strength."""

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import ndtr, ndtri
 
 from avobench.effects.continuous.feature import Background
 from avobench.effects.contract import Parameter
@@ -12,13 +13,28 @@ NOISE = {
     # Cut where it would reach far beyond the range, and narrowed to about the same width.
     "lorentzian": lambda n, rng: np.tan(np.pi * 0.45 * rng.uniform(-1, 1, n)) / 1.2,
     "box": lambda n, rng: np.sqrt(3) * rng.uniform(-1, 1, n),
+    "tail_below": lambda n, rng: _crystal_ball(n, rng),
+    "tail_above": lambda n, rng: -_crystal_ball(n, rng),
 }
 """By shape: distances (n,) from the centre, in widths."""
+
+TAIL = (1.0, 3.0)
+"""Where the tail of a peak begins, in widths from its centre, and the power that it falls by."""
+
+
+def _crystal_ball(n, rng):
+    """Distances (n,) of a Gaussian that goes over smoothly into a power below (T. Skwarnicki, DESY F31-86-02)."""
+    begin, power = TAIL
+    tail, core = power / begin / (power - 1) * np.exp(-(begin**2) / 2), np.sqrt(2 * np.pi) * ndtr(begin)
+    u = rng.random(n)
+    gaussian = ndtri(1 - ndtr(begin) * u)  # above -begin
+    beyond = power / begin * ((1 - u) ** (-1 / (power - 1)) - 1)
+    return np.where(rng.random(n) < tail / (tail + core), -begin - beyond, gaussian)
 
 
 @dataclass(frozen=True)
 class PeakBackground(Background):
-    """A share of the events forms a peak: Gaussian, Lorentzian or a box of the same standard deviation."""
+    """A share of the events forms a peak: Gaussian, Lorentzian, a box of the same deviation, or with a tail."""
 
     shape: str = "gaussian"
     name = "peak_background"

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from avobench.effects.contract import Parameter
-from avobench.effects.images.grid import ImageEffect, odd_cells
+from avobench.effects.images.grid import ImageEffect, odd_cells, told
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,11 @@ class DeadCells(ImageEffect):
 
     def adapted(self, x):
         return replace(self, cells=tuple(odd_cells(x, self.grid, few=True).tolist()))
+
+    def unit(self, parameter, units=()):
+        """That, and which cell it is."""
+        cell = told(self.cells, self.grid)
+        return f"of what {cell} records" if cell else parameter.unit
 
     def guess(self, x):
         return np.empty((0, 1)) if self.cells == () else None

@@ -33,6 +33,14 @@ class ImageEffect(Effect):
         return np.random.default_rng(PATTERN).permutation(self.num_cells)
 
 
+def told(cells: tuple[int, ...] | None, grid: tuple[int, int]) -> str:
+    """Which cell is at fault where it is one: its row and column, counted from 0; else nothing."""
+    if cells is None or len(cells) != 1:
+        return ""
+    row, column = divmod(cells[0], grid[1])
+    return f"the cell in row {row}, column {column}"
+
+
 def odd_cells(x: NDArray, grid: tuple[int, int], *, few: bool) -> NDArray[np.intp]:
     """Cells that fire much less, or more, often than the median of their row, five standard errors at least.
 

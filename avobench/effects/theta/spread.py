@@ -51,7 +51,7 @@ class Spread(Family):
     support: tuple[float, float] = (0.0, 1.0)
     widest: float = WIDEST
     """Of the standard deviation."""
-    unit: str = "1"
+    parameter_unit: str = "1"
 
     stage = 1
     name = "spread"
@@ -71,13 +71,13 @@ class Spread(Family):
         supports = zip(task.support.low, task.support.high, strict=True)
         described = zip(task.parameter_names, supports, WIDEST * task.prior.width, task.parameter_units, strict=True)
         return [
-            cls(feature=name, column=j, support=support, widest=float(widest), unit=unit)
+            cls(feature=name, column=j, support=support, widest=float(widest), parameter_unit=unit)
             for j, (name, support, widest, unit) in enumerate(described)
         ]
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        return (Parameter("width", 0, self.widest, 0, self.unit, soft=True),)
+        return (Parameter("width", 0, self.widest, 0, self.parameter_unit, soft=True),)
 
     def apply(self, simulate, theta, phi, rng):
         low, high = self.support

@@ -38,6 +38,21 @@ def test_a_model_file_keeps_what_the_data_decided_of_an_effect(task, tmp_path):
             assert registry.read_model(str(path)).model.effects == (shape,)
 
 
+@pytest.mark.parametrize("name", ["truncation", "censoring", "analysis_window"])
+def test_a_model_file_keeps_where_the_data_end(name, tmp_path):
+    task = Weinberg()
+    x = task.simulate(np.tile(task.prior.center, (9000, 1)), np.random.default_rng(0))
+    x = np.minimum(x[x[:, 0] > -0.7], 0.8) if name == "censoring" else x[np.abs(x[:, 0]) < 0.7]
+    adapted = next(effect for effect in catalogue(task) if effect.name == name).adapted(x)
+    assert adapted != adapted.adapted(np.random.default_rng(0).standard_normal((9000, 1)))  # that shows no ends
+    for shape in adapted.shapes():
+        model = Model(task, (shape,))
+        fit = SimpleNamespace(model=model, params=model.from_cube(np.full(model.dim, 0.5)))
+        path = tmp_path / "model.json"
+        path.write_text(describe(fit, np.full(model.dim, 0.1), task.name, {}).model_dump_json())
+        assert registry.read_model(str(path)).model.effects == (shape,)
+
+
 def test_a_model_file_of_an_effect_that_does_not_exist_is_refused(tmp_path):
     path, model = tmp_path / "model.json", Model(Poisson(), (catalogue(Poisson())[0],))
     content = describe(SimpleNamespace(model=model, params=model.low), model.high, "poisson", {})

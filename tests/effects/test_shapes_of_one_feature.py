@@ -1,0 +1,242 @@
+"""Effects on one feature that cut, censor, turn on, or add a tail: moments and distributions known exactly."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import beta, crystalball, expon, kstest, lomax, norm
+
+from avobench.effects.catalogue import catalogue
+from avobench.effects.continuous.analysis_window import AnalysisWindow
+from avobench.effects.continuous.censoring import Censoring
+from avobench.effects.continuous.ends import sharp_end
+from avobench.effects.continuous.offset import Offset
+from avobench.effects.continuous.peak_background import PeakBackground
+from avobench.effects.continuous.radiative_tail import RadiativeTail
+from avobench.effects.continuous.resolution import Resolution
+from avobench.effects.continuous.saturation import Saturation
+from avobench.effects.continuous.second_exponential import SecondExponential
+from avobench.effects.continuous.truncation import Truncation
+from avobench.effects.continuous.turn_on import TurnOn
+from avobench.effects.model import Model
+from avobench.effects.ranges import Range
+from avobench.tasks.function import task
+from avobench.tasks.weinberg import Weinberg
+
+N = 40_000
+LIFETIME = 2.0
+WIDE, UNIT = Range(-4.0, 12.0, False), Range(0.0, 1.0, True)
+CHANCE = 1e-6
+"""With which a test of a distribution blames a sound effect."""
+
+
+def decays(theta, rng):
+    return LIFETIME * rng.standard_exponential((len(theta), 1))
+
+
+def uniform(theta, rng):
+    return rng.random((len(theta), 1))
+
+
+def normal(theta, rng):
+    return rng.standard_normal((len(theta), 1))
+
+
+def made(effect, phi, simulate=decays, n=N, seed=0):
+    return effect.apply(simulate, np.zeros((n, 1)), np.tile(phi, (n, 1)), np.random.default_rng(seed))[:, 0]
+
+
+def shape(family, name, span=WIDE):
+    return next(s for s in family(0, (span,)).shapes() if s.shape == name)
+
+
+def five_errors(x):
+    return 5 * x.std() / np.sqrt(len(x))
+
+
+@pytest.mark.parametrize("width", [0.3, 1.0, 4.0])
+def test_a_turn_on_has_the_mean_that_its_curve_gives(width):
+    """An exponential with an exponential turn-on is the sum of two; a normal with an erf is skew; a power on an even
+    density is one."""
+    x = made(shape(TurnOn, "exponential_low"), [1, 0, width])
+    assert x.mean() == pytest.approx(LIFETIME + 1 / (1 / LIFETIME + 1 / width), abs=five_errors(x))
+    for side, sign in (("low", 1), ("high", -1)):
+        x = made(shape(TurnOn, f"erf_{side}"), [1, 0, width], normal)
+        assert x.mean() == pytest.approx(sign * np.sqrt(2 / np.pi / (1 + width**2)), abs=five_errors(x))
+    x = made(shape(TurnOn, "power_low", UNIT), [1, 1, width], uniform)
+    assert x.mean() == pytest.approx((width + 1) / (width + 2), abs=five_errors(x))
+
+
+@settings(deadline=None)
+@given(place=st.floats(-0.5, 0.5), width=st.floats(0.05, 0.5), lost=st.floats(0.1, 1))
+def test_of_a_turn_on_one_side_is_the_mirror_of_the_other(place, width, lost):
+    span = Range(-1.0, 1.0, True)
+    x, phi = np.linspace(-1, 1, 51), np.tile([lost, place, width], (51, 1))
+    mirrored = phi * [1, -1, 1]
+    for curve in ("erf", "exponential"):
+        low = shape(TurnOn, f"{curve}_low", span).kept(x, span, phi)
+        high = shape(TurnOn, f"{curve}_high", span).kept(-x, span, mirrored)
+        np.testing.assert_allclose(low, high)
+        assert (np.diff(low) >= 0).all()
+        assert low.min() >= 1 - lost - 1e-12
+
+
+@pytest.mark.parametrize(("side", "limit"), [("below", 1.3), ("above", 3.0)])
+def test_truncation_leaves_what_is_within_its_limit_and_reads_it_off_the_data(side, limit):
+    effect = shape(Truncation, side)
+    x = made(effect, [limit])
+    ends = (limit, np.inf) if side == "below" else (0, limit)
+    low, high = expon.cdf(ends, scale=LIFETIME)
+    assert kstest(x, lambda v: (expon.cdf(v, scale=LIFETIME) - low) / (high - low)).pvalue > CHANCE
+    adapted = next(s for s in effect.adapted(x[:, None]).shapes() if s.shape == side)
+    (found,) = adapted.guess(x[:, None])
+    assert found == pytest.approx([limit], abs=20 * LIFETIME / N)
+    assert adapted.parameters[0].low < limit < adapted.parameters[0].high
+    assert (adapted.guess(x[:, None]) == effect.guess(x[:, None])).all()
+
+
+def test_of_an_exponential_a_truncation_below_is_an_offset():
+    cut = made(shape(Truncation, "below"), [1.3])
+    shifted = made(Offset(0, (WIDE,)), [1.3], seed=1)
+    assert kstest(cut, shifted).pvalue > CHANCE
+
+
+def test_at_the_end_of_the_range_a_limit_is_none():
+    for effect in (*Truncation(0, (UNIT,)).shapes(), AnalysisWindow(0, (UNIT,))):
+        null, *rest = effect.parameters
+        phi = [null.null, *((p.low + p.high) / 2 for p in rest)]
+        expected = normal(np.zeros((N, 1)), np.random.default_rng(0))[:, 0]
+        np.testing.assert_array_equal(made(effect, phi, normal), expected)  # though the range is from 0 to 1
+
+
+@pytest.mark.parametrize(("kind", "sharp"), [("uniform", True), ("normal", False), ("triangular", False)])
+def test_an_end_is_sharp_where_the_density_is_a_step(kind, sharp):
+    rng = np.random.default_rng(0)
+    x = {"uniform": rng.random(N), "normal": rng.standard_normal(N), "triangular": rng.random((N, 2)).sum(axis=1)}[kind]
+    for side in ("below", "above"):
+        assert (sharp_end(x, side) is not None) == sharp
+    assert sharp_end(np.round(x), "below") is None
+    assert sharp_end(x[:30], "below") is None
+
+
+def test_an_exponential_ends_sharply_below_and_thins_out_above():
+    x = made(shape(Truncation, "below"), [1.3])
+    assert sharp_end(x, "below") == x.min()
+    assert sharp_end(x, "above") is None
+    assert sharp_end(-x, "above") == -x.min()
+
+
+@pytest.mark.parametrize(
+    ("side", "limit", "value"), [("below", 0.7, 0.35), ("below", 0.7, 0.7), ("above", 3.0, 9.0), ("above", 3.0, 3.0)]
+)
+def test_censoring_records_one_value_for_all_beyond_and_names_both(side, limit, value):
+    effect = shape(Censoring, side)
+    plain, x = (made(effect, [fraction, limit, value]) for fraction in (0, 1))
+    beyond = plain < limit if side == "below" else plain > limit
+    np.testing.assert_array_equal(x, np.where(beyond, value, plain))
+    adapted = next(s for s in effect.adapted(x[:, None]).shapes() if s.shape == side)
+    _, at, spike = adapted.parameters
+    assert spike.low < value < spike.high < spike.low + 1e-6
+    assert at.low == pytest.approx(limit, abs=20 * LIFETIME / N)
+    assert at.high < at.low + 1e-6
+    assert adapted.guess(x[:, None]) is effect.guess(x[:, None]) is None
+    for without in (plain, np.round(x, 1)):
+        assert len(effect.guess(without[:, None])) == 0
+
+
+def test_of_values_that_are_censored_in_part_the_spike_is_known_and_the_limit_is_not():
+    effect = shape(Censoring, "above")
+    x = made(effect, [0.5, 3.0, 40.0])
+    adapted = effect.adapted(x[:, None])
+    assert adapted.spikes == (None, 40.0)
+    assert adapted.limits == (None, None)
+
+
+def test_censoring_at_the_limit_is_a_saturation():
+    saturated = made(shape(Saturation, "above"), [0.6, 0.5])  # half the range above its centre
+    np.testing.assert_array_equal(saturated, made(shape(Censoring, "above"), [0.6, 8.0, 8.0]))
+
+
+def test_of_spikes_on_both_sides_each_is_for_its_own():
+    x = np.clip(made(Offset(0, (WIDE,)), [0.0]), 0.5, 3.0)[:, None]
+    adapted = Censoring(0, (WIDE,)).adapted(x)
+    assert adapted.spikes == (0.5, 3.0)
+    assert adapted.limits == pytest.approx((0.5, 3.0), abs=20 * LIFETIME / N)
+
+
+def test_a_window_acts_after_everything_else_whichever_was_added_first():
+    masses = task(lambda theta, rng: 1.5 + rng.random(len(theta)), prior={"unused": (0, 1)}, name="masses")
+    span = (Range(1.0, 3.0, False),)
+    smearing, window = Resolution(0, span), AnalysisWindow(0, span)
+    params = np.tile([0.5, 0.3, 1.0, 2.0], (N, 1))
+    x = Model(masses, (smearing, window)).simulate(params, np.random.default_rng(0))[:, 0]
+    other = Model(masses, (window, smearing)).simulate(params[:, [0, 2, 3, 1]], np.random.default_rng(0))[:, 0]
+    np.testing.assert_array_equal(x, other)
+    # a uniform with normal errors, cut where the uniform ends
+
+    def below(v):
+        u = (v - np.array([[1.5], [2.5]])) / 0.3
+        return 0.3 * np.diff((u * norm.cdf(u) + norm.pdf(u))[::-1], axis=0)[0]
+
+    ends = below(np.array([1.5, 2.5]))
+    assert kstest(x, lambda v: (below(v) - ends[0]) / (ends[1] - ends[0])).pvalue > CHANCE
+    adapted = window.adapted(x[:, None])
+    assert adapted.guess(x[:, None])[0] == pytest.approx([1, 2], abs=1e-3)
+    smeared = Model(masses, (smearing,)).simulate(params[:, :2], np.random.default_rng(0))
+    assert window.adapted(smeared) == window
+    assert len(window.guess(smeared)) == 0
+
+
+@settings(deadline=None)
+@given(low=st.floats(-3, 5), width=st.floats(0.5, 8))
+def test_the_window_of_any_data_is_within_its_bounds_and_can_be_absent(low, width):
+    x = low + width * np.random.default_rng(0).random((2000, 1))
+    effect = AnalysisWindow(0, (WIDE,)).adapted(x)
+    phi = effect.guess(x)[0]
+    for value, parameter in zip(phi, effect.parameters, strict=True):
+        assert parameter.low < value < parameter.high
+    wide, centre = effect.parameters
+    for at in (centre.low, centre.high):
+        assert at - wide.null / 2 <= min(WIDE.low, x.min())
+        assert at + wide.null / 2 >= max(WIDE.high, x.max())
+
+
+@pytest.mark.parametrize(("side", "sign"), [("below", -1), ("above", 1)])
+def test_a_radiative_tail_moves_a_share_to_one_side(side, sign):
+    for law, losses in (("exponential", expon()), ("power", lomax(2))):
+        x = made(shape(RadiativeTail, f"{law}_{side}"), [0.3, 1.5], lambda theta, rng: np.zeros((len(theta), 1)))
+        lost = sign * x
+        assert np.mean(lost > 0) == pytest.approx(0.3, abs=5 * np.sqrt(0.21 / N))
+        assert lost.min() == 0
+        assert kstest(lost[lost > 0] / 1.5, losses.cdf).pvalue > CHANCE
+
+
+def test_behind_a_radiator_the_share_lost_is_a_power_of_an_even_number():
+    effect = shape(RadiativeTail, "radiator")
+    x = made(effect, [0.2], lambda theta, rng: np.full((len(theta), 1), 5.0))
+    assert kstest(1 - x / 5, beta(0.2, 1).cdf).pvalue > CHANCE
+    np.testing.assert_array_equal(made(effect, [0.0], lambda theta, rng: np.full((len(theta), 1), 5.0)), 5)
+
+
+def test_a_second_exponential_begins_at_the_end_of_the_range():
+    span = Range(1.0, 7.0, False)
+    for name, sign, end in (("falling", 1, 1.0), ("rising", -1, 7.0)):
+        x = made(shape(SecondExponential, name, span), [0.4, 0.8], lambda theta, rng: np.full((len(theta), 1), 4.0))
+        new = x[x != 4.0]
+        assert len(new) / N == pytest.approx(0.4, abs=5 * np.sqrt(0.24 / N))
+        assert kstest(sign * (new - end), expon(scale=0.8).cdf).pvalue > CHANCE
+    x = made(shape(SecondExponential, "falling", UNIT), [0.95, 2.0], uniform)
+    assert x.min() >= 0
+    assert x.max() <= 1
+
+
+def test_a_peak_with_a_tail_is_a_crystal_ball():
+    for name, sign in (("tail_below", 1), ("tail_above", -1)):
+        x = made(shape(PeakBackground, name), [0.9, 3.0, 0.5], lambda theta, rng: np.full((len(theta), 1), 100.0))
+        assert kstest(sign * (x[x != 100] - 3) / 0.5, crystalball(1, 3).cdf).pvalue > CHANCE
+
+
+def test_these_act_on_one_feature_only():
+    families = (TurnOn, Truncation, Censoring, AnalysisWindow, RadiativeTail, SecondExponential)
+    names = {family.name for family in families}
+    assert [e.feature for e in catalogue(Weinberg()) if e.name in names] == [0] * len(names)
