@@ -40,8 +40,10 @@ def test_the_gate_sees_what_is_plainly_missing():
 
 
 def coins(share, seed=0):
-    """Coins of which theta is the share of heads, 0.4 to 0.6: one degree of freedom, which theta takes up. And a fit."""
-    coin = task(lambda theta, rng: (rng.random(len(theta)) < theta[:, 0]).astype(int), prior={"p": (0.4, 0.6)}, name="coin")
+    """Coins of which theta is the share of heads, 0.4 to 0.6: it takes up the one degree of freedom. And a fit."""
+    coin = task(
+        lambda theta, rng: (rng.random(len(theta)) < theta[:, 0]).astype(int), prior={"p": (0.4, 0.6)}, name="coin"
+    )
     rng = np.random.default_rng(seed)
     x = (rng.random((3000, 1)) < share).astype(int)
     fit, target = fit_null(Model(coin), x, rng, LIGHT, None)
