@@ -26,7 +26,7 @@ def notes_of(found: Found, last: Fit, inferred: Inferred | None, run: Run) -> li
         names = " and ".join(effect.name for effect in found.withdrawn)
         notes.append(f"{names} was tried and left out: on the events kept aside the gap shrank by less than its error")
     if found.disagree and gap.low <= 1:
-        notes.append(_unseen(found))
+        notes.append(unseen(found))
     taken = run.num_simulations
     if run.allowed is not None and taken > 2 * run.allowed:
         notes.append(f"no diagnosis of {run.num_events} events takes much fewer simulated events than these {taken}")
@@ -42,13 +42,13 @@ def notes_of(found: Found, last: Fit, inferred: Inferred | None, run: Run) -> li
     return notes + bound_notes(last)
 
 
-def _unseen(found: Found) -> str:
+def unseen(found: Found) -> str:
     """Why there is a disagreement, though the events kept aside show no gap."""
     gates = found.steps[0].gates
     seen = [name for name, gate in gates.items() if gate.p_value / found.steps[0].shares[name] < found.alpha]
     if "summary" in seen:
         return "the events kept aside are too few to show by themselves what the others show"
-    return f"the gap is of the summary, and does not show what the gate {' and '.join(seen)} saw"
+    return f"the gap is of the summary, and does not show what the {' and '.join(seen)} saw"
 
 
 def prior_notes(fit: Fit, how: str) -> list[str]:

@@ -1,12 +1,13 @@
 """The verdict follows from the gates and from the gap on the events kept aside, and never against one of them."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from avobench.diagnosis.answer.found import Found
-from avobench.diagnosis.answer.notes import prior_notes
+from avobench.diagnosis.answer.notes import prior_notes, unseen
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.schema import Gap, Gate, Verdict
 from avobench.diagnosis.search.tested import Step
@@ -61,6 +62,18 @@ def test_the_verdict_contradicts_neither_the_gates_nor_the_gap(before, p_before,
 def test_a_p_value_below_alpha_but_not_below_its_share_of_it_is_no_disagreement():
     assert found(step(0.044, gap(0.7, 1.0, 1.3))).verdict == Verdict.NOTHING  # 0.044 / 0.8 = 0.055
     assert found(step(0.039, gap(0.7, 1.0, 1.3))).verdict == Verdict.UNEXPLAINED
+
+
+def test_a_gap_of_one_beside_a_small_p_value_is_explained():
+    gates = {
+        "summary": Gate(statistic=1.0, dof=1, p_value=0.3),
+        "classifier": Gate(statistic=13.6, dof=None, p_value=3e-42),
+    }
+    one = found(replace(step(1.0, gap(0.7, 0.93, 1.2)), gates=gates))
+    assert one.verdict == Verdict.UNEXPLAINED
+    assert unseen(one) == "the gap is of the summary, and does not show what the classifier saw"
+    few = found(step(1e-3, gap(0.7, 1.2, 1.9)))
+    assert unseen(few) == "the events kept aside are too few to show by themselves what the others show"
 
 
 def test_a_theta_outside_the_prior_is_told():

@@ -5,11 +5,13 @@ from scipy.stats import binom, kstest
 
 from avobench.diagnosis.fit.descent import refine
 from avobench.diagnosis.fit.null import fit_null
+from avobench.diagnosis.gates.regions import regions
 from avobench.diagnosis.gates.summary import summary_gate
 from avobench.diagnosis.summary.bins import bins_of
 from avobench.diagnosis.summary.target import target_of
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
+from avobench.tasks.function import task
 from avobench.tasks.poisson import Poisson
 
 
@@ -35,6 +37,33 @@ def test_p_values_of_a_true_model_are_uniform(theta):
 def test_the_gate_sees_what_is_plainly_missing():
     """Zeros in excess of 3 % of 3 000 events, of which theta can take up a part: some seven standard errors."""
     assert (p_values(10, 1.5, 0.03) < 0.01).all()
+
+
+def coins(share, seed=0):
+    """Coins of which theta is the share of heads, 0.4 to 0.6: it takes up the one degree of freedom. And a fit."""
+    coin = task(
+        lambda theta, rng: (rng.random(len(theta)) < theta[:, 0]).astype(int), prior={"p": (0.4, 0.6)}, name="coin"
+    )
+    rng = np.random.default_rng(seed)
+    x = (rng.random((3000, 1)) < share).astype(int)
+    fit, target = fit_null(Model(coin), x, rng, LIGHT, None)
+    return x, fit, target, rng
+
+
+def test_a_distance_that_theta_cannot_bridge_is_seen_also_where_no_degree_of_freedom_is_left():
+    _, fit, target, rng = coins(0.1)
+    assert fit.p_value < 1e-100
+    gate = summary_gate(fit, target, rng, LIGHT)[0]
+    assert gate.statistic > 500
+    assert gate.p_value < 1e-100
+
+
+def test_where_theta_takes_up_all_there_is_nothing_disagrees_and_nowhere():
+    x, fit, target, rng = coins(0.5)
+    gate, own, _ = summary_gate(fit, target, rng, LIGHT)
+    assert own.dof == 0
+    assert gate.p_value > 1e-3
+    assert regions(own, target, x, rng, 0.05, ()) == []
 
 
 def test_where_nothing_is_expected_and_nothing_measured_a_fit_makes_nothing():
