@@ -16,9 +16,9 @@ class Effort:
     """Of each round of the first fit, a measured one."""
     sharpen: float = 12
     """Where a p-value is at stake, a measured one: simulation then adds a tenth to the variance."""
-    known: float = 24
+    known: float = 48
     """Of the model that candidates are added to, a measured one."""
-    rounds_of_search: tuple[tuple[float, int], ...] = ((1, 7), (4, 3), (16, 2))
+    rounds_of_search: tuple[tuple[float, int], ...] = ((1, 7), (4, 4), (16, 2))
     """Of the fits that go on, a measured one, and steps of each."""
     few: int = 10_000
     """What fewer measured events count as in the last one: where simulation is cheap, its noise need not blur ties."""
@@ -42,15 +42,15 @@ class Effort:
     """Points of each search for theta, and events at each."""
     starts: int = 45
     """Fits that begin, at most."""
-    begun: int = 14
+    begun: int = 18
     """Fits that go on, at most."""
     enough: float = 24_000
     """Of a whole diagnosis, a measured one: after so many no further effect is looked for."""
 
     @property
     def beside(self) -> "Effort":
-        """For a further effect: half as many fits."""
-        return replace(self, starts=self.starts // 3, begun=self.begun // 2)
+        """For a further effect: a quarter of the fits."""
+        return replace(self, starts=self.starts // 4, begun=self.begun // 4)
 
     def scaled(self, share: float) -> "Effort":
         """Less of everything, but not so little that fits fail."""

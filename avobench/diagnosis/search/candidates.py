@@ -108,7 +108,7 @@ class Candidates:
         """The model with one more effect, fitted: all that may matter beside a log evidence of `beside`."""
         starts = self.hopeful(self.screened())
         known = self.without.known(self.target, int(self.effort.known * self.target.num_events), self.rng)
-        begun = self.work(begin, starts, known, self.effort.fit // 2)
+        begun = self.work(begin, starts, known, self.effort.fit)
         fits = distinct(sorted(begun, key=lambda fit: fit.noiseless_q))[: self.effort.begun]
         found: list[Weighed] = []
         with suppress(BudgetExhausted):  # what was fitted until then is weighed

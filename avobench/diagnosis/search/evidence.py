@@ -56,7 +56,7 @@ class Evidence:
     @property
     def at_least(self) -> float:
         """What counts: a fit that is known badly must not win by chance."""
-        return self.value - 2 * self.error
+        return self.value - self.error
 
 
 @dataclass(frozen=True)

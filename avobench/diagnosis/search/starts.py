@@ -159,7 +159,7 @@ def screen(sample: Sample, effect: Effect, x: NDArray, rng: np.random.Generator,
     for number in (events, FINAL_EVENTS * events):
         change, scatter = sample.changes(effect, points, number, rng)
         moved = change @ free
-        size = np.maximum((moved**2).sum(axis=1) - scatter, 0.1 * (moved**2).sum(axis=1)) + 1e-9
+        size = np.maximum((moved**2).sum(axis=1) - scatter, 0.5 * (moved**2).sum(axis=1)) + 1e-9
         along = moved @ left
         gain = np.clip(along / size, 0, GAIN)
         reach = np.where(points[:, 0] > strength.null, strength.high, strength.low) - strength.null
