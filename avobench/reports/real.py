@@ -61,7 +61,7 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
             "p": p_value(diagnosis["p_value_before"]),
             "p after": p_value(diagnosis["p_value_after"]),
             "gap": " -> ".join(f"{gap['value']:.2f}" for gap in gaps if gap is not None),
-            "seconds": f"{diagnosis['seconds']:.0f}",
+            "seconds": f"{record['processor_seconds']:.2g}",
             "answer": judged(expected, diagnosis),
         }
         rows.append(row)
@@ -87,20 +87,22 @@ def format_table(records: list[dict[str, Any]]) -> str:
 INTRODUCTION = """\
 # Real data
 
-Where a [diagnosis](diagnosis.md) is tried on simulated data, whoever hides an effect may think like whoever wrote the catalogue.
-Each of these data sets was measured, and the literature knows what a simple simulator of it lacks, or that it lacks nothing. The
-answers were written into `examples/real/expected.json`, and committed, before any diagnosis of them was made. `avobench study real`
-diagnoses them all, and this page is what
+Where a [diagnosis](diagnosis.md) is tried on simulated data, whoever hides an effect may think like whoever wrote the
+catalogue. Each of these data sets was measured, and the literature knows what a simple simulator of it lacks, or that
+it lacks nothing. The answers were written into `examples/real/expected.json`, and committed, before any diagnosis of
+them was made. `avobench study real` diagnoses them all, and this page is what
 
 ```
 python -m avobench.reports.real --out docs/real-data.md
 ```
 
-writes from the records in `results/real`. Each data set is an example of its own, too: `python examples/real/accidents.py`.
+writes from the records in `results/real`. Each data set is an example by itself, too:
+`python examples/real/accidents.py`.
 
-**Right** is to name first what is known to be missing, at its known value if there is one, or to find no disagreement where
-nothing is missing. **Defensible** is the right name as one that is tied, or as a later one, or a first name that was written down
-before as one that tells a part of it. All else is **wrong**, and so is to find nothing where something is missing."""
+**Right** is to name first what is known to be missing, at its known value if there is one, or to find no disagreement
+where nothing is missing. **Defensible** is the right name as one that is tied, or as a later one, or a first name that
+was written down before as one that tells a part of it. All else is **wrong**, and so is to find nothing where something
+is missing. Names that are tied are joined by "or", the best first."""
 
 
 def page(records: list[dict[str, Any]]) -> str:
@@ -138,7 +140,7 @@ def _wrapped(text: str) -> str:
 
 @click.command()
 @click.option("--results", type=click.Path(path_type=Path), default=FOLDER, show_default=True)
-@click.option("--out", type=click.Path(path_type=Path), default=None, help="Write docs/real-data.md there.  [the table]")
+@click.option("--out", type=click.Path(path_type=Path), default=None, help="Page to write.  [prints the table]")
 def main(results: Path, out: Path | None) -> None:
     """Print the table of the records, or write the page."""
     records = read(results)

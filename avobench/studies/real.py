@@ -6,6 +6,7 @@ Each example is a file in `examples/real` that makes a `task` and reads what was
 
 import hashlib
 import importlib
+import time
 from pathlib import Path
 from typing import Any
 
@@ -94,11 +95,17 @@ def identity_of(name: str, answer: Expected, task: Any, examples: Path, seed: in
 
 
 def said(task: Any, measured: Any, seed: int, jobs: int) -> dict[str, Any]:
-    """What the diagnosis says of the measured events, and the versions that it was made with."""
+    """What the diagnosis says of the measured events, and the versions that it was made with.
+
+    `processor_seconds` are those of this process, which with one job are all.
+    """
     x, remarks = check_events(task, measured)
+    started = time.process_time()
     diagnosis = diagnose(task, x, seed=seed, jobs=jobs).diagnosis
+    seconds = time.process_time() - started
     diagnosis.notes[:0] = remarks
-    return {"diagnosis": diagnosis.model_dump(mode="json", exclude=UNSAID), "versions": versions()}
+    told = diagnosis.model_dump(mode="json", exclude=UNSAID)
+    return {"diagnosis": told, "processor_seconds": seconds, "versions": versions()}
 
 
 def read(folder: Path = FOLDER) -> list[dict[str, Any]]:
