@@ -11,9 +11,8 @@ import click
 import pandas as pd
 
 from avobench.bench.files import write_file
-from avobench.diagnosis.schema import Named, Verdict
-from avobench.reports.diagnosis.text import label
-from avobench.reports.numbers import p_value, with_error
+from avobench.diagnosis.schema import Verdict
+from avobench.reports.numbers import p_equals, p_value, with_error
 from avobench.studies.real import FOLDER, read
 
 RIGHT, DEFENSIBLE, WRONG = "right", "defensible", "wrong"
@@ -47,17 +46,18 @@ def _at_its_value(effect: dict[str, Any], known: dict[str, Any] | None) -> bool:
 
 
 def table(records: list[dict[str, Any]]) -> pd.DataFrame:
-    """A row a data set: what is known, what was named with what is tied, the p-values and gaps, and the judgement."""
+    """A row a data set: what is known, what was named and how many names are tied, p-values, gaps and the judgement."""
     rows = []
     for record in records:
         expected, diagnosis = record["expected"], record["diagnosis"]
-        named = [" or ".join([_label(found), *map(_label, found["tied_with"])]) for found in diagnosis["effects"]]
+        named = [found["name"] for found in diagnosis["effects"]]
         gaps = [diagnosis["gap_before"], diagnosis["gap_after"]]
         row = {
             "data": record["name"],
             "events": diagnosis["num_events"],
             "known": " or ".join(expected["answer"]) or "nothing",
             "named": ", then ".join(named) or _unnamed(diagnosis["verdict"]),
+            "tied": sum(len(found["tied_with"]) for found in diagnosis["effects"]),
             "p": p_value(diagnosis["p_value_before"]),
             "p after": p_value(diagnosis["p_value_after"]),
             "gap": " -> ".join(f"{gap['value']:.2f}" for gap in gaps if gap is not None),
@@ -66,11 +66,6 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
         }
         rows.append(row)
     return pd.DataFrame(rows)
-
-
-def _label(named: dict[str, Any]) -> str:
-    """The name alone: every example has one feature."""
-    return label(Named(name=named["name"], feature=None))
 
 
 def _unnamed(verdict: str) -> str:
@@ -102,7 +97,8 @@ writes from the records in `results/real`. Each data set is an example by itself
 **Right** is to name first what is known to be missing, at its known value if there is one, or to find no disagreement
 where nothing is missing. **Defensible** is the right name as one that is tied, or as a later one, or a first name that
 was written down before as one that tells a part of it. All else is **wrong**, and so is to find nothing where something
-is missing. Names that are tied are joined by "or", the best first."""
+is missing. `tied` says how many other names the data did not tell from those that were given: the more there are, the
+less a name says, and the less it is to be right."""
 
 
 def page(records: list[dict[str, Any]]) -> str:
@@ -125,12 +121,12 @@ def _said(diagnosis: dict[str, Any]) -> str:
         for name, value in diagnosis["theta_before"].items()
     ]
     verdict = diagnosis["verdict"].capitalize()
-    return ". ".join([f"{verdict}, p = {p_value(diagnosis['p_value_before'])}", *found, "; ".join(theta)]) + "."
+    return ". ".join([f"{verdict}, {p_equals(diagnosis['p_value_before'])}", *found, "; ".join(theta)]) + "."
 
 
 def _told(effect: dict[str, Any]) -> str:
     values = [f"{name} = {with_error(p['value'], p['std'])}" for name, p in effect["parameters"].items()]
-    tied = f", not told from {' or '.join(map(_label, effect['tied_with']))}" if effect["tied_with"] else ""
+    tied = f", not told from {' or '.join(tie['name'] for tie in effect['tied_with'])}" if effect["tied_with"] else ""
     return f"`{effect['name']}` with {', '.join(values)}{tied}"
 
 
