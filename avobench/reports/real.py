@@ -61,7 +61,7 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
             "p": p_value(diagnosis["p_value_before"]),
             "p after": p_value(diagnosis["p_value_after"]),
             "gap": " -> ".join(f"{gap['value']:.2f}" for gap in gaps if gap is not None),
-            "seconds": f"{record['processor_seconds']:.2g}",
+            "seconds": f"{record['processor_seconds']:.1f}",
             "answer": judged(expected, diagnosis),
         }
         rows.append(row)
