@@ -6,14 +6,16 @@ import click
 from rich.console import Console
 
 from avobench.bench.backends.workers import Workers
+from avobench.bench.files import require_folder
 from avobench.bench.runner import run
 from avobench.bench.status import ESTIMATED, reason
 from avobench.bench.store import Store
 from avobench.cli import listing
 from avobench.cli.isolated import State
 from avobench.cli.progress import ProgressView
+from avobench.reports.real import format_table as format_real
 from avobench.reports.tuning import STORE, format_table
-from avobench.studies import dimension, fresh, misspecification, paper, tuning
+from avobench.studies import dimension, fresh, misspecification, paper, real, tuning
 from avobench.tasks.errors import AvobenchError, UsageError
 
 STUDIES = (
@@ -26,8 +28,9 @@ STUDIES = (
     "dimension",
     "fresh",
     "misspecification",
+    "real",
 )
-FOLDERS = {name: Path("results") / name for name in ("ablation", "dimension", "fresh")} | {"tuning": STORE}
+FOLDERS = {name: Path("results") / name for name in ("ablation", "dimension", "fresh", "real")} | {"tuning": STORE}
 """Of the studies whose records are not in results/studies."""
 CELLS = {"dimension": dimension.cells, "fresh": fresh.cells, "tuning": lambda seed: tuning.cells()}
 """Of the studies that are none of the paper's; the one of settings has a seed of its own."""
@@ -39,7 +42,7 @@ CELLS = {"dimension": dimension.cells, "fresh": fresh.cells, "tuning": lambda se
     "--results",
     type=click.Path(path_type=Path),
     default=None,
-    help="Folder of the records.  [results/studies, results/NAME for ablation, tuning, dimension and fresh]",
+    help="Folder of the records.  [results/studies, results/NAME for ablation, tuning, dimension, fresh and real]",
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Root of all random streams.")
 @click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [one a core]")
@@ -53,11 +56,16 @@ def study(state: State, name: str, results: Path | None, seed: int, jobs: int | 
     settings of abc-smc-tuned and bolfi-tuned, on targets and with a seed of its own. dimension runs every method
     against the number of parameters, fresh runs avo and smm on a hundred targets a task that nothing was chosen on.
     misspecification is the width of avo's proposal on events with a hidden effect, and what the diagnosis says of them.
+    real is what the diagnosis says of the measured events in examples/real.
     """
     workers = Workers(jobs, in_process=state.in_process)
     state.resumes = True
     if not 0 <= seed < 2**63:
         raise UsageError(f"--seed must lie between 0 and 2^63 - 1, got {seed}")
+    if name == "real":
+        require_folder(folder := results or FOLDERS[name])
+        click.echo(format_real(real.real(folder, seed, jobs=jobs or 1)))
+        return
     store = Store(results or FOLDERS.get(name, Path("results/studies")), create=True)
     if name == "detector":
         with store.lock():

@@ -27,8 +27,13 @@ def p_equals(p: float) -> str:
 
 
 def with_error(value: float, std: float | None) -> str:
-    """A value with its error, as far as one is known: `45.55 ± 0.36`."""
-    return number(value) if std is None else f"{value:.4g} ± {std:.2g}"
+    """A value with its error, as far as one is known: `45.55 ± 0.36`, with the digits that the error leaves certain."""
+    if std is None:
+        return number(value)
+    digits = 4
+    if value and std > 0:
+        digits = max(digits, math.floor(math.log10(abs(value))) - math.floor(math.log10(std)) + 2)
+    return f"{value:.{digits}g} ± {std:.2g}"
 
 
 def column(values: Sequence[float | None]) -> list[str]:

@@ -11,8 +11,10 @@ from avobench.bench.plan import plan
 from avobench.bench.store import Store
 from avobench.reports.figures import FIGURES, FOLDERS, draw, records_for
 from avobench.reports.printed import OUTPUT, filled, output
+from avobench.reports.real import page as real_page
 from avobench.reports.reproduction import gather
 from avobench.reports.reproduction import page as claims
+from avobench.studies.real import read as read_real
 
 ROOT = Path(__file__).parents[2]
 REFERENCE = Store(ROOT / "results" / "reference")
@@ -80,6 +82,10 @@ def test_the_page_on_the_papers_claims_is_what_its_command_prints():
         claims(gather(REFERENCE.path, STUDIES.path, ROOT / "results" / "ablation"))
         == (ROOT / "docs" / "reproduction.md").read_text()
     )
+
+
+def test_the_page_on_real_data_is_what_its_command_writes():
+    assert real_page(read_real(ROOT / "results" / "real")) == (ROOT / "docs" / "real-data.md").read_text()
 
 
 def test_the_reference_records_are_the_cells_of_todays_defaults():

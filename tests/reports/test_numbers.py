@@ -31,6 +31,8 @@ def test_what_is_not_known_is_a_dash():
 
 def test_an_error_is_told_where_there_is_one():
     assert with_error(45.5521, 0.3609) == "45.55 ± 0.36"
+    assert with_error(867.42769, 0.01413) == "867.428 ± 0.014"
+    assert with_error(0.0, 0.0) == "0 ± 0"
     assert with_error(45.5521, None) == "45.6"
 
 

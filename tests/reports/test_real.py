@@ -1,0 +1,45 @@
+"""What is said of real data is judged by what was written down before."""
+
+import pytest
+
+from avobench.diagnosis.schema import Verdict
+from avobench.reports.real import judged
+
+
+def said(*effects, verdict=Verdict.NAMED, **values):
+    """A diagnosis that names effects: each a name, or a list of one with those that are tied with it."""
+    lists = [effect if isinstance(effect, list) else [effect] for effect in effects]
+    parameters = {name: {"value": value, "std": None} for name, value in values.items()}
+    found = [{"name": a, "parameters": parameters, "tied_with": [{"name": b} for b in rest]} for a, *rest in lists]
+    return {"verdict": verdict, "effects": found}
+
+
+def known(*answer, also=(), value=None):
+    return {"answer": list(answer), "also": list(also), "value": value}
+
+
+LINE = {"parameter": "centre", "value": 867.38, "tolerance": 0.4, "unit": "keV"}
+
+
+@pytest.mark.parametrize(
+    ("expected", "diagnosis", "judgement"),
+    [
+        (known(), said(verdict=Verdict.NOTHING), "right"),
+        (known(), said(verdict=Verdict.UNEXPLAINED), "wrong"),
+        (known(), said("offset"), "wrong"),
+        (known("offset"), said("offset"), "right"),
+        (known("offset", "scale"), said("scale"), "right"),
+        (known("offset"), said(verdict=Verdict.NOTHING), "wrong"),
+        (known("offset"), said(verdict=Verdict.UNEXPLAINED), "wrong"),
+        (known("offset"), said("scale"), "wrong"),
+        (known("offset"), said(["scale", "offset"]), "defensible"),
+        (known("offset"), said("scale", "offset"), "defensible"),
+        (known("offset", also=["scale"]), said("scale"), "defensible"),
+        (known("offset", also=["scale"]), said("outliers", "scale"), "wrong"),
+        (known("peak", value=LINE), said("peak", centre=867.1), "right"),
+        (known("peak", value=LINE), said("peak", centre=867.9), "wrong"),
+        (known("peak", value=LINE), said("peak", place=867.4), "wrong"),
+    ],
+)
+def test_a_diagnosis_is_judged(expected, diagnosis, judgement):
+    assert judged(expected, diagnosis) == judgement
