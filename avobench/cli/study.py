@@ -13,9 +13,10 @@ from avobench.bench.store import Store
 from avobench.cli import listing
 from avobench.cli.isolated import State
 from avobench.cli.progress import ProgressView
+from avobench.reports import sensitivity as sensitivity_report
+from avobench.reports import tuning as tuning_report
 from avobench.reports.real import format_table as format_real
-from avobench.reports.tuning import STORE, format_table
-from avobench.studies import dimension, fresh, misspecification, paper, real, tuning
+from avobench.studies import dimension, fresh, misspecification, paper, real, sensitivity, tuning
 from avobench.tasks.errors import AvobenchError, UsageError
 
 STUDIES = (
@@ -25,15 +26,24 @@ STUDIES = (
     "summary",
     "ablation",
     "tuning",
+    "sensitivity",
     "dimension",
     "fresh",
     "misspecification",
     "real",
 )
-FOLDERS = {name: Path("results") / name for name in ("ablation", "dimension", "fresh", "real")} | {"tuning": STORE}
+TABLES = {"tuning": tuning_report, "sensitivity": sensitivity_report}
+"""Of the studies by which settings are chosen, what prints their table."""
+FOLDERS = {name: Path("results") / name for name in ("ablation", "dimension", "fresh", "real")}
+FOLDERS |= {name: report.STORE for name, report in TABLES.items()}
 """Of the studies whose records are not in results/studies."""
-CELLS = {"dimension": dimension.cells, "fresh": fresh.cells, "tuning": lambda seed: tuning.cells()}
-"""Of the studies that are none of the paper's; the one of settings has a seed of its own."""
+CELLS = {
+    "dimension": dimension.cells,
+    "fresh": fresh.cells,
+    "tuning": lambda seed: tuning.cells(),
+    "sensitivity": lambda seed: sensitivity.cells(),
+}
+"""Of the studies that are none of the paper's; those of settings have a seed of their own."""
 
 
 @click.command()
@@ -42,7 +52,7 @@ CELLS = {"dimension": dimension.cells, "fresh": fresh.cells, "tuning": lambda se
     "--results",
     type=click.Path(path_type=Path),
     default=None,
-    help="Folder of the records.  [results/studies, results/NAME for ablation, tuning, dimension, fresh and real]",
+    help="Folder of the records.  [results/NAME; results/studies for the paper's and misspecification]",
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Root of all random streams.")
 @click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [one a core]")
@@ -53,8 +63,9 @@ def study(state: State, name: str, results: Path | None, seed: int, jobs: int | 
     poisson and alignment are runs of avo-paper (Sections 4.1 and 4.2), detector is the average response at two offsets,
     summary runs abc-smc and bolfi on alignment with a better summary statistic, ablation runs avo with what sets it
     apart from avo-paper undone, one difference at a time; tuning runs abc-smc and bolfi with the candidates for the
-    settings of abc-smc-tuned and bolfi-tuned, on targets and with a seed of its own. dimension runs every method
-    against the number of parameters, fresh runs avo and smm on a hundred targets a task that nothing was chosen on.
+    settings of abc-smc-tuned and bolfi-tuned, on targets and with a seed of its own, and sensitivity avo-paper with
+    those for avo-plain. dimension runs every method against the number of parameters, fresh runs avo and smm on a
+    hundred targets a task that nothing was chosen on.
     misspecification is the width of avo's proposal on events with a hidden effect, and what the diagnosis says of them.
     real is what the diagnosis says of the measured events in examples/real.
     """
@@ -80,7 +91,7 @@ def study(state: State, name: str, results: Path | None, seed: int, jobs: int | 
     with ProgressView(Console(stderr=True), lambda sweep, cell: None) as view:
         cells = CELLS[name](seed) if name in CELLS else paper.cells(name, seed)
         records = run(cells, store, workers.begin(store.running, debug=state.debug), view)
-    click.echo(format_table(store.path) if name == "tuning" else listing.status_table(records))
+    click.echo(TABLES[name].format_table(store.path) if name in TABLES else listing.status_table(records))
     failed = [record for record in records if record["status"] not in ESTIMATED]
     if failed:
         raise AvobenchError(f"{len(failed)} of {len(records)} cells failed, the first with {reason(failed[0])}")

@@ -10,7 +10,7 @@ is that of the line of Algorithm 1, as printed.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -223,3 +223,18 @@ class AvoPaper(Method):
             trace=trace,
             message=f"{num_iterations} iterations; the {problem.simulate.remaining} events left are less than one more",
         )
+
+
+@dataclass(frozen=True)
+class AvoPlain(AvoPaper):
+    """Algorithm 1 as it is, no replay and no polish, with the settings that `avobench study sensitivity` found, on
+    targets that are not the benchmark's."""
+
+    name: ClassVar[str] = "avo-plain"
+
+    batch_size: int = 256
+    r1: float = 0.1
+    r1_of: Literal["probability", "logit"] = "logit"
+    schedule: Literal["as_printed", "shared"] = "shared"
+    proposal_learning_rate: float = 5e-3
+    hidden: tuple[int, ...] | None = (64, 64)

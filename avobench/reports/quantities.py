@@ -1,6 +1,7 @@
 """What figures, targets and pages compute from records."""
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -60,6 +61,15 @@ def task_of(record: dict[str, Any]) -> Task | None:
         return None
     task = registry.build("task", record["task"], record["task_settings"])
     return task if task.version == record["task_version"] else None
+
+
+def still(record: dict[str, Any]) -> float:
+    """Share of the trace's steps in which the proposal stands exactly still, its centre and its width: in [0, 1].
+
+    A failure, which has no steps, did not stand still.
+    """
+    points = [(point["theta"], point["std"]) for point in record["trace"] or ()]
+    return sum(before == after for before, after in pairwise(points)) / max(1, len(points) - 1)
 
 
 def efficient_median(shares: tuple[float, ...]) -> float:

@@ -26,7 +26,7 @@ from avobench.reports.targets import (
     worst,
 )
 
-STORES = tuple(map(Path, ("results/reference", "results/rivals", "results/smm")))
+STORES = tuple(map(Path, ("results/reference", "results/rivals", "results/smm", "results/plain")))
 
 
 def table(records: list[dict[str, Any]]) -> pd.DataFrame:

@@ -36,7 +36,7 @@ def table(records: dict[str, dict[str, Any]]) -> pd.DataFrame:
             seconds, values = [], []
             for name in TASKS:
                 own = [records[cell.id] for cell in candidate(method, settings, name) if cell.target in common]
-                ratios = [_ratio(name, record) for record in own]
+                ratios = [inefficiency(name, record) for record in own]
                 row[name] = np.median(ratios)
                 values.append(row[name])
                 seconds += [record["simulator_seconds"] + record["method_seconds"] for record in own]
@@ -51,7 +51,7 @@ def _common(method: str, task: str, records: dict[str, dict[str, Any]]) -> set[i
     return {cell.target for cell in cells} - {cell.target for cell in cells if cell.id not in records}
 
 
-def _ratio(name: str, record: dict[str, Any]) -> float:
+def inefficiency(name: str, record: dict[str, Any]) -> float:
     """Squared error over its floor, in units of an efficient estimator's median; of a failure it is infinite."""
     if record["status"] not in ESTIMATED:
         return np.inf

@@ -155,6 +155,26 @@ def test_an_update_of_the_discriminator_goes_down_the_penalised_loss(r1, gradien
     assert (after[1] < before[1]) == gradient_is_smaller
 
 
+@pytest.mark.parametrize(("logit", "holds"), [(0.0, True), (-120.0, False), (120.0, False)])
+def test_r1_of_d_does_not_hold_a_discriminator_that_saturates(logit, holds):
+    """And below, where log(1 - d) is 0 on every event, the proposal has no gradient; R1 of the logit holds anywhere."""
+    given, settings = problem(10, num_observations=500), AvoPaper(hidden=(8,))
+    state = initial_state(given, settings, np.random.default_rng(0))
+    torch.nn.init.constant_(state.discriminator.network[-2].bias, logit)
+    real = state.discriminator.inputs(given.x_observed[:64]).requires_grad_()
+
+    def pull(r1_of):
+        penalty = input_gradient_penalty(state.discriminator.network(real), real, r1_of)
+        return torch.autograd.grad(penalty, state.discriminator.network[0].weight)[0].abs().max().item()
+
+    assert (pull("probability") > 0) == holds
+    assert pull("logit") > 0
+    q, psi = TruncatedGaussian(GaussianShifts.prior, GaussianShifts.support), state.psi.numpy()
+    u = q.sample(psi, 64, np.random.default_rng(0))
+    f = state.discriminator.log_one_minus_d(given.x_observed[:64])
+    assert score_gradient(q.score(psi, u), f, settings.baseline).any() == (logit > -120)
+
+
 def test_untrained_discriminator_cannot_tell_a_sample_from_itself():
     given = problem(10, num_observations=500)
     discriminator = Discriminator(given, (8,), np.random.default_rng(0))

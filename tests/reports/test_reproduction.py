@@ -53,6 +53,19 @@ def test_better_on_average_needs_every_task(benchmark):
     assert benchmark_claims.better_on_average(evidence(without)).verdict.endswith("avo: no records yet")
 
 
+def test_a_proposal_that_stands_still_is_told(benchmark):
+    moving = [{"simulations": n, "theta": [float(n)], "std": [1.0]} for n in range(9)]
+    standing = [*moving[:5], *[moving[4]] * 4]
+
+    def reading(number):
+        traces = [standing if r["target"] < number and r["task"] == "weinberg" else moving for r in benchmark]
+        records = [{**record, "trace": trace} for record, trace in zip(benchmark, traces, strict=True)]
+        return benchmark_claims.better_on_average(evidence(records)).reading
+
+    assert "still" not in reading(0)
+    assert "In 2 of 6 runs on weinberg the proposal of avo-paper" in reading(2)
+
+
 def test_alignment_and_its_summary_statistic(benchmark):
     assert benchmark_claims.alignment_no_issue(evidence(benchmark)).verdict == (
         "avo-paper: not reproduced; avo: reproduced"
