@@ -58,7 +58,7 @@ class Bsl(Method):
             raise UsageError("bsl needs sets, events_per_set, chains, growth of at least 1 and 0 < nearest <= 1")
 
     def min_simulations(self, num_parameters: int) -> int:
-        """Enough thetas for a regression. Raises UsageError with fewer sets than a covariance of theta needs."""
+        """Enough thetas for slopes. Raises UsageError with fewer sets than a covariance of theta needs."""
         if self.sets < num_parameters + 2:
             raise UsageError(
                 f"bsl.sets = {self.sets} is too few for the covariance of {num_parameters} parameters: "
@@ -103,7 +103,7 @@ class Bsl(Method):
             step = 2.38**2 / prior.dim * np.linalg.inv(precision)
             return bsl.sample(length, step, params0=start, bar=False).samples_array
 
-        trace, centre = [], None
+        trace, draws = [], None
         with global_seed(rng), own_client(elfi):
             from elfi.methods.bsl.pdf_methods import gaussian_syn_likelihood
 
@@ -113,9 +113,9 @@ class Bsl(Method):
             inverse = _inverse_covariance(problem)
             for number in range(1, self.chains + 1):
                 near = _near(tried, observed, self.nearest, inverse)
-                centre = near.nearest if centre is None else draws.mean(axis=0)
+                start = near.nearest if draws is None else draws.mean(axis=0)
                 events, share = self._events(number), self.chains if number == self.chains else 1
-                draws = chain(near, centre, events, share * budget // (2 * self.chains) // events)
+                draws = chain(near, start, events, share * budget // (2 * self.chains) // events)
                 trace.append(_point(problem, draws))
             while left := problem.simulate.remaining // events:  # steps out of the prior have cost nothing
                 draws = np.concatenate([draws, chain(near, draws[-1], events, left)])
@@ -161,7 +161,8 @@ def _near(
 ) -> _Near:
     """From the evaluations of which the summary is nearest to the observed one (k,)."""
     distances = [np.linalg.norm(one.summary - observed) for one in tried]
-    order = np.argsort(distances, kind="stable")[: max(FEWEST, round(share * len(tried)))]
+    fewest = max(FEWEST, 2 * len(tried[0].theta))
+    order = np.argsort(distances, kind="stable")[: max(fewest, round(share * len(tried)))]
     theta, summaries = (np.array([getattr(tried[i], name) for i in order]) for name in ("theta", "summary"))
     middle, at = theta.mean(axis=0), summaries.mean(axis=0)
     slope = np.linalg.lstsq(theta - middle, summaries - at)[0]
