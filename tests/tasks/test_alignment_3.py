@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from avobench.tasks.alignment import Alignment, Particles
-from avobench.tasks.alignment_3 import HEIGHTS, RADII, Alignment3, information
+from avobench.tasks.alignment_3 import FLOORS, HEIGHTS, RADII, Alignment3, information
 
 TASK = Alignment3()
 ROWS, COLUMNS = TASK.event_shape
@@ -65,21 +65,19 @@ def test_no_axis_is_cyclic_and_no_default_sweep_has_it():
     assert columns.max() > 1.5 * columns.min()
 
 
-def test_the_floor_is_what_the_information_allows_whatever_the_azimuth():
-    measured = np.trace(
-        np.linalg.inv(information(TASK, np.array([[0.0, 0.0, 0.0]]), 8000, np.random.default_rng(3))[0])
-    )
-    assert TASK.floor(np.zeros(3), 100_000, 160_000) == pytest.approx((1 / 1e5 + 1 / 1.6e5) * measured, rel=0.15)
+def test_the_floor_is_the_inverse_of_the_information_and_fewer_events_to_learn_from_find_less_of_it():
+    found = information(TASK, np.zeros((1, 3)), 8000, np.random.default_rng(3))[0]
+    assert found == pytest.approx(found.T)
+    times = np.trace(np.linalg.inv(found)) / FLOORS[0][0]  # weights of 128 cells, learnt from 4000 events, not 32 000
+    assert 1 < times < 2
+    assert TASK.floor(np.zeros(3), 100_000, 160_000) == pytest.approx((1 / 1e5 + 1 / 1.6e5) * FLOORS[0][0])
+
+
+def test_the_floor_depends_on_the_distances_from_axis_and_centre_alone():
     somewhere = [TASK.floor(np.array([1.1 * np.cos(a), 1.1 * np.sin(a), z]), 1000, None) for a, z in [(0, 1), (2, -1)]]
     assert somewhere[0] == pytest.approx(somewhere[1])
     assert np.isfinite([TASK.floor(np.array(corner), 1000, 1000) for corner in [TASK.prior.low, TASK.prior.high]]).all()
     assert sum(TASK.floor_shares) == pytest.approx(1)
-
-
-def test_information_beside_the_beams_is_the_same_both_ways():
-    found = information(TASK, np.zeros((1, 3)), 8000, np.random.default_rng(4))[0]
-    assert found[0, 0] == pytest.approx(found[1, 1], rel=0.2)
-    assert np.abs(found - np.diag(found.diagonal())).max() < 0.2 * found[0, 0]
 
 
 def test_the_floor_is_unknown_where_it_was_not_measured():
