@@ -11,12 +11,13 @@ from avobench.methods.elfi_model import import_elfi, own_client, prior_model
 from avobench.methods.problem import Problem
 from avobench.methods.regression import Evaluation
 from avobench.tasks.errors import UsageError
+
 FEWEST = 8
 """Steps of a chain, and thetas from which slopes are taken."""
 PARTS = 2048
 """Of the observation, among which its summary varies."""
 RIDGE = 1e-3
-"""Added to the variances of a summary, as a share of their mean: shares of a histogram sum to 1, some bins are empty."""
+"""Added to the variances of a summary, as a share of their mean: the shares of a histogram sum to 1."""
 
 
 @dataclass(frozen=True)
@@ -156,9 +157,7 @@ class _Near(NamedTuple):
         return self.theta + (summaries - self.summary) @ self.weights
 
 
-def _near(
-    tried: list[Evaluation], observed: NDArray[np.float64], share: float, inverse: NDArray[np.float64]
-) -> _Near:
+def _near(tried: list[Evaluation], observed: NDArray[np.float64], share: float, inverse: NDArray[np.float64]) -> _Near:
     """From the evaluations of which the summary is nearest to the observed one (k,)."""
     distances = [np.linalg.norm(one.summary - observed) for one in tried]
     fewest = max(FEWEST, 2 * len(tried[0].theta))

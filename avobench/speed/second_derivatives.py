@@ -1,6 +1,6 @@
 """Milliseconds of what an acquisition of `bolfi` asks of its process, with p^2 systems solved and with one instead.
 
-`OMP_NUM_THREADS=1 python -m avobench.speed.second_derivatives`, some seconds. Both ways are timed in turns, in CPU time,
+`OMP_NUM_THREADS=1 python -m avobench.speed.second_derivatives`. Both ways are timed in turns, in CPU time,
 on the same evidence and the ten points from which an acquisition starts; `difference` is the largest between the two
 Hessians of the variance, beside its largest element.
 """

@@ -46,7 +46,8 @@ def test_a_row_has_the_numbers_of_its_family_parameters_and_method(records, tmp_
 
 
 def test_the_detector_with_three_parameters_has_a_row_of_its_own(records):
-    rows = dimension.table([at(records[0], 2.0), {**at(records[0], 3.0), "task": "alignment-3", "theta_true": [0.0] * 3}])
+    detector = {**at(records[0], 3.0), "task": "alignment-3", "theta_true": [0.0] * 3}
+    rows = dimension.table([at(records[0], 2.0), detector])
     assert rows[["family", "parameters"]].to_numpy().tolist() == [["warped", 5], ["alignment", 3]]
     assert rows["worst run / floor"].tolist() == pytest.approx([2.0, 3.0])
 
