@@ -54,8 +54,8 @@ CANDIDATES: dict[str, dict[str, dict[str, Any]]] = {
     "npe": {"1250 sets of 128": {}, "312 sets of 512": {"events_per_set": 512}},
     "tsnpe": {"as it is": {}, "312 sets of 512": {"events_per_set": 512}},
 }
-"""By method and what the table calls them, settings; the first of abc-smc and bolfi is the paper's. N x M is a population,
-or initial evidence, of N parameters with M events each."""
+"""By method and what the table calls them, settings; the first of abc-smc and bolfi is the paper's. N x M is a
+population, or initial evidence, of N parameters with M events each."""
 
 
 def candidate(method: str, settings: dict[str, Any], task: str) -> list[Cell]:
