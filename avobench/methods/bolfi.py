@@ -1,9 +1,7 @@
 """Bayesian optimisation for likelihood-free inference with ELFI, within a hard budget."""
 
 import gc
-import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -13,6 +11,7 @@ from scipy.optimize import minimize
 from scipy.stats import qmc
 
 from avobench.methods.contract import Estimate, Method, TracePoint, global_seed
+from avobench.methods.elfi_model import import_elfi, own_client, prior_model
 from avobench.methods.gaussian_process import GaussianProcess
 from avobench.methods.problem import Problem
 from avobench.methods.regression import Evaluation, regressed
@@ -101,7 +100,7 @@ class Bolfi(Method):
 
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
         """As `Method.infer`. Raises BudgetExhausted when the budget ends before `min_simulations`."""
-        elfi = _import_elfi()
+        elfi = import_elfi()
         prior = problem.prior
         num_initial = self._num_initial(prior.dim)
         # With too little left the metered simulator refuses, rather than ELFI answering without a fitted process.
@@ -127,7 +126,7 @@ class Bolfi(Method):
             return np.stack(found)
 
         trace = []
-        with global_seed(rng), _own_client(elfi):
+        with global_seed(rng), own_client(elfi):
             observed = problem.summary(problem.x_observed)
             distance, bounds = _distance(elfi, box, summaries, observed, self.log_distance)
             bolfi = self._bolfi(elfi, distance, bounds, num_initial, seed)
@@ -216,17 +215,9 @@ class BolfiTuned(Bolfi):
 def _distance(
     elfi, box: Box, summaries: Callable[..., NDArray], observed: NDArray[np.float64], log: bool
 ) -> tuple["Distance", dict[str, tuple[float, float]]]:
-    """ELFI's node of the distance between summaries of events at theta and the observed one (k,), and theta's bounds.
-
-    The model of the node is its own, never ELFI's current default model. ELFI sorts parameters by name: zero-padded
-    numbers keep their order.
-    """
-    model = elfi.ElfiModel()
-    bounds = {f"theta_{i:03d}": ends for i, ends in enumerate(zip(box.low, box.high, strict=True))}
-    theta = [
-        elfi.Prior("uniform", low, width, model=model, name=name)
-        for name, low, width in zip(bounds, box.low, box.width, strict=True)
-    ]
+    """ELFI's node of the distance between summaries at theta and the observed one (k,), and theta's bounds."""
+    model, bounds = prior_model(elfi, box)
+    theta = [model[name] for name in bounds]
     simulator = elfi.Simulator(summaries, *theta, observed=observed[None], model=model, name="summaries")
     distance = elfi.Distance("euclidean", simulator, model=model, name="distance")
     return elfi.Operation(_logarithm, distance, model=model, name="log_distance") if log else distance, bounds
@@ -258,21 +249,3 @@ def _posterior(bolfi: "BOLFI", points: NDArray[np.float64]) -> tuple[NDArray[np.
     )
     weights = np.exp(log_density - log_density.max())
     return best.x, weights / weights.sum()
-
-
-def _import_elfi():
-    # ELFI's dependencies tell Python to ignore every DeprecationWarning when imported; that is undone here.
-    with warnings.catch_warnings():
-        import elfi
-    return elfi
-
-
-@contextmanager
-def _own_client(elfi) -> Iterator[None]:
-    """Let ELFI evaluate in this process with a client of our own, and put its global one back afterwards."""
-    previous = elfi.get_client()
-    elfi.set_client("native")
-    try:
-        yield
-    finally:
-        elfi.set_client(previous)

@@ -16,6 +16,9 @@ TOLERANCE = 1e-13
 """Largest part of a point's prior variance that the low-rank kernel may miss at the evidence."""
 RELIABLE = 1e-6
 """The same for pivots that are taken over: below, only the largest is one, lest the rounding of a small one spread."""
+DIRECT = 2
+"""Parameters up to which the second derivatives are solved for one by one: the records of the benchmark were made so,
+and there it costs little."""
 JITTER = 1e-8
 """What GPy adds to the noise variance of the evidence (its ExactGaussianInference)."""
 
@@ -74,9 +77,14 @@ class Posterior:
         self._mean_terms = hyperparameters.variance * self._alpha[:, None] * terms
         self._mean_offset = hyperparameters.bias * self._alpha.sum()
 
-    def moments(self, x: Array, derivatives: int = 0) -> Moments:
-        """At points x (m, p), with gradients (`derivatives` 1) and Hessians (2)."""
+    def moments(self, x: Array, derivatives: int = 0, direct: bool | None = None) -> Moments:
+        """At points x (m, p), with gradients (`derivatives` 1) and Hessians (2).
+
+        `direct` solves for the p^2 second derivatives of each point, where one transposed system is enough; the same
+        but for rounding, which decides between equal minima. By default with up to DIRECT parameters.
+        """
         m, p = x.shape
+        direct = p <= DIRECT if direct is None else direct
         scale = self.hyperparameters.lengthscale
         # The mean from all evidence, in O(n) a point: between evidence and bounds, where L misses more of the kernel,
         # the weights of the mean are too large for what it misses.
@@ -88,7 +96,7 @@ class Posterior:
         if derivatives:
             shift = (self.x[self.pivots, None] - x) / scale**2  # (r, m, p)
             blocks += [shift[..., i] * kernel for i in range(p)]
-        if derivatives > 1:
+        if derivatives > 1 and direct:
             blocks += [
                 (shift[..., i] * shift[..., j] - (i == j) / scale**2) * kernel for i in range(p) for j in range(p)
             ]
@@ -113,13 +121,23 @@ class Posterior:
         if derivatives == 1:
             return Moments(*moments)
 
-        second, white_second = (of[:, m * (p + 1) :].reshape(-1, p, p, m) for of in (rows, whitened))
-        hessian = np.einsum("rim,rjm->mij", white_first, white_first) + np.einsum("rm,rijm->mij", white, white_second)
-        hessian_missed = np.einsum("rim,rjm->mij", first, first) + np.einsum("rm,rijm->mij", row, second)
+        hessian = np.einsum("rim,rjm->mij", white_first, white_first)
+        hessian_missed = np.einsum("rim,rjm->mij", first, first)
+        if direct:
+            second, white_second = (of[:, m * (p + 1) :].reshape(-1, p, p, m) for of in (rows, whitened))
+            hessian += np.einsum("rm,rijm->mij", white, white_second)
+            hessian_missed += np.einsum("rm,rijm->mij", row, second)
+        variance_hessian = 2 * (kept * hessian - missed * hessian_missed)
+        if not direct:
+            # The second derivatives of the kernel, row by row, enter in one combination: solve for its coefficients.
+            back = kept * np.sqrt(missed) * _solve(self._small, white, transposed=True)[:-1] - missed * row
+            pull = 2 * kernel * _solve(self._pivot_factor, back, transposed=True)  # (r, m)
+            variance_hessian += np.einsum("rm,rmi,rmj->mij", pull, shift, shift, optimize=True)
+            variance_hessian -= pull.sum(0)[:, None, None] * np.eye(p) / scale**2
         cross = centred[:, :, None] * moved[:, None]
         squares = sums[:, p + 1 :].reshape(m, p, p) - cross - cross.transpose(0, 2, 1)
         squares += value[:, :, None] * (centred[:, :, None] * centred[:, None] - scale**2 * np.eye(p))
-        return Moments(*moments, squares / scale**4, 2 * (kept * hessian - missed * hessian_missed))
+        return Moments(*moments, squares / scale**4, variance_hessian)
 
     def log_likelihood(self) -> tuple[float, Array]:
         """Logarithm of the marginal likelihood of the evidence, and its gradient (4,) in the hyper-parameters."""

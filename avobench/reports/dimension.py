@@ -17,7 +17,7 @@ from avobench.bench.store import Store
 from avobench.reports.quantities import labelled, task_of
 from avobench.reports.style import FLOOR, MARKERS, METHOD_ORDER, STYLE, colours, note, ordered, panels, save
 from avobench.reports.targets import inefficiency_of
-from avobench.studies.dimension import DIMENSIONS, FAMILIES
+from avobench.studies.dimension import DETECTOR, DIMENSIONS, FAMILIES
 from avobench.tasks.errors import StoreError
 
 STORE = Path("results/dimension")
@@ -31,7 +31,8 @@ SPAN = 5e-2
 
 def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     """A row a family of tasks, number of parameters and method; empty without records of these tasks."""
-    known = [record for record in records if record["task"].rpartition("-")[0] in FAMILIES and task_of(record)]
+    families = (*FAMILIES, DETECTOR.rpartition("-")[0])
+    known = [record for record in records if _studied(record["task"]) and task_of(record)]
     if not known:
         return pd.DataFrame()
     frame = labelled(known)
@@ -53,11 +54,15 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
             }
         )
     found = pd.DataFrame(rows)
-    orders = {"family": FAMILIES, "method": ordered(found["method"], METHOD_ORDER)}
+    orders = {"family": families, "method": ordered(found["method"], METHOD_ORDER)}
     for name, order in orders.items():
         found[name] = pd.Categorical(found[name], order)
     found = found.sort_values(["family", "parameters", "method"], ignore_index=True)
     return found.astype(dict.fromkeys(orders, str))
+
+
+def _studied(task: str) -> bool:
+    return task == DETECTOR or task.rpartition("-")[0] in FAMILIES
 
 
 def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:

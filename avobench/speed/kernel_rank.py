@@ -1,14 +1,15 @@
 """Why the fast process of `bolfi` is not fast with many parameters: `python -m avobench.speed.kernel_rank`.
 
 It factorises the kernel matrix to its numerical rank r. An acquisition solves triangular systems of that size for
-1 + p + p^2 columns a point, so its cost goes as r^2 (1 + p + p^2). Printed is r for evidence drawn uniformly in the
+1 + p + p^2 columns a point with up to two parameters, and for 2 + p with more (`avobench.speed.second_derivatives`
+times either way), so its cost goes as r^2 times that. Printed is r for evidence drawn uniformly in the
 unit box of p parameters, at the length scale that is its prior mean, a third of the box.
 """
 
 import numpy as np
 import pandas as pd
 
-from avobench.methods.gaussian_process import Hyperparameters, Posterior
+from avobench.methods.gaussian_process import DIRECT, Hyperparameters, Posterior
 
 EVIDENCE = (150, 400, 1250)
 """The last is what the full budget holds at 128 events each."""
@@ -26,7 +27,8 @@ def table() -> pd.DataFrame:
     """A row a number of parameters, a column a number of evaluations; the last is the cost beside that with two."""
     rows = [{"parameters": p, **{f"rank of {n}": rank(p, n) for n in EVIDENCE}} for p in PARAMETERS]
     frame = pd.DataFrame(rows)
-    cost = frame[f"rank of {EVIDENCE[-1]}"] ** 2.0 * (1 + frame["parameters"] + frame["parameters"] ** 2)
+    p = frame["parameters"]
+    cost = frame[f"rank of {EVIDENCE[-1]}"] ** 2.0 * (1 + p + (p**2).where(p <= DIRECT, 1))
     frame["cost of an acquisition beside two"] = cost / cost[PARAMETERS.index(2)]
     return frame
 

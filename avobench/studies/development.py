@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from avobench.tasks.alignment_3 import Alignment3
 from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
@@ -23,6 +24,13 @@ class CarlDevelopment(Carl):
 @dataclass(frozen=True)
 class WeinbergDevelopment(Weinberg):
     name: ClassVar[str] = "weinberg-development"
+
+
+@dataclass(frozen=True)
+class Alignment3Development(Alignment3):
+    """Not among TASKS: a run costs a minute of Pythia."""
+
+    name: ClassVar[str] = "alignment-3-development"
 
 
 TASKS = {"poisson": PoissonDevelopment, "carl": CarlDevelopment, "weinberg": WeinbergDevelopment}

@@ -12,7 +12,7 @@ from avobench.studies.paper import NUM_OBSERVATIONS
 
 BUDGET = 160_000
 """That of the benchmark."""
-NUM_TARGETS = {"abc-smc": 4, "bolfi": 2, "nre": 2, "nle": 2, "npe": 2, "tsnpe": 2}
+NUM_TARGETS = {"abc-smc": 4, "bolfi": 2, "bsl": 2, "nre": 2, "nle": 2, "npe": 2, "tsnpe": 2}
 """Development targets of each task: the others take ten times as long as ABC-SMC."""
 _LARGER = {"population_size": 20, "events_per_theta": 512}
 _GROWING = {"growth": 1.5, "estimate": "regression"}
@@ -44,13 +44,18 @@ CANDIDATES: dict[str, dict[str, dict[str, Any]]] = {
             "regression": True,
         },
     },
+    "bsl": {
+        "4 chains, to 2048 events": {"chains": 4},
+        "3 chains, to 1024 events": {},
+        "2 chains, to 512 events": {"chains": 2},
+    },
     "nre": {"as it is": {}},
     "nle": {"as it is": {}},
     "npe": {"1250 sets of 128": {}, "312 sets of 512": {"events_per_set": 512}},
     "tsnpe": {"as it is": {}, "312 sets of 512": {"events_per_set": 512}},
 }
-"""By method and what the table calls them, settings; the first is the paper's configuration. N x M is a population, or
-initial evidence, of N parameters with M events each."""
+"""By method and what the table calls them, settings; the first of abc-smc and bolfi is the paper's. N x M is a
+population, or initial evidence, of N parameters with M events each."""
 
 
 def candidate(method: str, settings: dict[str, Any], task: str) -> list[Cell]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,6 +122,8 @@ class Alignment(Task):
     num_features = NUM_ROWS * NUM_COLUMNS
     floor_shares = (1.0,)
     generates = "particles"
+    axes: ClassVar[tuple[int, ...]] = (2,)
+    """Along which of x, y, z the interaction point is offset, one a parameter."""
     event_shape, cyclic_axes = (NUM_ROWS, NUM_COLUMNS), (1,)  # beams along z: nothing depends on the azimuth
     discriminator = Discriminator((600,) * 9, standardise=False)  # most cells of an image are zero, the others one
 
@@ -151,7 +153,7 @@ class Alignment(Task):
         return np.uint8 if self.response == "hit" else np.float32
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator, alter: Alter | None = None) -> NDArray:
-        """One image per row: theta (n, 1) [mm] -> (n, 1024), uint8 for hits and float32 for energies.
+        """One image per row: theta (n, p) [mm] -> (n, d), uint8 for hits and float32 for energies.
 
         `alter` makes of the particles of the events of some rows what reaches the detector, if that is not the same.
         Raises ValueError outside the support, RuntimeError if Pythia fails.
@@ -180,11 +182,11 @@ class Alignment(Task):
             yield particles
 
     def detect(self, particles: Particles, theta: NDArray[np.float64]) -> NDArray:
-        """The images of the events of `particles`: theta (n, 1) [mm] -> (n, 1024). Raises ValueError as `simulate`."""
+        """The images of the events of `particles`: theta (n, p) [mm] -> (n, d). Raises ValueError as `simulate`."""
         self.require_support(theta)
         event = np.repeat(np.arange(len(particles)), np.diff(particles.offsets))
         p, r = particles.momentum, particles.position.copy()
-        r[2] += theta[event, 0]
+        r[list(self.axes)] += theta[event].T
         # The track r + s p leaves the sphere at the positive root of |r + s p|^2 = radius^2, if r lies inside.
         pp, rp, gap = (p * p).sum(axis=0), (r * p).sum(axis=0), self.radius**2 - (r * r).sum(axis=0)
         inside = np.flatnonzero(gap > 0)
@@ -194,11 +196,12 @@ class Alignment(Task):
         x, y, z = r[:, crossing] + s * p[:, crossing]
 
         # tanh(eta) = z / radius on the sphere; comparing it with the edges needs no logarithm that may overflow.
-        edges = np.tanh(np.linspace(-MAX_ETA, MAX_ETA, NUM_ROWS + 1))
+        rows, columns = self.event_shape
+        edges = np.tanh(np.linspace(-MAX_ETA, MAX_ETA, rows + 1))
         row = np.searchsorted(edges, z / self.radius, side="right") - 1
-        column = np.floor(np.arctan2(y, x) * (NUM_COLUMNS / (2 * np.pi))).astype(int) % NUM_COLUMNS
-        seen = (row >= 0) & (row < NUM_ROWS)
-        cell = ((event[crossing] * NUM_ROWS + row) * NUM_COLUMNS + column)[seen]
+        column = np.floor(np.arctan2(y, x) * (columns / (2 * np.pi))).astype(int) % columns
+        seen = (row >= 0) & (row < rows)
+        cell = ((event[crossing] * rows + row) * columns + column)[seen]
         size = len(particles) * self.num_features
         if self.response == "hit":
             image = np.zeros(size, self.dtype)
@@ -209,7 +212,7 @@ class Alignment(Task):
         return image.reshape(-1, self.num_features)
 
     def summary(self, x: NDArray) -> NDArray[np.float64]:
-        """The average image: (n, 1024) -> (1024,)."""
+        """The average image: (n, d) -> (d,)."""
         return x.mean(axis=0, dtype=np.float64)
 
     def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:

@@ -2,6 +2,7 @@
 
 import pytest
 
+from avobench.bench import registry
 from avobench.bench.plan import parse_targets, plan
 from avobench.tasks.errors import UsageError
 
@@ -75,7 +76,7 @@ def test_impossible_targets_are_refused(text):
     ("change", "message"),
     [
         ({"tasks": ["poison"]}, "no task named 'poison'; did you mean poisson?"),
-        ({"tasks": ["zzz"]}, "known: alignment, carl, means-10,"),
+        ({"tasks": ["zzz"]}, "known: alignment, alignment-3, carl, means-10,"),
         ({"methods": ["bolfy"]}, "did you mean bolfi?"),
         ({"tasks": ["nowhere:Task"]}, "there is no module 'nowhere'"),
         ({"tasks": ["toys:Norml"]}, "did you mean Normal?"),
@@ -93,6 +94,10 @@ def test_impossible_targets_are_refused(text):
         ({"settings": ["avo-paper.learning_rate=nan"]}, "settings must be finite numbers"),
         ({"methods": ["abc-smc"], "budget": 10**6, "settings": ["abc-smc.population_size=2"]}, "population_size > 2"),
         ({"budget": 47}, "--budget 47 is too small for avo-paper on normal: at least 48"),
+        ({"methods": ["nle"], "budget": 999}, "--budget 999 is too small for nle on normal: at least 1000"),
+        ({"methods": ["tsnpe"], "budget": 9999}, "--budget 9999 is too small for tsnpe on normal: at least 25600"),
+        ({"tasks": ["warped-20"], "methods": ["bolfi"], "budget": 10**6}, "too small for bolfi on warped-20: at least"),
+        ({"tasks": ["warped-20"], "methods": ["bsl"], "budget": 10**6}, "bsl.sets = 16 is too few for the covariance"),
         ({"settings": ["moment.step=3"]}, "no setting 'step'; did you mean steps?"),
         ({"settings": ["moment.steps=many"]}, "setting steps of method moment"),
         ({"settings": ["bolfi.update_interval=3"]}, "'bolfi' is not part of this run"),
@@ -106,3 +111,17 @@ def test_what_cannot_be_met_is_said_before_anything_is_simulated(change, message
     with pytest.raises(UsageError) as error:
         cells(**change)
     assert message in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("method", "package", "extra"),
+    [("nre", "sbi", "sbi"), ("tsnpe", "sbi", "sbi"), ("bolfi", "elfi", "bolfi"), ("bsl", "elfi", "bolfi")],
+)
+def test_a_method_whose_package_is_absent_is_refused_in_one_line(method, package, extra, monkeypatch):
+    found = registry.find_spec
+    monkeypatch.setattr(registry, "find_spec", lambda name: None if name == package else found(name))
+    with pytest.raises(UsageError) as error:
+        cells(methods=[method])
+    assert str(error.value) == (
+        f"method {method} needs {package}, which is not installed: pip install 'avobench[{extra}]'"
+    )

@@ -131,7 +131,7 @@ def test_the_seed_alone_decides_and_no_state_is_left(tmp_path, monkeypatch, capf
 def test_importing_elfi_does_not_hide_later_deprecation_warnings():
     script = (
         "import warnings; before = list(warnings.filters)\n"
-        "from avobench.methods.bolfi import _import_elfi; _import_elfi()\n"
+        "from avobench.methods.elfi_model import import_elfi; import_elfi()\n"
         "ours = [f for f in warnings.filters if f[2] is DeprecationWarning]\n"
         "assert ours == [f for f in before if f[2] is DeprecationWarning], ours\n"
     )

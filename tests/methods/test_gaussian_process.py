@@ -115,6 +115,16 @@ def test_derivatives_are_those_of_the_values(hyperparameters, p, n, seed):
     assert gradient * np.exp(theta) == pytest.approx(found, rel=1e-3, abs=1e-3)
 
 
+@pytest.mark.parametrize("p", [1, 2, 5])
+def test_one_transposed_system_gives_the_hessian_that_p_squared_give(p):
+    x, y, rng = evidence(p, 60, 3)
+    posterior, at = Posterior(x, y, Hyperparameters(2.0, 0.4, 0.5, 0.01)), rng.uniform(size=(7, p))
+    direct, transposed, default = (posterior.moments(at, 2, direct=way) for way in (True, False, None))
+    assert transposed.variance_hessian == pytest.approx(direct.variance_hessian, rel=1e-9, abs=1e-9)
+    chosen = direct if p <= 2 else transposed  # records of two parameters depend on the last bit
+    assert (default.variance_hessian == chosen.variance_hessian).all()
+
+
 @settings(max_examples=40, deadline=None)
 @given(hyperparameters=HYPERPARAMETERS, earlier=HYPERPARAMETERS, **SIZES)
 def test_evidence_in_parts_and_old_pivots_change_nothing(hyperparameters, earlier, p, n, seed):
