@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 USERS = Path(__file__).parent / "users"
 """Tasks, methods and effects as a user writes them: sound ones, and ones with a fault each."""
@@ -12,6 +13,9 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"  # as the command does, so that results are the same
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # what a script runs in its background ignores Ctrl-C
+
+settings.register_profile("busy", deadline=None)  # a loaded machine is no fault of the code
+settings.load_profile("busy")
 
 from avobench.cli import main as cli  # noqa: E402
 from browser import browser  # noqa: E402

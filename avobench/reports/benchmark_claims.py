@@ -145,9 +145,10 @@ def ahead_on_alignment(evidence: Evidence) -> Finding:
         verdicts["avo"] = "no records yet without row sums"
     reading = (
         "The claim is that AVO needs no summary statistic, so it is held against AVO on the image itself; the row sums "
-        "of `avo` are as good as a summary statistic, and with the same both rivals come near the limit as well, on the "
-        "few targets above. Criterion: on the image, AVO's squared errors are less than those of ABC-SMC and of BOLFI with the "
-        "average image as summary, by a one-sided paired test over the targets, p below 0.05 against each."
+        "of `avo` are as good as a summary statistic, and with the same both rivals come near the limit as well, on "
+        "the few targets above. Criterion: on the image, AVO's squared errors are less than those of ABC-SMC and of "
+        "BOLFI with the average image as summary, by a one-sided paired test over the targets, p below 0.05 against "
+        "each."
     )
     return Finding(_by_preset(evidence, verdicts), reading, pd.DataFrame(rows))
 
@@ -285,9 +286,9 @@ CLAIMS = (
             "logits of weinberg's network, 4 x 1000 nodes, pass 1 000. Where they are so far below 0 on all simulated "
             "events, log(1-d) is 0 to the last bit and the proposal has no gradient (`python -m "
             "avobench.studies.stillness`). With R1 of the logit and the printed lambda, 10, nothing saturates, but the "
-            "proposal moves slower. And it is slow as printed: on poisson, where it never stands still, its error still "
-            "falls at the end of the budget (below, where BOLFI's is compared with it). What Algorithm 1 can do with "
-            "other numbers, without replay and without polish, is the method `avo-plain` "
+            "proposal moves slower. And it is slow as printed: on poisson, where it never stands still, its error "
+            "still falls at the end of the budget (below, where BOLFI's is compared with it). What Algorithm 1 can do "
+            "with other numbers, without replay and without polish, is the method `avo-plain` "
             "([methods.md](methods.md#avo-plain))."
         ),
     ),
