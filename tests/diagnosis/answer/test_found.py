@@ -24,7 +24,7 @@ def step(p, gap, *effects):
 
 def found(*steps):
     held_out = SimpleNamespace(gap=lambda fit, rng, num_simulated: fit.gap)
-    return Found.of(Poisson(), None, None, held_out, list(steps), 0.05, np.random.default_rng(0), Effort())
+    return Found.of(Poisson(), None, None, held_out, list(steps), None, 0.05, np.random.default_rng(0), Effort())
 
 
 def gap(low, value, high):
