@@ -1,5 +1,6 @@
 """One data set with hidden effects, and the answer."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
@@ -7,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.challenge.shapes import Injection, Place, Simulate, shapes
+from avobench.challenge.shapes import DEVELOPED, Injection, Place, Simulate, shapes
 from avobench.challenge.shapes.first.tracker import ParticleInjection
 from avobench.challenge.visibility import Visibility, visibility
 from avobench.effects.catalogue import catalogue
@@ -108,10 +109,13 @@ class Hidden:
         }
 
 
-def hide(task: Task, kind: str, num_events: int, rng: np.random.Generator) -> tuple[NDArray, dict[str, Any]]:
+def hide(
+    task: Task, kind: str, num_events: int, rng: np.random.Generator, series: Sequence[int] = DEVELOPED
+) -> tuple[NDArray, dict[str, Any]]:
     """One data set of `kind` at a random theta of the prior, and the answer: (num_events, d), what was hidden.
 
-    The answer's `allowed` is the list of effects that solving may use, None for all of the catalogue.
+    Foreign shapes are those of the `series`. The answer's `allowed` is the list of effects that solving may use, None
+    for all of the catalogue.
     """
     theta = task.prior.sample(1, rng)[0]
     at = np.tile(theta, (num_events, 1))
@@ -122,7 +126,7 @@ def hide(task: Task, kind: str, num_events: int, rng: np.random.Generator) -> tu
     reference = task.simulate(at[:NUM_REFERENCE], rng)
     hidden: list[Hidden] = []
     while len(hidden) < (2 if kind == "two" else 1):
-        new = _draw(task, source, theta, num_events, reference, [each.injection.name for each in hidden], rng)
+        new = _draw(task, source, theta, num_events, reference, [each.injection.name for each in hidden], rng, series)
         if sum(isinstance(each.injection, ParticleInjection) for each in (*hidden, new)) > 1:
             continue  # each makes events of its own from what is generated, without the other
         hidden.append(new)
@@ -156,6 +160,7 @@ def _draw(
     reference: NDArray,
     without: list[str],
     rng: np.random.Generator,
+    series: Sequence[int],
 ) -> Hidden:
     """A random effect of a family that is not in `without`, on events at theta (p,), visible but no toy if possible.
 
@@ -164,7 +169,7 @@ def _draw(
     own = {(effect.name, effect.feature): effect for effect in catalogue(task, reference)}
     foreign: dict[tuple[str, Any], list[type[Injection]]] = {}
     for feature in dict.fromkeys(feature for _, feature in own):
-        for shape in shapes(Place(task, feature, reference)):
+        for shape in shapes(Place(task, feature, reference), series):
             foreign.setdefault((shape.name, feature), []).append(shape)
     keys = [key for key in (own if source == "own" else foreign) if key in own and key[0] not in without]
     if not keys:

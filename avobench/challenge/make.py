@@ -2,7 +2,7 @@
 
 import io
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from avobench.bench import registry
 from avobench.bench.atomic import write_atomically
 from avobench.challenge.hide import hide
+from avobench.challenge.shapes import DEVELOPED, SERIES
 from avobench.tasks.contract import stable_hash
 from avobench.tasks.errors import UsageError
 
@@ -31,6 +32,7 @@ def make(
     *,
     num_events: int = 50_000,
     kinds: tuple[str, ...] = KINDS,
+    series: Sequence[int] = DEVELOPED,
     progress: Callable[[str], None] = lambda line: None,
 ) -> None:
     """Write `cases` data sets of the task `spec` to the folder `out`, the kinds in equal shares and random order.
@@ -45,6 +47,8 @@ def make(
         raise UsageError(f"--kinds must be among {', '.join(KINDS)}, got {', '.join(unknown) or 'none'}")
     if out.exists() and (not out.is_dir() or {path.name for path in out.iterdir()} - UNFINISHED):
         raise UsageError(f"{out} exists and is not an empty folder")
+    if unknown := [str(each) for each in series if each not in SERIES]:
+        raise UsageError(f"--series must be among {', '.join(map(str, SERIES))}, got {', '.join(unknown)}")
     task = registry.build("task", spec, {})
     registry.require_packages("task", task)
     (out / "data").mkdir(parents=True, exist_ok=True)
@@ -52,7 +56,7 @@ def make(
     order = np.random.default_rng(root.spawn(1)[0]).permutation([kinds[i % len(kinds)] for i in range(cases)])
     public, answers = [], []
     for number, (kind, child) in enumerate(zip(order, root.spawn(cases), strict=True)):
-        x, answer = hide(task, str(kind), num_events, np.random.default_rng(child))
+        x, answer = hide(task, str(kind), num_events, np.random.default_rng(child), series)
         name = f"{number:04d}"
         file = io.BytesIO()
         np.savez_compressed(file, x=x)

@@ -25,13 +25,24 @@ def challenge() -> None:
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="New folder for data and answers.")
 @click.option("--events", "num_events", type=int, default=50_000, show_default=True, help="Events of each data set.")
 @click.option("--kinds", default=None, metavar="A,B", help="Of none, own, foreign, two, withheld.  [all]")
+@click.option("--series", type=int, multiple=True, help="Whose foreign shapes, 1, 2 or 3; repeatable.  [1 and 2]")
 @TRUST
-def make(task: str, cases: int, seed: int, out: Path, num_events: int, kinds: str | None, trust: bool) -> None:
+def make(
+    task: str,
+    cases: int,
+    seed: int,
+    out: Path,
+    num_events: int,
+    kinds: str | None,
+    series: tuple[int, ...],
+    trust: bool,
+) -> None:
     """Hide random effects in data sets of a task. What was hidden stands in answers.json, apart from the data."""
     from avobench.challenge import make as module
 
     chosen = module.KINDS if kinds is None else tuple(kinds.split(","))
-    module.make(named(task, trust), cases, seed, out, num_events=num_events, kinds=chosen, progress=_say)
+    options = {"series": series} if series else {}
+    module.make(named(task, trust), cases, seed, out, num_events=num_events, kinds=chosen, progress=_say, **options)
     click.echo(f"{cases} data sets in {out}; next: avobench challenge solve {out}")
 
 

@@ -1,17 +1,27 @@
 """Effects hidden in measured data, written independently of the catalogue: other shapes of the same physics."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from avobench.challenge.shapes import first, second
+from avobench.challenge.shapes import first, second, third
 from avobench.challenge.shapes.contract import Injection, Place, Simulate
 from avobench.tasks import Task
 
-__all__ = ["FAMILIES", "Injection", "Place", "Simulate", "kind_of_events", "shapes"]
+__all__ = ["DEVELOPED", "FAMILIES", "SERIES", "Injection", "Place", "Simulate", "kind_of_events", "shapes"]
 
-FAMILIES: dict[str, tuple[type[Injection], ...]] = {
-    kind: (*shapes, *second.FAMILIES[kind]) for kind, shapes in first.FAMILIES.items()
+SERIES: dict[int, dict[str, tuple[type[Injection], ...]]] = {
+    1: first.FAMILIES,
+    2: second.FAMILIES,
+    3: {kind: (*shapes, *third.NEW_FAMILIES[kind]) for kind, shapes in third.FAMILIES.items()},
 }
-"""All shapes, by the kind of events; each series lists its own."""
+"""The shapes of each series, by the kind of events."""
+DEVELOPED = (1, 2)
+"""The series that the search for effects was developed on, which are hidden unless others are asked for."""
+FAMILIES: dict[str, tuple[type[Injection], ...]] = {
+    kind: tuple(shape for each in SERIES.values() for shape in each[kind]) for kind in first.FAMILIES
+}
+"""All shapes, by the kind of events."""
 
 
 def kind_of_events(task: Task) -> str:
@@ -21,6 +31,7 @@ def kind_of_events(task: Task) -> str:
     return "counts" if np.issubdtype(np.dtype(task.dtype), np.integer) else "continuous"
 
 
-def shapes(place: Place) -> list[type[Injection]]:
-    """The shapes that make sense at `place`."""
-    return [shape for shape in FAMILIES[kind_of_events(place.task)] if shape.suits(place)]
+def shapes(place: Place, series: Sequence[int] = DEVELOPED) -> list[type[Injection]]:
+    """The shapes of these series that make sense at `place`."""
+    kind = kind_of_events(place.task)
+    return [shape for each in series for shape in SERIES[each][kind] if shape.suits(place)]
