@@ -179,7 +179,9 @@ def probabilities(posterior: Posterior, names: tuple[str, ...]) -> list[Probable
 def models(posterior: Posterior, names: tuple[str, ...]) -> list[ProbableModel]:
     """The smallest set of models that is credible, but for what is outside the catalogue."""
     return [
-        ProbableModel(effects=[named(key, names) for key in sorted(each, key=str)], probability=posterior.probability[each])
+        ProbableModel(
+            effects=[named(key, names) for key in sorted(each, key=str)], probability=posterior.probability[each]
+        )
         for each in posterior.credible
         if each != OUTSIDE
     ]

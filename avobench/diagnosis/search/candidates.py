@@ -1,4 +1,4 @@
-"""Which effect may a fitted model lack? All are screened, and what may be the answer is fitted with more and more events.
+"""Which effect may a fitted model lack? All are screened, and what may be the answer is fitted with ever more events.
 
 Successive halving: after each round a candidate stays if, for all that simulation leaves open, it may still matter
 beside the best.
@@ -6,6 +6,7 @@ beside the best.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import zip_longest
 
 import numpy as np
@@ -104,22 +105,29 @@ class Candidates:
 
     def weighed(self, beside: float) -> list[Weighed]:
         """The model with one more effect, fitted: all that may matter beside a log evidence of `beside`."""
-        starts = self.hopeful(self.screened())
-        known = self.without.known(self.target, int(self.effort.known * self.target.num_events), self.rng)
-        begun = self.work(begin, starts, known, self.effort.fit)
+        return self.told_apart(self.hopeful(self.screened()), beside)
+
+    def told_apart(self, starts: list[Start], beside: float) -> list[Weighed]:
+        """Fits from these starts, with more and more events, of those that may matter beside each other."""
+        begun = self.work(begin, starts, self.effort.fit)
         fits = distinct(sorted(begun, key=lambda fit: fit.noiseless_q))[: self.effort.begun]
         found: list[Weighed] = []
         for (ratio, rounds), most in zip(self.effort.rounds_of_search, MOST, strict=True):
             events = int(ratio * max(self.target.num_events, self.effort.few))
-            found = self.weigh(self.work(go_on, fits, known, events, rounds))
+            found = self.weigh(self.work(go_on, fits, events, rounds))
             found = self.matter(found, beside)[:most]
             fits = [one.fit for one in found]
         return found
 
-    def work(self, fitting: Callable[..., Fit], begun: list, known: KnownModel, *how: int) -> list[Fit]:
+    @cached_property
+    def known(self) -> KnownModel:
+        """What effects are added to: what it makes is the same noise for all."""
+        return self.without.known(self.target, int(self.effort.known * self.target.num_events), self.rng)
+
+    def work(self, fitting: Callable[..., Fit], begun: list, *how: int) -> list[Fit]:
         """The fits of all, from one seed, by so many processes as were asked for."""
         seed = int(self.rng.integers(2**63))
-        calls = [(one, known, self.target, np.random.default_rng(seed), *how) for one in begun]
+        calls = [(one, self.known, self.target, np.random.default_rng(seed), *how) for one in begun]
         return in_processes(self.jobs, self.without.model.events, fitting, calls)
 
     def weigh(self, fits: list[Fit]) -> list[Weighed]:
@@ -134,7 +142,11 @@ class Candidates:
         found = sorted(found, key=lambda one: -one.evidence.at_least)
         least = max([beside, *(one.evidence.at_least for one in found)]) - MATTERS
         firsts = list({one.effects: one for one in reversed(found)}.values())[::-1][:PARENTS]
-        return [one for one in found if one.evidence.value + one.evidence.error > least or any(one is first for first in firsts)]
+        return [
+            one
+            for one in found
+            if one.evidence.value + one.evidence.error > least or any(one is first for first in firsts)
+        ]
 
 
 def begin(start: Start, known: KnownModel, target: Target, rng: np.random.Generator, num_events: int) -> Fit:

@@ -51,9 +51,7 @@ class Posterior:
         names = sorted(logs, key=lambda each: -logs[each])
         values = np.array([logs[each] for each in names]) / TEMPERATURE
         shares = np.exp(values - logsumexp(values))
-        fits = {
-            each: sorted(own.values(), key=lambda one: -one.evidence.at_least) for each, own in shapes.items()
-        }
+        fits = {each: sorted(own.values(), key=lambda one: -one.evidence.at_least) for each, own in shapes.items()}
         return cls(dict(zip(names, shares.tolist(), strict=True)), fits)
 
     @property

@@ -12,6 +12,7 @@ from avobench.diagnosis.fit.sharpening import sharpen
 from avobench.diagnosis.search.candidates import PARENTS, Candidates, Weighed
 from avobench.diagnosis.search.evidence import Scale
 from avobench.diagnosis.search.posterior import Posterior
+from avobench.diagnosis.search.starts import ROUGH, Start
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 
@@ -37,24 +38,38 @@ class Search:
         scale, effects = Scale(self.target), [effect.adapted(self.x) for effect in self.effects]
         weighed = [Weighed(null, scale.of(null))]
         outside = scale.outside(null)
-        beam = list(weighed)
-        for size in range(self.max_effects):
+        first = self.candidates(weighed[0], scale, effects)
+        beam = weighed + (added := first.weighed(outside) if self.max_effects else [])
+        weighed, beam = beam, self.foremost(added)
+        for size in range(2, self.max_effects + 1):
             added = []
-            for parent in beam[: PARENTS if size < 2 else 1]:
+            for parent in beam[: PARENTS if size == 2 else 1]:
                 beside = max(outside, *(one.evidence.at_least for one in weighed + added))
-                if parent.effects and parent.evidence.value + parent.evidence.excess - PRICE < beside:
-                    continue  # no further effect can make it the best
-                free = [e for e in effects if e.key not in parent.effects]
-                effort = self.effort.beside if parent.effects else self.effort
-                added += Candidates(parent, scale, free, self.x, self.rng, effort, self.jobs).weighed(beside)
-            weighed += added
+                if parent.evidence.value + parent.evidence.excess - PRICE > beside:
+                    added += self.candidates(parent, scale, effects).weighed(beside)
             beam = self.foremost(added)
+            weighed += added
+            if size == 2 and beam:  # each of the two may describe the events alone, from where it is beside the other
+                weighed += first.told_apart([start_without(beam[0].fit, k) for k in (0, 1)], -np.inf)
         return Posterior.of(weighed, outside, effects)
+
+    def candidates(self, parent: Weighed, scale: Scale, effects: list[Effect]) -> Candidates:
+        """Those to add to a model."""
+        free = [effect for effect in effects if effect.key not in parent.effects]
+        effort = self.effort.beside if parent.effects else self.effort
+        return Candidates(parent, scale, free, self.x, self.rng, effort, self.jobs)
 
     def foremost(self, added: list[Weighed]) -> list[Weighed]:
         """The best model of each set of effects, of the best PARENTS sets."""
         best_last = sorted(added, key=lambda one: one.evidence.at_least)
         return list({one.effects: one for one in best_last}.values())[::-1][:PARENTS]
+
+
+def start_without(fit: Fit, k: int) -> Start:
+    """Where to begin a fit without the k-th effect: where the others are beside it."""
+    model, columns = fit.model.minus(k), fit.model.columns(k)
+    point = np.delete(fit.point, np.arange(columns.start, columns.stop))
+    return Start(model, point, np.nan, ROUGH * list(model.strengths(point).values())[-1])
 
 
 def refined(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) -> tuple[Fit, list[str]]:

@@ -29,6 +29,7 @@ class Step:
     own: Fit
     """In its own metric, with more events: what is reported."""
     gates: dict[str, Gate]
+
     @classmethod
     def of(
         cls,

@@ -35,8 +35,8 @@ class Summary(ABC):
     def alike(self, length: float) -> NDArray[np.float64]:
         """How alike parts of the vector are that lie close to each other: (K, K), 1 on the diagonal.
 
-        Squared-exponential with `length` as a share of the range of a feature, told in bins; parts of different features
-        have nothing in common.
+        Squared-exponential with `length` as a share of the range of a feature, told in bins; parts of different
+        features have nothing in common.
         """
 
 

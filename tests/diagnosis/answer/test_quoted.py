@@ -6,14 +6,12 @@ from hypothesis import strategies as st
 from avobench.diagnosis.answer.quoted import Move, ambiguity, covering, identified, theta_values
 from avobench.diagnosis.fit.fit import fit_at
 from avobench.diagnosis.fit.surrogate import Design, surrogate
-from avobench.diagnosis.search.ranking import Ranked
 
 
 def test_theta_s_error_covers_another_solution_that_the_data_allow(counter):
     weak, strong = counter.weak, counter.strong
     assert strong.params[0] - weak.params[0] > 1.5
-    chosen = Ranked(counter.effect, weak, 0.0, others=(strong,))
-    moves = ambiguity(weak, chosen, [], counter.target, np.random.default_rng(0), 300_000)
+    moves = ambiguity(weak, weak, [strong], counter.target, np.random.default_rng(0), 300_000)
     (before,), (after,) = theta_values(weak).values(), theta_values(weak, moves).values()
     assert before.value == after.value
     assert abs(counter.truth.strong[0] - before.value) > 2 * before.std
@@ -30,8 +28,7 @@ def test_a_shape_that_the_data_exclude_does_not_widen_the_error(counter):
     s = surrogate(model, target, Design.box(unit, np.full(2, 0.01)), 20_000, np.random.default_rng(0))
     excluded = fit_at(model, s, target, unit)
     assert excluded.noiseless_q > counter.strong.noiseless_q + 100
-    chosen = Ranked(counter.effect, counter.strong, 0.0, others=(excluded,))
-    assert ambiguity(counter.strong, chosen, [], target, np.random.default_rng(0), 20_000) == []
+    assert ambiguity(counter.strong, counter.strong, [excluded], target, np.random.default_rng(0), 20_000) == []
 
 
 @given(st.floats(0.01, 2), st.floats(-3, 3), st.floats(0, 3.99), st.floats(0, 0.25))

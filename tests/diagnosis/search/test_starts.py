@@ -4,7 +4,7 @@ from measurements import with_effect
 
 from avobench.diagnosis.effort import Effort, effort_for
 from avobench.diagnosis.fit.null import fit_null
-from avobench.diagnosis.search.joint import continued, joint
+from avobench.diagnosis.search.candidates import begin, go_on
 from avobench.diagnosis.search.starts import Sample, hidden, screen
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
@@ -17,8 +17,8 @@ def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
     sample = Sample(null, counter.target, effort.sample, rng)
     starts = hidden(sample, screen(sample, counter.effect, counter.x, rng, effort)[0], rng, effort)
     known = null.known(counter.target, int(effort.known * counter.target.num_events), rng)
-    fits = [joint(start, known, counter.target, rng, effort.fit // 2) for start in starts]
-    fits = [continued(fit, known, counter.target, rng, effort.fit, effort) for fit in fits]
+    fits = [begin(start, known, counter.target, rng, effort.fit) for start in starts]
+    fits = [go_on(fit, known, counter.target, rng, effort.fit, 7) for fit in fits]
     strong = min(fits, key=lambda fit: abs(fit.params[1] - counter.truth.strong[1]))
     # In a valley: a longer dead time at a higher rate.
     np.testing.assert_allclose(strong.params, counter.truth.strong, atol=0.5)
