@@ -27,7 +27,7 @@ WIDTHS = 3
 """Grid points of a width beside a location: narrow, middling and wide."""
 FINALISTS = 6
 """Points of the grid that are looked at again, with more events: the first look is too noisy to choose one."""
-FINAL_EVENTS = 3
+FINAL_EVENTS = 5
 """Times the events of the first look, for the second: as many again in all, since a grid has some 100 points."""
 CLOSER = 3
 """Of these, those that are looked at beside once more: an edge must be met within a fit's first design."""
@@ -194,8 +194,7 @@ def screen(sample: Sample, effect: Effect, x: NDArray, rng: np.random.Generator,
         # What looks best is looked at with more events, and beside it; and where the events disagree.
         best = points[np.argsort(expected)[: FINALISTS if number == events else CLOSER]]
         points = best if guesses is not None else between(effect, best, share)
-        if number == events:
-            points = np.concatenate([points, sample.places(effect)])
+        points = np.concatenate([points, sample.places(effect)])
     order = np.argsort(expected)
     chosen = [order[0]]
     if q > 1:
