@@ -43,6 +43,16 @@ class Model:
         stretch = (*self.stretch, 1.0) if self.stretch else ()
         return replace(self, effects=(*self.effects, effect), stretch=stretch)
 
+    def minus(self, k: int) -> "Model":
+        """This model without its k-th effect."""
+        stretch = self.stretch[:k] + self.stretch[k + 1 :]
+        return replace(self, effects=self.effects[:k] + self.effects[k + 1 :], stretch=stretch)
+
+    def columns(self, k: int) -> slice:
+        """Where the parameters of the k-th effect stand."""
+        start = self.num_theta + sum(len(effect.parameters) for effect in self.effects[:k])
+        return slice(start, start + len(self.effects[k].parameters))
+
     @cached_property
     def low(self) -> NDArray[np.float64]:
         """(P,)"""

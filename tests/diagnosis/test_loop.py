@@ -15,6 +15,7 @@ from avobench.effects import Effect, Parameter
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model_file import AugmentedTask
 from avobench.tasks.errors import UsageError
+from avobench.tasks.function import task as task_of
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
 
@@ -110,12 +111,16 @@ def test_a_few_events_that_the_simulator_cannot_make_are_a_disagreement():
     assert diagnosis.verdict == Verdict.UNEXPLAINED
 
 
-def test_several_counts_an_event_have_no_catalogue():
-    class Pair(Poisson):
-        num_features = 2
+def test_an_effect_on_one_of_several_counts_an_event_is_named_with_it():
+    def pair(theta, rng):
+        return rng.poisson(np.exp(theta[:, [0, 0]]))
 
-    with pytest.raises(UsageError, match="has 2 counts"):
-        diagnose(Pair(), np.ones((300, 2), int))
+    rng, two = np.random.default_rng(0), task_of(pair, prior={"log_rate": (0, 3)})
+    x = two.simulate(np.full((3000, 1), 1.5), rng)
+    x[rng.random(3000) < 0.15, 1] = 0
+    effects = [effect for effect in catalogue(two) if effect.name in ("zero_inflation", "dead_time")]
+    found = diagnose(two, x, effects=effects, max_effects=1).diagnosis
+    assert [(effect.name, effect.feature) for effect in found.effects] == [("zero_inflation", "x2")]
 
 
 def test_a_clear_effect_is_named_and_its_size_found(named):

@@ -125,8 +125,11 @@ class Found:
 
 
 def gap_events(effort: Effort) -> int:
-    """Simulated events, at most, of the gaps before and after, and of those with each effect that was tried alone."""
-    return GAP * (2 * effort.covariance + MOST[0] * effort.fit)
+    """Simulated events, at most, of the gaps before and after, and of those with each effect that was tried alone.
+
+    Those that the first search leaves, and the two that are tried again from where they are beside each other.
+    """
+    return GAP * (2 * effort.covariance + (MOST[0] + 2) * effort.fit)
 
 
 def _describes(step: Step, gap: Gap, alpha: float) -> bool:

@@ -1,4 +1,4 @@
-"""Which effect may a fitted model lack? All are screened; what may be the answer is fitted with more and more events.
+"""Which effect may a fitted model lack? All are screened, and what may be the answer is fitted with ever more events.
 
 Successive halving: after each round a candidate stays if, for all that simulation leaves open, it may still matter
 beside the best.
@@ -7,6 +7,7 @@ beside the best.
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import zip_longest
 
 import numpy as np
@@ -106,23 +107,30 @@ class Candidates:
 
     def weighed(self, beside: float) -> list[Weighed]:
         """The model with one more effect, fitted: all that may matter beside a log evidence of `beside`."""
-        starts = self.hopeful(self.screened())
-        known = self.without.known(self.target, int(self.effort.known * self.target.num_events), self.rng)
-        begun = self.work(begin, starts, known, self.effort.fit)
+        return self.told_apart(self.hopeful(self.screened()), beside)
+
+    def told_apart(self, starts: list[Start], beside: float) -> list[Weighed]:
+        """Fits from these starts, with more and more events, of those that may matter beside each other."""
+        begun = self.work(begin, starts, self.effort.fit)
         fits = distinct(sorted(begun, key=lambda fit: fit.noiseless_q))[: self.effort.begun]
         found: list[Weighed] = []
         with suppress(BudgetExhausted):  # what was fitted until then is weighed
             for (ratio, rounds), most in zip(self.effort.rounds_of_search, MOST, strict=True):
                 events = int(ratio * max(self.target.num_events, self.effort.few))
-                found = self.weigh(self.work(go_on, fits, known, events, rounds))
+                found = self.weigh(self.work(go_on, fits, events, rounds))
                 found = self.matter(found, beside)[:most]
                 fits = [one.fit for one in found]
         return found or self.matter(self.weigh(fits), beside)[: MOST[0]]
 
-    def work(self, fitting: Callable[..., Fit], begun: list, known: KnownModel, *how: int) -> list[Fit]:
+    @cached_property
+    def known(self) -> KnownModel:
+        """What effects are added to: what it makes is the same noise for all."""
+        return self.without.known(self.target, int(self.effort.known * self.target.num_events), self.rng)
+
+    def work(self, fitting: Callable[..., Fit], begun: list, *how: int) -> list[Fit]:
         """The fits of all, from one seed, by so many processes as were asked for."""
         seed = int(self.rng.integers(2**63))
-        calls = [(one, known, self.target, np.random.default_rng(seed), *how) for one in begun]
+        calls = [(one, self.known, self.target, np.random.default_rng(seed), *how) for one in begun]
         return in_processes(self.jobs, self.without.model.events, fitting, calls)
 
     def weigh(self, fits: list[Fit]) -> list[Weighed]:

@@ -5,7 +5,7 @@ no shape of the catalogue is exactly right: each effect is wrong by a smooth sha
 
     m ~ N(s(theta, eta), C / N + sum over effects of d^2 diag(D) K diag(D)).
 
-D is the change that adding the effect makes to the mean, theta following it, K a smooth correlation between bins, d the
+D is the change of the mean that adding the effect makes, theta following it, K a smooth correlation between bins, d the
 share. Theta, eta and d are integrated over (Laplace), so that whatever is free pays for itself. That something is
 missing which the catalogue does not have is a model too: the simulator, distorted smoothly by a share a of each bin,
 
@@ -57,6 +57,10 @@ class Evidence:
     def at_least(self) -> float:
         """What counts: a fit that is known badly must not win by chance."""
         return self.value - self.error
+
+    @property
+    def at_most(self) -> float:
+        return self.value + self.error
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,11 @@ Names = frozenset[tuple]
 """The effects of a model, by their keys; empty for the simulator as it is."""
 OUTSIDE: Names = frozenset({("outside",)})
 """That what is missing is not in the catalogue."""
-NUMBER = (0.1, 0.6, 0.06, 0.005)
+NUMBER = (0.1, 0.6, 0.02, 0.002)
 """How probable beforehand, once a disagreement is shown, it is that no, one, two or more effects are missing."""
 UNKNOWN = 0.05
 """How probable beforehand that it is none of the catalogue."""
-TEMPERATURE = 1.0
+TEMPERATURE = 2.0
 """By which log evidence is divided: what the formula leaves out makes it too sure."""
 CREDIBLE = 0.95
 """Probability of the smallest set of models that is told."""

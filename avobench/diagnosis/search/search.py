@@ -14,6 +14,7 @@ from avobench.diagnosis.progress import Telling
 from avobench.diagnosis.search.candidates import PARENTS, Candidates, Weighed
 from avobench.diagnosis.search.evidence import Scale
 from avobench.diagnosis.search.posterior import Posterior
+from avobench.diagnosis.search.starts import ROUGH, Start
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.tasks.errors import BudgetExhausted
@@ -46,29 +47,49 @@ class Search:
         scale, effects = Scale(self.target), [effect.adapted(self.x) for effect in self.effects]
         weighed = [Weighed(null, scale.of(null))]
         outside = scale.outside(null)
-        beam = list(weighed)
         meter = null.model.events.meter if null.model.events is not None else Meter()
         with suppress(BudgetExhausted), meter.keeping(addition(self.effort, self.target.num_events)):
-            for size in range(self.max_effects):
-                added = []
-                for parent in beam[: PARENTS if size < 2 else 1]:
-                    beside = max(outside, *(one.evidence.at_least for one in weighed))
-                    if parent.effects and parent.evidence.value + parent.evidence.excess - PRICE < beside:
-                        continue  # no further effect can make it the best
-                    if self.telling is not None:
-                        self.telling.begin(f"search for effect {size + 1}")
-                    free = [e for e in effects if e.key not in parent.effects]
-                    effort = self.effort.beside if parent.effects else self.effort
-                    found = Candidates(parent, scale, free, self.x, self.rng, effort, self.jobs).weighed(beside)
-                    added += found
-                    weighed += found
-                beam = self.foremost(added)
+            self.look(weighed, outside, scale, effects)
         return Posterior.of(weighed, outside, effects)
+
+    def look(self, weighed: list[Weighed], outside: float, scale: Scale, effects: list[Effect]) -> None:
+        """Add to the models `weighed`, at first the null alone, all that may matter: an effect more in each round.
+
+        Raises BudgetExhausted where the simulated events end.
+        """
+        first, beam = self.candidates(weighed[0], scale, effects), weighed[:1]
+        for size in range(1, self.max_effects + 1):
+            added = []
+            for parent in beam[: PARENTS if size == 2 else 1]:
+                beside = max(outside, *(one.evidence.at_least for one in weighed))
+                if size > 1 and parent.evidence.value + parent.evidence.excess - PRICE < beside:
+                    continue  # no further effect can make it the best
+                if self.telling is not None:
+                    self.telling.begin(f"search for effect {size}")
+                found = (self.candidates(parent, scale, effects) if size > 1 else first).weighed(beside)
+                added += found
+                weighed += found
+            beam = self.foremost(added)
+            if size == 2 and beam:  # each of the two may describe the events alone, from where it is beside the other
+                weighed += first.told_apart([start_without(beam[0].fit, k) for k in (0, 1)], -np.inf)
+
+    def candidates(self, parent: Weighed, scale: Scale, effects: list[Effect]) -> Candidates:
+        """Those to add to a model."""
+        free = [effect for effect in effects if effect.key not in parent.effects]
+        effort = self.effort.beside if parent.effects else self.effort
+        return Candidates(parent, scale, free, self.x, self.rng, effort, self.jobs)
 
     def foremost(self, added: list[Weighed]) -> list[Weighed]:
         """The best model of each set of effects, of the best PARENTS sets."""
         best_last = sorted(added, key=lambda one: one.evidence.at_least)
         return list({one.effects: one for one in best_last}.values())[::-1][:PARENTS]
+
+
+def start_without(fit: Fit, k: int) -> Start:
+    """Where to begin a fit without the k-th effect: where the others are beside it."""
+    model, columns = fit.model.minus(k), fit.model.columns(k)
+    point = np.delete(fit.point, np.arange(columns.start, columns.stop))
+    return Start(model, point, np.nan, ROUGH * list(model.strengths(point).values())[-1])
 
 
 def refined(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) -> tuple[Fit, list[str]]:

@@ -1,5 +1,6 @@
 """Where fits of an effect begin: its shapes are screened from one set of events, or searched with theta."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -24,10 +25,14 @@ SHAPES = 8
 """Grid points of a single shape parameter."""
 WIDTHS = 3
 """Grid points of a width beside a location: narrow, middling and wide."""
-FINALISTS = 8
+FINALISTS = 6
 """Points of the grid that are looked at again, with more events: the first look is too noisy to choose one."""
-FINAL_EVENTS = 4
+FINAL_EVENTS = 5
 """Times the events of the first look, for the second: as many again in all, since a grid has some 100 points."""
+CLOSER = 3
+"""Of these, those that are looked at beside once more: an edge must be met within a fit's first design."""
+LOOKS = (1 / 2, 1 / 4, None)
+"""How far beside the best points of a look the next one looks, in steps of the grid."""
 ABSORBED = 0.3
 """Share of an effect's signal below which theta hides it, so that it is also looked for where it is strong. Chosen
 by trial."""
@@ -67,9 +72,25 @@ def grid(effect: Effect) -> NDArray[np.float64]:
     strength, *shape = effect.parameters
     sides = [side for side in (strength.high, strength.low) if side != strength.null]
     strengths = [strength.null + share * (side - strength.null) for side in sides for share in STRENGTHS]
-    counts = [SHAPES] if len(shape) == 1 else [LOCATIONS, WIDTHS, *[2] * (len(shape) - 2)]
-    axes = [_spread(p, n) for p, n in zip(shape, counts, strict=False)]
+    axes = [_spread(p, n) for p, n in zip(shape, _counts(shape), strict=True)]
     return np.array(list(product(strengths, *axes)))
+
+
+def _counts(shape: Sequence[Parameter]) -> list[int]:
+    """Grid points of each shape parameter."""
+    return [SHAPES] if len(shape) == 1 else [LOCATIONS, WIDTHS, *[2] * (len(shape) - 2)][: len(shape)]
+
+
+def between(effect: Effect, points: NDArray[np.float64], share: float) -> NDArray[np.float64]:
+    """Points (m, q) beside these (k, q), to both sides in each shape parameter, by a share of the grid's step."""
+    found = []
+    for j, (p, n) in enumerate(zip(effect.parameters[1:], _counts(effect.parameters[1:]), strict=True), start=1):
+        for side in (share / n, -share / n):
+            moved = points.copy()
+            step = (p.high / p.low) ** side if p.logarithmic else side * (p.high - p.low)
+            moved[:, j] = np.clip(moved[:, j] * step if p.logarithmic else moved[:, j] + step, p.low, p.high)
+            found.append(moved)
+    return np.concatenate([points, *found])
 
 
 def _spread(p: Parameter, n: int) -> NDArray[np.float64]:
@@ -133,7 +154,8 @@ class Sample:
     def places(self, effect: Effect) -> NDArray[np.float64]:
         """Points (m, q) at which an effect acts where measured events and these disagree most; none without a place."""
         strength, *shape = effect.parameters
-        strong = strength.null + STRENGTHS[-1] * (strength.high - strength.null)
+        side = strength.high if strength.high != strength.null else strength.low
+        strong = strength.null + STRENGTHS[-1] * (side - strength.null)
         low, high = [p.low for p in shape], [p.high for p in shape]
         inside = [effect.within(*spot) for spot in spots(self.fit, self.target, self.x, effect.feature)]
         rows = [np.r_[strong, np.clip(values, low, high)] for values in inside if values is not None]
@@ -156,7 +178,7 @@ def screen(sample: Sample, effect: Effect, x: NDArray, rng: np.random.Generator,
     events = max(effort.screen // len(points), effort.screen // 50)
     free = fit.projector()
     left = fit.residual @ free
-    for number in (events, FINAL_EVENTS * events):
+    for number, share in zip((events, FINAL_EVENTS * events, FINAL_EVENTS * events), LOOKS, strict=True):
         change, scatter = sample.changes(effect, points, number, rng)
         moved = change @ free
         size = np.maximum((moved**2).sum(axis=1) - scatter, 0.5 * (moved**2).sum(axis=1)) + 1e-9
@@ -167,8 +189,12 @@ def screen(sample: Sample, effect: Effect, x: NDArray, rng: np.random.Generator,
         if guesses is not None:
             gain = np.ones_like(gain)
         expected = left @ left - 2 * gain * along + gain**2 * size
-        if number == events:  # what looks best from few events is looked at with more, and where the events disagree
-            points = np.concatenate([points[np.argsort(expected)[:FINALISTS]], sample.places(effect)])
+        if share is None:
+            break
+        # What looks best is looked at with more events, and beside it; and where the events disagree.
+        best = points[np.argsort(expected)[: FINALISTS if number == events else CLOSER]]
+        points = best if guesses is not None else between(effect, best, share)
+        points = np.concatenate([points, sample.places(effect)])
     order = np.argsort(expected)
     chosen = [order[0]]
     if q > 1:

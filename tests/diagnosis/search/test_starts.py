@@ -17,7 +17,7 @@ def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
     sample = Sample(null, counter.target, effort.sample, rng)
     starts = hidden(sample, screen(sample, counter.effect, counter.x, rng, effort)[0], rng, effort)
     known = null.known(counter.target, int(effort.known * counter.target.num_events), rng)
-    fits = [begin(start, known, counter.target, rng, effort.fit // 2) for start in starts]
+    fits = [begin(start, known, counter.target, rng, effort.fit) for start in starts]
     fits = [go_on(fit, known, counter.target, rng, effort.fit, 7) for fit in fits]
     strong = min(fits, key=lambda fit: abs(fit.params[1] - counter.truth.strong[1]))
     # In a valley: a longer dead time at a higher rate.

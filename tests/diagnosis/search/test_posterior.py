@@ -1,0 +1,77 @@
+"""Probabilities of sets of effects."""
+
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avobench.diagnosis.search.candidates import Weighed
+from avobench.diagnosis.search.evidence import Evidence
+from avobench.diagnosis.search.posterior import CREDIBLE, OUTSIDE, Posterior
+from avobench.effects.catalogue import catalogue
+from avobench.tasks.poisson import Poisson
+
+CATALOGUE = catalogue(Poisson())
+EFFECTS = {effect.name: effect for effect in CATALOGUE}
+
+
+def weighed(value, *names, shape=0, error=0.0):
+    effects = tuple(EFFECTS[name].shapes()[shape] for name in names)
+    return Weighed(SimpleNamespace(model=SimpleNamespace(effects=effects)), Evidence(value, error))
+
+
+SOME = st.lists(
+    st.tuples(st.floats(-50, 0), st.lists(st.sampled_from(list(EFFECTS)), max_size=3, unique=True)), min_size=1
+)
+
+
+@given(SOME, st.floats(-50, 0))
+def test_probabilities_are_those_of_exclusive_models(models, outside):
+    found = Posterior.of([weighed(value, *names) for value, names in models], outside, CATALOGUE)
+    assert sum(found.probability.values()) == pytest.approx(1)
+    for key, share in found.included.items():
+        assert share == pytest.approx(sum(p for names, p in found.probability.items() if key in names))
+    told = sum(found.probability[each] for each in found.credible)
+    assert told >= CREDIBLE - 1e-9
+    assert told - found.probability[found.credible[-1]] < CREDIBLE
+
+
+def test_a_fit_of_the_same_shape_counts_once():
+    one = Posterior.of([weighed(-1, "zero_inflation"), weighed(-2, "dead_time")], -9, CATALOGUE)
+    again = [weighed(-1, "zero_inflation"), weighed(-1.5, "zero_inflation"), weighed(-2, "dead_time")]
+    assert Posterior.of(again, -9, CATALOGUE).probability == pytest.approx(one.probability)
+
+
+def test_a_shape_that_leaves_as_much_makes_its_family_more_probable():
+    alone = [weighed(-1, "zero_inflation"), weighed(-1, "dead_time")]
+    both = [*alone, weighed(-1, "zero_inflation", shape=1)]
+    key = EFFECTS["zero_inflation"].key
+    assert Posterior.of(both, -9, CATALOGUE).included[key] > Posterior.of(alone, -9, CATALOGUE).included[key]
+
+
+def test_a_fit_that_is_known_badly_does_not_win_by_chance():
+    found = Posterior.of([weighed(0, "zero_inflation", error=9), weighed(-3, "dead_time", error=0.5)], -30, CATALOGUE)
+    assert found.named.fit.model.effects[0].name == "dead_time"
+
+
+def test_two_effects_must_explain_more_than_one():
+    found = Posterior.of([weighed(-5, "dead_time"), weighed(-5, "dead_time", "pile_up")], -30, CATALOGUE)
+    assert len(found.named.effects) == 1
+
+
+def test_nothing_is_named_where_it_is_more_probably_outside_the_catalogue():
+    found = Posterior.of([weighed(-40, "zero_inflation")], -5, CATALOGUE)
+    assert found.named is None
+    assert next(iter(found.probability)) == OUTSIDE
+    assert found.outside > 0.99
+
+
+def test_rivals_stand_in_the_place_of_an_effect():
+    zeros, dead, noise = ("zero_inflation", "dead_time", "readout_noise")
+    found = Posterior.of(
+        [weighed(-5, zeros, noise), weighed(-5.5, dead, noise), weighed(-40, "pile_up", noise)], -30, CATALOGUE
+    )
+    first = [effect.name for effect in found.named.fit.model.effects].index(zeros)
+    assert found.rivals(first) == [EFFECTS[dead].key]
+    assert found.rivals(1 - first) == []

@@ -1,0 +1,53 @@
+"""The search for what is missing, on counts in which it is known."""
+
+import numpy as np
+import pytest
+from measurements import with_effect
+
+from avobench.diagnosis.effort import effort_for
+from avobench.diagnosis.fit.null import fit_null
+from avobench.diagnosis.search.posterior import Posterior
+from avobench.diagnosis.search.search import Search
+from avobench.effects.catalogue import catalogue
+from avobench.effects.model import Model
+from avobench.effects.pool import Counted
+from avobench.tasks.poisson import Poisson
+
+SOME = ("zero_inflation", "overdispersion", "flat_background", "dead_time")
+
+
+def searched(x, names=SOME, jobs=1, max_effects=3) -> Posterior:
+    rng, effort = np.random.default_rng(1), effort_for(Poisson(), "counts", None).scaled(0.3)
+    null, target = fit_null(Model(Poisson(), events=Counted(Poisson())), x, rng, effort, None)
+    effects = [effect for effect in catalogue(Poisson()) if effect.name in names]
+    return Search(target, x, effects, max_effects, rng, effort, jobs).posterior(null)
+
+
+@pytest.fixture(scope="module")
+def zeros():
+    return with_effect(Poisson(), "zero_inflation", [1.5], [0.1], 6000)
+
+
+def test_a_hidden_effect_is_the_most_probable(zeros):
+    found = searched(zeros)
+    assert [effect.name for effect in found.named.fit.model.effects] == ["zero_inflation"]
+    assert found.included["zero_inflation", None] > 0.9
+    assert found.outside < 0.05
+
+
+def test_an_effect_that_the_catalogue_lacks_is_outside_it(zeros):
+    found = searched(zeros, ("flat_background", "dead_time"), max_effects=1)
+    assert found.outside > max(found.included.values())
+    assert found.named is None
+
+
+def test_no_effect_is_tried_where_none_may_be_added(zeros):
+    found = searched(zeros, max_effects=0)
+    assert found.named is None
+    assert not found.included
+
+
+def test_any_number_of_processes_gives_the_same_probabilities(zeros):
+    names = ("zero_inflation", "dead_time")
+    one, two = (searched(zeros, names, jobs, max_effects=1) for jobs in (1, 2))
+    assert one.probability == two.probability
