@@ -48,20 +48,20 @@ class Case:
 
     @property
     def hidden(self) -> list[tuple[str, str | None]]:
-        return [self._key(effect) for effect in self.answer["effects"]]
+        return [self.key(effect) for effect in self.answer["effects"]]
 
     @property
     def named(self) -> list[tuple[str, str | None]]:
         """In the order in which they were added."""
-        return [self._key(effect) for effect in self.diagnosis["effects"]]
+        return [self.key(effect) for effect in self.diagnosis["effects"]]
 
     @property
     def ties(self) -> list[set[tuple[str, str | None]]]:
         """For each named effect, itself and its rivals."""
         effects = self.diagnosis["effects"]
-        return [{self._key(effect), *map(self._key, effect["tied_with"])} for effect in effects]
+        return [{self.key(effect), *map(self.key, effect["tied_with"])} for effect in effects]
 
-    def _key(self, effect: dict[str, Any]) -> tuple[str, str | None]:
+    def key(self, effect: dict[str, Any]) -> tuple[str, str | None]:
         """What names an effect; the feature counts where there is one to choose."""
         choose = self.task.num_features > 1 and not self.task.event_shape
         return effect["name"], effect["feature"] if choose else None

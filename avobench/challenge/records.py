@@ -23,6 +23,9 @@ KEPT = (
     "identified_before",
     "identified_after",
     "effects",
+    "probabilities",
+    "outside",
+    "models",
     "num_simulations",
     "seed",
     "versions",
@@ -50,7 +53,7 @@ def records(folder: Path) -> list[dict[str, Any]]:
         row = {**of_case[result["case"]], "error": result.get("error")}
         row |= {name: result[name] for name in ("seconds", "cpu_seconds")}
         if row["error"] is None:
-            row["diagnosis"] = {name: result["diagnosis"][name] for name in KEPT}
+            row["diagnosis"] = {name: result["diagnosis"].get(name) for name in KEPT}
         rows.append(row)
     return [head, *rows]
 

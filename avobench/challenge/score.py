@@ -20,6 +20,8 @@ GAPS = (1.5, 3.0, 10.0)
 ALL = "all"
 
 """Both sets of shapes together."""
+SERIES = {"second_series": 2, "third_series": 3}
+"""Of hidden shapes, those that are told by themselves: what was learned from the ones before."""
 NEAR = 2.0
 """Theta is right within so many of its quoted errors."""
 
@@ -87,7 +89,6 @@ def _one(cases: list[Case]) -> dict[str, Any]:
     """One hidden effect, which the catalogue has. Names are judged where something was detected."""
     found = [case for case in cases if case.detected]
     visible = [case for case in cases if case.power >= VISIBLE]
-    second = [case for case in found if case.answer["effects"][0].get("series") == 2]
     explained = [case for case in found if case.explained]
     sizes = [len(case.ties[0]) for case in found if case.ties]
     borders = (0, *POWERS, np.inf)
@@ -106,15 +107,18 @@ def _one(cases: list[Case]) -> dict[str, Any]:
         "another_would_do": rate(bool(case.ties and case.ties[0] - {case.hidden[0]}) for case in found),
         "more_named": rate(len(case.named) > 1 for case in found),
         "visible_right_first": rate(case.first() for case in visible),
-        "second_series": {
-            "right_first": rate(case.first() for case in second),
-            "in_tie_set": rate(case.in_first_tie for case in second),
-        },
+        **{name: _series(found, number) for name, number in SERIES.items()},
         "explained": rate(case.explained for case in found),
         **_before_and_after(found),
         "theta_within_2": rate(_near(explained, "after")),
         "mistaken": _mistaken(found),
     }
+
+
+def _series(cases: list[Case], number: int) -> dict[str, Any]:
+    """Of the shapes of one series."""
+    own = [case for case in cases if case.answer["effects"][0].get("series") == number]
+    return {"right_first": rate(case.first() for case in own), "in_tie_set": rate(case.in_first_tie for case in own)}
 
 
 def _withheld(cases: list[Case]) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from typing import Any
 
 from avobench.challenge.case import VISIBLE
-from avobench.challenge.score import ALL
+from avobench.challenge.score import ALL, SERIES
 from avobench.diagnosis.schema import Verdict
 
 
@@ -47,10 +47,10 @@ def _one(each: str, one: dict[str, Any]) -> list[str]:
         f"  of all with a power of {100 * VISIBLE:.0f} % or more: right name first "
         f"{_percent(one['visible_right_first'])}",
         *(
-            f"  of the second series: right name first {_percent(second['right_first'])}, "
-            f"truth in the tie set {_percent(second['in_tie_set'])}"
-            for second in [one["second_series"]]
-            if second["right_first"]["of"]
+            f"  of the {name.replace('_', ' ')}: right name first {_percent(one[name]['right_first'])}, "
+            f"truth in the tie set {_percent(one[name]['in_tie_set'])}"
+            for name in SERIES
+            if one[name]["right_first"]["of"]
         ),
         f"  a further effect named, though none was hidden {_percent(one['more_named'])}",
         f'  "{Verdict.NAMED}" {_percent(one["explained"])}; '

@@ -44,8 +44,6 @@ class Effort:
     """Fits that begin, at most."""
     begun: int = 18
     """Fits that go on, at most."""
-    enough: float = 24_000
-    """Of a whole diagnosis, a measured one: after so many no further effect is looked for."""
 
     @property
     def beside(self) -> "Effort":

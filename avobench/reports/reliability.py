@@ -1,0 +1,105 @@
+"""Do the probabilities of a diagnosis hold? `python -m avobench.reports.reliability RECORDS ...`.
+
+Of effects to which a diagnosis gives 70 %, seven in ten should be those that were hidden. A row a series of hidden
+shapes, since only the third was seen by nobody who developed the search: what stands there is the measure, the others
+are development numbers.
+"""
+
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from avobench.bench import registry
+from avobench.challenge.case import Case
+from avobench.challenge.records import read_records
+
+OUTSIDE = ("outside the catalogue", None)
+LEAST = 0.01
+"""Probability from which a name is one that was told: of most names it is all but certain that they are not it."""
+BINS = 10
+"""Of the probability, of as many names each."""
+
+
+def names(case: Case) -> dict[tuple[str, str | None], float]:
+    """The probability of each name to be in the model, and of what is missing to be outside the catalogue."""
+    told = {case.key(each): each["probability"] for each in case.diagnosis["probabilities"]}
+    return {**told, OUTSIDE: case.diagnosis["outside"]}
+
+
+def truth(case: Case) -> set[tuple[str, str | None]]:
+    """What should have the probability 1: what was hidden, or, if that was withheld, that it is outside."""
+    return {OUTSIDE} if case.answer["kind"] == "withheld" else set(case.hidden)
+
+
+def table(cases: Iterable[tuple[str, Case]]) -> pd.DataFrame:
+    """Of cases with one hidden effect in which a disagreement was seen, by what they are of."""
+    rows = []
+    groups: dict[str, list[Case]] = {}
+    for name, case in cases:
+        if case.detected and case.diagnosis.get("probabilities"):
+            groups.setdefault(name, []).append(case)
+    for name, group in groups.items():
+        told, hit, brier, logs, first, within, size = [], [], [], [], [], [], []
+        for case in group:
+            shares, true = names(case), truth(case)
+            told += [share for share in shares.values() if share >= LEAST]
+            hit += [key in true for key, share in shares.items() if share >= LEAST]
+            brier.append(sum((share - (key in true)) ** 2 for key, share in shares.items()))
+            logs.append(np.log(max(max((shares.get(key, 0) for key in true), default=0), 1e-6)))
+            first.append(max(shares, key=shares.get) in true)
+            models = [{case.key(each) for each in model["effects"]} for model in case.diagnosis["models"]]
+            enough = sum(model["probability"] for model in case.diagnosis["models"]) + shares[OUTSIDE]
+            if shares[OUTSIDE] > 0.05 or enough < 0.95:
+                models.append({OUTSIDE})
+            within.append(any(true == model for model in models))
+            size.append(len(models))
+        others = [max((share for key, share in names(case).items() if key != OUTSIDE), default=0) for case in group]
+        rows.append(
+            {
+                "hidden": name,
+                "cases": len(group),
+                "most probable right": np.mean(first),
+                "in the 95 % set": np.mean(within),
+                "size": np.mean(size),
+                "P(truth)": np.mean([sum(names(case).get(key, 0) for key in truth(case)) for case in group]),
+                "P(outside)": np.mean([names(case)[OUTSIDE] for case in group]),
+                "P(first name)": np.mean(others),
+                "Brier": np.mean(brier),
+                "log score": np.mean(logs),
+                "calibration error": calibration_error(np.array(told), np.array(hit)),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def calibration_error(told: np.ndarray, hit: np.ndarray) -> float:
+    """Expected calibration error of probabilities (n,) and what came true (n,): the mean distance of the two, in bins of
+    as many names each."""
+    parts = np.array_split(np.argsort(told, kind="stable"), min(BINS, len(told)))
+    return float(sum(len(part) * abs(told[part].mean() - hit[part].mean()) for part in parts) / len(told))
+
+
+def cases_of(paths: Iterable[Path]) -> list[tuple[str, Case]]:
+    """The cases of files of records with one hidden effect, each with what it is of: own, series 1 to 3, withheld."""
+    found = []
+    for path in paths:
+        head, *rows = read_records(path)
+        task = registry.build("task", registry.named_in(str(path), "task", head["task"], trust=False), {})
+        for row in rows:
+            if row["error"] is None and row["kind"] in ("own", "foreign", "withheld"):
+                found.append((_name(row), Case(task, row, row["diagnosis"])))
+    return sorted(found, key=lambda each: each[0])
+
+
+def _name(row: dict[str, Any]) -> str:
+    series = row["effects"][0]["series"]
+    of = "own shapes" if series is None else f"series {series}"
+    return f"withheld, {of}" if row["kind"] == "withheld" else of
+
+
+if __name__ == "__main__":
+    print(table(cases_of(map(Path, sys.argv[1:]))).to_string(index=False, float_format=lambda value: f"{value:.2f}"))

@@ -1,0 +1,60 @@
+"""Probabilities of a diagnosis against what was hidden."""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avobench.challenge.case import Case
+from avobench.challenge.records import RECORDS
+from avobench.reports.reliability import calibration_error, cases_of, table
+from avobench.tasks.poisson import Poisson
+
+
+def case(probabilities, outside, hidden="dead_time", kind="foreign", series=3):
+    answer = {"case": "0000", "kind": kind, "theta": [1.0]}
+    answer["effects"] = [{"name": hidden, "feature": None, "series": series, "power": 1.0}]
+    told = [{"name": name, "feature": None, "probability": p} for name, p in probabilities.items()]
+    models = [{"effects": [{"name": name, "feature": None}], "probability": p} for name, p in probabilities.items()]
+    diagnosis = {"verdict": "missing effect named", "probabilities": told, "outside": outside, "models": models}
+    return Case(Poisson(), answer, {**diagnosis, "effects": []})
+
+
+def test_one_right_and_one_wrong_case_give_their_scores():
+    right = case({"dead_time": 0.8, "pile_up": 0.2}, 0.0)
+    wrong = case({"dead_time": 0.1, "pile_up": 0.9}, 0.0)
+    (row,) = table([("series 3", right), ("series 3", wrong)]).to_dict("records")
+    assert row["most probable right"] == 0.5
+    assert row["P(truth)"] == pytest.approx(0.45)
+    assert row["Brier"] == pytest.approx((2 * 0.2**2 + 2 * 0.9**2) / 2)
+    assert row["log score"] == pytest.approx(np.log(0.8 * 0.1) / 2)
+    assert row["in the 95 % set"] == 1
+
+
+def test_of_a_withheld_effect_the_truth_is_outside():
+    (row,) = table([("withheld", case({"pile_up": 0.3}, 0.7, kind="withheld"))]).to_dict("records")
+    assert row["P(truth)"] == row["P(outside)"] == pytest.approx(0.7)
+    assert row["P(first name)"] == pytest.approx(0.3)
+    assert row["in the 95 % set"] == 1
+
+
+@given(st.integers(0, 100))
+def test_probabilities_that_hold_have_next_to_no_calibration_error(seed):
+    rng = np.random.default_rng(seed)
+    told = rng.random(40_000)
+    hit = rng.random(40_000) < told
+    assert calibration_error(told, hit) < 0.02
+    assert calibration_error(told, ~hit) > 0.4
+
+
+def test_cases_are_told_by_their_series(tmp_path):
+    rows = [
+        {**one.answer, "error": None, "diagnosis": one.diagnosis}
+        for one in (case({"dead_time": 1.0}, 0.0, series=2), case({"dead_time": 1.0}, 0.0, kind="withheld"))
+    ]
+    lines = [{**RECORDS, "task": "poisson"}, *rows]
+    path = tmp_path / "records.jsonl"
+    path.write_text("\n".join(map(json.dumps, lines)))
+    assert [name for name, _ in cases_of([path])] == ["series 2", "withheld, series 3"]
