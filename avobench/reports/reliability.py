@@ -77,8 +77,7 @@ def table(cases: Iterable[tuple[str, Case]]) -> pd.DataFrame:
 
 
 def calibration_error(told: np.ndarray, hit: np.ndarray) -> float:
-    """Expected calibration error of probabilities (n,) and what came true (n,): the mean distance of the two, in bins of
-    as many names each."""
+    """Expected calibration error of probabilities (n,) and what came true (n,): their mean distance, in equal bins."""
     parts = np.array_split(np.argsort(told, kind="stable"), min(BINS, len(told)))
     return float(sum(len(part) * abs(told[part].mean() - hit[part].mean()) for part in parts) / len(told))
 
