@@ -34,7 +34,7 @@ THETA = 0.75
 """How far along each side of the prior the events are: off the middle, where some tasks are symmetric."""
 MIDDLING = 0.12
 """Share of the events that an effect moves to another bin at the strength that is drawn: clear, and no caricature."""
-PLACES = (0.7, 0.5, 0.9)
+PLACES = (0.7, 0.5, 0.9, 0.3)
 """How far along their bounds shape parameters are: the first at which the strength can be middling. The middle is not
 tried first, since a skewness or a slope is zero there."""
 SHARES = tuple(np.geomspace(0.01, 1, 16).tolist())

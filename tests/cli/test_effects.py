@@ -94,4 +94,4 @@ def test_images_are_drawn_as_images(avobench, tmp_path, monkeypatch):
     table = pd.read_csv(tmp_path / "alignment-inefficiency.csv")
     assert len(table) == 2 * 1024
     assert (table["with"] <= table["without"]).all()
-    assert len(list(tmp_path.glob("*.png"))) == 8
+    assert len(list(tmp_path.glob("*.png"))) == len(catalogue(Alignment()))
