@@ -9,7 +9,11 @@ QUICK := --budget 16000 --observations 20000 --targets 0-2 --set abc-smc.populat
 CHALLENGE := poisson-none-10-0 poisson-effects-12-0 weinberg-none-10-0 weinberg-effects-12-0 carl-none-4-0 carl-effects-8-0
 FULL_CHALLENGE := poisson-none-200-1098 poisson-effects-80-1111 weinberg-none-200-1099 weinberg-effects-80-1110
 FULL_CHALLENGE += carl-none-200-1100 carl-effects-40-1109 alignment-none-40-1095 alignment-effects-24-1105
-EFFECTS := own,foreign,two,withheld
+# The third series of hidden shapes, which nobody saw who developed the search.
+FULL_CHALLENGE += poisson-third-40-3003 weinberg-third-32-3003 carl-third-20-3003 alignment-third-8-3003
+KINDS_none := none
+KINDS_effects := own,foreign,two,withheld
+KINDS_third := foreign,foreign,foreign,withheld --series 3
 JOBS ?= 1
 
 .DEFAULT_GOAL := help
@@ -84,7 +88,7 @@ challenge-%: venv
 	$(eval PLACE := results/challenge/$(TASK)-$(word 2,$(subst -, ,$*))-$(word 3,$(subst -, ,$*)))
 	@test -e $(PLACE)/manifest.json || $(BIN)/avobench challenge make --out $(PLACE) --task $(TASK) \
 	  --cases $(word 3,$(subst -, ,$*)) --seed $(word 4,$(subst -, ,$*)) \
-	  --kinds $(if $(findstring none,$*),none,$(EFFECTS)) --events $(if $(findstring alignment,$*),20000,50000)
+	  --kinds $(KINDS_$(word 2,$(subst -, ,$*))) --events $(if $(findstring alignment,$*),20000,50000)
 	@$(BIN)/avobench challenge solve $(PLACE) --jobs $(JOBS)
 	@$(BIN)/avobench challenge score $(PLACE) --records $(PLACE).jsonl
 
