@@ -1,7 +1,7 @@
 """The search by evidence beside the former one, by rules, on the same data: `python -m avobench.reports.former`.
 
-A row a task and search, over the cases of the third series that both have: those whose family the catalogue of the former
-search had. What was hidden nobody saw who developed either.
+A row a task and search, over the cases of the third series that both have: those whose family the former catalogue had.
+What was hidden nobody saw who developed either.
 """
 
 from collections.abc import Iterator
