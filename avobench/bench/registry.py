@@ -24,7 +24,7 @@ from avobench.effects.model_file import AugmentedTask
 from avobench.methods import Method
 from avobench.methods.device import require_device
 from avobench.tasks import Task
-from avobench.tasks.errors import UsageError
+from avobench.tasks.errors import SimulatorError, UsageError
 from avobench.tasks.function import NAME
 
 BASES = {"task": Task, "method": Method, "effect": Effect}
@@ -245,10 +245,13 @@ def require_packages(kind: str, instance: Any) -> None:
 
 
 def blamed(make: Callable[[], Any], what: str) -> Any:
-    """The value of `make()`; what a user's class raises on the way is a UsageError that names it."""
+    """The value of `make()`; what a user's class raises on the way is a UsageError that names it.
+
+    A SimulatorError names it already.
+    """
     try:
         return make()
-    except (UsageError, ValidationError):
+    except (UsageError, SimulatorError, ValidationError):
         raise
     except (Exception, SystemExit) as error:
         raise UsageError(f"{what} cannot be used, it raised {type(error).__name__}: {error}") from error

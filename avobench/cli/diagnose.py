@@ -1,6 +1,7 @@
 """`avobench diagnose`: from a file of measured events to what the simulator lacks."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 from rich.console import Console
@@ -38,18 +39,10 @@ def diagnose(
     data: str,
     out: Path,
     columns: str | None,
-    drop_invalid: bool,
     trust: bool,
-    seed: int,
-    alpha: float,
-    max_effects: int,
-    simulations: int | None,
-    ordered: bool,
     time: str | None,
-    fit: str,
     effects: str | None,
-    own: tuple[str, ...],
-    jobs: int,
+    **asked: Any,
 ) -> None:
     """Say whether measured events disagree with a simulator, where, which effect is missing, and add it.
 
@@ -64,18 +57,10 @@ def diagnose(
         found = diagnose_events(
             spec,
             x,
-            seed=seed,
-            alpha=alpha,
-            max_effects=max_effects,
-            simulations=simulations,
-            fit=fit,
             effects=None if effects is None else [name.strip() for name in effects.split(",")],
-            own=own,
-            drop_invalid=drop_invalid,
-            jobs=jobs,
-            ordered=ordered,
             time=when,
             progress=progress,
+            **asked,
         )
     found.save(out, f"{Path(data).name} against {spec}")
     click.echo(found)

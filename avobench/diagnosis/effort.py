@@ -93,6 +93,7 @@ USUAL = {"counts": 4_000_000, "continuous": 12_000_000, "images": 1_500_000}
 """Simulated events that a diagnosis of USUAL_EVENTS measured ones takes, by domain; a little more or less with what it
 finds."""
 USUAL_EVENTS = 50_000
+"""Measured ones, for which USUAL was counted: as many as a data set of `avobench challenge` has."""
 LEAST_SEARCH = 2_000_000
 """Simulated events of a search for one effect at the least effort, of 3 000 counts or angles: with fewer it ends early.
 """

@@ -1,6 +1,7 @@
 """The loop: detect, localise, name, add and refit, show; again until nothing significant is left or nothing helps."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from time import perf_counter
 from typing import Literal, TypeVar
 
@@ -10,9 +11,10 @@ from numpy.typing import NDArray
 from avobench.diagnosis.answer.assemble import Result, Run, assemble
 from avobench.diagnosis.answer.correction import correction
 from avobench.diagnosis.answer.found import Found, gap_events
-from avobench.diagnosis.answer.identifiability import card, card_events
+from avobench.diagnosis.answer.identifiability import Row, card, card_events
 from avobench.diagnosis.answer.notes import notes_of
 from avobench.diagnosis.answer.pictures import pictures
+from avobench.diagnosis.answer.quoted import Move
 from avobench.diagnosis.effort import GAP, USUAL, USUAL_EVENTS, Effort, effort_for, first
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.method import Inferred
@@ -21,7 +23,8 @@ from avobench.diagnosis.gates.held_out import SHARE, HeldOut
 from avobench.diagnosis.gates.order import order, projections
 from avobench.diagnosis.gates.summary import HOPELESS
 from avobench.diagnosis.progress import Progress, Telling
-from avobench.diagnosis.schema import Disorder, Verdict
+from avobench.diagnosis.schema import Disorder, Region, Verdict
+from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.search import Search, refined
 from avobench.diagnosis.search.tested import Step
 from avobench.diagnosis.summary.target import Target
@@ -81,65 +84,110 @@ def diagnose(
     effort = effort_for(task, domain(task), num_simulations, cut)
     telling = Telling(progress, first(effort, task, cut) // 2)
     meter = Meter(num_simulations, telling)
-    try:
-        inferred = None
-        if fit != "surrogate":
-            inferred = Inferred.by(fit, task, seen, num_simulations and num_simulations // METHOD_SHARE, rng)
-            meter.charge(inferred.num_simulations)
-        events: Counted | Pool = Counted(task, meter)
-        if task.generates:
-            events = Pool(task, int(max(effort.generated * cut, effort.least)), rng.spawn(1)[0], meter)
-        model = Model(task, events=events)
-
-        # Detect: theta is fitted, and all gates see whether it describes the events.
-        with meter.keeping(GAP * effort.covariance):
-            before, target = detect(model, seen, inferred and inferred.centre(model), alpha, rng, effort, telling)
-    except BudgetExhausted as error:
-        raise UsageError(
-            f"{num_simulations} simulated events did not suffice for the first fit and the gates; allow "
-            f"{2 * num_simulations}"
-        ) from error
+    before, target, inferred = begun(task, seen, fit, alpha, rng, effort, telling, meter)
     held_out = HeldOut.of(target, aside)
+    sparing, later = Sparing(meter, notes), card_events(effects, effort) + 2 * cut
 
-    def unless_exhausted(made: Callable[[], T], else_: T, what: str) -> T:
-        """What is made of simulated events, if enough are left; else a note says so."""
-        try:
-            return made()
-        except BudgetExhausted:
-            notes.append(f"{num_simulations} simulated events did not suffice for {what}")
-            return else_
-
-    # Name, add and refit: all sets of effects that may be missing are weighed, and the most probable one is added.
-    steps, posterior, later = [before], None, card_events(effects, effort) + 2 * cut
+    steps, posterior = [before], None
     if before.p_value < alpha:
         telling.begin("search", USUAL[domain(task)] * max(cut // USUAL_EVENTS, 1) if num_simulations is None else 0)
+        search = Search(target, seen, effects, max_effects, rng, effort, jobs, telling)
         with meter.keeping(later + gap_events(effort)):
-            posterior = Search(target, seen, effects, max_effects, rng, effort, jobs, telling).posterior(before.fit)
-            if meter.refused:
-                notes.append(f"the search ended early: {num_simulations} simulated events did not suffice")
-            if named := posterior.named:
-                what = "the fit of what was found, which is left out"
-                steps += unless_exhausted(lambda: added(named.fit, target, seen, rng, effort, notes), [], what)
+            steps, posterior = searched(search, before, sparing)
 
-    # Localise, and show: the values with their errors, where the disagreement is, what could not have been seen.
     telling.begin("checks")
     found = Found.of(task, target, seen, held_out, steps, posterior, alpha, rng, effort)
-    last = unless_exhausted(lambda: found.last(rng, effort), found.steps[-1].fit, "the last step of the fit")
-    with meter.keeping(later):
-        what = "theta with other effects or shapes: its error may be too small"
-        moves = unless_exhausted(lambda: found.moves(last, rng, effort), [], what)
-    where = found.regions(rng)
-    model = found.steps[-1]
-    level = alpha * model.shares["summary"]
-    could = unless_exhausted(lambda: card(model.fit, target, effects, level, rng, effort), [], "the card")
+    last, moves, where, could = shown(found, effects, sparing, later, rng, effort)
     drawn = pictures(seen, target, found.first, last if found.effects else None, task.labels)
-    unexplained = found.verdict in (Verdict.REDUCED, Verdict.UNEXPLAINED)
     weights = None
-    if unexplained:
-        weights = unless_exhausted(lambda: correction(last, target, seen, rng), None, "the correction")
+    if found.verdict in (Verdict.REDUCED, Verdict.UNEXPLAINED):
+        weights = sparing.made(lambda: correction(last, target, seen, rng), None, "the correction")
     notes += notes_of(found, last, inferred, Run(len(x), meter.used, num_simulations))
     run = Run(len(x), meter.used, num_simulations, perf_counter() - started, seed)
     return Result(task, assemble(found, last, moves, where, could, notes, run, disorder), last, drawn, weights)
+
+
+@dataclass(frozen=True)
+class Sparing:
+    """Makes what the simulated events that are left suffice for, and notes what they do not."""
+
+    meter: Meter
+    notes: list[str]
+
+    def made(self, make: Callable[[], T], else_: T, what: str) -> T:
+        """What `make` makes of simulated events, if enough are left; else a note says so."""
+        try:
+            return make()
+        except BudgetExhausted:
+            self.notes.append(f"{self.meter.limit} simulated events did not suffice for {what}")
+            return else_
+
+
+def begun(
+    task: Task,
+    x: NDArray,
+    fit: str,
+    alpha: float,
+    rng: np.random.Generator,
+    effort: Effort,
+    telling: Telling,
+    meter: Meter,
+) -> tuple[Step, Target, Inferred | None]:
+    """Detect: theta is fitted to events x (N, d), and all gates see whether it describes them.
+
+    Returns the model before the gates, what was fitted, and theta by the method `fit`, if it is one. Raises UsageError
+    where the meter does not allow enough simulated events.
+    """
+    try:
+        inferred = None
+        if fit != "surrogate":
+            inferred = Inferred.by(fit, task, x, meter.limit and meter.limit // METHOD_SHARE, rng)
+            meter.charge(inferred.num_simulations)
+        events: Counted | Pool = Counted(task, meter)
+        if task.generates:
+            events = Pool(task, int(max(effort.generated * len(x), effort.least)), rng.spawn(1)[0], meter)
+        model = Model(task, events=events)
+        with meter.keeping(GAP * effort.covariance):
+            before, target = detect(model, x, inferred and inferred.centre(model), alpha, rng, effort, telling)
+    except BudgetExhausted as error:
+        raise UsageError(
+            f"{meter.limit} simulated events did not suffice for the first fit and the gates; allow {2 * meter.limit}"
+        ) from error
+    return before, target, inferred
+
+
+def searched(search: Search, before: Step, sparing: Sparing) -> tuple[list[Step], Posterior]:
+    """Name, add and refit: all sets of effects that may be missing are weighed, and the most probable one is added.
+
+    Returns the steps, of which the first is that `before`, and how probable which effects are.
+    """
+    meter, notes = sparing.meter, sparing.notes
+    posterior = search.posterior(before.fit)
+    if meter.refused:
+        notes.append(f"the search ended early: {meter.limit} simulated events did not suffice")
+    if not (named := posterior.named):
+        return [before], posterior
+    what = "the fit of what was found, which is left out"
+    refit = sparing.made(lambda: added(named.fit, search.target, search.x, search.rng, search.effort, notes), [], what)
+    return [before, *refit], posterior
+
+
+def shown(
+    found: Found, effects: list[Effect], sparing: Sparing, later: int, rng: np.random.Generator, effort: Effort
+) -> tuple[Fit, list[Move], list[Region], list[Row]]:
+    """Localise, and show: the final fit, how far theta may be from it, where the disagreement is, and the card.
+
+    So many events as are to come `later` are kept from what theta may be.
+    """
+    last = sparing.made(lambda: found.last(rng, effort), found.steps[-1].fit, "the last step of the fit")
+    with sparing.meter.keeping(later):
+        what = "theta with other effects or shapes: its error may be too small"
+        moves = sparing.made(lambda: found.moves(last, rng, effort), [], what)
+    where = found.regions(rng)
+    model = found.steps[-1]
+    level = found.alpha * model.shares["summary"]
+    could = sparing.made(lambda: card(model.fit, found.target, effects, level, rng, effort), [], "the card")
+    return last, moves, where, could
 
 
 def added(

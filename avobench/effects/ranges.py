@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.tasks import Task
+from avobench.tasks.checked import checked_events
 
 REFERENCE_EVENTS = 20_000
 """Events over the prior, from which the range of each feature is read: enough that its ends are seen."""
@@ -72,10 +73,11 @@ def ranges(task: Task) -> tuple[Range, ...]:
     """The range of each feature, from events over the prior: exact ends if they are sharp, 3.5 deviations else.
 
     An end is sharp if the outermost hundredth of the range holds at least a fifth of an even share of the events. The
-    range of an angle is once round: from zero, or as far to either side of it where some are negative.
+    range of an angle is once round: from zero, or as far to either side of it where some are negative. Raises
+    SimulatorError for events that are not those that the task declares.
     """
     rng = np.random.default_rng(0)
-    x = task.simulate(task.prior.sample(REFERENCE_EVENTS, rng), rng)
+    x = checked_events(task, task.prior.sample(REFERENCE_EVENTS, rng), rng)
     found = []
     units = task.feature_units or ("",) * task.num_features
     for column, kind, unit in zip(x.T.astype(float), task.kinds_of_features, units, strict=True):

@@ -121,17 +121,7 @@ class Bsl(Method):
             while left := problem.simulate.remaining // events:  # steps out of the prior have cost nothing
                 draws = np.concatenate([draws, chain(near, draws[-1], events, left)])
                 trace[-1] = _point(problem, draws)
-        moved = (np.diff(draws, axis=0) != 0).any(axis=1).mean()
-        return Estimate(
-            theta=trace[-1].theta,
-            how="mean of the posterior of the synthetic likelihood",
-            spread_of="posterior",
-            mean=trace[-1].theta,
-            std=trace[-1].std,
-            trace=trace,
-            message=f"{len(draws)} draws in the last chain, {moved:.0%} of its steps were taken",
-            error=trace[-1].std,
-        )
+        return _estimate(trace, draws)
 
     def _events(self, number: int) -> int:
         """Simulated at a theta of a chain, of which 0 is no chain but the draws from the prior."""
@@ -179,3 +169,18 @@ def _inverse_covariance(problem: Problem) -> NDArray[np.float64]:
 
 def _point(problem: Problem, draws: NDArray[np.float64]) -> TracePoint:
     return TracePoint(problem.simulate.used, draws.mean(axis=0), draws.std(axis=0))
+
+
+def _estimate(trace: list[TracePoint], draws: NDArray[np.float64]) -> Estimate:
+    """From the draws of the last chain (m, p), which are the last point of the trace."""
+    moved = (np.diff(draws, axis=0) != 0).any(axis=1).mean()
+    return Estimate(
+        theta=trace[-1].theta,
+        how="mean of the posterior of the synthetic likelihood",
+        spread_of="posterior",
+        mean=trace[-1].theta,
+        std=trace[-1].std,
+        trace=trace,
+        message=f"{len(draws)} draws in the last chain, {moved:.0%} of its steps were taken",
+        error=trace[-1].std,
+    )

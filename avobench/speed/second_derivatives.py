@@ -17,7 +17,9 @@ PARAMETERS = (2, 5, 10)
 EVIDENCE = 300
 """About what the full budget holds at 512 events each."""
 POINTS = 10
+"""From which an acquisition starts."""
 REPEATS = 20
+"""Timings of each way, of which the median counts: the machine does other things too."""
 
 
 def row(num_parameters: int) -> dict[str, float]:

@@ -27,6 +27,7 @@ from avobench.studies.paper import NUM_OBSERVATIONS
 TARGET = 13
 """One of six of the benchmark's 15 on which the committed run stands still for more than a third of its trace."""
 ITERATIONS = 100
+"""Of the run, from its start."""
 EVENTS = 100
 """Of either class, of which the discriminator is asked after an iteration."""
 SATURATED = 17.0

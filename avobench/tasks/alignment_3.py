@@ -27,8 +27,10 @@ FLOORS = ((3.429, 3.126, 2.221), (3.09, 2.837, 1.959), (1.889, 1.712, 1.035))
 
 Too high by some per cent: with an eighth of NUM_EVENTS the information without an offset is a third less, so weights
 from 32 000 events still miss about 6 % of it."""
-NUM_EVENTS, AZIMUTH = 64_000, 0.75
-"""By which FLOORS were measured, and at which azimuth: on that the detector depends by its columns alone."""
+NUM_EVENTS = 64_000
+"""By which FLOORS were measured; half of them tell the weights."""
+AZIMUTH = 0.75
+"""At which FLOORS were measured [rad]: on it the detector depends by its columns alone."""
 
 
 @dataclass(frozen=True)

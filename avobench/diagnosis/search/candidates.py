@@ -117,8 +117,9 @@ class Candidates:
         with suppress(BudgetExhausted):  # what was fitted until then is weighed
             for (ratio, rounds), most in zip(self.effort.rounds_of_search, MOST, strict=True):
                 events = int(ratio * max(self.target.num_events, self.effort.few))
-                found = self.weigh(self.work(go_on, fits, events, rounds))
-                found = self.matter(found, beside)[:most]
+                settled = bool(found)  # a first fit may have far to go: the best of them stay, however far
+                found = sorted(self.weigh(self.work(go_on, fits, events, rounds)), key=worth)
+                found = (self.matter(found, beside) if settled else found)[:most]
                 fits = [one.fit for one in found]
         return found or self.matter(self.weigh(fits), beside)[: MOST[0]]
 
@@ -142,7 +143,7 @@ class Candidates:
 
         The best few families stay, since further effects may be added to them.
         """
-        found = sorted(found, key=lambda one: -one.evidence.at_least)
+        found = sorted(found, key=worth)
         least = max([beside, *(one.evidence.at_least for one in found)]) - MATTERS
         firsts = list({one.effects: one for one in reversed(found)}.values())[::-1][:PARENTS]
         return [
@@ -150,6 +151,11 @@ class Candidates:
             for one in found
             if one.evidence.value + one.evidence.error > least or any(one is first for first in firsts)
         ]
+
+
+def worth(one: Weighed) -> float:
+    """Lowest for what is worth most."""
+    return -one.evidence.at_least
 
 
 def begin(start: Start, known: KnownModel, target: Target, rng: np.random.Generator, num_events: int) -> Fit:

@@ -15,8 +15,10 @@ CURVES = {
 }
 """By shape: the efficiency, from 0 to 1, so far (n,) beyond where it begins, or of `erf` is half."""
 POWER = Parameter("power", 0.3, 5, None, "1")
-NARROW, WIDE = 0.01, 1.0
-"""Widths, in half ranges."""
+NARROW = 0.01
+"""The least width, in half ranges: to the data a narrower turn-on is a sharp edge."""
+WIDE = 1.0
+"""The largest: one width to either side of its middle is as much as the range."""
 FARTHEST = 0.8
 """Of half the range, beyond the middle: how far in a turn-on may begin."""
 OUTSIDE = 0.25
