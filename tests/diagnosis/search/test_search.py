@@ -36,7 +36,7 @@ def test_a_hidden_effect_is_the_most_probable(zeros):
 
 
 def test_an_effect_that_the_catalogue_lacks_is_outside_it(zeros):
-    found = searched(zeros, ("flat_background", "dead_time"), max_effects=1)
+    found = searched(zeros, ("readout_noise", "dead_time"), max_effects=1)
     assert found.outside > max(found.included.values())
     assert found.named is None
 
