@@ -63,12 +63,12 @@ class Found:
         """What the `steps` of the loop are worth by the events kept aside.
 
         Effects count with which the model agrees with the measurement, by the gates and on these events, or with which
-        the gap there at least shrinks below the interval that it has without them.
+        the gap there at least shrinks by more than its error.
         """
         before = held_out.gap(steps[0].own, rng, effort.covariance)
         after = held_out.gap(steps[-1].own, rng, effort.covariance) if len(steps) > 1 else None
         withdrawn: tuple[Effect, ...] = ()
-        if after and not _describes(steps[-1], after, alpha) and after.value >= before.low:
+        if after and not _describes(steps[-1], after, alpha) and not held_out.shrank(steps[-1].own, steps[0].own):
             withdrawn, steps, after = steps[-1].fit.model.effects, steps[:1], None
         single = posterior.single if posterior else []
         tried = [(one, held_out.gap(one.fit, rng, effort.fit).value) for one in single]

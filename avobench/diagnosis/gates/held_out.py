@@ -1,4 +1,4 @@
-"""What the events say that were kept aside: how large the gap is, and whether an added effect made it larger."""
+"""What the events say that were kept aside: how large the gap is, and whether an added effect made it smaller."""
 
 from dataclasses import dataclass
 
@@ -14,9 +14,8 @@ from avobench.diagnosis.summary.target import Target
 
 SHARE = 0.25
 """Of the measured events, kept aside: no fit or test sees them; the gap is measured on them, and they may veto."""
-VETO = 2.5
-"""Standard errors of the scatter of the events kept aside: a gap that grows on them by more vetoes an effect. A right
-effect then is vetoed once in 160 times."""
+SURE = 1.645
+"""Standard errors by which a gap must shrink: a wrong effect does that once in twenty times at most."""
 LOOKED_AT = 2000
 """Simulated events whose vectors are looked at, for how chi-squared scatters where bins hold few events."""
 BEYOND = 0.025
@@ -57,18 +56,17 @@ class HeldOut:
         low, high = interval(q, ndf, max(variance, 2.0))
         return Gap(value=q / ndf, low=low / ndf, high=high / ndf)
 
-    def grew(self, new: Fit, old: Fit) -> bool:
-        """Whether the gap grows from one fit to another, beyond the scatter of these events.
+    def shrank(self, new: Fit, old: Fit) -> bool:
+        """Whether the gap is smaller with one fit than with another, by more than chance brings about.
 
-        If the new one is right, what it leaves of them is noise, also along the difference d of the two: normal, of
-        variance 1 from these events, and their share of those that were fitted from the fit. The gap grows where it is
-        below -|d| / 2, which chance alone brings about for a weak effect.
+        Both are compared with the same events, whose scatter they share but for that along the difference d of the two:
+        chi-squared differs by 2 |d| times a normal deviate more than it should, of variance 1 from these events and
+        their share of those that were fitted from the fits.
         """
         after, before = self._left(new), self._left(old)
-        d = before - after
         error = np.sqrt(1 + (1 + new.noise + old.noise) * self.num_events / self.target.num_events)
-        z = float(after @ d) / max(float(np.linalg.norm(d)) * error, 1e-12)
-        return float(after @ after) > float(before @ before) and z < -VETO
+        scatter = 2 * float(np.linalg.norm(before - after)) * error
+        return float(before @ before - after @ after) > SURE * scatter
 
     def _left(self, fit: Fit) -> NDArray[np.float64]:
         """Measured minus fitted mean, whitened for so many events: (r,)."""

@@ -23,7 +23,9 @@ def step(p, gap, *effects):
 
 
 def found(*steps):
-    held_out = SimpleNamespace(gap=lambda fit, rng, num_simulated: fit.gap)
+    held_out = SimpleNamespace(
+        gap=lambda fit, rng, num_simulated: fit.gap, shrank=lambda new, old: new.gap.value < old.gap.low
+    )
     return Found.of(Poisson(), None, None, held_out, list(steps), None, 0.05, np.random.default_rng(0), Effort())
 
 
