@@ -10,7 +10,7 @@ CHALLENGE := poisson-none-10-0 poisson-effects-12-0 weinberg-none-10-0 weinberg-
 FULL_CHALLENGE := poisson-none-200-1098 poisson-effects-80-1111 weinberg-none-200-1099 weinberg-effects-80-1110
 FULL_CHALLENGE += carl-none-200-1100 carl-effects-40-1109 alignment-none-40-1095 alignment-effects-24-1105
 # The third series of hidden shapes, which nobody saw who developed the search.
-FULL_CHALLENGE += poisson-third-40-3003 weinberg-third-32-3003 carl-third-20-3003 alignment-third-8-3003
+FULL_CHALLENGE += poisson-third-40-3003 weinberg-third-32-3003
 KINDS_none := none
 KINDS_effects := own,foreign,two,withheld
 KINDS_third := foreign,foreign,foreign,withheld --series 3

@@ -16,7 +16,7 @@ from avobench.challenge.case import Case
 from avobench.challenge.records import read_records
 
 RESULTS = Path("results/challenge")
-FORMER = RESULTS / "former"
+FORMER = Path("results/former")
 """What the former search said of some of the same data sets."""
 
 
