@@ -129,7 +129,10 @@ def heaps(x: NDArray, whole: bool) -> Heaps:
         values, numbers = often, numbers[numbers >= REPEATED]
     best = NONE
     for step in _steps(APART * gap if rounded else (1 - KNOWN) * gap, (values[-1] - values[0]) / 2, whole):
-        away = np.abs(values - step * np.rint(values / step)) / gap
+        nearest = step * np.rint(values / step)
+        away = np.abs(values - nearest) / gap
+        if rounded:  # a multiple at the end of the values has no two on either side
+            away[(nearest < values[0] + 2 * gap) | (nearest > values[-1] - 2 * gap)] = np.inf
         at, one, two = (float(numbers[np.abs(away - k) < 1e-3].sum()) for k in (0, 1, 2))
         expected = max((4 * one - two) / 6, 0.0) if rounded else 0.0
         z = (at - expected) / np.sqrt(at + expected + 1)
