@@ -149,7 +149,7 @@ class Candidates:
         return [
             one
             for one in found
-            if one.evidence.value + one.evidence.error > least or any(one is first for first in firsts)
+            if one.evidence.at_most > least or any(one is first for first in firsts)
         ]
 
 

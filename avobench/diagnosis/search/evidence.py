@@ -60,6 +60,7 @@ class Evidence:
 
     @property
     def at_most(self) -> float:
+        """What it may be worth, for all that simulation leaves open."""
         return self.value + self.error
 
 
