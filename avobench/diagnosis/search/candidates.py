@@ -146,11 +146,7 @@ class Candidates:
         found = sorted(found, key=worth)
         least = max([beside, *(one.evidence.at_least for one in found)]) - MATTERS
         firsts = list({one.effects: one for one in reversed(found)}.values())[::-1][:PARENTS]
-        return [
-            one
-            for one in found
-            if one.evidence.at_most > least or any(one is first for first in firsts)
-        ]
+        return [one for one in found if one.evidence.at_most > least or any(one is first for first in firsts)]
 
 
 def worth(one: Weighed) -> float:
