@@ -35,18 +35,17 @@ def list_effects(task: Task | str) -> pd.DataFrame:
     """
     if isinstance(task, str):
         task = registry.build("task", task, {})
-    rows: dict[str, dict[str, str]] = {}
-    for effect in catalogue(task):
-        shapes = [shape.shape for shape in effect.shapes()]
-        names = dict.fromkeys(parameter.name for shape in effect.shapes() for parameter in shape.parameters)
-        rows.setdefault(
-            effect.name,
+    entries, rows = catalogue(task), []
+    for name in dict.fromkeys(effect.name for effect in entries):
+        own = [effect for effect in entries if effect.name == name]
+        shapes = [shape for effect in own for shape in effect.shapes()]
+        rows.append(
             {
-                "effect": effect.name,
-                "what": effect.sentence,
-                "shapes": ", ".join(filter(None, shapes)),
-                "parameters": ", ".join(names),
-                "source": effect.source,
-            },
+                "effect": name,
+                "what": own[0].sentence,
+                "shapes": ", ".join(filter(None, dict.fromkeys(shape.shape for shape in shapes))),
+                "parameters": ", ".join(dict.fromkeys(each.name for shape in shapes for each in shape.parameters)),
+                "source": own[0].source,
+            }
         )
-    return pd.DataFrame(rows.values()).set_index("effect")
+    return pd.DataFrame(rows).set_index("effect")

@@ -52,7 +52,7 @@ class Case:
 
     @property
     def named(self) -> list[tuple[str, str | None]]:
-        """In the order in which they were added."""
+        """Most probable first."""
         return [self.key(effect) for effect in self.diagnosis["effects"]]
 
     @property

@@ -42,9 +42,9 @@ class OwnShape:
     """(q,)"""
 
     @classmethod
-    def draw(cls, effect: Effect, rng: np.random.Generator) -> "OwnShape":
+    def draw(cls, family: Sequence[Effect], rng: np.random.Generator) -> "OwnShape":
         """In any of its shapes; strength by OWN_RANGE, to either side where there are two, shape uniform."""
-        choices = effect.shapes()
+        choices = [shape for each in family for shape in each.shapes()]
         chosen = choices[rng.integers(len(choices))]
         phi = []
         for k, parameter in enumerate(chosen.parameters):
@@ -166,7 +166,9 @@ def _draw(
 
     A family is drawn first, then its feature, then its shape, so that none is favoured for having many of them.
     """
-    own = {(effect.name, effect.feature): effect for effect in catalogue(task, reference)}
+    own: dict[tuple[str, Any], list[Effect]] = {}
+    for effect in catalogue(task, reference):
+        own.setdefault(effect.key, []).append(effect)
     foreign: dict[tuple[str, Any], list[type[Injection]]] = {}
     for feature in dict.fromkeys(feature for _, feature in own):
         for shape in shapes(Place(task, feature, reference), series):

@@ -68,7 +68,7 @@ def effects_of(spec: str) -> str:
         lines += _wrapped(f"  {where}", 4)
     for name in dict.fromkeys(effect.name for effect in entries):
         own = [effect for effect in entries if effect.name == name]
-        lines += _effect(own[0].shapes(), _bounds)
+        lines += _effect([shape for e in own if e.key == own[0].key for shape in e.shapes()], _bounds)
         if len(own) > 1 and isinstance(own[0].feature, str):
             lines += _wrapped(f"        each acts on one of {', '.join(effect.feature for effect in own)}", 12)
     return "\n".join(lines)

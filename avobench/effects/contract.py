@@ -53,7 +53,8 @@ class Effect(ABC):
     """A change of a simulator. A subclass sets the attributes and defines `apply`.
 
     An effect is a *family*: `shapes` may offer other shapes of the same physics, which share its name. A fit tries all
-    of them, because the real effect never has the exact shape of one.
+    of them, because the real effect never has the exact shape of one. Where the data could not tell two classes apart,
+    as a truncation from a sharp acceptance, they are one family too: they have one name, and shapes of their own.
     """
 
     name: str
@@ -78,6 +79,8 @@ class Effect(ABC):
     to say nothing; one with an entry point must."""
     moves_theta: ClassVar[bool] = False
     """Whether it asks the simulator for every event at another theta, so that nothing of finished events stays."""
+    odds: ClassVar[float] = 1.0
+    """How probable it is beforehand, beside another family."""
     position: ClassVar[int | None] = None
     """Its place in the catalogue, lowest first; effects without one follow by name. A search draws its random numbers
     in this order: effects that take part get a place once and keep it."""

@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Literal, Union
@@ -151,18 +152,18 @@ class AugmentedTask(Task):
 def _effect(added: AddedEffect, base: Task, path: str, find_effect: FindEffect) -> Effect:
     """The effect that a file keeps, with what the data decided of it. Raises UsageError if there is none."""
     if added.source is not None:
-        plain = find_effect(added.source)
+        family = [find_effect(added.source)]
     else:
-        plain = next((effect for effect in catalogue(base) if effect.key == (added.name, added.feature)), None)
-    try:
-        if added.settings:
-            loose = replace(plain, **added.settings)  # of lists and dicts; refuses what is no setting
-            plain = TypeAdapter(type(loose)).validate_python(settings_of(loose))
-        return next(shape for shape in plain.shapes() if shape.shape == added.shape)
-    except (AttributeError, TypeError, ValidationError, StopIteration) as error:
-        raise UsageError(
-            f"{path} asks for {added.name} ({added.shape}), which does not apply to {base.name}"
-        ) from error
+        family = [effect for effect in catalogue(base) if effect.key == (added.name, added.feature)]
+    for plain in family:
+        with suppress(AttributeError, TypeError, ValidationError):  # the settings are of another class of the family
+            if added.settings:
+                loose = replace(plain, **added.settings)  # of lists and dicts; refuses what is no setting
+                plain = TypeAdapter(type(loose)).validate_python(settings_of(loose))
+            for shape in plain.shapes():
+                if shape.shape == added.shape:
+                    return shape
+    raise UsageError(f"{path} asks for {added.name} ({added.shape}), which does not apply to {base.name}")
 
 
 def settings_of(effect: Effect) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """Where the features of events lie: over the whole prior of a simulator, or as measured events show it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,8 @@ class Range:
     """Whether it ends sharply at both ends, as a cosine does."""
     periodic: bool = False
     """Whether it comes round again at its ends, as an angle does."""
+    positive: bool = False
+    """Whether it has no negative values, as an energy or a time."""
 
     @property
     def centre(self) -> float:
@@ -58,7 +60,7 @@ class Range:
     def shown(self, column: NDArray[np.float64]) -> "Range":
         """The range that values (n,) show: its own where it ends sharply, else that of all but one in a hundred."""
         low, high = np.quantile(column, SHOWN).tolist()
-        return self if self.bounded or self.periodic or low == high else Range(low, high, False)
+        return self if self.bounded or self.periodic or low == high else replace(self, low=low, high=high)
 
     def wrapped(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """The same angle within the range; x itself where the feature is none."""
@@ -82,6 +84,7 @@ def ranges(task: Task) -> tuple[Range, ...]:
     units = task.feature_units or ("",) * task.num_features
     for column, kind, unit in zip(x.T.astype(float), task.kinds_of_features, units, strict=True):
         low, high = column.min(), column.max()
+        positive = bool(low >= 0)
         if kind == "angle":
             once = 360.0 if unit == "deg" else 2 * np.pi
             start = -once / 2 if low < 0 else 0.0
@@ -91,10 +94,11 @@ def ranges(task: Task) -> tuple[Range, ...]:
         share = min(np.mean(column < low + margin), np.mean(column > high - margin))
         if share > SHARP:
             low, high = _round_out(low, high)
-            found.append(Range(low, high, True))
+            found.append(Range(low, high, True, positive=positive))
         else:
             centre, spread = np.median(column), column.std()
-            found.append(Range(centre - DEVIATIONS * spread, centre + DEVIATIONS * spread, False))
+            reach = DEVIATIONS * spread
+            found.append(Range(centre - reach, centre + reach, False, positive=positive))
     return tuple(found)
 
 

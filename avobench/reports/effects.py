@@ -59,13 +59,13 @@ def draw(task: Task, folder: Path, seed: int = 0) -> Iterator[list[Path]]:
     events = Pool(task, NUM_IMAGES, rng) if task.generates else None
     plain = Model(task, events=events)
     view = View(plain, NUM_IMAGES if task.event_shape else NUM_EVENTS, seed)
-    drawn = set()
+    families: dict[str, list[Effect]] = {}
     for effect in catalogue(task) if task.event_shape else catalogue(task, view.plain):
-        if effect.name in drawn:
-            continue
-        drawn.add(effect.name)
+        families.setdefault(effect.name, []).append(effect)
+    for effect, *others in families.values():
+        own = [effect, *(other for other in others if other.key == effect.key)]
         # What an image shows of faulty cells is nothing, where there are none.
-        shapes = (effect if task.event_shape else effect.adapted(view.plain)).shapes()
+        shapes = [shape for e in own for shape in (e if task.event_shape else e.adapted(view.plain)).shapes()]
         chosen = np.unique(np.linspace(0, len(shapes) - 1, min(len(shapes), MOST_SHAPES)).round().astype(int))
         made = [(view.images if task.event_shape else view.middling)(shapes[k]) for k in chosen]
         with matplotlib.rc_context(STYLE | ({"axes.grid": False} if task.event_shape else {})):

@@ -10,6 +10,16 @@ from avobench.tasks import Task
 
 __all__ = ["DEVELOPED", "FAMILIES", "SERIES", "Injection", "Place", "Simulate", "kind_of_events", "shapes"]
 
+ONE_FAMILY = {
+    ("counts", "after_pulses"): "double_counting",
+    ("counts", "heaping"): "quantisation",
+    ("counts", "spread"): "overdispersion",
+    ("continuous", "heaping"): "quantisation",
+    ("continuous", "censoring"): "saturation",
+    ("continuous", "truncation"): "edge_acceptance",
+    ("continuous", "turn_on"): "edge_acceptance",
+}
+"""What shapes were called, by the kind of events, where the catalogue has one family of two that data cannot tell."""
 SERIES: dict[int, dict[str, tuple[type[Injection], ...]]] = {
     1: first.FAMILIES,
     2: second.FAMILIES,
@@ -22,6 +32,9 @@ FAMILIES: dict[str, tuple[type[Injection], ...]] = {
     kind: tuple(shape for each in SERIES.values() for shape in each[kind]) for kind in first.FAMILIES
 }
 """All shapes, by the kind of events."""
+for _kind, _shapes in FAMILIES.items():
+    for _shape in _shapes:
+        _shape.name = ONE_FAMILY.get((_kind, _shape.name), _shape.name)
 
 
 def kind_of_events(task: Task) -> str:

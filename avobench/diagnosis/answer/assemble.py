@@ -76,7 +76,9 @@ def assemble(
         theta_after=theta_values(last, moves) if any_named else None,
         identified_before=identified(first),
         identified_after=identified(last, moves) if any_named else None,
-        effects=[found_effect(last, k, posterior, labels) for k in range(len(found.effects))],
+        effects=sorted(
+            (found_effect(last, k, posterior, labels) for k in range(len(found.effects))), key=lambda e: -e.probability
+        ),
         probabilities=probabilities(posterior, labels) if posterior else [],
         outside=posterior.outside if posterior else None,
         models=models(posterior, labels) if posterior else [],

@@ -78,7 +78,8 @@ def kept(effect: Effect, base: Task, source: str | None = None, own: Effect | No
     file.py:Class; its name where it is not.
     """
     if own is None:
-        plain = next((entry for entry in catalogue(base) if entry.key == effect.key), None)
+        alike = (entry for entry in catalogue(base) if entry.key == effect.key and type(entry) is type(effect))
+        plain = next(alike, None)
     else:
         plain, source = own, registry.absolute(source or effect.name)
     settings = {}

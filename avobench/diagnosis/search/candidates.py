@@ -83,12 +83,12 @@ class Candidates:
     def screened(self) -> list[Start]:
         """Starts of all effects in all shapes, most promising first."""
         sample = Sample(self.without, self.target, self.effort.sample, self.rng)
-        plain = {effect.key: screen(sample, effect, self.x, self.rng, self.effort) for effect in self.effects}
-        best_first = sorted(self.effects, key=lambda e: min((s.expected for s in plain[e.key]), default=np.inf))
+        plain = [(effect, screen(sample, effect, self.x, self.rng, self.effort)) for effect in self.effects]
+        best_first = sorted(plain, key=lambda row: min((start.expected for start in row[1]), default=np.inf))
         starts = []
-        for effect in best_first[:MOST_SCREENED]:
+        for effect, first in best_first[:MOST_SCREENED]:
             for k, shape in enumerate(effect.shapes()):
-                own = plain[effect.key] if k == 0 else screen(sample, shape, self.x, self.rng, self.effort)
+                own = first if k == 0 else screen(sample, shape, self.x, self.rng, self.effort)
                 if own and k == 0 and len(self.effects) <= MOST_SCREENED and shape.guess(self.x) is None:
                     own = own + hidden(sample, own[0], self.rng, self.effort)
                 starts += own

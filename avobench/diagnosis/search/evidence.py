@@ -33,8 +33,8 @@ SMOOTH = ((1 / 8, 0.7), (1 / 40, 0.3))
 """Lengths, as shares of a feature's range, over which a shape is wrong in the same way, and how much of it is so."""
 DISTORTED = np.geomspace(0.003, 1, 12)
 """Shares a by which something unknown distorts the simulation: log-uniform, from what a million events would show."""
-UNKNOWN = (1 / 40, 1 / 16, 1 / 8, 1 / 4)
-"""Lengths over which it does so."""
+UNKNOWN = (1e-6, 1 / 40, 1 / 16, 1 / 8, 1 / 4)
+"""Lengths over which it does so; the shortest for bins each by itself, as spikes and combs do."""
 ANYWHERE = 0.1
 """Of the mean of all bins: what the unknown may add where nothing is expected."""
 WEAKEST = 0.001

@@ -1,5 +1,6 @@
 """How probable each set of effects is, of all that were weighed."""
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -43,13 +44,11 @@ class Posterior:
             own = shapes.setdefault(one.effects, {})
             if each not in own or own[each].evidence.at_least < one.evidence.at_least:
                 own[each] = one
-        families: dict[str, int] = {}
-        for effect in catalogue:
-            families[effect.name] = families.get(effect.name, 0) + 1
+        prior = Prior.of(catalogue)
         logs = {OUTSIDE: outside + np.log(UNKNOWN)}
         for names, own in shapes.items():
             values = [one.evidence.at_least for one in own.values()]
-            logs[names] = float(logsumexp(values)) - _num_shapes(next(iter(own.values()))) + _prior(names, families)
+            logs[names] = float(logsumexp(values)) + prior.log(names)
         names = sorted(logs, key=lambda each: -logs[each])
         values = np.array([logs[each] for each in names]) / TEMPERATURE
         shares = np.exp(values - logsumexp(values))
@@ -105,13 +104,30 @@ class Posterior:
         return dict(sorted(found.items(), key=lambda item: -item[1]))
 
 
-def _num_shapes(one: Weighed) -> float:
-    """Logarithm of how many combinations of shapes the effects of a model have."""
-    return float(sum(np.log(len(effect.shapes())) for effect in one.fit.model.effects))
+@dataclass(frozen=True)
+class Prior:
+    """What is held of sets of effects beforehand: families by their odds, features of one and its shapes alike."""
 
+    odds: dict[str, float]
+    """By family."""
+    choices: dict[str, int]
+    """Features that a family may act on."""
+    shapes: dict[tuple, int]
+    """Of an effect, by its key."""
 
-def _prior(names: Names, families: dict[str, int]) -> float:
-    """Of a set of effects: families alike, and of each its features alike."""
-    k = len(names)
-    chosen = np.log(comb(len(families), k)) + sum(np.log(families.get(name, 1)) for name, _ in names)
-    return float(np.log(NUMBER[min(k, len(NUMBER) - 1)]) - chosen)
+    @classmethod
+    def of(cls, catalogue: list[Effect]) -> "Prior":
+        """Of the effects that may be missing. Several of one key are one, with the shapes of all."""
+        odds: dict[str, float] = {}
+        shapes: dict[tuple, int] = {}
+        for effect in catalogue:
+            odds[effect.name] = max(effect.odds, odds.get(effect.name, 0.0))
+            shapes[effect.key] = shapes.get(effect.key, 0) + len(effect.shapes())
+        return cls(odds, Counter(name for name, _ in shapes), shapes)
+
+    def log(self, names: Names) -> float:
+        """Logarithm of the probability of a set of effects in given shapes."""
+        k, all_odds = len(names), sum(self.odds.values())
+        sets = comb(len(self.odds), k) * (all_odds / len(self.odds)) ** k if k else 1
+        each = sum(np.log(self.odds[name] / self.choices[name] / self.shapes[name, on]) for name, on in names)
+        return float(np.log(NUMBER[min(k, len(NUMBER) - 1)]) - np.log(sets) + each)

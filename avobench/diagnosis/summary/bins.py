@@ -40,8 +40,8 @@ class Bins(Summary):
     def indices(self, x: NDArray) -> NDArray[np.int32]:
         """The position of each event's bin in the vector, for every block: (n, d) -> (n, blocks)."""
         columns = np.ascontiguousarray(x.T)
-        fine = [np.searchsorted(e, column, side="right") for e, column in zip(self.edges, columns, strict=True)]
-        wide = [np.searchsorted(e, column, side="right") for e, column in zip(self.coarse, columns, strict=False)]
+        fine = [bin_of(column, e) for e, column in zip(self.edges, columns, strict=True)]
+        wide = [bin_of(column, e) for e, column in zip(self.coarse, columns, strict=False)]
         indices, start = np.empty((len(x), len(self.blocks)), np.int32), 0
         for k, (features, bins) in enumerate(self.blocks):
             a, b = features[0], features[-1]
@@ -81,6 +81,16 @@ class Bins(Summary):
     def alike(self, length: float) -> NDArray[np.float64]:
         sides = [[bins] if len(f) == 1 else [len(self.coarse[j]) + 1 for j in f] for f, bins in self.blocks]
         return block_diag(*(reduce(np.kron, [close(bins, length) for bins in side]) for side in sides))
+
+
+def bin_of(column: NDArray, edges: NDArray[np.float64]) -> NDArray[np.intp]:
+    """How many inner edges lie at or below each value: (n,). Whole numbers are looked up in a table."""
+    if len(edges) and np.issubdtype(column.dtype, np.integer):
+        low, high = int(np.ceil(edges[0])) - 1, int(np.floor(edges[-1])) + 1
+        if high - low < len(column):
+            table = np.searchsorted(edges, np.arange(low, high + 1), side="right")
+            return table[np.clip(column.astype(np.int64, copy=False), low, high) - low]
+    return np.searchsorted(edges, column, side="right")
 
 
 def bins_of(x: NDArray, simulated: NDArray) -> Bins:

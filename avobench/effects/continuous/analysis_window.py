@@ -18,15 +18,15 @@ class AnalysisWindow(Acceptance):
     """Events outside a window in one feature are lost. A fit is tried where the data end sharply, on one side or both.
 
     It acts after all else: what a smearing moves out of the window is lost too, and what it moves in is kept. By itself
-    it cannot be told from a `truncation` where one end alone cuts anything, nor from an `edge_acceptance` that loses
-    all beyond both.
+    it cannot be told from a truncation where one end alone cuts anything, nor from the shape `window`.
     """
 
+    shape: str = "analysis_window"
     window: tuple[float, float] | None = None
     """The range that the data show."""
     stage = 5
     on_all = False
-    name = "analysis_window"
+    name = "edge_acceptance"
     position = 23
     sentence = "Only events within a window are in the sample, after everything else."
     source = "V. Blobel, in: Data Analysis in High Energy Physics, ed. O. Behnke et al. (2013), Chapter 6"
@@ -48,7 +48,7 @@ class AnalysisWindow(Acceptance):
 
     def variants(self):
         left, right, *_ = self._place()
-        return {"": (Parameter("centre", left, right, None, "of the feature"),)}
+        return {self.shape: (Parameter("centre", left, right, None, "of the feature"),)}
 
     def adapted(self, x):
         """With the range of the data, if an end of it is sharp."""

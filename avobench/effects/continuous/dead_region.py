@@ -7,13 +7,15 @@ import numpy as np
 from avobench.effects.continuous.feature import Acceptance
 from avobench.effects.contract import Parameter
 
+INSIDE = 0.05
+"""Of half the range, at least as much is recorded on either side: a region at an end is an `edge_acceptance`."""
 LOST = {"box": lambda distance: distance < 0.5, "dip": lambda distance: np.exp(-6 * distance**2)}
 """By shape: the share that is lost at a distance (n,) from the middle, in widths."""
 
 
 @dataclass(frozen=True)
 class DeadRegion(Acceptance):
-    """Events in one region are lost: all of it alike, or most at its middle."""
+    """Events in one region are lost: all of it alike, or most at its middle. It has events on both sides."""
 
     shape: str = "box"
     name = "dead_region"
@@ -33,5 +35,10 @@ class DeadRegion(Acceptance):
         return np.array([(low + high) / 2, high - low])
 
     def kept(self, x, span, phi):
-        distance = np.abs(self.placed(x, span) - phi[:, 1]) / phi[:, 2]
+        _, centre, width = phi.T
+        if not span.periodic:
+            low, high = self.placed(np.array([span.low, span.high]), span)
+            free = (low + INSIDE * (high - low) / 2 + width / 2, high - INSIDE * (high - low) / 2 - width / 2)
+            centre = np.clip(centre, *free)
+        distance = np.abs(self.placed(x, span) - centre) / width
         return 1 - phi[:, 0] * LOST[self.shape](distance)

@@ -51,7 +51,7 @@ class EdgeAcceptance(Acceptance):
             "window": (low, high),
         }
         for side in ("low", "high"):
-            shapes |= {f"power_{side}": (STEEP,), f"turn_on_{side}": (edge,), f"cut_{side}": (edge,)}
+            shapes |= {f"power_{side}": (STEEP,), f"cut_{side}": (edge,)}
         return shapes | ({"angle": (ANGLE,)} if self.bounded else {})
 
     def within(self, low, high, column):

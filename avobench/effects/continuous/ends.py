@@ -11,6 +11,8 @@ from avobench.effects.continuous.feature import REPEATED
 SIDES = ("below", "above")
 OUTERMOST = 200
 """The end of one in so many values is looked at: narrow enough that the density hardly changes in it."""
+MOST = 4
+"""Spikes: two at either end."""
 FEWEST = 20
 """Values there at least: of fewer the scatter hides whether an end is sharp."""
 SHARP = 0.6
@@ -31,6 +33,13 @@ def sharp_end(x: NDArray[np.float64], side: str) -> float | None:
     end, first, then = outermost[[0, k, 2 * k]]
     sharp = len(np.unique(outermost)) > k and SHARP * (first - end) < then - first
     return float(sign * end) if sharp else None
+
+
+def spikes(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Values (k,) that repeat among others (n,), in order; none where more than MOST do, as steps."""
+    values, counts = np.unique(x, return_counts=True)
+    repeated = values[counts >= REPEATED]
+    return repeated if len(repeated) <= MOST else repeated[:0]
 
 
 @dataclass(frozen=True)

@@ -29,11 +29,14 @@ class FeatureEffect(Effect):
     domains = ("continuous",)
     on_all: ClassVar[bool] = True
     """Whether it may act on all features alike."""
+    of_positive: ClassVar[bool] = False
+    """Whether it acts on features only that have no negative values."""
 
     @classmethod
     def entries(cls, site: Site) -> list[Effect]:
         """One a feature, and one that acts on all of them where there are several and it may."""
-        return [cls(feature, site.ranges) for feature in site.features if cls.on_all or feature != "all"]
+        features = [feature for feature in site.features if cls.on_all or feature != "all"]
+        return [cls(j, site.ranges) for j in features if not cls.of_positive or site.ranges[j].positive]
 
     def unit(self, parameter: Parameter, units: Sequence[str] = ()) -> str:
         """That of the feature in place of `of the feature`, and of what range half is meant."""

@@ -7,18 +7,27 @@ import numpy as np
 from avobench.effects.continuous.feature import Acceptance
 from avobench.effects.contract import Parameter
 
-SHAPES = {"linear": (), "step": (), "smooth": (Parameter("width", 0.05, 1, None, "of half the range"),)}
+SHAPES = {
+    "linear": (),
+    "step": (),
+    "smooth": (Parameter("width", 0.05, 1, None, "of half the range"),),
+    "growing": (Parameter("power", 0.3, 3, None, "1"),),
+}
 SIDES = {
     "linear": lambda u, phi: np.clip(u, -1, 1),
     "step": lambda u, phi: np.sign(u),
     "smooth": lambda u, phi: np.tanh(u / phi[:, 1]),
+    "growing": lambda u, phi: (s := np.sign(phi[:, 0])) * (1 - 2 * np.clip(-s * u, 0, 1) ** phi[:, 1]),
 }
 """By shape: to which side events at u (n,), in half ranges from the centre, belong, from -1 to 1."""
 
 
 @dataclass(frozen=True)
 class ForwardBackwardAcceptance(Acceptance):
-    """One half of the range is recorded better than the other: along a line, a step, or a smooth step."""
+    """One half of the range is recorded better than the other: along a line, a step, or a smooth step.
+
+    In the shape `growing` one half loses nothing, and the other the more the nearer to its end.
+    """
 
     shape: str = "linear"
     name = "forward_backward_acceptance"

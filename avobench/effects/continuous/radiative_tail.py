@@ -32,6 +32,7 @@ class RadiativeTail(Change):
     shape: str = "exponential_below"
     stage = 1
     on_all = False
+    of_positive = True
     name = "radiative_tail"
     position = 24
     sentence = "Some events have lost a part of their energy, as by radiation before the measurement."

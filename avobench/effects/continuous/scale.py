@@ -13,7 +13,10 @@ CALIBRATED = 0.03
 
 @dataclass(frozen=True)
 class Scale(Change):
-    """Every value is stretched: about zero, about the centre of the angle, or more the larger it is."""
+    """Every value is stretched: about zero, about the centre of the angle, or more the larger it is.
+
+    In the shape `two_gains` values on one side of the centre are stretched by a share of what those on the other are.
+    """
 
     shape: str = "linear"
     name = "scale"
@@ -25,10 +28,15 @@ class Scale(Change):
         return Parameter("stretch", -0.5, 0.5, 0, "1", usual=CALIBRATED)
 
     def variants(self):
-        return {"linear": (), "cubic": ()} | ({"angle": ()} if self.bounded else {})
+        share = Parameter("share", 0, 1, None, "of the stretch")
+        gains = {f"two_gains_{side}": (share,) for side in ("low", "high")}
+        return {"linear": (), "cubic": ()} | ({"angle": ()} if self.bounded else {}) | gains
 
     def changed(self, x, span, phi, rng):
         if self.shape == "angle":
             return span.cosine(np.pi / 2 + (1 + phi[:, 0]) * (span.angle(x) - np.pi / 2))
+        if self.shape.startswith("two_gains"):
+            less = (x < span.centre) if self.shape == "two_gains_low" else (x > span.centre)
+            return span.centre + (x - span.centre) * (1 + phi[:, 0] * np.where(less, phi[:, 1], 1))
         growth = span.relative(x) ** 2 if self.shape == "cubic" else 1
         return x * (1 + phi[:, 0] * growth)

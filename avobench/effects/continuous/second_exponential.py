@@ -15,6 +15,7 @@ class SecondExponential(Background):
     shape: str = "falling"
     stage = 1
     on_all = False
+    of_positive = True
     name = "second_exponential"
     position = 25
     sentence = "Some events decay with a lifetime of their own."

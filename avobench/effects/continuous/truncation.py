@@ -18,16 +18,16 @@ INSIDE = 0.05
 class Truncation(Acceptance):
     """Every event beyond a limit is lost: below it, or above. A fit is tried where the data end sharply.
 
-    The strength is the limit, which at the end of the range is none. Where only a share is lost, or both ends lose
-    alike, it is an `edge_acceptance`; where the loss is gradual, a `turn_on`. Of an exponential a limit below is an
-    `offset`, exactly: what is left begins later, and is as steep.
+    The strength is the limit, which at the end of the range is none. Where only a share is lost, both ends lose alike,
+    or the loss is gradual, it is another shape of an edge acceptance. Of an exponential a limit below is an `offset`,
+    exactly: what is left begins later, and is as steep.
     """
 
-    shape: str = "below"
+    shape: str = "truncated_below"
     limits: tuple[float | None, float | None] = (None, None)
     """Those that the data show below and above."""
     on_all = False
-    name = "truncation"
+    name = "edge_acceptance"
     position = 21
     sentence = "Values beyond a limit are not in the sample, as below a threshold."
     source = "A. C. Cohen, Truncated and Censored Samples (1991), Chapter 1"
@@ -35,10 +35,10 @@ class Truncation(Acceptance):
     @property
     def limit(self) -> float | None:
         """That of this shape, if the data show it."""
-        return self.limits[SIDES.index(self.shape)]
+        return self.limits[self.shape == "truncated_above"]
 
     def strength(self) -> Parameter:
-        sign, end = (1, self.low) if self.shape == "below" else (-1, self.high)
+        sign, end = (1, self.low) if self.shape == "truncated_below" else (-1, self.high)
         far = (self.low + self.high) / 2
         if self.limit is not None:
             end = sign * min(sign * end, sign * self.limit - BEYOND * self.half)
@@ -46,7 +46,7 @@ class Truncation(Acceptance):
         return Parameter("limit", min(end, far), max(end, far), end, "of the feature")
 
     def variants(self):
-        return {side: () for side in SIDES}
+        return {f"truncated_{side}": () for side in SIDES}
 
     def adapted(self, x):
         """With the limits that the data show; the range stays, since they do not tell what lies beyond."""
@@ -59,5 +59,5 @@ class Truncation(Acceptance):
 
     def kept(self, x, span, phi):
         limit = phi[:, 0]
-        within = x >= limit if self.shape == "below" else x <= limit
+        within = x >= limit if self.shape == "truncated_below" else x <= limit
         return (within | (limit == self.strength().null)).astype(float)

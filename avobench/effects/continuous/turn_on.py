@@ -11,7 +11,7 @@ from avobench.effects.contract import Parameter
 CURVES = {
     "erf": lambda beyond, phi: ndtr(beyond / phi[:, 2]),
     "exponential": lambda beyond, phi: -np.expm1(-np.maximum(beyond, 0) / phi[:, 2]),
-    "power": lambda beyond, phi: np.clip(beyond / phi[:, 1], 0, 1) ** phi[:, 2],
+    "rise": lambda beyond, phi: np.clip(beyond / phi[:, 1], 0, 1) ** phi[:, 2],
 }
 """By shape: the efficiency, from 0 to 1, so far (n,) beyond where it begins, or of `erf` is half."""
 POWER = Parameter("power", 0.3, 5, None, "1")
@@ -29,13 +29,12 @@ OUTSIDE = 0.25
 class TurnOn(Acceptance):
     """Fewer events are recorded towards one end: as an error function, an exponential, or a power from the end on.
 
-    An `edge_acceptance` is sharp, has a fixed width, or acts at both ends; this has one side and a free width. Where
-    that is a twentieth of half the range they cannot be told apart.
+    The other shapes of an edge acceptance are sharp or act at both ends; these have one side and a free width.
     """
 
     shape: str = "erf_low"
     on_all = False
-    name = "turn_on"
+    name = "edge_acceptance"
     position = 20
     sentence = "The efficiency rises gradually along a feature, as that of a trigger above its threshold."
     source = "ATLAS Collaboration, Eur. Phys. J. C 77 (2017) 317, Section 6"
@@ -51,12 +50,12 @@ class TurnOn(Acceptance):
             ends = np.array([-1 - OUTSIDE, FARTHEST]) if side == "low" else np.array([-FARTHEST, 1 + OUTSIDE])
             at = Parameter("at", *((self.low + self.high) / 2 + self.half * ends).tolist(), None, "of the feature")
             shapes |= {f"{curve}_{side}": (at, width) for curve in ("erf", "exponential")}
-            shapes[f"power_{side}"] = (length, POWER)
+            shapes[f"rise_{side}"] = (length, POWER)
         return shapes
 
     def within(self, low, high, column):
         curve, _, side = self.shape.partition("_")
-        if curve == "power":
+        if curve == "rise":
             return np.array([high - self.low if side == "low" else self.high - low, 1.0])
         if curve == "erf":
             return np.array([(low + high) / 2, (high - low) / 2])
@@ -64,6 +63,6 @@ class TurnOn(Acceptance):
 
     def kept(self, x, span, phi):
         curve, _, side = self.shape.partition("_")
-        begins = phi[:, 1] if curve != "power" else span.low if side == "low" else span.high
+        begins = phi[:, 1] if curve != "rise" else span.low if side == "low" else span.high
         beyond = x - begins if side == "low" else begins - x
         return 1 - phi[:, 0] * (1 - CURVES[curve](beyond, phi))

@@ -14,13 +14,13 @@ class AfterPulses(CountEffect):
     """Each count triggers further ones, `triggered` of them in the mean of one generation.
 
     In the shape `chain` it is followed by one with that chance, which may be followed by another: a geometric number.
-    In the shape `one_generation` it triggers a Poisson number of them, which trigger none. One at most is a shape of
-    `double_counting`, `pairs`.
+    In the shape `one_generation` it triggers a Poisson number of them, which trigger none. One at most is
+    the shape `pairs`, from which they are hardly told: so all are one family.
     """
 
     shape: str = "chain"
 
-    name = "after_pulses"
+    name = "double_counting"
     position = 32
     STRENGTH = Parameter("triggered", 0, 0.7, 0, "1")
     SHAPES: ClassVar = {"chain": (), "one_generation": ()}

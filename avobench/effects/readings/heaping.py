@@ -15,7 +15,7 @@ OF_TIME = (6.0, 7.0, 12.0, 15.0, 24.0, 30.0, 60.0)
 CLEAR = 5.0
 """Standard deviations by which multiples of a step stand out from the values next to them."""
 APART = 4.5
-"""Grains of the values in a step, at least: what is finer is rounding, which is `quantisation`."""
+"""Grains of the values in a step, at least: what is finer is rounding, another shape of it."""
 REPEATED = 5
 """So many equal values of a real number are no chance."""
 KNOWN = 1e-9
@@ -45,10 +45,10 @@ NONE = Heaps(0.0, 0.0, 0.0)
 class Heaping(Family):
     """A share of the values is recorded as the nearest multiple of a step: of all values, or the more the nearer.
 
-    In the shape `near` the share falls off with the distance d from the multiple, as exp(-d / (reach step)).
+    In the shape `heaped_near` the share falls off with the distance d from the multiple, as exp(-d / (reach step)).
     """
 
-    shape: str = "any"
+    shape: str = "heaped"
     feature: int | Literal["all"] | None = None
     columns: tuple[int, ...] = (0,)
     """Where the values stand in an event."""
@@ -58,12 +58,12 @@ class Heaping(Family):
     """Between which the step lies: next to each other where the data show it."""
 
     stage = 4
-    name = "heaping"
+    name = "quantisation"
     domains = ("counts", "continuous")
     position = 33
     choices = 1
     STRENGTH = Parameter("share", 0, 1, 0, "1")
-    SHAPES: ClassVar = {"any": (), "near": (Parameter("reach", 0.03, 1, None, "steps"),)}
+    SHAPES: ClassVar = {"heaped": (), "heaped_near": (Parameter("reach", 0.03, 1, None, "steps"),)}
     sentence: ClassVar = "Round numbers are preferred: values near them are recorded as these."
     source: ClassVar = "D. F. Heitjan, D. B. Rubin, J. Am. Stat. Assoc. 85 (1990) 304"
 
@@ -95,7 +95,7 @@ class Heaping(Family):
         shown = self.shown(x)
         if not shown.step:
             return np.empty((0, len(self.parameters)))
-        if self.shape == "any":
+        if self.shape == "heaped":
             return np.array([[min(shown.share, MOSTLY), shown.step]])
         reach = np.array(REACHES)
         of_all = 2 * reach * (1 - np.exp(-0.5 / reach))  # the mean of exp(-d / reach), d even from 0 to half a step
@@ -105,7 +105,7 @@ class Heaping(Family):
         x = simulate(theta, rng)
         values, share, step = x[:, self.columns], phi[:, :1], phi[:, 1:2]
         round_numbers = step * np.rint(values / step)
-        if self.shape == "near":
+        if self.shape == "heaped_near":
             share = share * np.exp(-np.abs(values - round_numbers) / (phi[:, 2:] * step))
         if self.whole:
             round_numbers = np.rint(round_numbers)

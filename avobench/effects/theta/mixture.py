@@ -30,6 +30,7 @@ class Mixture(Effect):
     stage = 1
     name = "mixture"
     domains = ("counts", "continuous", "images")
+    odds = 0.25
     position = 31
     sentence: ClassVar = "Some events come from a second population: the same simulator at other parameters."
     source: ClassVar = "K. Pearson, Phil. Trans. R. Soc. A 185 (1894) 71"

@@ -40,8 +40,8 @@ DRAWN = {"gaussian": _gaussian, "uniform": _uniform, "two_values": _two_values}
 class Spread(Family):
     """A parameter of the task, named by `feature`, has another value in each event, around that of theta.
 
-    Overdispersion of counts is a special case: a rate that differs. It can be had of any count, whatever the parameters
-    of its simulator mean, so both stay, and tie where both describe the events.
+    Overdispersion of counts is a special case: a rate that differs. Where an event is one count and theta one
+    parameter, they are the same, and it is left to `overdispersion`.
     """
 
     shape: str = "gaussian"
@@ -57,6 +57,7 @@ class Spread(Family):
     name = "spread"
     domains = ("counts", "continuous", "images")
     moves_theta = True
+    odds = 0.25
     position = 30
     SHAPES: ClassVar = {shape: () for shape in DRAWN}
     sentence: ClassVar = (
@@ -68,6 +69,8 @@ class Spread(Family):
     def entries(cls, site):
         """One a parameter of the task."""
         task = site.task
+        if site.counts == [None] and len(task.parameter_names) == 1:
+            return []
         supports = zip(task.support.low, task.support.high, strict=True)
         described = zip(task.parameter_names, supports, WIDEST * task.prior.width, task.parameter_units, strict=True)
         return [
