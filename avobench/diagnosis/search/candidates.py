@@ -8,7 +8,6 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import zip_longest
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +37,9 @@ PARENTS = 3
 """Families that stay although they do not matter: to which a further effect may be added."""
 MOST = (8, 6, 6)
 """Candidates that are left after each round of halving, at most."""
+SHAPES_KEPT = 2
+"""Of each family, in which fits go on: the plainest may be right, or need one more parameter, and families of many
+shapes must not crowd out the others."""
 NEARBY = 0.05
 """In cube coordinates: fits of one shape that are closer than that are one."""
 
@@ -174,13 +176,13 @@ def go_on(fit: Fit, known: KnownModel, target: Target, rng: np.random.Generator,
 
 
 def distinct(fits: list[Fit]) -> list[Fit]:
-    """Of fits, best first, each once: the best of every family, then the next of every family, and so on."""
-    kept: dict[tuple, list[Fit]] = {}
+    """Of fits, best first, each once, and of each family the best SHAPES_KEPT."""
+    kept: list[Fit] = []
     for fit in fits:
-        own = kept.setdefault(fit.model.effects[-1].key, [])
-        if not any(same(fit, one) for one in own):
-            own.append(fit)
-    return [fit for row in zip_longest(*kept.values()) for fit in row if fit is not None]
+        own = [one for one in kept if one.model.effects[-1].key == fit.model.effects[-1].key]
+        if len(own) < SHAPES_KEPT and not any(same(fit, one) for one in own):
+            kept.append(fit)
+    return kept
 
 
 def same(fit: Fit, other: Fit) -> bool:
