@@ -37,8 +37,8 @@ PARENTS = 3
 """Families that stay although they do not matter: to which a further effect may be added."""
 MOST = (8, 6, 6)
 """Candidates that are left after each round of halving, at most."""
-SHAPES_KEPT = 2
-"""Of each family, in which fits go on: the plainest may be right, or need one more parameter, and families of many
+SHAPES_KEPT = 3
+"""Of each family, in which fits go on: the plainest may be right, or need a parameter more, and families of many
 shapes must not crowd out the others."""
 NEARBY = 0.05
 """In cube coordinates: fits of one shape that are closer than that are one."""

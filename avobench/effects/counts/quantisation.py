@@ -43,7 +43,6 @@ class Quantisation(CountEffect):
     stage = 4
     name = "quantisation"
     position = 8
-    choices = 1
     STRENGTH = Parameter("fraction", 0, 1, 0, "1")
     SHAPES: ClassVar = {shape: () for shape in (*STEPS, *BITS)}
     sentence: ClassVar = "Readings are rounded to a coarser step than one count."
