@@ -9,7 +9,7 @@ from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File, Files
 
 from avobench.bench import registry
-from avobench.effects.catalogue import catalogue
+from avobench.effects.catalogue import catalogue, domain
 from avobench.effects.contract import Effect
 
 ROOT = Path(__file__).parents[1]
@@ -17,10 +17,14 @@ FROM_THE_ROOT = {"changelog.md": "CHANGELOG.md", "contributing.md": "CONTRIBUTIN
 """Pages of the site that stand where whoever looks at the repository expects them."""
 DOMAINS = {
     "Continuous features": ("carl", "Such as energies and angles. An effect acts on one feature, or on all alike."),
+    "Features without negative values": (
+        "avobench.tasks.decays:DECAYS",
+        "Such as times and masses. These act on them beside what acts on any continuous feature.",
+    ),
     "Counts": ("poisson", "Such as the pulses in an interval. An effect acts on one count, or on all of them alike."),
     "Images": ("alignment", "Hits in the cells of a detector. Some effects act on the particles that make them."),
 }
-"""Kinds of events, a task with a catalogue of each, and what they are."""
+"""Kinds of events, a task with a catalogue of each, and what they are. What was shown already is not shown again."""
 PICTURES = "figures/effects"
 """Where `make docs` has `avobench effects draw` put one for each family: the build warns of one that is not there."""
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
@@ -68,10 +72,14 @@ def effects_page() -> str:
         "`avobench list effects --task NAME` gives the bounds for another task. If what you look for is not here, "
         "[add it](add-an-effect.md): it takes one class.",
     ]
-    for title, (name, what) in DOMAINS.items():
+    shown = set()
+    for title, (spec, what) in DOMAINS.items():
         parts += [f"## {title}", what]
-        for family, effects in families(name).items():
-            parts.append(f"### {family}\n\n{described(effects, name)}")
+        task = registry.build("task", spec, {})
+        for family, effects in families(spec).items():
+            if (domain(task), family) not in shown:
+                parts.append(f"### {family}\n\n{described(effects, task.name)}")
+            shown.add((domain(task), family))
     return "\n\n".join(parts) + "\n"
 
 
@@ -86,12 +94,14 @@ def families(task: str) -> dict[str, list[Effect]]:
 def described(effects: list[Effect], task: str) -> str:
     """One family: its sentence, its picture, a table of its parameters with the shapes that have them, its source."""
     shapes = {shape.shape: shape for effect in effects for shape in effect.shapes()}
-    parameters = {p.name: p for shape in shapes.values() for p in shape.parameters}
-    rows = []
-    for name, parameter in parameters.items():
-        having = [label for label, shape in shapes.items() if name in [p.name for p in shape.parameters]]
-        where = "all" if len(having) == len(shapes) else ", ".join(having)
-        rows.append(f"| {name} | {parameter.low:.3g} to {parameter.high:.3g} | {parameter.unit} | {where} |")
+    having: dict[str, list[str]] = {}
+    for label, shape in shapes.items():
+        for p in shape.parameters:
+            having.setdefault(f"{p.name} | {p.low:.3g} to {p.high:.3g} | {p.unit}", []).append(label)
+    rows = [
+        f"| {parameter} | {'all' if len(labels) == len(shapes) else ', '.join(labels)} |"
+        for parameter, labels in having.items()
+    ]
     name = effects[0].name
     picture = f"{PICTURES}/{task}-{name.replace('_', '-')}.png"
     shown = f"[![Events of {task} without and with {name}]({picture}){half_size(ROOT / 'docs' / picture)}]({picture})"

@@ -168,9 +168,9 @@ def effect(spec: str) -> Effect:
 
 
 def effect_families(name: str) -> list[type[Effect]]:
-    """The installed effects of a name, which several domains may have, or of an entry point. Raises UsageError."""
+    """The installed effects of a name, which several classes may have, or of an entry point. Raises UsageError."""
     points = families()
-    found = [family for point, family in points.items() if name in (point, point.rpartition(".")[2])]
+    found = [family for point, family in points.items() if name in (point, point.rpartition(".")[2], family.name)]
     if not found:
         known = points if "." in name else {point.rpartition(".")[2] for point in points}
         near = difflib.get_close_matches(name, sorted(known), n=3, cutoff=0.5)

@@ -17,7 +17,11 @@ WIDTH = 110
 """Columns that a line takes at most, as in the help of the commands."""
 NO_BREAK = "\u00a0"
 """A blank within the name of a shape, at which no line ends."""
-EXAMPLES = {"counts": ("poisson",), "continuous": ("carl", "weinberg"), "images": ("alignment",)}
+EXAMPLES = {
+    "counts": ("poisson",),
+    "continuous": ("carl", "weinberg", "avobench.tasks.decays:DECAYS"),
+    "images": ("alignment",),
+}
 """Tasks for which the effects of each domain are listed where no task is given: together they show all shapes."""
 
 

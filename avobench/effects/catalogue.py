@@ -15,7 +15,8 @@ from avobench.tasks.errors import UsageError
 __all__ = ["catalogue", "chosen", "domain", "families", "of_domain"]
 
 GROUP = "avobench.effects"
-"""Of entry points. The name of one is its domain, a dot, and the name of the effect: `counts.dead_time`."""
+"""Of entry points. The name of one is its domain, a dot, and what it is: `counts.dead_time`. Of a family of several
+classes each has one of its own: `continuous.truncation` has the name `edge_acceptance`."""
 
 
 @cache
@@ -47,7 +48,9 @@ def of_domain(*kinds: Domain) -> list[type[Effect]]:
 
 
 def catalogue(task: Task, x: NDArray | None = None) -> list[Effect]:
-    """Every effect that applies to `task`: one entry a name and feature, each in its plainest shape.
+    """Every effect that applies to `task`: one entry a class and feature, each in its plainest shape.
+
+    Classes of one family have the same name; no two of their shapes have.
 
     Ranges of features are those that events x (N, d) show, or those over the prior.
     """
@@ -58,10 +61,11 @@ def catalogue(task: Task, x: NDArray | None = None) -> list[Effect]:
 def chosen(effects: Iterable[Effect], names: Iterable[str], task: str) -> list[Effect]:
     """The effects of these names, in their own order. Raises UsageError for a name that none of them has.
 
-    `task` is what the user calls the task, for the message. A name may be that of an entry point, `counts.dead_time`.
+    `task` is what the user calls the task, for the message. A name may be that of an entry point, `counts.dead_time`:
+    of a family of several classes, as `continuous.truncation`, that one is chosen alone.
     """
     effects = list(effects)
-    known = dict.fromkeys(effect.name for effect in effects)
+    known = dict.fromkeys(name for effect in effects for name in _names(effect))
     wanted = {name.rpartition(".")[2]: name for name in names}
     for name, given in wanted.items():
         if name not in known:
@@ -70,4 +74,9 @@ def chosen(effects: Iterable[Effect], names: Iterable[str], task: str) -> list[E
             raise UsageError(
                 f"there is no effect '{given}' for {task}; {hint}`avobench list effects --task {task}` shows all"
             )
-    return [effect for effect in effects if effect.name in wanted]
+    return [effect for effect in effects if wanted.keys() & set(_names(effect))]
+
+
+def _names(effect: Effect) -> list[str]:
+    """That of its family, and those of its class."""
+    return [effect.name, *(point.rpartition(".")[2] for point, own in families().items() if own is type(effect))]

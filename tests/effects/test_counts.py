@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import poisson
 
 from avobench.bench.conformance import effects as suite
-from avobench.effects.catalogue import catalogue, of_domain
+from avobench.effects.catalogue import catalogue, chosen, of_domain
 from avobench.effects.model import Model
 from avobench.tasks.function import task
 from avobench.tasks.poisson import Poisson
@@ -26,8 +26,9 @@ BESIDE = task(beside, prior={"log_rate": (0, 3)}, kinds={"x2": "count"})
 
 
 def effect_of(task, name, shape=None, feature=None):
-    entry = next(effect for effect in catalogue(task) if effect.key == (name, feature))
-    return next(one for one in entry.shapes() if shape in (None, one.shape))
+    """Of an effect, by the name of its module, since several may have one name; in any shape if that is None."""
+    entries = [effect for effect in chosen(catalogue(task), [name], task.name) if effect.feature == feature]
+    return next(one for entry in entries for one in entry.shapes() if shape in (None, one.shape))
 
 
 def events(task, effects, params, n=N):
@@ -69,15 +70,41 @@ def test_censored_counts_are_a_spike_at_the_limit_which_is_read_off_the_data(sha
     assert (x == limit).mean() == pytest.approx(piled, abs=5 * 0.5 / np.sqrt(20_000))
     assert (x.max() if shape == "above" else x.min()) == limit
     shown = effect.adapted(x)
-    assert shown.parameters[1].low < limit < shown.parameters[1].high
-    assert (shown.guess(x)[:, 1] == limit).all()
+    assert shown.parameters[1].low <= limit <= shown.parameters[1].high
+    outermost = [6, 7, 8] if shape == "above" else [4, 5, 6]
+    assert shown.guess(x)[:, 1].tolist() == outermost
+
+
+def test_a_limit_between_two_counts_is_the_upper_one_for_its_share():
+    """Of counts beyond 8.3, three in ten are recorded as 9, or as themselves if they are, and the others as 8."""
+    x = events(Poisson(), [effect_of(Poisson(), "censoring", "above")], [np.log(6.0), 1.0, 8.3])[:, 0]
+    beyond, error = poisson.sf(8, 6), 5 * 0.5 / np.sqrt(N)
+    assert x.max() == 9
+    assert (x == 9).mean() == pytest.approx(0.3 * beyond, abs=error)
+    assert (x == 8).mean() == pytest.approx(poisson.pmf(8, 6) + 0.7 * beyond, abs=error)
+    x = events(Poisson(), [effect_of(Poisson(), "censoring", "below")], [np.log(6.0), 1.0, 3.6])[:, 0]
+    assert x.min() == 3
+    assert (x == 3).mean() == pytest.approx(0.4 * poisson.cdf(3, 6), abs=error)
+    assert (x == 4).mean() == pytest.approx(poisson.pmf(4, 6) + 0.6 * poisson.cdf(3, 6), abs=error)
+
+
+def test_a_limit_far_within_the_counts_is_where_they_gather():
+    """A share of half leaves counts beyond the limit, so that it is none of the outermost."""
+    for shape, limit in (("above", 24), ("below", 16)):
+        effect = effect_of(Poisson(), "censoring", shape)
+        x = events(Poisson(), [effect], [np.log(20.0), 0.5, limit], 20_000)
+        assert limit in effect.adapted(x).guess(x)[:, 1]
 
 
 @pytest.mark.parametrize("rate", [0.3, 1.0, 2.0, 6.0, 50.0, 3000.0])
-def test_counts_that_nothing_censors_show_no_spike(rate):
+def test_of_counts_that_nothing_censors_only_the_outermost_may_be_a_limit(rate):
     x = np.random.default_rng(0).poisson(rate, (50_000, 1))
     for shape in effect_of(Poisson(), "censoring").shapes():
-        assert len(shape.guess(x)) == 0
+        limits = shape.guess(x)[:, 1]
+        assert 1 <= len(limits) <= 3
+        away = x.max() - limits if shape.shape == "above" else limits - max(x.min(), 1)
+        assert ((away >= 0) & (away < 3)).all()
+        assert (limits >= np.median(x) if shape.shape == "above" else limits <= max(np.median(x), 1)).all()
 
 
 def test_an_excess_of_zeros_stands_beside_another_process():
@@ -114,9 +141,10 @@ def test_an_effect_on_one_count_leaves_the_others_as_they_are():
 
 
 @pytest.mark.parametrize(("which", "feature"), [(WEEKS, 2), (WEEKS, "all"), (BESIDE, 1)], ids=["one", "all", "beside"])
-@pytest.mark.parametrize("family", [one.name for one in of_domain("counts") if one.name not in ("spread", "mixture")])
+@pytest.mark.parametrize("family", [one for one in of_domain("counts") if one.name not in ("spread", "mixture")])
 def test_effects_keep_their_contract_on_any_count(family, which, feature):
-    effect = effect_of(which, family, None, feature)
+    effect = next(entry for entry in catalogue(which) if type(entry) is family and entry.feature == feature)
+    family = effect.name
     (described,), checks = suite.rounds(family, [(which, effect)])
     described[1]()
     wanted = effect.shapes()[:: max(1, len(effect.shapes()) // 3)]

@@ -9,19 +9,22 @@ from scipy.stats import beta, crystalball, expon, kstest, lomax, norm
 from avobench.effects.catalogue import catalogue
 from avobench.effects.continuous.analysis_window import AnalysisWindow
 from avobench.effects.continuous.censoring import Censoring
+from avobench.effects.continuous.dead_region import DeadRegion
 from avobench.effects.continuous.ends import sharp_end
+from avobench.effects.continuous.forward_backward_acceptance import ForwardBackwardAcceptance
 from avobench.effects.continuous.offset import Offset
 from avobench.effects.continuous.peak_background import PeakBackground
 from avobench.effects.continuous.radiative_tail import RadiativeTail
 from avobench.effects.continuous.resolution import Resolution
 from avobench.effects.continuous.saturation import Saturation
+from avobench.effects.continuous.scale import Scale
 from avobench.effects.continuous.second_exponential import SecondExponential
 from avobench.effects.continuous.truncation import Truncation
 from avobench.effects.continuous.turn_on import TurnOn
 from avobench.effects.model import Model
 from avobench.effects.ranges import Range
+from avobench.tasks.carl import Carl
 from avobench.tasks.function import task
-from avobench.tasks.weinberg import Weinberg
 
 N = 40_000
 LIFETIME = 2.0
@@ -63,7 +66,7 @@ def test_a_turn_on_has_the_mean_that_its_curve_gives(width):
     for side, sign in (("low", 1), ("high", -1)):
         x = made(shape(TurnOn, f"erf_{side}"), [1, 0, width], normal)
         assert x.mean() == pytest.approx(sign * np.sqrt(2 / np.pi / (1 + width**2)), abs=five_errors(x))
-    x = made(shape(TurnOn, "power_low", UNIT), [1, 1, width], uniform)
+    x = made(shape(TurnOn, "rise_low", UNIT), [1, 1, width], uniform)
     assert x.mean() == pytest.approx((width + 1) / (width + 2), abs=five_errors(x))
 
 
@@ -83,12 +86,12 @@ def test_of_a_turn_on_one_side_is_the_mirror_of_the_other(place, width, lost):
 
 @pytest.mark.parametrize(("side", "limit"), [("below", 1.3), ("above", 3.0)])
 def test_truncation_leaves_what_is_within_its_limit_and_reads_it_off_the_data(side, limit):
-    effect = shape(Truncation, side)
+    effect = shape(Truncation, f"truncated_{side}")
     x = made(effect, [limit])
     ends = (limit, np.inf) if side == "below" else (0, limit)
     low, high = expon.cdf(ends, scale=LIFETIME)
     assert kstest(x, lambda v: (expon.cdf(v, scale=LIFETIME) - low) / (high - low)).pvalue > CHANCE
-    adapted = next(s for s in effect.adapted(x[:, None]).shapes() if s.shape == side)
+    adapted = next(s for s in effect.adapted(x[:, None]).shapes() if s.shape == effect.shape)
     (found,) = adapted.guess(x[:, None])
     assert found == pytest.approx([limit], abs=20 * LIFETIME / N)
     assert adapted.parameters[0].low < limit < adapted.parameters[0].high
@@ -96,7 +99,7 @@ def test_truncation_leaves_what_is_within_its_limit_and_reads_it_off_the_data(si
 
 
 def test_of_an_exponential_a_truncation_below_is_an_offset():
-    cut = made(shape(Truncation, "below"), [1.3])
+    cut = made(shape(Truncation, "truncated_below"), [1.3])
     shifted = made(Offset(0, (WIDE,)), [1.3], seed=1)
     assert kstest(cut, shifted).pvalue > CHANCE
 
@@ -120,7 +123,7 @@ def test_an_end_is_sharp_where_the_density_is_a_step(kind, sharp):
 
 
 def test_an_exponential_ends_sharply_below_and_thins_out_above():
-    x = made(shape(Truncation, "below"), [1.3])
+    x = made(shape(Truncation, "truncated_below"), [1.3])
     assert sharp_end(x, "below") == x.min()
     assert sharp_end(x, "above") is None
     assert sharp_end(-x, "above") == -x.min()
@@ -130,11 +133,11 @@ def test_an_exponential_ends_sharply_below_and_thins_out_above():
     ("side", "limit", "value"), [("below", 0.7, 0.35), ("below", 0.7, 0.7), ("above", 3.0, 9.0), ("above", 3.0, 3.0)]
 )
 def test_censoring_records_one_value_for_all_beyond_and_names_both(side, limit, value):
-    effect = shape(Censoring, side)
+    effect = shape(Censoring, f"censored_{side}")
     plain, x = (made(effect, [fraction, limit, value]) for fraction in (0, 1))
     beyond = plain < limit if side == "below" else plain > limit
     np.testing.assert_array_equal(x, np.where(beyond, value, plain))
-    adapted = next(s for s in effect.adapted(x[:, None]).shapes() if s.shape == side)
+    adapted = next(s for s in effect.adapted(x[:, None]).shapes() if s.shape == effect.shape)
     _, at, spike = adapted.parameters
     assert spike.low < value < spike.high < spike.low + 1e-6
     assert at.low == pytest.approx(limit, abs=20 * LIFETIME / N)
@@ -145,7 +148,7 @@ def test_censoring_records_one_value_for_all_beyond_and_names_both(side, limit, 
 
 
 def test_of_values_that_are_censored_in_part_the_spike_is_known_and_the_limit_is_not():
-    effect = shape(Censoring, "above")
+    effect = shape(Censoring, "censored_above")
     x = made(effect, [0.5, 3.0, 40.0])
     adapted = effect.adapted(x[:, None])
     assert adapted.spikes == (None, 40.0)
@@ -154,7 +157,30 @@ def test_of_values_that_are_censored_in_part_the_spike_is_known_and_the_limit_is
 
 def test_censoring_at_the_limit_is_a_saturation():
     saturated = made(shape(Saturation, "above"), [0.6, 0.5])  # half the range above its centre
-    np.testing.assert_array_equal(saturated, made(shape(Censoring, "above"), [0.6, 8.0, 8.0]))
+    np.testing.assert_array_equal(saturated, made(shape(Censoring, "censored_above"), [0.6, 8.0, 8.0]))
+
+
+@pytest.mark.parametrize(("side", "inner", "outer"), [("above", 3.0, 3.4), ("below", 0.7, 0.5)])
+def test_of_two_limits_a_share_has_the_outer_one_and_the_data_show_both(side, inner, outer):
+    plain = made(Offset(0, (WIDE,)), [0.0])
+    beyond = plain > inner if side == "above" else plain < inner
+    takes_outer = np.random.default_rng(1).random(N) < 0.3
+    ends = np.where(takes_outer, outer, inner)
+    x = np.minimum(plain, ends) if side == "above" else np.maximum(plain, ends)
+    adapted = Censoring(0, (WIDE,)).adapted(x[:, None])
+    assert adapted.two[side == "above"] == (inner, outer)
+    assert adapted.two[side == "below"] == ()
+    (effect,) = (one for one in adapted.shapes() if one.shape.startswith("two_limits"))
+    assert effect.shape == f"two_limits_{side}"
+    assert effect.guess(x[:, None]) is None
+    np.testing.assert_array_equal(made(effect, [0.0, 0.3]), plain)
+    y, far = made(effect, [1.0, 0.3]), np.mean(plain > outer if side == "above" else plain < outer)
+    error = 5 * 0.5 / np.sqrt(N)
+    assert (y == outer).mean() == pytest.approx(0.3 * far, abs=error)
+    assert (y == inner).mean() == pytest.approx(0.7 * np.mean(beyond), abs=error)
+    (again,) = (one for one in adapted.adapted(y[:, None]).shapes() if one.shape.startswith("two_limits"))
+    assert again.two == effect.two
+    assert not [s for s in adapted.adapted(plain[:, None]).shapes() if s.shape.startswith("two_limits")]
 
 
 def test_of_spikes_on_both_sides_each_is_for_its_own():
@@ -237,6 +263,63 @@ def test_a_peak_with_a_tail_is_a_crystal_ball():
 
 
 def test_these_act_on_one_feature_only():
-    families = (TurnOn, Truncation, Censoring, AnalysisWindow, RadiativeTail, SecondExponential)
-    names = {family.name for family in families}
-    assert [e.feature for e in catalogue(Weinberg()) if e.name in names] == [0] * len(names)
+    families = (TurnOn, Truncation, Censoring, AnalysisWindow)
+    found = [(type(e), e.feature) for e in catalogue(Carl()) if isinstance(e, families)]
+    assert sorted(found, key=str) == sorted(((family, j) for family in families for j in range(5)), key=str)
+
+
+@settings(deadline=None)
+@given(centre=st.floats(-1, 1), width=st.floats(0.02, 0.8), which=st.sampled_from(["one", "all"]))
+def test_a_dead_region_has_events_on_both_sides(centre, width, which):
+    """Wherever it is said to be, a fortieth of the range at either end is outside of it, and its width is the same."""
+    span = Range(2.0, 6.0, True)
+    scale = 1.0 if which == "all" else span.half  # of all features places are in half ranges
+    effect = DeadRegion(0 if which == "one" else "all", (span,), "box")
+    x = np.linspace(span.low, span.high, 4001)
+    at = centre if which == "all" else span.centre + span.half * centre
+    kept = effect.kept(x, span, np.tile([1.0, at, width * scale], (len(x), 1)))
+    ends = np.abs(span.unit(x)) > 1 - 0.05 + 1e-9
+    assert (kept[ends] == 1).all()
+    assert (kept == 0).mean() == pytest.approx(width / 2, abs=2 / 4000)
+
+
+def test_a_dead_region_of_an_angle_may_lie_where_that_comes_round_again():
+    once = Range(0.0, 2 * np.pi, False, periodic=True)
+    x = np.array([0.01, 1.0, 6.0])
+    kept = DeadRegion(0, (once,), "box").kept(x, once, np.tile([1.0, 0.0, 0.5], (3, 1)))
+    assert kept.tolist() == [0, 1, 1]
+
+
+@settings(deadline=None)
+@given(stretch=st.floats(-0.5, 0.5), share=st.floats(0, 1), centre=st.floats(-3, 3))
+def test_two_gains_stretch_the_two_sides_of_the_centre_differently(stretch, share, centre):
+    span = Range(centre - 2, centre + 2, False)
+    x, phi = centre + np.linspace(-3, 3, 61), np.tile([stretch, share], (61, 1))
+    for side, sign in (("low", -1), ("high", 1)):
+        y = shape(Scale, f"two_gains_{side}", span).changed(x, span, phi, None)
+        less = sign * (x - centre) > 1e-12
+        np.testing.assert_allclose(y[less] - centre, (1 + share * stretch) * (x[less] - centre), atol=1e-12)
+        np.testing.assert_allclose(y[~less] - centre, (1 + stretch) * (x[~less] - centre), atol=1e-12)
+
+
+@settings(deadline=None)
+@given(asymmetry=st.floats(-0.95, 0.95), power=st.floats(0.3, 3))
+def test_a_growing_acceptance_loses_on_one_side_alone_and_most_at_its_end(asymmetry, power):
+    span = Range(-1.0, 1.0, True)
+    x, phi = np.linspace(-1, 1, 81), np.tile([asymmetry, power], (81, 1))
+    kept = shape(ForwardBackwardAcceptance, "growing", span).kept(x, span, phi)
+    side = np.sign(asymmetry) * x
+    assert kept[side >= 0] == pytest.approx(1)
+    worse = kept[np.argsort(side)][: (side < 0).sum()]
+    assert (np.diff(worse) >= 0).all()
+    assert kept.min() == pytest.approx((1 - abs(asymmetry)) / (1 + abs(asymmetry)))
+    half = np.argmin(np.abs(side + 0.5))  # lost there: so much less as the power says
+    assert 1 - kept[half] == pytest.approx((1 - kept.min()) * 0.5**power)
+
+
+def test_a_growing_acceptance_has_the_mean_of_its_density():
+    """Uniform events, of which 1 - 2 a u / (1 + a) are kept at u below the centre: a tent, whose mean is known."""
+    a = 0.6
+    x = made(shape(ForwardBackwardAcceptance, "growing", UNIT), [a, 1.0], uniform)
+    lost = 2 * a / (1 + a)  # at the end; on average a quarter of it, at 1 / 6
+    assert x.mean() == pytest.approx((0.5 - lost / 4 / 6) / (1 - lost / 4), abs=five_errors(x))

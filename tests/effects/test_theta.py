@@ -8,6 +8,8 @@ from scipy.stats import truncnorm
 
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
+from avobench.effects.site import Site
+from avobench.effects.theta.spread import Spread
 from avobench.tasks.function import task
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.warped import Warped5
@@ -68,7 +70,9 @@ def test_a_spread_stays_within_the_support_and_is_a_number(at, width, shape):
 def test_a_log_rate_that_spreads_is_an_overdispersion():
     """A lognormal rate: variance m + m^2 (exp(s^2) - 1), as the shape of overdispersion with that relative variance."""
     theta, width = np.log(8.0), 0.4
-    spread = events(Poisson(), shape_of(Poisson(), ("spread", "log_rate"), "gaussian"), [theta], [width])
+    assert Spread.entries(Site(Poisson())) == []  # so that they never tie
+    log_rate = Spread(feature="log_rate", support=(Poisson().support.low[0], Poisson().support.high[0]))
+    spread = events(Poisson(), log_rate, [theta], [width])
     mean = 8 * np.exp(width**2 / 2)
     assert spread.mean() == pytest.approx(mean, rel=0.01)
     assert spread.var() == pytest.approx(mean + mean**2 * np.expm1(width**2), rel=0.03)

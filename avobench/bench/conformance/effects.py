@@ -3,6 +3,7 @@
 import pickle
 from collections.abc import Iterator
 from functools import partial
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +21,16 @@ ALPHA = 1e-6
 """Chance that a statistical check blames a sound effect: a suite runs hundreds of them."""
 NUM_EVENTS = 4000
 """Of each statistical check: a tenth of the events too many in one bin of ten is then seen."""
-TASKS = {"counts": "poisson", "continuous": "carl", "images": "alignment"}
-"""A task for each domain of the catalogue."""
+TASKS = {
+    "counts": ("poisson",),
+    "continuous": ("carl", "avobench.tasks.decays:DECAYS"),
+    "images": ("alignment",),
+}
+"""Tasks for each domain of the catalogue: the first for all, another for effects that do not apply to that."""
 
 
 def subjects(name: str) -> list[tuple[Task, Effect]]:
-    """The effect `name` on each task of ours to which it applies, its first entry in each catalogue.
+    """The effect `name` on a task of ours of each domain, its first entry in the catalogue; of a family each class.
 
     The name of an effect, `quantisation`, of an entry point, `counts.quantisation`, or a user's module:Class. A user's
     effect is tried on all tasks on which it runs, without those whose events it makes into others if there are more.
@@ -33,14 +38,15 @@ def subjects(name: str) -> list[tuple[Task, Effect]]:
     """
     found = []
     families = [] if ":" in name else registry.effect_families(name)
-    for kind, spec in TASKS.items():
-        task = registry.build("task", spec, {})
+    for kind, specs in TASKS.items():
+        tasks = [registry.build("task", spec, {}) for spec in specs]
         if ":" in name:
             effect = registry.effect(name)
-            found.append((task, effect, _made(task, effect)))
+            found.append((tasks[0], effect, _made(tasks[0], effect)))
             continue
-        entries = [entry for family in of_domain(kind) if family in families for entry in family.entries(Site(task))]
-        found += [(task, effect, np.dtype(task.dtype)) for effect in entries[:1]]
+        for family in (family for family in of_domain(kind) if family in families):
+            entries = ((task, entry) for task in tasks for entry in family.entries(Site(task)))
+            found += [(task, entry, np.dtype(task.dtype)) for task, entry in islice(entries, 1)]
     found = [(task, effect) for task, effect, made in found if made == np.dtype(task.dtype)] or [
         (task, effect) for task, effect, made in found if made is not None
     ]

@@ -51,6 +51,8 @@ def card(
 ) -> list[Row]:
     """A row for each effect that the model has not, in its plainest shape with middling shape parameters.
 
+    Of several classes of a family that is the first one's.
+
     `alpha` is the level of the summary gate.
     """
     need = noncentrality(max(fit.dof, 1), alpha) * (1 + fit.noise)
@@ -59,6 +61,7 @@ def card(
     rows, left = [], []
     for effect in effects:
         if effect.key not in there:
+            there.add(effect.key)
             row, direction = _row(sample, effect, need, rng, effort.card)
             rows.append(row)
             left.append(direction)

@@ -78,8 +78,8 @@ def kept(effect: Effect, base: Task, source: str | None = None, own: Effect | No
     file.py:Class; its name where it is not.
     """
     if own is None:
-        alike = (entry for entry in catalogue(base) if entry.key == effect.key and type(entry) is type(effect))
-        plain = next(alike, None)
+        alike = (shape for entry in catalogue(base) if entry.key == effect.key for shape in entry.shapes())
+        plain = next((shape for shape in alike if type(shape) is type(effect)), None)
     else:
         plain, source = own, registry.absolute(source or effect.name)
     settings = {}

@@ -85,7 +85,7 @@ class Bins(Summary):
 
 def bin_of(column: NDArray, edges: NDArray[np.float64]) -> NDArray[np.intp]:
     """How many inner edges lie at or below each value: (n,). Whole numbers are looked up in a table."""
-    if len(edges) and np.issubdtype(column.dtype, np.integer):
+    if len(edges) and np.can_cast(column.dtype, np.int64):
         low, high = int(np.ceil(edges[0])) - 1, int(np.floor(edges[-1])) + 1
         if high - low < len(column):
             table = np.searchsorted(edges, np.arange(low, high + 1), side="right")

@@ -53,7 +53,7 @@ class Censoring(CountEffect):
         """The count that stands out most, and the outermost ones."""
         adapted, above = self.adapted(x), self.shape == "above"
         _, limit = adapted.parameters
-        outermost = limit.high - np.arange(OUTERMOST) if above else limit.low + 1 + np.arange(OUTERMOST)
+        outermost = limit.high - np.arange(OUTERMOST) if above else max(limit.low, 1.0) + np.arange(OUTERMOST)
         spikes = [_spike(x[:, j], above) for j in self.columns]
         limits = np.unique([*outermost, *(spike for spike in spikes if spike is not None)])
         return np.array([[MOSTLY, at] for at in limits if limit.low <= at <= limit.high])

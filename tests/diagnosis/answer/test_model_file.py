@@ -8,7 +8,7 @@ from pydantic.errors import PydanticSchemaGenerationError
 from avobench.bench import registry
 from avobench.diagnosis.answer.model_file import describe, kept
 from avobench.effects import Effect, Parameter
-from avobench.effects.catalogue import catalogue
+from avobench.effects.catalogue import catalogue, chosen
 from avobench.effects.model import Model
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
@@ -43,7 +43,7 @@ def test_a_model_file_keeps_where_the_data_end(name, tmp_path):
     task = Weinberg()
     x = task.simulate(np.tile(task.prior.center, (9000, 1)), np.random.default_rng(0))
     x = np.minimum(x[x[:, 0] > -0.7], 0.8) if name == "censoring" else x[np.abs(x[:, 0]) < 0.7]
-    adapted = next(effect for effect in catalogue(task) if effect.name == name).adapted(x)
+    adapted = chosen(catalogue(task), [name], task.name)[0].adapted(x)
     assert adapted != adapted.adapted(np.random.default_rng(0).standard_normal((9000, 1)))  # that shows no ends
     for shape in adapted.shapes():
         model = Model(task, (shape,))

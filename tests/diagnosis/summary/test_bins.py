@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from measurements import measured
 
-from avobench.diagnosis.summary.bins import bins_of, closed
+from avobench.diagnosis.summary.bins import bin_of, bins_of, closed
 from avobench.tasks.poisson import Poisson
 
 
@@ -28,3 +28,24 @@ def test_edges_grow_also_where_only_simulated_events_lie(values, inner):
     assert edges[0] <= min(values)
     assert edges[-1] >= max(values)
     np.testing.assert_array_equal(edges[1:-1], inner)
+
+
+@given(
+    dtype=st.sampled_from([np.dtype(code) for code in "?bhilqBHILQ"]),
+    edges=st.lists(st.integers(-300, 300), unique=True, max_size=12),
+    half=st.booleans(),
+    whole=st.lists(st.integers(-(2**63), 2**64 - 1) | st.integers(-310, 310), min_size=1, max_size=5),
+    repeated=st.sampled_from([1, 2000]),
+)
+def test_whole_numbers_are_in_the_bins_where_a_search_finds_them(dtype, edges, half, whole, repeated):
+    """Of every type of whole numbers, its ends included, and few or many of them: the table is of many alone."""
+    low, high = (0, 1) if dtype == np.dtype(bool) else (np.iinfo(dtype).min, np.iinfo(dtype).max)
+    x = np.tile(np.array([low, high, *(value for value in whole if low <= value <= high)], dtype), repeated)
+    inner = np.sort(np.array(edges, float)) + 0.5 * half
+    np.testing.assert_array_equal(bin_of(x, inner), np.searchsorted(inner, x, side="right"))
+
+
+@pytest.mark.parametrize("edge", [-1.0, 0.0, 0.5, 3.0])
+def test_a_count_at_an_edge_is_above_it(edge):
+    x = np.tile(np.arange(-3, 6), 10)
+    np.testing.assert_array_equal(bin_of(x, np.array([edge])), x >= edge)
