@@ -26,8 +26,14 @@ WANTED: tuple[tuple[str, tuple[str, ...], str, float], ...] = (
     ),
     ("second series: right name first", ("one", "foreign", "second_series", "right_first"), "at least", 0.85),
     ("second series: truth in the tie set", ("one", "foreign", "second_series", "in_tie_set"), "at least", 0.95),
-    ("third series: right name first", ("one", "foreign", "third_series", "right_first"), "at least", 0.85),
-    ("third series: truth in the tie set", ("one", "foreign", "third_series", "in_tie_set"), "at least", 0.95),
+    *(
+        (f"{name} series: {what}", ("one", "foreign", f"{name}_series", key), "at least", bound)
+        for name in ("third", "fourth")
+        for what, key, bound in (
+            ("right name first", "right_first", 0.85),
+            ("truth in the tie set", "in_tie_set", 0.95),
+        )
+    ),
     ("withheld: falsely explained", ("withheld", ALL, "falsely_explained"), "at most", 0.1),
     ("two effects: both named", ("two", ALL, "both"), "at least", 0.7),
     ("two effects: at least one named", ("two", ALL, "at_least_one"), "at least", 0.95),

@@ -95,13 +95,13 @@ class Injection(ABC):
     """Of the chain, as that of an effect of the catalogue: 0 generated particles, 1 source, 2 measurement, 3 selection,
     4 what is added or read out."""
     series: ClassVar[int] = 1
-    """That of the package it stands in: the second was written when the search had been developed on the first, and the
-    third without sight of the other two, of the catalogue and of the search."""
+    """That of the package it stands in: the second was written when the search had been developed on the first, the
+    third and the fourth without sight of the others, of the catalogue and of the search."""
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
         packages = cls.__module__.split(".")
-        cls.series = next((k for k, name in ((2, "second"), (3, "third")) if name in packages), 1)
+        cls.series = next((k for k, name in ((2, "second"), (3, "third"), (4, "fourth")) if name in packages), 1)
 
     @classmethod
     def suits(cls, place: Place) -> bool:
