@@ -116,12 +116,13 @@ class Prior:
 
     @classmethod
     def of(cls, catalogue: list[Effect]) -> "Prior":
-        """Of the effects that may be missing. Several of one key are one, with the shapes of all."""
-        odds: dict[str, float] = {}
-        shapes: dict[tuple, int] = {}
+        """Of the effects that may be missing. Classes of one name are one family, with the odds and shapes of all."""
+        odds: Counter[str] = Counter()
+        shapes: Counter[tuple] = Counter()
+        for effect in {type(effect): effect for effect in catalogue}.values():
+            odds[effect.name] += effect.odds
         for effect in catalogue:
-            odds[effect.name] = max(effect.odds, odds.get(effect.name, 0.0))
-            shapes[effect.key] = shapes.get(effect.key, 0) + len(effect.shapes())
+            shapes[effect.key] += len(effect.shapes())
         return cls(odds, Counter(name for name, _ in shapes), shapes)
 
     def log(self, names: Names) -> float:
