@@ -45,8 +45,8 @@ def read_timed(
 
     `columns` chooses columns, branches, or arrays of a .npz, in this order; without it all are read. A one-dimensional
     array is one feature; what has more than two dimensions, such as images, is flattened row by row. Also the column
-    `time` (n,), if one is named, which is then none of the events'. Raises UsageError for what cannot be read as
-    numbers, and for pickled content, which could run code.
+    `time` (n,), if one is named, which is then none of the events'; dates become seconds. Raises UsageError for what
+    cannot be read as numbers, and for pickled content, which could run code.
     """
     file, _, tree = path.rpartition(":") if re.search(r"\.root:[^:]+$", path) else (path, "", "")
     if not Path(file).is_file():
@@ -67,7 +67,7 @@ def read_timed(
             arrays = _READERS[suffix](file, tree, wanted)
             if time is not None:
                 _chosen(file, list(arrays), [time])
-                when = _stack(file, {time: arrays.pop(time)})[:, 0]
+                when = _seconds(arrays.pop(time), f"{file}: '{time}'")
                 _chosen(file, list(arrays), None)
             if suffix == ".npz" and len(arrays) == 1:
                 (x,) = arrays.values()
@@ -159,6 +159,17 @@ def _stack(file: str, arrays: dict[str, NDArray]) -> NDArray:
     return np.stack(list(arrays.values()), axis=1)
 
 
+def _seconds(time: NDArray, what: str) -> NDArray[np.float64]:
+    """Times (n,) as numbers: dates as seconds since 1970, of UTC where they name no zone; NaN where one is missing."""
+    if time.ndim == 1 and time.dtype.kind in "biuf":
+        return time.astype(float)
+    try:
+        dates = pd.to_datetime(pd.Series(time), format="ISO8601", utc=True)
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"{what} holds neither a number nor a date such as 2012-07-04T09:00 for each event") from error
+    return ((dates - pd.Timestamp(0, tz="UTC")) / pd.Timedelta(seconds=1)).to_numpy(float)
+
+
 def check_events(
     task: Task, x: ArrayLike, *, drop_invalid: bool = False, diagnosis: bool = True
 ) -> tuple[NDArray, list[str]]:
@@ -232,12 +243,13 @@ def with_times(
 ) -> tuple[NDArray, NDArray[np.float64], list[str]]:
     """Events (n, ...) and their times (n,), without rows that are not finite if `drop_invalid` says so; and warnings.
 
-    Raises UsageError for times that are no numbers, that are not one an event, not finite, or all alike.
+    Times are numbers or dates. Raises UsageError for others, for times that are not one an event, not finite, or all
+    alike.
     """
     x, time = np.asarray(x), np.asarray(time)
-    if time.dtype.kind not in "biuf" or time.shape != x.shape[:1]:
+    if time.shape != x.shape[:1]:
         raise UsageError(f"times must be one number for each of {len(x)} events, got {time.dtype} {time.shape}")
-    time, warnings = time.astype(float), []
+    time, warnings = _seconds(time, "time"), []
     keep = np.isfinite(time)
     if not keep.all():
         count = f"{(~keep).sum()} of {len(time)} times are NaN or infinite"

@@ -333,6 +333,26 @@ def test_a_column_is_the_time_and_no_feature(tmp_path):
         read_timed(str(tmp_path / "line.npy"), None, "when")
 
 
+@pytest.mark.parametrize(
+    "dates", [["2012-07-04", "2012-07-04T09:00", ""], ["2012-07-04T02:00+02:00", "2012-07-04T09:00Z", ""]]
+)
+def test_dates_become_seconds(tmp_path, dates):
+    """Nine hours apart, in UTC where no zone is named; a missing one is none."""
+    path = tmp_path / "dated.csv"
+    pd.DataFrame({"a": [1.0, 2.0, 3.0], "when": dates}).to_csv(path, index=False)
+    _, when = read_timed(str(path), None, "when")
+    assert when[:2] == pytest.approx([1341360000, 1341360000 + 9 * 3600])
+    assert np.isnan(when[2])
+    path.write_text("a,when\n1,noon\n2,dusk\n")
+    with pytest.raises(UsageError, match="'when' holds neither a number nor a date such as"):
+        read_timed(str(path), None, "when")
+
+
+def test_dates_of_an_array_are_times():
+    x, dates = np.arange(3.0)[:, None], np.array(["2012-07-04", "2012-07-05", "2012-07-07"], "datetime64[s]")
+    assert np.diff(with_times(x, dates)[1]).tolist() == [86400, 2 * 86400]
+
+
 def test_rows_without_a_time_or_without_values_go_together():
     x, time = np.array([[0.0], [1.0], [np.nan], [3.0]]), np.array([0.0, np.nan, 2.0, 3.0])
     kept, when, told = with_times(x, time, drop_invalid=True)
