@@ -2,13 +2,14 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from avobench.diagnosis.search.candidates import Weighed
 from avobench.diagnosis.search.evidence import Evidence
-from avobench.diagnosis.search.posterior import CREDIBLE, OUTSIDE, Posterior
+from avobench.diagnosis.search.posterior import CREDIBLE, NUMBER, OUTSIDE, Posterior, Prior
 from avobench.effects.catalogue import catalogue
 from avobench.tasks.poisson import Poisson
 
@@ -35,6 +36,19 @@ def test_probabilities_are_those_of_exclusive_models(models, outside):
     told = sum(found.probability[each] for each in found.credible)
     assert told >= CREDIBLE - 1e-9
     assert told - found.probability[found.credible[-1]] < CREDIBLE
+
+
+def test_families_share_the_prior_by_the_odds_of_their_classes():
+    """Of one effect alone: all families, features and shapes together have its share, two classes twice that of one."""
+    prior, total = Prior.of(CATALOGUE), 0.0
+    families = {}
+    for effect in CATALOGUE:
+        each = np.exp(prior.log(frozenset({effect.key}))) * len(effect.shapes())
+        families[effect.name] = families.get(effect.name, 0.0) + each
+        total += each
+    assert total == pytest.approx(NUMBER[1])
+    assert families["double_counting"] == pytest.approx(2 * families["dead_time"])  # of pulses, and of after-pulses
+    assert families["mixture"] == pytest.approx(EFFECTS["mixture"].odds * families["dead_time"])
 
 
 def test_a_fit_of_the_same_shape_counts_once():
