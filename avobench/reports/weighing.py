@@ -1,0 +1,46 @@
+"""What moves when a constant of the score is switched off: `python -m avobench.reports.weighing`.
+
+From the records of `avobench.studies.weighing`, of series of hidden shapes that the search was developed on.
+"""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pandas as pd
+
+from avobench.bench import registry
+from avobench.challenge.case import Case
+from avobench.reports import reliability
+from avobench.studies.weighing import OFF, RESULTS
+
+COLUMNS = {
+    "cases": "cases",
+    "most probable right": "right",
+    "in the 95 % set": "in the set",
+    "size": "size",
+    "P(truth)": "P(truth)",
+    "log score": "log score",
+    "calibration error": "calibration error",
+}
+
+
+def cases(folder: Path = RESULTS) -> Iterator[tuple[str, Case]]:
+    """Each case with what was switched off and whether the catalogue had what was hidden."""
+    for path in sorted(folder.glob("*.jsonl")):
+        head, *rows = map(json.loads, path.read_text().splitlines())
+        task = registry.build("task", head["task"], {})
+        for row in rows:
+            yield f"{row['off']}{', withheld' * (row['kind'] == 'withheld')}", Case(task, row, row["diagnosis"])
+
+
+def table(folder: Path = RESULTS) -> pd.DataFrame:
+    """A row for each thing that was switched off; the last column is the mean P(outside) of what was withheld."""
+    rows = reliability.table(cases(folder)).set_index("hidden")
+    found = rows.loc[list(OFF), list(COLUMNS)].rename(columns=COLUMNS)
+    withheld = rows.loc[[f"{name}, withheld" for name in OFF]]
+    return found.assign(**{"withheld: P(outside)": withheld["P(outside)"].to_numpy()}).rename_axis("if")
+
+
+if __name__ == "__main__":
+    print(table().reset_index().to_string(index=False, float_format=lambda value: f"{value:.2f}"))
