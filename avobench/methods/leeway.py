@@ -34,6 +34,8 @@ DEGREE = 4
 alike."""
 EDGE = np.sqrt(3)
 """Of the prior box, in its standard deviations."""
+FAR = 20.0
+"""Squared standard errors for each combination of features, beyond those of the best point, that rule a point out."""
 STANDARD_ERROR = np.exp(-0.5)
 """Of its maximum, what a Gaussian has there."""
 
@@ -70,35 +72,43 @@ class Leeway:
 def log_likelihood(folds: Sequence[Fold], points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Of the observed means at each point (n, p), but for a constant: (n,).
 
-    Compared are the combinations of features, of all folds together, that depend on theta by more than noise. The
-    others would tell points apart that are alike: two folds that are fitted with different noise agree with the
-    observed means on two curves, and both would be believed only where these happen to cross.
+    Where one combination of p parameters is open, p - 1 are told at most, so as many combinations of features are
+    compared, of all folds together: those that depend most on theta. More of them would tell points apart that are
+    alike: two that are fitted with different noise agree with the observed means on two curves, and both would be
+    believed only where these happen to cross. They only rule out what is far from agreement. Noise alone, of k features
+    fitted with m terms, gives the scatter of the fitted means eigenvalues of up to (m^(1/2) + k^(1/2))^2 (Marchenko,
+    Pastur, Mathematics of the USSR-Sbornik 1 (1967) 457); combinations that show no more are left out.
     """
-    fits = [_Fit.of(fold, points) for fold in folds]
-    signal, axes = np.linalg.eigh(np.atleast_2d(np.cov(np.hstack([fit.difference for fit in fits]), rowvar=False)))
-    axes = np.split(axes[:, signal > SIGNIFICANT], np.cumsum([fit.difference.shape[1] for fit in fits])[:-1])
-    parts = list(zip(fits, axes, strict=True))
-    difference = sum(fit.difference @ axis for fit, axis in parts)
-    variance = sum(np.outer(fit.variance, (axis**2).sum(axis=0)) for fit, axis in parts)
-    return -(np.log(variance) + difference**2 / variance).sum(axis=1) / 2
+    values, fits = polynomial(points), [_Fit.of(fold) for fold in folds]
+    coefficients, gram = np.hstack([fit.coefficients for fit in fits]), np.mean([fit.gram for fit in fits], axis=0)
+    scatter = coefficients.T @ (gram - np.outer(gram[0], gram[0]) / gram[0, 0]) @ coefficients
+    signal, axes = np.linalg.eigh(scatter)
+    told = signal > SIGNIFICANT * (np.sqrt(len(gram)) + np.sqrt(len(signal))) ** 2
+    axes = axes[:, told][:, ::-1]
+    variance = np.zeros((len(points), axes.shape[1]))
+    parts = np.split(axes, np.cumsum([fit.coefficients.shape[1] for fit in fits])[:-1])
+    for fold, fit, part in zip(folds, fits, parts, strict=True):
+        of_fit = np.einsum("ij,ij->i", values @ np.linalg.pinv(fit.gram, hermitian=True), values)
+        variance += np.outer(1 / fold.num_observations + of_fit, (part**2).sum(axis=0))
+    distance, compared = (values @ coefficients @ axes) ** 2 / variance, points.shape[1] - 1
+    far = distance.sum(axis=1) > distance.sum(axis=1).min() + FAR * told.sum()
+    return np.where(far, -np.inf, -(np.log(variance) + distance)[:, :compared].sum(axis=1) / 2)
 
 
 class _Fit(NamedTuple):
-    """Of a fold, at points of the box and in units of the fit's mean standard error."""
+    """Simulated minus observed means as a polynomial in theta, of features with unit covariance."""
 
-    difference: NDArray[np.float64]
-    """Of simulated and observed means, for features without correlation (n, k)."""
-    variance: NDArray[np.float64]
-    """Of each (n,)."""
+    gram: NDArray[np.float64]
+    """Of the terms (m, m); its inverse is the covariance of each feature's coefficients."""
+    coefficients: NDArray[np.float64]
+    """(m, k)"""
 
     @classmethod
-    def of(cls, fold: Fold, points: NDArray[np.float64]) -> "_Fit":
-        terms, values = polynomial(fold.u), polynomial(points)
-        spread = np.linalg.pinv(terms.T @ terms, hermitian=True)
-        coefficients = spread @ (terms.T @ fold.synthetic) @ np.linalg.cholesky(fold.inverse)
-        noise = np.einsum("ij,jk,ik->i", values, spread, values)
-        unit = noise.mean()
-        return cls(values @ coefficients / np.sqrt(unit), (1 / fold.num_observations + noise) / unit)
+    def of(cls, fold: Fold) -> "_Fit":
+        terms = polynomial(fold.u)
+        gram = terms.T @ terms
+        unit = np.linalg.cholesky(fold.inverse)
+        return cls(gram, np.linalg.pinv(gram, hermitian=True) @ (terms.T @ fold.synthetic) @ unit)
 
 
 def tempered(log_p: NDArray[np.float64]) -> NDArray[np.float64]:
