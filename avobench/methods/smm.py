@@ -20,7 +20,11 @@ from avobench.methods.proposal import TruncatedGaussian
 
 @dataclass(frozen=True)
 class Smm(Method):
-    """The mean of the inputs as a local quadratic in theta, and theta where it agrees with the observed mean."""
+    """The mean of the inputs as a local quadratic in theta, and theta where it agrees with the observed mean.
+
+    Where that leaves a combination of parameters open, the last round goes to the best point of all that agree, as in
+    `avo`, and what is said there of its version holds here of version 2.
+    """
 
     name: ClassVar[str] = "smm"
     version: ClassVar[str] = "2"
