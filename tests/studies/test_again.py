@@ -17,13 +17,13 @@ def first():
 
 
 def test_a_committed_record_comes_out_again_and_another_estimate_is_told(first):
-    assert table([first], "poisson", "smm", 1)["difference"].item() < 1e-6
+    assert table([first], "poisson", "smm", [0])["difference"].item() < 1e-6
     moved = {**first, "theta_hat": [first["theta_hat"][0] + 0.4]}
-    assert table([moved], "poisson", "smm", 1)["difference"].item() == pytest.approx(0.1, rel=1e-4)  # of U(0, 4)
+    assert table([moved], "poisson", "smm", [0])["difference"].item() == pytest.approx(0.1, rel=1e-4)  # of U(0, 4)
 
 
 def test_what_cannot_be_compared_is_one_line(first):
     with pytest.raises(UsageError, match="no record of avo on poisson"):
-        table([first], "poisson", "avo", 1)
+        table([first], "poisson", "avo", [0])
     with pytest.raises(UsageError, match="another version"):
-        table([{**first, "id": "0" * 64}], "poisson", "smm", 1)
+        table([{**first, "id": "0" * 64}], "poisson", "smm", [0])
