@@ -145,6 +145,7 @@ def polish(
     root: NDArray[np.float64],
     low: NDArray[np.float64],
     high: NDArray[np.float64],
+    toward: NDArray[np.float64] | float = 0.0,
 ) -> Polished:
     """Where the proposal's mean stands still: there the simulated mean of phi agrees best with the observed one.
 
@@ -172,7 +173,7 @@ def polish(
         parts = zip(*(response.at(mean) for response in responses), strict=True)
         gradient, information = significant(*(sum(part) for part in parts))
         precision = information + np.eye(len(mean))
-        force = gradient - mean
+        force = gradient - (mean - toward)
         free = ~(((mean <= low) & (force < 0)) | ((mean >= high) & (force > 0)))  # the others rest on a bound
         move = np.zeros_like(mean)
         move[free] = np.linalg.solve(precision[np.ix_(free, free)], force[free])
@@ -192,6 +193,7 @@ def polish_closer(
     root: NDArray[np.float64],
     bounds: tuple[NDArray[np.float64], NDArray[np.float64]],
     narrowing: tuple[float, float],
+    toward: NDArray[np.float64] | float = 0.0,
 ) -> tuple[Polished, NDArray[np.float64]]:
     """The polish, and the root (p, p) of the width at which it can be believed.
 
@@ -201,10 +203,10 @@ def polish_closer(
     stands, as it uses more events. A closer look that does not come to rest has too few of them, and tells nothing.
     Otherwise as `polish`.
     """
-    answer = polish(folds, mean, root, *bounds)
+    answer = polish(folds, mean, root, *bounds, toward)
     for _ in range(LOOKS):
         closer = narrower(root, answer, *narrowing)
-        again = polish(folds, answer.mean, closer, *bounds)
+        again = polish(folds, answer.mean, closer, *bounds, toward)
         apart = np.linalg.norm(again.mean - answer.mean)
         if answer.converged and not (again.converged and apart > SAME * np.linalg.norm(again.error)):
             break

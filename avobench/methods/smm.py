@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from avobench.methods.contract import Estimate, Method, TracePoint
 from avobench.methods.inputs import Inputs
+from avobench.methods.leeway import Leeway, leaves_open
 from avobench.methods.polish import Fold, Polished, polish
 from avobench.methods.problem import Problem
 from avobench.methods.proposal import TruncatedGaussian
@@ -19,7 +20,11 @@ from avobench.methods.proposal import TruncatedGaussian
 
 @dataclass(frozen=True)
 class Smm(Method):
-    """The mean of the inputs as a local quadratic in theta, and theta where it agrees with the observed mean."""
+    """The mean of the inputs as a local quadratic in theta, and theta where it agrees with the observed mean.
+
+    Where that leaves a combination of parameters open, the last round goes to the best point of all that agree, as in
+    `avo`, and what is said there of its version holds here of version 2.
+    """
 
     name: ClassVar[str] = "smm"
     version: ClassVar[str] = "2"
@@ -53,16 +58,22 @@ class Smm(Method):
         # With too little left the simulator refuses a round, rather than an answer being made of next to nothing.
         total = max(problem.simulate.remaining, self.min_simulations(len(mean)))
         ends = problem.simulate.used + np.linspace(0, total, self.rounds + 1).astype(int)[1:]
+        leeway, toward = None, np.zeros_like(mean)
         for end in ends:
+            if answer and end == ends[-1] and leaves_open(answer):  # many answers, of which the best is elsewhere
+                leeway = Leeway([fold])
+                toward, std = leeway.best(proposal.scale), self.shrink * np.ones_like(std)
+                mean = polish([fold], toward, np.diag(std), proposal.low, proposal.high, toward).mean
             u = proposal.sample(np.stack([mean, np.log(std)]), end - problem.simulate.used, rng)
             synthetic = inputs(problem.simulate(proposal.to_raw(u)))
             if fold is None:
                 fold = Fold(real, synthetic, u)
             else:
                 fold.add(synthetic, u)
-            answer = polish([fold], mean, np.diag(std), proposal.low, proposal.high)
+            answer = polish([fold], mean, np.diag(std), proposal.low, proposal.high, toward)
             mean, std = answer.mean, self._narrower(std, answer)
-            trace.append(TracePoint(problem.simulate.used, proposal.to_raw(mean), answer.error * proposal.scale))
+            error = leeway.error(mean) if leeway else answer.error
+            trace.append(TracePoint(problem.simulate.used, proposal.to_raw(mean), error * proposal.scale))
         last = trace[-1]
         return Estimate(
             theta=last.theta,
@@ -72,7 +83,7 @@ class Smm(Method):
             std=std * proposal.scale,
             trace=trace,
             message=f"the last of {self.rounds} fits {'converged' if answer.converged else 'did not converge'}",
-            error=answer.error * proposal.scale,
+            error=error * proposal.scale,
         )
 
     def _narrower(self, std: NDArray[np.float64], answer: Polished) -> NDArray[np.float64]:

@@ -9,11 +9,11 @@ from avobench.methods.polish import Fold, Polished, narrower, polish, polish_clo
 EDGE = 4.0
 
 
-def polished(real, synthetic, u, start, std=0.3):
+def polished(real, synthetic, u, start, std=0.3, toward=0.0):
     """In two folds, as avo does it."""
     real, synthetic, ones = real.astype(np.float32), synthetic.astype(np.float32), np.ones(u.shape[1])
     folds = [Fold(real[half::2], synthetic[half::2], u[half::2]) for half in range(2)]
-    return polish(folds, start * ones, np.diag(std * ones), -EDGE * ones, EDGE * ones)
+    return polish(folds, start * ones, np.diag(std * ones), -EDGE * ones, EDGE * ones, toward)
 
 
 @settings(max_examples=25, deadline=None)
@@ -92,6 +92,14 @@ def test_the_prior_decides_where_the_events_say_nothing():
     answer = polished(real, synthetic, u, 0.8, std=0.5)
     np.testing.assert_allclose(answer.mean, [0.5, 0.5], atol=0.05)  # the slopes know the line to 0.01
     assert answer.error.min() > 0.5  # of the prior's order
+
+
+def test_where_the_events_say_nothing_it_goes_toward_the_point_it_is_told():
+    rng = np.random.default_rng(3)
+    u = rng.normal([1.2, 0.1], 0.5, (40_000, 2))
+    real, synthetic = rng.normal(1.0, 1, (40_000, 1)), rng.normal(u.sum(axis=1, keepdims=True), 1)
+    answer = polished(real, synthetic, u, 0.8, std=0.5, toward=np.array([1.0, 0.2]))
+    np.testing.assert_allclose(answer.mean, [0.9, 0.1], atol=0.05)  # nearest on the line
 
 
 def test_answer_stays_within_the_bounds():

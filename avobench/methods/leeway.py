@@ -1,0 +1,136 @@
+"""What the events leave open, and the best estimate there: the posterior over the whole prior box.
+
+The polish finds one point where the simulated means agree with the observed ones. Where a combination of parameters is
+open there are many, on a curve or a surface through the box, and the polish ends at the one nearest to the prior's
+centre. Best on average is the mean of the posterior; among the points that agree, the one nearest to that mean.
+
+Nothing is simulated for it: the means as functions of theta are fitted over the box to the events that there are. That
+is coarser than the polish, so it says which of the points that agree is best, and the polish from there where exactly
+they are.
+"""
+
+from collections.abc import Sequence
+from itertools import combinations_with_replacement
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+from scipy.stats import qmc
+
+from avobench.methods.polish import SIGNIFICANT, Fold, Polished
+
+OPEN = 0.5
+"""A combination is open whose standard error is above this, in standard deviations of the prior."""
+MOST_PARAMETERS = 3
+"""With more of them the points of the box lie too far apart to tell where the posterior is."""
+LOG_POINTS = 16
+"""Base 2, of the points of the box."""
+LEAST_POINTS = 200
+"""Of them, that must share the posterior: where fewer lie within its width it is widened, as a likelihood to a power
+below 1 is."""
+DEGREE = 4
+"""Of the polynomial in theta that describes the means over the box. On development targets of weinberg 2 to 5 do
+alike."""
+EDGE = np.sqrt(3)
+"""Of the prior box, in its standard deviations."""
+FAR = 20.0
+"""Squared standard errors for each combination of features, beyond those of the best point, that rule a point out."""
+STANDARD_ERROR = np.exp(-0.5)
+"""Of its maximum, what a Gaussian has there."""
+
+
+def leaves_open(answer: Polished) -> bool:
+    """Whether a combination of so few parameters is nearly as uncertain as the prior has it."""
+    return len(answer.mean) <= MOST_PARAMETERS and bool(np.linalg.eigvalsh(answer.covariance)[-1] > OPEN**2)
+
+
+class Leeway:
+    """The posterior of theta in standardised coordinates, given what the folds hold: the prior is that of Fold's u.
+
+    points (n, p) fill the prior box evenly, and weights (n,) sum to 1.
+    """
+
+    def __init__(self, folds: Sequence[Fold]) -> None:
+        unit = qmc.Sobol(folds[0].u.shape[1], scramble=False).random_base2(LOG_POINTS)
+        self.points = EDGE * (2 * unit - 1)
+        self.weights = tempered(log_likelihood(folds, self.points))
+
+    def best(self, scale: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of the points that agree with the observed means to a standard error, the one of least expected loss: (p,).
+
+        The loss is the squared error, summed over parameters in units of 1 / scale (p,).
+        """
+        agree = self.points[self.weights > STANDARD_ERROR * self.weights.max()]
+        return agree[(((agree - self.weights @ self.points) * scale) ** 2).sum(axis=1).argmin()]
+
+    def error(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Root of the expected squared error of an estimate (p,), for each parameter: (p,)."""
+        return np.sqrt(self.weights @ (self.points - mean) ** 2)
+
+
+def log_likelihood(folds: Sequence[Fold], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of the observed means at each point (n, p), but for a constant: (n,).
+
+    Where one combination of p parameters is open, p - 1 are told at most, so as many combinations of features are
+    compared, of all folds together: those that depend most on theta. More of them would tell points apart that are
+    alike: two that are fitted with different noise agree with the observed means on two curves, and both would be
+    believed only where these happen to cross. They only rule out what is far from agreement. Noise alone, of k features
+    fitted with m terms, gives the scatter of the fitted means eigenvalues of up to (m^(1/2) + k^(1/2))^2 (Marchenko,
+    Pastur, Mathematics of the USSR-Sbornik 1 (1967) 457); combinations that show no more are left out.
+    """
+    values, fits = polynomial(points), [_Fit.of(fold) for fold in folds]
+    coefficients, gram = np.hstack([fit.coefficients for fit in fits]), np.mean([fit.gram for fit in fits], axis=0)
+    scatter = coefficients.T @ (gram - np.outer(gram[0], gram[0]) / gram[0, 0]) @ coefficients
+    signal, axes = np.linalg.eigh(scatter)
+    told = signal > SIGNIFICANT * (np.sqrt(len(gram)) + np.sqrt(len(signal))) ** 2
+    axes = axes[:, told][:, ::-1]
+    variance = np.zeros((len(points), axes.shape[1]))
+    parts = np.split(axes, np.cumsum([fit.coefficients.shape[1] for fit in fits])[:-1])
+    for fold, fit, part in zip(folds, fits, parts, strict=True):
+        of_fit = np.einsum("ij,ij->i", values @ np.linalg.pinv(fit.gram, hermitian=True), values)
+        variance += np.outer(1 / fold.num_observations + of_fit, (part**2).sum(axis=0))
+    distance, compared = (values @ coefficients @ axes) ** 2 / variance, points.shape[1] - 1
+    far = distance.sum(axis=1) > distance.sum(axis=1).min() + FAR * told.sum()
+    return np.where(far, -np.inf, -(np.log(variance) + distance)[:, :compared].sum(axis=1) / 2)
+
+
+class _Fit(NamedTuple):
+    """Simulated minus observed means as a polynomial in theta, of features with unit covariance."""
+
+    gram: NDArray[np.float64]
+    """Of the terms (m, m); its inverse is the covariance of each feature's coefficients."""
+    coefficients: NDArray[np.float64]
+    """(m, k)"""
+
+    @classmethod
+    def of(cls, fold: Fold) -> "_Fit":
+        terms = polynomial(fold.u)
+        gram = terms.T @ terms
+        unit = np.linalg.cholesky(fold.inverse)
+        return cls(gram, np.linalg.pinv(gram, hermitian=True) @ (terms.T @ fold.synthetic) @ unit)
+
+
+def tempered(log_p: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Weights (n,), summing to 1, of the largest power of p (n,) up to 1 that LEAST_POINTS effective points share."""
+
+    def weights(power: float) -> NDArray[np.float64]:
+        return np.exp(power * log_p - logsumexp(power * log_p))
+
+    def are_enough(power: float) -> bool:
+        return 1 / (weights(power) ** 2).sum() >= LEAST_POINTS
+
+    if are_enough(1.0):
+        return weights(1.0)
+    low, high = 0.0, 1.0
+    for _ in range(40):
+        middle = (low + high) / 2
+        low, high = (middle, high) if are_enough(middle) else (low, middle)
+    return weights(low)
+
+
+def polynomial(u: NDArray[np.float64]) -> NDArray[np.float64]:
+    """All products of up to DEGREE coordinates, in units of the box: (n, p) -> (n, m)."""
+    z = u / EDGE
+    which = [c for degree in range(DEGREE + 1) for c in combinations_with_replacement(range(z.shape[1]), degree)]
+    return np.stack([z[:, list(c)].prod(axis=1) for c in which], axis=1)
