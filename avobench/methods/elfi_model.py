@@ -2,7 +2,7 @@
 
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
 from avobench.tasks import Box
@@ -12,8 +12,14 @@ if TYPE_CHECKING:
 
 
 def import_elfi():
-    """ELFI. Its dependencies tell Python to ignore every DeprecationWarning when imported; that is undone here."""
+    """ELFI. Its dependencies tell Python to ignore every DeprecationWarning when imported; that is undone here.
+
+    ArviZ, which it imports, writes the date to a file of the user's on the first import of a day. Of two processes that
+    do so at once one fails, with a file that is gone; by then the other one has written it.
+    """
     with warnings.catch_warnings():
+        with suppress(FileNotFoundError):
+            import arviz  # noqa: F401
         import elfi
     return elfi
 

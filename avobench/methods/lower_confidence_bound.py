@@ -3,15 +3,16 @@
 from collections.abc import Callable
 
 import numpy as np
-from elfi.methods.bo.acquisition import LCBSC
 from numpy.typing import NDArray
+
+from avobench.methods.elfi_model import import_elfi
 
 Array = NDArray[np.float64]
 Function = Callable[[Array], tuple[Array, Array, Array]]
 """Values (m,), gradients (m, p) and Hessians (m, p, p) at points (m, p)."""
 
 
-class BatchedLCBSC(LCBSC):
+class BatchedLCBSC(import_elfi().methods.bo.acquisition.LCBSC):
     """LCBSC, whose model is a `GaussianProcess`: the same starting points, from the same random stream, and bounds.
 
     ELFI runs L-BFGS-B from one starting point after the other; here all of them take Newton steps at once.

@@ -26,6 +26,8 @@ def table(former: Path = FORMER, results: Path = RESULTS) -> pd.DataFrame:
     """Quantities (rows) of every task of which there are records of both searches, and of all tasks together."""
     columns: dict[tuple[str, str], list[tuple[Case, float]]] = {}
     for path in sorted(former.glob("*.jsonl")):
+        if not (results / path.name).exists():
+            continue  # these the search by evidence has not diagnosed
         old, new = _cases(path), _cases(results / path.name)
         common = [name for name in old if name in new]
         for search, cases in zip(SEARCHES, (old, new), strict=True):
