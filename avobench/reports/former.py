@@ -50,7 +50,7 @@ def _cases(path: Path) -> dict[str, tuple[Case, float]]:
 
 def _quantities(cases: list[tuple[Case, float]]) -> dict[str, Any]:
     """How often it was right: names of one effect where a disagreement was seen, of two where both are visible."""
-    seconds = [seconds for _, seconds in cases]
+    seconds = [seconds for case, seconds in cases if case.answer["kind"] != "none"]
     of: dict[str, list[Case]] = {}
     for case, _ in cases:
         of.setdefault(case.answer["kind"], []).append(case)
@@ -70,8 +70,8 @@ def _quantities(cases: list[tuple[Case, float]]) -> dict[str, Any]:
         "two, both visible: both named": _share(case.both for case in pairs),
         "withheld: falsely explained": _share(case.explained for case in found.get("withheld", [])),
         "nothing hidden: false alarms": _share(case.detected for case in of.get("none", [])),
-        "processor seconds, median": f"{np.median(seconds):.1f}",
-        "processor seconds, at most": f"{max(seconds):.0f}",
+        "something hidden: processor seconds, median": f"{np.median(seconds):.1f}",
+        "something hidden: processor seconds, at most": f"{max(seconds):.0f}",
     }
 
 

@@ -38,6 +38,7 @@ from avobench.tasks.meter import Meter
 
 RESULTS = Path("results/weighing")
 ALPHA = 0.05
+"""The level of a diagnosis unless another is asked for."""
 AS_IT_IS = "as it is"
 OFF: dict[str, list[tuple[Any, str, Any]]] = {
     AS_IT_IS: [],
