@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from avobench.bench import registry
 from avobench.bench.atomic import write_atomically
 from avobench.bench.events import check_events, read_events
+from avobench.challenge.shapes import ONE_FAMILY, kind_of_events
 from avobench.challenge.solve import read_json, read_manifest
 from avobench.diagnosis.answer.quoted import models, probabilities
 from avobench.diagnosis.effort import effort_for
@@ -103,6 +104,8 @@ def study(folder: Path) -> Path:
         answer = answers[case["case"]]
         if len(answer["effects"]) != 1:
             continue
+        for effect in answer["effects"]:  # of a challenge that was made when families were more
+            effect["name"] = ONE_FAMILY.get((kind_of_events(task), effect["name"]), effect["name"])
         x, _ = check_events(task, read_events(str(folder / "data" / f"{case['case']}.npz")))
         adapted = [e for e in catalogue(task) if case["effects"] is None or e.name in case["effects"]]
         if (found := searched(task, x, adapted, number)) is not None:
