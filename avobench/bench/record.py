@@ -57,7 +57,7 @@ class TracePoint(Strict):
 class Record(Strict):
     """One inference and how it ended. Raises ValidationError where a field, or two together, make no sense."""
 
-    schema_version: Literal[1] = Field(description="of this schema")
+    schema_version: Annotated[int, Field(ge=SCHEMA_VERSION, le=SCHEMA_VERSION)] = Field(description="of this schema")
     id: str = Field(description="hash of everything that determines the result: the fields from `task` down to `seed`")
     task: Name = Field(description="what was simulated")
     task_version: str = Field(description="raised when the task's events, summary or floor change their meaning")
