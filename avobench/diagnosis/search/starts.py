@@ -108,6 +108,7 @@ class Sample:
         self.fit, self.target = fit, target
         self.x = fit.model.simulate(np.tile(fit.params, (num_events, 1)), rng)
         self._means: dict[tuple[int, int], NDArray[np.float64]] = {}
+        self._spots: dict[int | str | None, list[tuple[float, float, int]]] = {}
 
     def changes(
         self, effect: Effect, points: NDArray[np.float64], events: int, rng: np.random.Generator
@@ -157,7 +158,9 @@ class Sample:
         side = strength.high if strength.high != strength.null else strength.low
         strong = strength.null + STRENGTHS[-1] * (side - strength.null)
         low, high = [p.low for p in shape], [p.high for p in shape]
-        inside = [effect.within(*spot) for spot in spots(self.fit, self.target, self.x, effect.feature)]
+        if effect.feature not in self._spots:
+            self._spots[effect.feature] = spots(self.fit, self.target, self.x, effect.feature)
+        inside = [effect.within(*spot) for spot in self._spots[effect.feature]]
         rows = [np.r_[strong, np.clip(values, low, high)] for values in inside if values is not None]
         return np.array(rows).reshape(-1, 1 + len(shape))
 

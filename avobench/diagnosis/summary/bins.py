@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property, reduce
-from itertools import combinations
+from itertools import combinations, zip_longest
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,11 +37,26 @@ class Bins(Summary):
     def size(self) -> int:
         return sum(bins for _, bins in self.blocks)
 
+    @cached_property
+    def _merged(self) -> list[NDArray[np.float64]]:
+        """Edges of both kinds of bins, of each feature, so that each event is looked up once."""
+        return [np.union1d(e, c) for e, c in zip_longest(self.edges, self.coarse, fillvalue=())]
+
+    @cached_property
+    def _fine(self) -> list[NDArray[np.intp]]:
+        """Of a bin between merged edges, which bin it lies in."""
+        return [_parts(e, merged) for e, merged in zip(self.edges, self._merged, strict=True)]
+
+    @cached_property
+    def _wide(self) -> list[NDArray[np.intp]]:
+        """The same for pairs."""
+        return [_parts(e, merged) for e, merged in zip(self.coarse, self._merged, strict=False)]
+
     def indices(self, x: NDArray) -> NDArray[np.int32]:
         """The position of each event's bin in the vector, for every block: (n, d) -> (n, blocks)."""
-        columns = np.ascontiguousarray(x.T)
-        fine = [bin_of(column, e) for e, column in zip(self.edges, columns, strict=True)]
-        wide = [bin_of(column, e) for e, column in zip(self.coarse, columns, strict=False)]
+        merged = [bin_of(column, e) for e, column in zip(self._merged, np.ascontiguousarray(x.T), strict=True)]
+        fine = [table[at] for table, at in zip(self._fine, merged, strict=True)]
+        wide = [table[at] for table, at in zip(self._wide, merged, strict=False)]
         indices, start = np.empty((len(x), len(self.blocks)), np.int32), 0
         for k, (features, bins) in enumerate(self.blocks):
             a, b = features[0], features[-1]
@@ -81,6 +96,11 @@ class Bins(Summary):
     def alike(self, length: float) -> NDArray[np.float64]:
         sides = [[bins] if len(f) == 1 else [len(self.coarse[j]) + 1 for j in f] for f, bins in self.blocks]
         return block_diag(*(reduce(np.kron, [close(bins, length) for bins in side]) for side in sides))
+
+
+def _parts(edges: NDArray[np.float64], merged: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Of each bin between `merged` edges (k,), of which `edges` are some, the bin between `edges`: (k + 1,)."""
+    return np.r_[0, np.searchsorted(edges, merged, side="right")]
 
 
 def bin_of(column: NDArray, edges: NDArray[np.float64]) -> NDArray[np.intp]:
