@@ -9,7 +9,7 @@ from scipy.stats import chi2, ncx2
 
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.search.starts import STRENGTHS, Sample
+from avobench.diagnosis.search.screening import STRENGTHS, Sample
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 

@@ -134,11 +134,15 @@ class Fit:
         """How far the parameters move, in cube coordinates (P,), if the whitened mean of the data moves by `change`."""
         return np.linalg.pinv(self.information[0], hermitian=True) @ self.jacobian.T @ change / (1 + self.noise)
 
+    @cached_property
+    def reach(self) -> NDArray[np.float64]:
+        """Directions of whitened means (r, k) that a change of the parameters can make."""
+        _, vectors = np.linalg.eigh(self.information[0])
+        return np.linalg.qr(self.jacobian @ vectors[:, self.model.dim - self.num_identified :])[0]
+
     def projector(self) -> NDArray[np.float64]:
         """Projects whitened means (r, r) onto what no change of the parameters can make."""
-        _, vectors = np.linalg.eigh(self.information[0])
-        reach, _ = np.linalg.qr(self.jacobian @ vectors[:, self.model.dim - self.num_identified :])
-        return np.eye(len(self.residual)) - reach @ reach.T
+        return np.eye(len(self.residual)) - self.reach @ self.reach.T
 
     def next_design(self, least: float = 0.0, ratio: float = 1.0) -> Design:
         """A design around the fit for `ratio` times its events, with `least` as in `around`."""

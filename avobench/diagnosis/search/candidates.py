@@ -19,7 +19,8 @@ from avobench.diagnosis.fit.known import KnownModel
 from avobench.diagnosis.fit.sharpening import sharpen
 from avobench.diagnosis.search.evidence import Evidence, Scale
 from avobench.diagnosis.search.processes import in_processes
-from avobench.diagnosis.search.starts import Sample, Start, hidden, screen
+from avobench.diagnosis.search.screening import CLOSER, FINAL_EVENTS, LOOKS, Look, Sample, events_of, joined, screen
+from avobench.diagnosis.search.starts import Start, hidden, starts_of
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.tasks.errors import BudgetExhausted
@@ -28,6 +29,8 @@ MOST_SCREENED = 32
 """Effects of which all shapes are screened; of more, the plainest shape of each, and all of the most promising."""
 MATTERS = 8.0
 """Difference of log evidence from which a model does not matter beside another: odds of 3 000."""
+LOOKED_AT_AGAIN = 3
+"""Times as many shapes as fits that begin, beside another model: which of them are promising is known roughly."""
 FURTHEST = 0.2
 """How far, in cube coordinates, theta follows an effect's strength within a first design: a fifth of the range, so that
 the design stays inside the cube."""
@@ -82,18 +85,44 @@ class Candidates:
     def target(self) -> Target:
         return self.scale.target
 
+    @cached_property
+    def sample(self) -> Sample:
+        """Events from which all effects are screened."""
+        return Sample(self.without, self.target, self.effort.sample, self.rng)
+
+    @cached_property
+    def looks(self) -> list[list[Look]]:
+        """Looks at all effects in all shapes, those at one shape together, the plainest of each effect first."""
+        plain = [screen(self.sample, effect, self.x, self.rng, self.effort) for effect in self.effects]
+        found = sorted(filter(None, plain), key=self.promise)
+        for first in found[:MOST_SCREENED]:
+            others = first[0].effect.shapes()[1:]
+            found += filter(None, [screen(self.sample, shape, self.x, self.rng, self.effort) for shape in others])
+        return found
+
+    def promise(self, looks: list[Look]) -> float:
+        """The Q that looks at one shape let expect: lowest for what is most promising."""
+        return min(float(look.expected(self.without)[0].min()) for look in looks)
+
     def screened(self) -> list[Start]:
         """Starts of all effects in all shapes, most promising first."""
-        sample = Sample(self.without, self.target, self.effort.sample, self.rng)
-        plain = [(effect, screen(sample, effect, self.x, self.rng, self.effort)) for effect in self.effects]
-        best_first = sorted(plain, key=lambda row: min((start.expected for start in row[1]), default=np.inf))
+        starts, few = [], len(self.effects) <= MOST_SCREENED
+        for *_, look in self.looks:
+            own = starts_of(self.without, look)
+            if few and not look.guessed and any(look.effect is effect for effect in self.effects):
+                own += hidden(self.sample, own[0], self.rng, self.effort)
+            starts += own
+        return sorted(starts, key=lambda start: start.expected)
+
+    def screened_again(self, looks: list[list[Look]]) -> list[Start]:
+        """The same from looks beside another model: of what effects do, only the most promising is looked at again."""
+        free = {effect.key for effect in self.effects}
+        best_first = sorted((each for each in looks if each[0].effect.key in free), key=self.promise)
         starts = []
-        for effect, first in best_first[:MOST_SCREENED]:
-            for k, shape in enumerate(effect.shapes()):
-                own = first if k == 0 else screen(sample, shape, self.x, self.rng, self.effort)
-                if own and k == 0 and len(self.effects) <= MOST_SCREENED and shape.guess(self.x) is None:
-                    own = own + hidden(sample, own[0], self.rng, self.effort)
-                starts += own
+        for each in best_first[: LOOKED_AT_AGAIN * self.effort.starts]:
+            events = FINAL_EVENTS * events_of(each[0].points, self.effort)
+            look = self.sample.closer(joined(each), CLOSER, LOOKS[-1], events, self.rng)
+            starts += starts_of(self.without, look)
         return sorted(starts, key=lambda start: start.expected)
 
     def hopeful(self, starts: list[Start]) -> list[Start]:
@@ -107,9 +136,13 @@ class Candidates:
         first, second = ([own[k] for own in kept.values() if len(own) > k] for k in (0, 1))
         return [*first[: self.effort.starts], *second[: self.effort.starts // 4]]
 
-    def weighed(self, beside: float) -> list[Weighed]:
-        """The model with one more effect, fitted: all that may matter beside a log evidence of `beside`."""
-        return self.told_apart(self.hopeful(self.screened()), beside)
+    def weighed(self, beside: float, looks: list[list[Look]] | None = None) -> list[Weighed]:
+        """The model with one more effect, fitted: all that may matter beside a log evidence of `beside`.
+
+        With `looks` from another model, all are not screened anew.
+        """
+        starts = self.screened() if looks is None else self.screened_again(looks)
+        return self.told_apart(self.hopeful(starts), beside)
 
     def told_apart(self, starts: list[Start], beside: float) -> list[Weighed]:
         """Fits from these starts, with more and more events, of those that may matter beside each other."""
