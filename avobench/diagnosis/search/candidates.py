@@ -19,7 +19,7 @@ from avobench.diagnosis.fit.known import KnownModel
 from avobench.diagnosis.fit.sharpening import sharpen
 from avobench.diagnosis.search.evidence import Evidence, Scale
 from avobench.diagnosis.search.processes import in_processes
-from avobench.diagnosis.search.screening import CLOSER, FINAL_EVENTS, LOOKS, Look, Sample, events_of, joined, screen
+from avobench.diagnosis.search.screening import Look, Sample, closer, glance
 from avobench.diagnosis.search.starts import Start, hidden, starts_of
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
@@ -29,8 +29,8 @@ MOST_SCREENED = 32
 """Effects of which all shapes are screened; of more, the plainest shape of each, and all of the most promising."""
 MATTERS = 8.0
 """Difference of log evidence from which a model does not matter beside another: odds of 3 000."""
-LOOKED_AT_AGAIN = 3
-"""Times as many shapes as fits that begin, beside another model: which of them are promising is known roughly."""
+LOOKED_AT = 2
+"""Times as many shapes as fits that begin are looked at more closely."""
 FURTHEST = 0.2
 """How far, in cube coordinates, theta follows an effect's strength within a first design: a fifth of the range, so that
 the design stays inside the cube."""
@@ -91,38 +91,31 @@ class Candidates:
         return Sample(self.without, self.target, self.effort.sample, self.rng)
 
     @cached_property
-    def looks(self) -> list[list[Look]]:
-        """Looks at all effects in all shapes, those at one shape together, the plainest of each effect first."""
-        plain = [screen(self.sample, effect, self.x, self.rng, self.effort) for effect in self.effects]
-        found = sorted(filter(None, plain), key=self.promise)
-        for first in found[:MOST_SCREENED]:
-            others = first[0].effect.shapes()[1:]
-            found += filter(None, [screen(self.sample, shape, self.x, self.rng, self.effort) for shape in others])
-        return found
+    def glances(self) -> list[Look]:
+        """First looks at all effects in all shapes."""
+        plain = self.glanced(self.effects)
+        best_first = sorted(plain, key=self.promise)[:MOST_SCREENED]
+        return plain + self.glanced([shape for look in best_first for shape in look.effect.shapes()[1:]])
 
-    def promise(self, looks: list[Look]) -> float:
-        """The Q that looks at one shape let expect: lowest for what is most promising."""
-        return min(float(look.expected(self.without)[0].min()) for look in looks)
+    def glanced(self, shapes: list[Effect]) -> list[Look]:
+        looks = [glance(self.sample, shape, self.x, self.rng, self.effort) for shape in shapes]
+        return [look for look in looks if look is not None]
 
-    def screened(self) -> list[Start]:
-        """Starts of all effects in all shapes, most promising first."""
-        starts, few = [], len(self.effects) <= MOST_SCREENED
-        for *_, look in self.looks:
+    def promise(self, look: Look) -> float:
+        """The Q that a look lets expect: lowest for what is most promising."""
+        return float(look.expected(self.without)[0].min())
+
+    def screened(self, glances: list[Look]) -> list[Start]:
+        """Starts, most promising first, of what looked so at first, also beside other effects, which hardly matter."""
+        free = {effect.key for effect in self.effects}
+        best_first = sorted((look for look in glances if look.effect.key in free), key=self.promise)
+        starts, all_alone = [], not self.parent.effects and len(self.effects) <= MOST_SCREENED
+        for first in best_first[: LOOKED_AT * self.effort.starts]:
+            look = closer(self.sample, first, self.rng)
             own = starts_of(self.without, look)
-            if few and not look.guessed and any(look.effect is effect for effect in self.effects):
+            if all_alone and not look.guessed and any(look.effect is effect for effect in self.effects):
                 own += hidden(self.sample, own[0], self.rng, self.effort)
             starts += own
-        return sorted(starts, key=lambda start: start.expected)
-
-    def screened_again(self, looks: list[list[Look]]) -> list[Start]:
-        """The same from looks beside another model: of what effects do, only the most promising is looked at again."""
-        free = {effect.key for effect in self.effects}
-        best_first = sorted((each for each in looks if each[0].effect.key in free), key=self.promise)
-        starts = []
-        for each in best_first[: LOOKED_AT_AGAIN * self.effort.starts]:
-            events = FINAL_EVENTS * events_of(each[0].points, self.effort)
-            look = self.sample.closer(joined(each), CLOSER, LOOKS[-1], events, self.rng)
-            starts += starts_of(self.without, look)
         return sorted(starts, key=lambda start: start.expected)
 
     def hopeful(self, starts: list[Start]) -> list[Start]:
@@ -136,13 +129,9 @@ class Candidates:
         first, second = ([own[k] for own in kept.values() if len(own) > k] for k in (0, 1))
         return [*first[: self.effort.starts], *second[: self.effort.starts // 4]]
 
-    def weighed(self, beside: float, looks: list[list[Look]] | None = None) -> list[Weighed]:
-        """The model with one more effect, fitted: all that may matter beside a log evidence of `beside`.
-
-        With `looks` from another model, all are not screened anew.
-        """
-        starts = self.screened() if looks is None else self.screened_again(looks)
-        return self.told_apart(self.hopeful(starts), beside)
+    def weighed(self, glances: list[Look], beside: float) -> list[Weighed]:
+        """The model with one more effect, fitted: all that may matter beside a log evidence of `beside`."""
+        return self.told_apart(self.hopeful(self.screened(glances)), beside)
 
     def told_apart(self, starts: list[Start], beside: float) -> list[Weighed]:
         """Fits from these starts, with more and more events, of those that may matter beside each other."""

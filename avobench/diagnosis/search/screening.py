@@ -128,7 +128,7 @@ class Sample:
         self, effect: Effect, points: NDArray[np.float64], events: int, rng: np.random.Generator, guessed: bool
     ) -> "Look":
         """At points (m, q), with so many events each."""
-        return Look(effect, points, *self.changes(effect, points, events, rng), guessed)
+        return Look(effect, points, *self.changes(effect, points, events, rng), events, guessed)
 
     def closer(self, look: "Look", most: int, share: float, events: int, rng: np.random.Generator) -> "Look":
         """A look at what looked best, beside it, and where measured events and these disagree."""
@@ -159,6 +159,8 @@ class Look:
     """Of the summary, whitened (m, r)."""
     scatter: NDArray[np.float64]
     """Square that the scatter of the events adds to it (m,)."""
+    events: int
+    """Of each point."""
     guessed: bool
     """Whether the points were read off the data, the strength with them."""
 
@@ -188,27 +190,22 @@ class Look:
         return best if self.guessed else between(self.effect, best, share)
 
 
-def joined(looks: list[Look]) -> Look:
-    """Several looks at one shape as one."""
-    together = (np.concatenate([getattr(one, name) for one in looks]) for name in ("points", "change", "scatter"))
-    return Look(looks[0].effect, *together, looks[0].guessed)
+def glance(sample: Sample, effect: Effect, x: NDArray, rng: np.random.Generator, effort: Effort) -> Look | None:
+    """A first look at one shape of an effect, over a grid and where measured events x (N, d) and others disagree.
 
-
-def events_of(points: NDArray[np.float64], effort: Effort) -> int:
-    """Of each of these points of a grid, for a first look."""
-    return max(effort.screen // len(points), effort.screen // 50)
-
-
-def screen(sample: Sample, effect: Effect, x: NDArray, rng: np.random.Generator, effort: Effort) -> list[Look]:
-    """Looks at one shape of an effect added to a fitted model; none where the measured events x (N, d) rule it out.
-
-    First at a grid, then with more events at what looked best, and beside it, and where the events disagree.
+    None where the measured events rule it out.
     """
-    guesses = effect.guess(x)
-    if guesses is not None and len(guesses) == 0:
-        return []
-    points = grid(effect) if guesses is None else guesses
-    events = events_of(points, effort)
-    first = sample.look(effect, points, events, rng, guesses is not None)
-    second = sample.closer(first, FINALISTS, LOOKS[0], FINAL_EVENTS * events, rng)
-    return [first, second, sample.closer(second, CLOSER, LOOKS[1], FINAL_EVENTS * events, rng)]
+    points = effect.guess(x)
+    guessed = points is not None
+    if guessed and len(points) == 0:
+        return None
+    points = points if guessed else grid(effect)
+    events = max(effort.screen // len(points), effort.screen // 50)
+    return sample.look(effect, np.concatenate([points, sample.places(effect)]), events, rng, guessed)
+
+
+def closer(sample: Sample, look: Look, rng: np.random.Generator) -> Look:
+    """A look with more events at what looked best at first, and beside it, and where the events disagree."""
+    events = FINAL_EVENTS * look.events
+    second = sample.closer(look, FINALISTS, LOOKS[0], events, rng)
+    return sample.closer(second, CLOSER, LOOKS[1], events, rng)

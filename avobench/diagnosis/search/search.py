@@ -66,8 +66,8 @@ class Search:
                     continue  # no further effect can make it the best
                 if self.telling is not None:
                     self.telling.begin(f"search for effect {size}")
-                of = self.candidates(parent, scale, effects) if size > 1 else first
-                found = of.weighed(beside, None if of is first else first.looks)
+                search = self.candidates(parent, scale, effects) if size > 1 else first
+                found = search.weighed(first.glances, beside)
                 added += found
                 weighed += found
             beam = self.foremost(added)
