@@ -16,6 +16,8 @@ Simulate = Callable[[NDArray[np.float64], np.random.Generator], NDArray]
 
 MAX_ROUNDS = 1000
 """Of simulating again what was lost, before a selection is said to keep nothing."""
+PACKAGES = ("first", "second", "third", "fourth", "fifth")
+"""Of the series of shapes, in their order."""
 
 
 @dataclass(frozen=True)
@@ -96,12 +98,12 @@ class Injection(ABC):
     4 what is added or read out."""
     series: ClassVar[int] = 1
     """That of the package it stands in: the second was written when the search had been developed on the first, the
-    third and the fourth without sight of the others, of the catalogue and of the search."""
+    third, the fourth and the fifth without sight of the others, of the catalogue and of the search."""
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
         packages = cls.__module__.split(".")
-        cls.series = next((k for k, name in ((2, "second"), (3, "third"), (4, "fourth")) if name in packages), 1)
+        cls.series = next((k for k, name in enumerate(PACKAGES, start=1) if name in packages), 1)
 
     @classmethod
     def suits(cls, place: Place) -> bool:
