@@ -46,22 +46,16 @@ class CommonMode(Injection):
     share of it tells."""
 
     strength: float = strength(0.07, 1.2, "standard deviations")
-    which: float = drawn(0, 1)
     name, source = "correlation", "Common-mode noise of neighbouring channels"
 
     @classmethod
     def suits(cls, place: Place) -> bool:
-        return place.task.num_features > 1 and continuous(place)
+        return place.feature == "all" and continuous(place)
 
     def measure(self, simulate: Simulate, theta: Values, rng: np.random.Generator) -> NDArray:
-        places = [self.place]
-        if isinstance(self.place.feature, int):
-            places.append(partner(self.place, self.which))
         x, noise = simulate(theta, rng), self.strength * rng.standard_normal((len(theta), 1))
-        for each in places:
-            mean = each.reference[:, each.columns].mean(axis=0)
-            x[:, each.columns] = mean + (x[:, each.columns] - mean + noise * each.std) / np.hypot(1, self.strength)
-        return x
+        mean = self.place.reference.mean(axis=0)
+        return mean + (x - mean + noise * self.place.std) / np.hypot(1, self.strength)
 
 
 @dataclass(frozen=True)
