@@ -1,8 +1,8 @@
 """Do the probabilities of a diagnosis hold? `python -m avobench.reports.reliability RECORDS ...`.
 
 Of effects to which a diagnosis gives 70 %, seven in ten should be those that were hidden. A row a series of hidden
-shapes, since only the third was seen by nobody who developed the search: what stands there is the measure, the others
-are development numbers.
+shapes, since only the last was seen by nobody who developed the search: what stands there is the measure, the others
+are development numbers. Of two effects both count, where each is visible beside the other.
 """
 
 import sys
@@ -35,22 +35,28 @@ def truth(case: Case) -> set[tuple[str, str | None]]:
     return {OUTSIDE} if case.answer["kind"] == "withheld" else set(case.hidden)
 
 
+def of_truth(case: Case) -> float:
+    """The probability of what was hidden; of two effects, of the less probable."""
+    return min(names(case).get(key, 0.0) for key in truth(case))
+
+
 def table(cases: Iterable[tuple[str, Case]]) -> pd.DataFrame:
-    """Of cases with one hidden effect in which a disagreement was seen, by what they are of."""
+    """Of cases in which a disagreement was seen, by what was hidden."""
     rows = []
     groups: dict[str, list[Case]] = {}
     for name, case in cases:
         if case.detected and case.diagnosis.get("probabilities"):
             groups.setdefault(name, []).append(case)
     for name, group in groups.items():
-        told, hit, brier, logs, first, within, size = [], [], [], [], [], [], []
+        told, hit, brier, logs, first, agrees, within, size = [], [], [], [], [], [], [], []
         for case in group:
             shares, true = names(case), truth(case)
             told += [share for share in shares.values() if share >= LEAST]
             hit += [key in true for key, share in shares.items() if share >= LEAST]
             brier.append(sum((share - (key in true)) ** 2 for key, share in shares.items()))
-            logs.append(np.log(max(max((shares.get(key, 0) for key in true), default=0), 1e-6)))
-            first.append(max(shares, key=shares.get) in true)
+            logs.append(np.log(max(of_truth(case), 1e-6)))
+            first.append(set(sorted(shares, key=shares.get)[-len(true) :]) == true)
+            agrees.append(not first[-1] and (case.diagnosis["p_value_after"] or 0) >= case.diagnosis["alpha"])
             models = [{case.key(each) for each in model["effects"]} for model in case.diagnosis["models"]]
             enough = sum(model["probability"] for model in case.diagnosis["models"]) + shares[OUTSIDE]
             if shares[OUTSIDE] > 0.05 or enough < 0.95:
@@ -63,9 +69,10 @@ def table(cases: Iterable[tuple[str, Case]]) -> pd.DataFrame:
                 "hidden": name,
                 "cases": len(group),
                 "most probable right": np.mean(first),
+                "wrong, yet agrees": np.mean(agrees),
                 "in the 95 % set": np.mean(within),
                 "size": np.mean(size),
-                "P(truth)": np.mean([sum(names(case).get(key, 0) for key in truth(case)) for case in group]),
+                "P(truth)": np.mean([of_truth(case) for case in group]),
                 "P(outside)": np.mean([names(case)[OUTSIDE] for case in group]),
                 "P(first name)": np.mean(others),
                 "Brier": np.mean(brier),
@@ -83,21 +90,23 @@ def calibration_error(told: np.ndarray, hit: np.ndarray) -> float:
 
 
 def cases_of(paths: Iterable[Path]) -> list[tuple[str, Case]]:
-    """The cases of files of records with one hidden effect, each with what it is of: own, series 1 to 3, withheld."""
+    """The cases of files of records with hidden effects that can be seen, each with what it is of."""
     found = []
     for path in paths:
         head, *rows = read_records(path)
         task = registry.build("task", registry.named_in(str(path), "task", head["task"], trust=False), {})
         for row in rows:
-            if row["error"] is None and row["kind"] in ("own", "foreign", "withheld"):
-                found.append((_name(row), Case(task, row, row["diagnosis"])))
+            case = Case(task, row, row["diagnosis"])
+            pair = row["kind"] == "two" and case.both_visible
+            if row["error"] is None and (pair or row["kind"] in ("own", "foreign", "withheld")):
+                found.append((_name(row), case))
     return sorted(found, key=lambda each: each[0])
 
 
 def _name(row: dict[str, Any]) -> str:
     series = row["effects"][0]["series"]
     of = "own shapes" if series is None else f"series {series}"
-    return f"withheld, {of}" if row["kind"] == "withheld" else of
+    return of if row["kind"] in ("own", "foreign") else f"{row['kind']}, {of}"
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ def case(probabilities, outside, hidden="dead_time", kind="foreign", series=3):
     told = [{"name": name, "feature": None, "probability": p} for name, p in probabilities.items()]
     models = [{"effects": [{"name": name, "feature": None}], "probability": p} for name, p in probabilities.items()]
     diagnosis = {"verdict": "missing effect named", "probabilities": told, "outside": outside, "models": models}
+    diagnosis |= {"alpha": 0.05, "p_value_after": 0.5}
     return Case(Poisson(), answer, {**diagnosis, "effects": []})
 
 
@@ -26,7 +27,7 @@ def test_one_right_and_one_wrong_case_give_their_scores():
     right = case({"dead_time": 0.8, "pile_up": 0.2}, 0.0)
     wrong = case({"dead_time": 0.1, "pile_up": 0.9}, 0.0)
     (row,) = table([("series 3", right), ("series 3", wrong)]).to_dict("records")
-    assert row["most probable right"] == 0.5
+    assert row["most probable right"] == row["wrong, yet agrees"] == 0.5
     assert row["P(truth)"] == pytest.approx(0.45)
     assert row["Brier"] == pytest.approx((2 * 0.2**2 + 2 * 0.9**2) / 2)
     assert row["log score"] == pytest.approx(np.log(0.8 * 0.1) / 2)
@@ -38,6 +39,16 @@ def test_of_a_withheld_effect_the_truth_is_outside():
     assert row["P(truth)"] == row["P(outside)"] == pytest.approx(0.7)
     assert row["P(first name)"] == pytest.approx(0.3)
     assert row["in the 95 % set"] == 1
+
+
+def test_of_two_effects_both_count():
+    told = case({"dead_time": 0.9, "pile_up": 0.6, "inefficiency": 0.1}, 0.0, kind="two")
+    told.answer["effects"].append({"name": "pile_up", "feature": None, "series": 3, "power": 1.0})
+    told.diagnosis["models"] = [{"effects": [{"name": name, "feature": None} for name in ("pile_up", "dead_time")]}]
+    told.diagnosis["models"][0]["probability"] = 0.96
+    (row,) = table([("two", told)]).to_dict("records")
+    assert row["most probable right"] == row["in the 95 % set"] == 1
+    assert row["P(truth)"] == 0.6
 
 
 @given(st.integers(0, 100))

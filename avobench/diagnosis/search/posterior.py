@@ -17,7 +17,7 @@ OUTSIDE: Names = frozenset({("outside",)})
 """That what is missing is not in the catalogue."""
 NUMBER = (0.1, 0.5, 0.15, 0.03)
 """How probable beforehand, once a disagreement is shown, it is that no, one, two or more effects are missing.
-This, the next and the temperature were chosen on development data of the challenge's first three series."""
+This, the next and the temperature were chosen on development data of the challenge's first four series."""
 UNKNOWN = 0.1
 """How probable beforehand that it is none of the catalogue."""
 TEMPERATURE = 3.0
