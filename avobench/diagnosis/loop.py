@@ -156,16 +156,16 @@ def begun(
     return before, target, inferred
 
 
-def searched(search: Search, before: Step, sparing: Sparing) -> tuple[list[Step], Posterior]:
+def searched(search: Search, before: Step, sparing: Sparing) -> tuple[list[Step], Posterior | None]:
     """Name, add and refit: all sets of effects that may be missing are weighed, and the most probable one is added.
 
-    Returns the steps, of which the first is that `before`, and how probable which effects are.
+    Returns the steps, of which the first is that `before`, and how probable which effects are, if any was weighed.
     """
     meter, notes = sparing.meter, sparing.notes
     posterior = search.posterior(before.fit)
     if meter.refused:
         notes.append(f"the search ended early: {meter.limit} simulated events did not suffice")
-    if not (named := posterior.named):
+    if not posterior or not (named := posterior.named):
         return [before], posterior
     what = "the fit of what was found, which is left out"
     refit = sparing.made(lambda: added(named.fit, search.target, search.x, search.rng, search.effort, notes), [], what)

@@ -8,6 +8,7 @@ import pytest
 from avobench.diagnosis import Diagnosis, diagnose
 from avobench.diagnosis.schema import Verdict
 from avobench.effects.catalogue import catalogue
+from avobench.reports.diagnosis.text import meaning
 from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson
 
@@ -53,6 +54,14 @@ def test_too_few_simulated_events_are_refused_with_the_least_number(often_off):
     diagnosis = diagnose(task, often_off, num_simulations=least, max_effects=0)
     assert task.made[0] <= least
     assert diagnosis.diagnosis.p_value_before < 0.05
+
+
+def test_a_search_that_fitted_nothing_claims_nothing(often_off):
+    """That nothing in the catalogue is missing has no probability where the catalogue was not tried."""
+    diagnosis = diagnose(Poisson(), often_off, num_simulations=190_000).diagnosis
+    assert any("the search ended early" in note for note in diagnosis.notes)
+    assert (diagnosis.outside, diagnosis.probabilities, diagnosis.effects) == (None, [], [])
+    assert "no effect was fitted" in meaning(diagnosis)
 
 
 def test_several_workers_keep_the_limit_too(often_off):

@@ -39,10 +39,10 @@ class Search:
     telling: Telling | None = None
     """What is told which effect is looked for."""
 
-    def posterior(self, null: Fit) -> Posterior:
+    def posterior(self, null: Fit) -> Posterior | None:
         """Sets of effects that may be missing from a rejected model, with their probabilities.
 
-        Where the simulated events end, those that were weighed until then.
+        Where the simulated events end, those that were weighed until then; None if they end before any was.
         """
         scale, effects = Scale(self.target), [effect.adapted(self.x) for effect in self.effects]
         weighed = [Weighed(null, scale.of(null))]
@@ -50,7 +50,7 @@ class Search:
         meter = null.model.events.meter if null.model.events is not None else Meter()
         with suppress(BudgetExhausted), meter.keeping(addition(self.effort, self.target.num_events)):
             self.look(weighed, outside, scale, effects)
-        return Posterior.of(weighed, outside, effects)
+        return Posterior.of(weighed, outside, effects) if len(weighed) > 1 or not meter.refused else None
 
     def look(self, weighed: list[Weighed], outside: float, scale: Scale, effects: list[Effect]) -> None:
         """Add to the models `weighed`, at first the null alone, all that may matter: an effect more in each round.

@@ -64,7 +64,9 @@ def meaning(diagnosis: Diagnosis) -> str:
             "The identifiability card says what they could not have shown."
         )
     if diagnosis.verdict == Verdict.UNEXPLAINED:
-        return f"Simulation and measurement disagree ({before}, {alpha}), and no effect of the catalogue says why."
+        searched = diagnosis.outside is not None
+        why = "and no effect of the catalogue says why" if searched else "and no effect was fitted"
+        return f"Simulation and measurement disagree ({before}, {alpha}), {why}."
     return f"{_lacks(diagnosis)} {_left(diagnosis)}"
 
 
