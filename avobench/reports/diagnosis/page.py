@@ -33,7 +33,7 @@ def render(task: Task, result: Result, figures: list[html.Picture | html.Missing
         figures=figures,
         tables=list(_tables(task, diagnosis)),
         order=sentences(diagnosis),
-        sentences={effect.name: effect.sentence for effect in added},
+        sentences={(effect.name, effect.shape): effect.sentence for effect in added},
         label=label,
         number=number,
         p_equals=p_equals,
