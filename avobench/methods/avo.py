@@ -45,6 +45,10 @@ fails to describe adds to it."""
 ROWS_AT_A_TIME = 8192
 """Events of which the last layer's inputs are computed at once, so that what stands between the layers stays small."""
 
+MOST_INPUTS = 32
+"""Matched beside the statistic. How the means of more of them move with theta is mostly noise: of so many, one weighted
+sum a parameter."""
+
 
 class Inference:
     """One problem on its way to its estimate: what it is given, and the state that its three phases move."""
@@ -72,6 +76,7 @@ class Inference:
             (self.num_events, self.real.shape[1]), np.float32
         )  # their events, as the networks see them
         self.statistic: Statistic | None = None
+        self.linear: list[NDArray[np.float32]] = []  # of many inputs, the sums (k, p) that tell theta, a half each
         # what is noted on the way
         self.means = [self.psi[0].copy()]  # of the proposal, after each iteration
         self.trace: list[TracePoint] = []
@@ -188,6 +193,8 @@ class Inference:
         """
         if learn and self.settings.matched == "statistic":
             self.statistic.learn(self.seen[: len(self.u)], self.u, self.settings.statistic_steps)
+            if self.seen.shape[1] > MOST_INPUTS:
+                self.linear = [regression(self.seen[half : len(self.u) : 2], self.u[half::2]) for half in range(2)]
         bounds, narrowing = (self.proposal.low, self.proposal.high), (self.settings.shrink, self.settings.errors)
         return polish_closer(self.matched(), mean, root, bounds, narrowing, toward)
 
@@ -202,7 +209,10 @@ class Inference:
 
         Where the mean of the inputs says all that there is, as on poisson, the statistic by itself says a quarter less.
         """
-        return [np.hstack(parts) for parts in zip(self.statistic.of(x), (x[1::2], x[::2]), strict=True)]
+        inputs = [x[1::2], x[::2]]
+        if x.shape[1] > MOST_INPUTS:
+            inputs = [half @ weights for half, weights in zip(inputs, self.linear, strict=True)]
+        return [np.hstack(parts) for parts in zip(self.statistic.of(x), inputs, strict=True)]
 
     def doubt(self, answer: Polished, root: NDArray[np.float64]) -> str:
         """Why the answer may be astray, or "": a polish without rest, or a discriminator that is not fooled there.
@@ -269,6 +279,12 @@ class Turn(NamedTuple):
     """Above 0, and 1 in the last."""
     learning_rate: float
     """Of the discriminators."""
+
+
+def regression(x: NDArray[np.float32], u: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Weights (k, p) of the sums of x (n, k) that tell most of u (n, p), by linear least squares."""
+    x, u = x - x.mean(axis=0), (u - u.mean(axis=0)).astype(np.float32)
+    return np.linalg.pinv(x.T @ x, hermitian=True) @ (x.T @ u)
 
 
 def last_layer(network: "torch.nn.Sequential", x: NDArray[np.float32]) -> NDArray[np.float32]:

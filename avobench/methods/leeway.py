@@ -91,7 +91,8 @@ def log_likelihood(folds: Sequence[Fold], points: NDArray[np.float64]) -> NDArra
         of_fit = np.einsum("ij,ij->i", values @ np.linalg.pinv(fit.gram, hermitian=True), values)
         variance += np.outer(1 / fold.num_observations + of_fit, (part**2).sum(axis=0))
     distance, compared = (values @ coefficients @ axes) ** 2 / variance, points.shape[1] - 1
-    far = distance.sum(axis=1) > distance.sum(axis=1).min() + FAR * told.sum()
+    total = distance.sum(axis=1)
+    far = total > max(total.min() + FAR * told.sum(), np.partition(total, LEAST_POINTS)[LEAST_POINTS])
     return np.where(far, -np.inf, -(np.log(variance) + distance)[:, :compared].sum(axis=1) / 2)
 
 

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 import torch
 
+from avobench.bench.budget import MeteredSimulator, pose
 from avobench.methods import stacked_discriminators
-from avobench.methods.avo import Avo, geometric
+from avobench.methods.avo import Avo, geometric, regression
 from avobench.speed.discriminator_steps import AutogradStep
+from avobench.tasks.function import task
 from gaussian import GaussianMean, GaussianMeans, gaussian_problem
 
 FEW = {"iterations": 250, "hidden": (32, 32), "statistic_steps": 100}
@@ -136,3 +138,23 @@ def test_settings_that_make_no_sense_are_refused(settings):
 
 def test_schedule_goes_from_one_end_to_the_other():
     assert [geometric((0.1, 0.001), progress) for progress in (0, 0.5, 1)] == pytest.approx([0.1, 0.01, 0.001])
+
+
+def test_of_many_inputs_each_parameter_has_one_sum():
+    """Sixty inputs of which each tells a little: all their means at once would move with theta by noise alone."""
+    rng = np.random.default_rng(0)
+    x = rng.normal(size=(4000, 60)).astype(np.float32)
+    mix = rng.normal(size=(60, 3))
+    np.testing.assert_allclose(regression(x, 2 + x @ mix), mix, atol=1e-4)
+    shared = task(
+        lambda theta, rng: rng.normal(np.repeat(theta, 20, axis=1), 3),
+        prior={name: (-1, 1) for name in "abc"},
+        name="shared",
+    )
+    truth = np.array([0.3, -0.5, 0.1])
+    observed = shared.simulate(np.tile(truth, (20_000, 1)), rng)
+    given = pose(shared, observed, MeteredSimulator(shared, 40_000, np.random.default_rng(1)))
+    estimate = Avo(iterations=60, hidden=(16,), statistic_steps=200).infer(given, np.random.default_rng(2))
+    assert not estimate.doubt
+    assert (estimate.error < 0.02).all()
+    np.testing.assert_array_less(np.abs(estimate.theta - truth), 4 * estimate.error)

@@ -132,3 +132,13 @@ def test_where_nothing_is_open_the_estimate_is_what_it_was_to_the_last_bit(modul
     monkeypatch.setattr(module, "leaves_open", lambda answer: False)
     assert infer().theta.tolist() == now.theta.tolist()
     assert infer().error.tolist() == now.error.tolist()
+
+
+def test_where_the_points_that_agree_are_few_the_posterior_is_wide_and_not_lost():
+    """Three parameters told to a thousandth: the tube of points that agree is narrower than the points lie apart."""
+    rng = np.random.default_rng(3)
+    u = EDGE * (2 * rng.random((30_000, 3)) - 1)
+    simulated, observed = (rng.normal(1000 * at).astype(np.float32) for at in (u, np.full((30_000, 3), 0.4)))
+    leeway = Leeway([Fold(observed, simulated, u)])
+    assert leeway.weights.sum() == pytest.approx(1)
+    np.testing.assert_allclose(leeway.best(np.ones(3)), 0.4, atol=0.2)
