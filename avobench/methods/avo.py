@@ -22,7 +22,7 @@ from avobench.methods.avo_paper import TRACE_POINTS, baseline
 from avobench.methods.contract import Estimate, Method, TracePoint
 from avobench.methods.device import require_device
 from avobench.methods.inputs import Inputs
-from avobench.methods.leeway import Leeway, leaves_open
+from avobench.methods.leeway import Leeway, is_open, leaves_open
 from avobench.methods.polish import Fold, Polished, TooFewEvents, narrower, polish_closer
 from avobench.methods.problem import Problem
 from avobench.methods.proposal import TruncatedGaussian
@@ -222,6 +222,8 @@ class Inference:
         """
         if not answer.converged:
             return "the polish did not come to rest, so the estimate is where it stood last"
+        if is_open(answer) and not leaves_open(answer):
+            return "of a combination of parameters nearly nothing was learnt"
         try:
             misfit = max(fold.misfit(answer.mean, root) for fold in self.folds(self.layers, self.unseen_halves))
         except TooFewEvents:

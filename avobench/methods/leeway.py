@@ -40,9 +40,14 @@ STANDARD_ERROR = np.exp(-0.5)
 """Of its maximum, what a Gaussian has there."""
 
 
+def is_open(answer: Polished) -> bool:
+    """Whether a combination of parameters is nearly as uncertain as the prior has it."""
+    return bool(np.linalg.eigvalsh(answer.covariance)[-1] > OPEN**2)
+
+
 def leaves_open(answer: Polished) -> bool:
-    """Whether a combination of so few parameters is nearly as uncertain as the prior has it."""
-    return len(answer.mean) <= MOST_PARAMETERS and bool(np.linalg.eigvalsh(answer.covariance)[-1] > OPEN**2)
+    """Whether it is one of so few that the best of all answers can be looked for."""
+    return len(answer.mean) <= MOST_PARAMETERS and is_open(answer)
 
 
 class Leeway:

@@ -142,3 +142,14 @@ def test_where_the_points_that_agree_are_few_the_posterior_is_wide_and_not_lost(
     leeway = Leeway([Fold(observed, simulated, u)])
     assert leeway.weights.sum() == pytest.approx(1)
     np.testing.assert_allclose(leeway.best(np.ones(3)), 0.4, atol=0.2)
+
+
+def test_more_open_parameters_than_can_be_searched_are_doubtful():
+    """Four of five parameters change nothing: where they were begun with is no answer."""
+    blind = task(
+        lambda theta, rng: rng.normal(theta[:, :1], 1), prior={name: (-1, 1) for name in "abcde"}, name="blind"
+    )
+    rng = np.random.default_rng(0)
+    x = blind.simulate(np.zeros((5000, 5)), rng)
+    estimate = Avo(**FEW).infer(pose(blind, x, MeteredSimulator(blind, 20_000, rng)), rng)
+    assert estimate.doubt == "of a combination of parameters nearly nothing was learnt"
