@@ -20,6 +20,8 @@ from avobench.challenge.records import read_records
 OUTSIDE = ("outside the catalogue", None)
 LEAST = 0.01
 """Probability from which a name is one that was told: of most names it is all but certain that they are not it."""
+ALPHA = 0.05
+"""Where the events agree with what was named."""
 BINS = 10
 """Of the probability, of as many names each."""
 
@@ -56,7 +58,7 @@ def table(cases: Iterable[tuple[str, Case]]) -> pd.DataFrame:
             brier.append(sum((share - (key in true)) ** 2 for key, share in shares.items()))
             logs.append(np.log(max(of_truth(case), 1e-6)))
             first.append(set(sorted(shares, key=shares.get)[-len(true) :]) == true)
-            agrees.append(not first[-1] and (case.diagnosis["p_value_after"] or 0) >= case.diagnosis["alpha"])
+            agrees.append(not first[-1] and (case.diagnosis.get("p_value_after") or 0) >= ALPHA)
             models = [{case.key(each) for each in model["effects"]} for model in case.diagnosis["models"]]
             enough = sum(model["probability"] for model in case.diagnosis["models"]) + shares[OUTSIDE]
             if shares[OUTSIDE] > 0.05 or enough < 0.95:
