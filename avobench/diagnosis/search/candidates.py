@@ -25,8 +25,8 @@ from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.tasks.errors import BudgetExhausted
 
-MOST_SCREENED = 32
-"""Effects of which all shapes are screened; of more, the plainest shape of each, and all of the most promising."""
+OF_ONE_FEATURE = 32
+"""Effects of a catalogue, at most, where theta may hide one that is weak: several features tell them apart."""
 MATTERS = 8.0
 """Difference of log evidence from which a model does not matter beside another: odds of 3 000."""
 LOOKED_AT = 2
@@ -93,11 +93,7 @@ class Candidates:
     @cached_property
     def glances(self) -> list[Look]:
         """First looks at all effects in all shapes."""
-        plain = self.glanced(self.effects)
-        best_first = sorted(plain, key=self.promise)[:MOST_SCREENED]
-        return plain + self.glanced([shape for look in best_first for shape in look.effect.shapes()[1:]])
-
-    def glanced(self, shapes: list[Effect]) -> list[Look]:
+        shapes = [shape for effect in self.effects for shape in effect.shapes()]
         looks = [glance(self.sample, shape, self.x, self.rng, self.effort) for shape in shapes]
         return [look for look in looks if look is not None]
 
@@ -109,7 +105,7 @@ class Candidates:
         """Starts, most promising first, of what looked so at first, also beside other effects, which hardly matter."""
         free = {effect.key for effect in self.effects}
         best_first = sorted((look for look in glances if look.effect.key in free), key=self.promise)
-        starts, all_alone = [], not self.parent.effects and len(self.effects) <= MOST_SCREENED
+        starts, all_alone = [], not self.parent.effects and len(self.effects) <= OF_ONE_FEATURE
         for first in best_first[: LOOKED_AT * self.effort.starts]:
             look = closer(self.sample, first, self.rng)
             own = starts_of(self.without, look)

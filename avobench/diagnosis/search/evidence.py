@@ -39,6 +39,10 @@ ANYWHERE = 0.1
 """Of the mean of all bins: what the unknown may add where nothing is expected."""
 WEAKEST = 0.001
 """Of the range of a strength: log-uniform from there, since effects are weak more often than strong."""
+CONFIDENT = 2.0
+"""Standard errors by which a fit must be better that is known badly: of many, the best is so by chance."""
+NOISE_KNOWN = 0.2
+"""Relative error of what simulation is said to add, which is taken out: a polynomial may not go on where it ends."""
 CHOICE = 2.5
 """Price of a choice among shapes that the parameters do not tell, such as a step: as of twelve to choose from."""
 
@@ -56,7 +60,7 @@ class Evidence:
     @property
     def at_least(self) -> float:
         """What counts: a fit that is known badly must not win by chance."""
-        return self.value - self.error
+        return self.value - CONFIDENT * self.error
 
     @property
     def at_most(self) -> float:
@@ -142,7 +146,7 @@ def marginal(fit: Fit, variances: NDArray[np.float64], vectors: NDArray[np.float
     free = float(weights.sum() - (values / (1 + values)).sum())
     left = q - fit.noise * free
     value = -0.5 * (left + np.log(variances).sum() + np.log1p(values).sum())
-    error = np.sqrt(2 * free * fit.noise**2 + 4 * max(left, 0) * fit.noise) / 2
+    error = np.sqrt((2 * free + NOISE_KNOWN**2 * free**2) * fit.noise**2 + 4 * max(left, 0) * fit.noise) / 2
     return Evidence(value - unusual(fit), float(error), max(left - free, 0) / 2)
 
 

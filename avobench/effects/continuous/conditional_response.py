@@ -24,11 +24,15 @@ One that is linear is `crosstalk`. A walk is that of a leading edge: the smaller
 root."""
 SMEARED = "smeared"
 """The shape in which a feature is smeared, the more the larger what acts is."""
+GAIN = "gain"
+"""The shape in which a feature is stretched about its centre, the more the larger what acts is."""
+STRETCH = 0.5
+"""Of a gain, at most, as of a wrong scale."""
 
 
 @dataclass(frozen=True)
 class ConditionalResponse(FeatureEffect):
-    """A feature is shifted, or smeared, by an amount that depends on another one.
+    """A feature is shifted, smeared or stretched by an amount that depends on another one.
 
     An entry for each feature acted on; which other one acts is a matter of shape. Each has a strength and nothing else,
     so that a look at all of them costs no more than one at a place and a width.
@@ -48,17 +52,23 @@ class ConditionalResponse(FeatureEffect):
     def strength(self) -> Parameter:
         if self.shape.endswith(SMEARED):
             return Parameter("sigma", 0, self.half, 0, "of the feature")
+        if self.shape.endswith(GAIN):
+            return Parameter("stretch", -STRETCH, STRETCH, 0, "1")
         return Parameter("shift", -self.half, self.half, 0, "of the feature")
 
     def variants(self):
         others = [j for j in range(len(self.ranges)) if j != self.feature]
-        return {f"x{j + 1} {form}": () for form in (*SHIFTS, SMEARED) for j in others}
+        return {f"x{j + 1} {form}": () for form in (*SHIFTS, SMEARED, GAIN) for j in others}
 
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
         other, _, form = self.shape.partition(" ")
         j = int(other[1:]) - 1
         u = self.ranges[j].unit(x[:, j])
-        moved = np.abs(1 + u) / 2 * rng.standard_normal(len(x)) if form == SMEARED else SHIFTS[form](u)
-        x[:, self.feature] = self.ranges[self.feature].wrapped(x[:, self.feature] + phi[:, 0] * moved)
+        own, size = self.ranges[self.feature], np.abs(1 + u) / 2
+        if form == SMEARED:
+            moved = size * rng.standard_normal(len(x))
+        else:
+            moved = (x[:, self.feature] - own.centre) * np.minimum(size, 1) if form == GAIN else SHIFTS[form](u)
+        x[:, self.feature] = own.wrapped(x[:, self.feature] + phi[:, 0] * moved)
         return x

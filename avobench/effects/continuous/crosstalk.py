@@ -41,7 +41,7 @@ class Crosstalk(Change):
             return {shape: () for shape in SOURCES}
         others = [j for j in range(len(self.ranges)) if j != self.feature]
         above = {f"x{j + 1} above": (self._level(j),) for j in others}
-        return {"mean": ()} | {f"x{j + 1}": () for j in others} | above
+        return {"mean": (), "neighbours": ()} | {f"x{j + 1}": () for j in others} | above
 
     def _level(self, j: int) -> Parameter:
         return Parameter("level", self.ranges[j].low, self.ranges[j].high, None, f"of x{j + 1}")

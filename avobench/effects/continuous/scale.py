@@ -15,7 +15,8 @@ CALIBRATED = 0.03
 class Scale(Change):
     """Every value is stretched: about zero, about the centre of the angle, or more the larger it is.
 
-    In the shape `two_gains` values on one side of the centre are stretched by a share of what those on the other are.
+    In the shape `two_gains` values on one side of the centre are stretched by a share of what those on the other are. In
+    the shape `bowed` the scale is right at the centre and at both ends, where it was calibrated, and not between.
     """
 
     shape: str = "linear"
@@ -30,7 +31,7 @@ class Scale(Change):
     def variants(self):
         share = Parameter("share", 0, 1, None, "of the stretch")
         gains = {f"two_gains_{side}": (share,) for side in ("low", "high")}
-        return {"linear": (), "cubic": ()} | ({"angle": ()} if self.bounded else {}) | gains
+        return {"linear": (), "cubic": (), "bowed": ()} | ({"angle": ()} if self.bounded else {}) | gains
 
     def changed(self, x, span, phi, rng):
         if self.shape == "angle":
@@ -38,5 +39,7 @@ class Scale(Change):
         if self.shape.startswith("two_gains"):
             less = (x < span.centre) if self.shape == "two_gains_low" else (x > span.centre)
             return span.centre + (x - span.centre) * (1 + phi[:, 0] * np.where(less, phi[:, 1], 1))
+        if self.shape == "bowed":
+            return x + phi[:, 0] * (x - span.centre) * np.maximum(1 - span.unit(x) ** 2, 0)
         growth = span.relative(x) ** 2 if self.shape == "cubic" else 1
         return x * (1 + phi[:, 0] * growth)

@@ -11,8 +11,10 @@ from avobench.effects.counts.feature import CountEffect
 
 CLEAR = 5.0
 """Standard deviations by which the events at a limit stand out from those of the counts next to it."""
-MOSTLY = 0.98
-"""The share that a fit begins at: at one there is no slope to follow."""
+SHARES = (0.98, 0.4, 0.1)
+"""That a fit may begin at: at one there is no slope to follow."""
+LOWEST = 0.1
+"""Share of the events that a limit above has below it, at least, and one below above it: most may be at the limit."""
 OUTERMOST = 3
 """Counts at the end of the data that may be the limit, though none of them stands out."""
 
@@ -26,8 +28,8 @@ class Censoring(CountEffect):
     """
 
     shape: str = "above"
-    middle: float = 1.0
-    """Of the measured counts: a limit above lies there or higher, one below there or lower."""
+    least: tuple[float, float] = (1.0, 1.0)
+    """Of the measured counts: a limit above lies at the first or higher, one below at the second or lower."""
     ends: tuple[float, float] = (0.0, 100.0)
     """Of the measured counts."""
 
@@ -41,13 +43,14 @@ class Censoring(CountEffect):
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        low, high = (self.middle, self.ends[1]) if self.shape == "above" else (self.ends[0], self.middle)
+        low, high = (self.least[0], self.ends[1]) if self.shape == "above" else (self.ends[0], self.least[1])
         return (self.STRENGTH, Parameter("limit", low, max(high, low + 1), None, "counts"))
 
     def adapted(self, x):
         columns = x[:, self.columns]
         ends = float(columns.min()), float(columns.max())
-        return replace(self, middle=float(np.median(columns)), ends=ends)
+        least = tuple(float(value) for value in np.quantile(columns, [LOWEST, 1 - LOWEST]))
+        return replace(self, least=least, ends=ends)
 
     def guess(self, x):
         """The count that stands out most, and the outermost ones."""
@@ -56,7 +59,7 @@ class Censoring(CountEffect):
         outermost = limit.high - np.arange(OUTERMOST) if above else max(limit.low, 1.0) + np.arange(OUTERMOST)
         spikes = [_spike(x[:, j], above) for j in self.columns]
         limits = np.unique([*outermost, *(spike for spike in spikes if spike is not None)])
-        return np.array([[MOSTLY, at] for at in limits if limit.low <= at <= limit.high])
+        return np.array([[share, at] for at in limits if limit.low <= at <= limit.high for share in SHARES])
 
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
@@ -68,7 +71,7 @@ class Censoring(CountEffect):
 
 
 def _spike(x: NDArray, above: bool) -> int | None:
-    """The count from the median of x (N,) on, up or down, that most stands out from those next to it; None for none.
+    """The count of x (N,) that most stands out from those next to it, no end of the other side; None for none.
 
     Zero is none: nothing is below it.
     """
@@ -78,7 +81,8 @@ def _spike(x: NDArray, above: bool) -> int | None:
         at = np.minimum(np.searchsorted(values, values + step), len(values) - 1)
         next_to = np.maximum(next_to, np.where(values[at] == values + step, numbers[at], 0))
     z = (numbers - next_to) / np.sqrt(numbers + next_to)
-    z[(values < np.median(x)) if above else (values > np.median(x))] = -np.inf
+    low, high = np.quantile(x, [LOWEST, 1 - LOWEST])
+    z[(values < low) if above else (values > high)] = -np.inf
     z[values == 0] = -np.inf
     best = int(z.argmax())
     return int(values[best]) if z[best] > CLEAR else None

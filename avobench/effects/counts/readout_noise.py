@@ -11,7 +11,10 @@ from avobench.effects.counts.feature import CountEffect
 
 @dataclass(frozen=True)
 class ReadoutNoise(CountEffect):
-    """Noise of standard deviation `sigma` is added to each count, rounded, and cut at zero."""
+    """Noise of standard deviation `sigma` is added to each count, rounded, and cut at zero.
+
+    In the shape `sometimes` to a share of the readings.
+    """
 
     shape: str = "gaussian"
 
@@ -19,7 +22,12 @@ class ReadoutNoise(CountEffect):
     name = "readout_noise"
     position = 7
     STRENGTH = Parameter("sigma", 0, 30, 0, "counts", soft=True)
-    SHAPES: ClassVar = {"gaussian": (), "laplace": (), "folded": ()}
+    SHAPES: ClassVar = {
+        "gaussian": (),
+        "laplace": (),
+        "folded": (),
+        "sometimes": (Parameter("share", 0.01, 1, None, "1"),),
+    }
     sentence: ClassVar = "The electronics adds noise of its own to every reading."
     source: ClassVar = "G. F. Knoll, Radiation Detection and Measurement, 4th ed. (2010), Section 17.III"
 
@@ -27,6 +35,8 @@ class ReadoutNoise(CountEffect):
         x = simulate(theta, rng)
         n = (len(x), len(self.columns))
         noise = rng.laplace(0, np.sqrt(0.5), n) if self.shape == "laplace" else rng.standard_normal(n)
+        if self.shape == "sometimes":
+            noise = noise * (rng.random(n) < phi[:, 1:])
         y = np.rint(x[:, self.columns] + phi[:, :1] * noise)
         x[:, self.columns] = np.abs(y) if self.shape == "folded" else np.maximum(y, 0)
         return x

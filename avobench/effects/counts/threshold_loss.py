@@ -1,4 +1,4 @@
-"""A threshold: events of few counts are not recorded."""
+"""A threshold: events of few counts are not recorded, or recorded as empty."""
 
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -23,12 +23,16 @@ LOST = {
     "turn_on": lambda x, phi: _turn_on(phi[:, 0], x, phi[:, 1], 0.3 * np.sqrt(phi[:, 1])),
     "free_turn_on": lambda x, phi: _turn_on(phi[:, 0], x, phi[:, 1], phi[:, 2]),
 }
+LOST["suppressed"] = LOST["turn_on"]
 """By shape: the chance that counts x (n,) are lost, phi (n, q) -> (n,)."""
 
 
 @dataclass(frozen=True)
 class ThresholdLoss(CountEffect):
-    """Events of few counts are not recorded: below a threshold, or the fewer the less."""
+    """Events of few counts are not recorded: below a threshold, or the fewer the less.
+
+    In the shape `suppressed` they are recorded, as empty.
+    """
 
     shape: str = "step"
     highest: float = 100.0
@@ -52,6 +56,13 @@ class ThresholdLoss(CountEffect):
         return replace(self, highest=max(1.0, float(np.quantile(x[:, self.columns], 0.99, axis=0).max())))
 
     def apply(self, simulate, theta, phi, rng):
+        if self.shape == "suppressed":
+            x = simulate(theta, rng)
+            counts = x[:, self.columns]
+            lost = np.stack([LOST[self.shape](counts[:, j], phi) for j in range(counts.shape[1])], axis=1)
+            x[:, self.columns] = np.where(rng.random(counts.shape) < lost, 0, counts)
+            return x
+
         def kept(x, rows):
             return np.prod([1 - LOST[self.shape](x[:, j], phi[rows]) for j in self.columns], axis=0)
 
