@@ -51,8 +51,8 @@ OFF: dict[str, list[tuple[Any, str, Any]]] = {
     "choices of a shape are free": [(evidence, "CHOICE", 0.0)],
     "noise of a fit does not count": [(Evidence, "at_least", property(lambda self: self.value))],
     "two effects as probable as one": [(posterior, "NUMBER", (0.1, 0.6, 0.6, 0.6))],
-    "temperature 2": [(posterior, "TEMPERATURE", 2.0)],
-    "temperature 1": [(posterior, "TEMPERATURE", 1.0)],
+    "one temperature for all": [(posterior, "COARSE", 0.0)],
+    "temperature 1 for all": [(posterior, "COARSE", 0.0), (posterior, "TEMPERATURE", 1.0)],
 }
 """What is switched off, by what is then the case."""
 

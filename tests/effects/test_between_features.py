@@ -6,6 +6,7 @@ import pytest
 from avobench.effects.catalogue import catalogue
 from avobench.effects.continuous.conditional_response import FLOOR, SHIFTS, ConditionalResponse
 from avobench.effects.continuous.correlation import MOST_PAIRS, Correlation
+from avobench.effects.continuous.crosstalk import Crosstalk
 from avobench.effects.ranges import Range
 from avobench.tasks.carl import Carl
 from avobench.tasks.function import task
@@ -51,6 +52,16 @@ def test_a_smearing_grows_with_what_acts():
     error, share = x[:, 2] - plain[:, 2], plain[:, 1] / 10
     assert np.std(error / share) == pytest.approx(0.5, rel=0.03)
     assert abs(np.corrcoef(np.abs(error / share), share)[0, 1]) < 5 / np.sqrt(N)
+
+
+def test_a_gain_follows_what_acts_as_far_as_its_range():
+    plain, x = made(ConditionalResponse(0, RANGES, "x2 gain"), -0.3)
+    np.testing.assert_allclose((x - plain)[:, 0], -0.3 * (plain[:, 0] - 1) * plain[:, 1] / 10)
+
+
+def test_both_neighbours_of_a_feature_leak_into_it():
+    plain, x = made(Crosstalk(0, RANGES, "neighbours"), 0.2)
+    np.testing.assert_allclose((x - plain)[:, 0], 0.2 * (plain[:, 1] + plain[:, 2]))
 
 
 @pytest.mark.parametrize("sigma", [0.3, -0.3])

@@ -11,6 +11,7 @@ from avobench.effects.continuous.analysis_window import AnalysisWindow
 from avobench.effects.continuous.censoring import Censoring
 from avobench.effects.continuous.dead_region import DeadRegion
 from avobench.effects.continuous.ends import sharp_end
+from avobench.effects.continuous.flat_background import FlatBackground
 from avobench.effects.continuous.forward_backward_acceptance import ForwardBackwardAcceptance
 from avobench.effects.continuous.offset import Offset
 from avobench.effects.continuous.peak_background import PeakBackground
@@ -323,3 +324,16 @@ def test_a_growing_acceptance_has_the_mean_of_its_density():
     x = made(shape(ForwardBackwardAcceptance, "growing", UNIT), [a, 1.0], uniform)
     lost = 2 * a / (1 + a)  # at the end; on average a quarter of it, at 1 / 6
     assert x.mean() == pytest.approx((0.5 - lost / 4 / 6) / (1 - lost / 4), abs=five_errors(x))
+
+
+def test_a_bowed_scale_is_right_at_the_centre_and_at_both_ends():
+    at = WIDE.centre + WIDE.half * np.array([-1.5, -1, 0, 0.5, 1, 1.5])
+    x = made(Scale(0, (WIDE,), "bowed"), [0.2], lambda theta, rng: at[:, None].copy(), len(at))
+    np.testing.assert_allclose(x - at, WIDE.half * np.array([0, 0, 0, 0.2 * 0.5 * 0.75, 0, 0]), atol=1e-12)
+
+
+def test_a_domed_background_is_a_semicircle():
+    x = made(FlatBackground(0, (WIDE,), "domed"), [0.95], normal)
+    far = x[np.abs(x - WIDE.centre) > 0.75 * WIDE.half]
+    expected = 0.95 * 2 * beta(1.5, 1.5).sf((1 + 0.75) / 2)
+    assert len(far) / N == pytest.approx(expected, abs=5 * 0.5 / np.sqrt(N) + norm.sf(2) * 0.05)

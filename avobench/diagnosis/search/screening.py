@@ -19,7 +19,7 @@ from avobench.effects import Effect, Parameter
 
 STRENGTHS = (0.001, 0.005, 0.02, 0.08, 0.25, 0.7)
 """Of the range of a strength; between them the effect is taken as linear."""
-MOVED_EVENTS = 200
+MOVED_EVENTS = 100
 """Of each point, from which the share of events that change bins is taken."""
 LOCATIONS = 12
 """Grid points of a location: what is narrower than a twelfth of the range is found by `Sample.places`."""

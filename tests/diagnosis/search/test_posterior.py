@@ -17,9 +17,9 @@ CATALOGUE = catalogue(Poisson())
 EFFECTS = {effect.name: effect for effect in CATALOGUE}
 
 
-def weighed(value, *names, shape=0, error=0.0):
+def weighed(value, *names, shape=0, error=0.0, excess=0.0):
     effects = tuple(EFFECTS[name].shapes()[shape] for name in names)
-    return Weighed(SimpleNamespace(model=SimpleNamespace(effects=effects)), Evidence(value, error))
+    return Weighed(SimpleNamespace(model=SimpleNamespace(effects=effects)), Evidence(value, error, excess))
 
 
 SOME = st.lists(
@@ -67,6 +67,16 @@ def test_a_shape_that_leaves_as_much_makes_its_family_more_probable():
 def test_a_fit_that_is_known_badly_does_not_win_by_chance():
     found = Posterior.of([weighed(0, "zero_inflation", error=9), weighed(-3, "dead_time", error=0.5)], -30, CATALOGUE)
     assert found.named.fit.model.effects[0].name == "dead_time"
+
+
+def test_the_more_there_is_to_explain_the_less_a_difference_between_two_names_means():
+    models = [weighed(0, "zero_inflation"), weighed(-12, "dead_time")]
+    weak, strong = (
+        Posterior.of([weighed(-excess, excess=excess), *models], -30, CATALOGUE).probability for excess in (30, 3000)
+    )
+    names = [frozenset({EFFECTS[name].key}) for name in ("zero_inflation", "dead_time")]
+    assert list(weak)[:2] == list(strong)[:2] == names
+    assert strong[names[1]] > 5 * weak[names[1]]
 
 
 def test_two_effects_must_explain_more_than_one():
