@@ -93,7 +93,7 @@ def test_a_limit_between_two_counts_is_the_upper_one_for_its_share():
 
 
 def test_a_limit_far_within_the_counts_is_where_they_gather():
-    """A share of half leaves counts beyond the limit, so that it is none of the outermost; it may be below the median."""
+    """A share of half leaves counts beyond the limit, and it may be below the median."""
     for shape, limit in (("above", 24), ("below", 16), ("above", 18), ("below", 22)):
         effect = effect_of(Poisson(), "censoring", shape)
         x = events(Poisson(), [effect], [np.log(20.0), 0.5, limit], 20_000)

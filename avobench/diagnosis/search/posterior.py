@@ -24,8 +24,8 @@ TEMPERATURE = 3.0
 """By which log evidence is divided at least: what the formula leaves out, and the scatter of simulation, make it too
 sure."""
 COARSE = 0.01
-"""What is added to the temperature for each unit of Q beyond chance that is to be explained: no shape is exactly that of
-nature, and what a shape leaves for being another grows with it."""
+"""What is added to the temperature for each unit of Q beyond chance that is to be explained: no shape is exactly that
+of nature, and what a shape leaves for being another grows with it."""
 CREDIBLE = 0.95
 """Probability of the smallest set of models that is told."""
 

@@ -15,8 +15,8 @@ CALIBRATED = 0.03
 class Scale(Change):
     """Every value is stretched: about zero, about the centre of the angle, or more the larger it is.
 
-    In the shape `two_gains` values on one side of the centre are stretched by a share of what those on the other are. In
-    the shape `bowed` the scale is right at the centre and at both ends, where it was calibrated, and not between.
+    In the shape `two_gains` values on one side of the centre are stretched by a share of what those on the other are.
+    In the shape `bowed` the scale is right at the centre and at both ends, where it was calibrated, and not between.
     """
 
     shape: str = "linear"
