@@ -9,13 +9,15 @@ QUICK := --budget 16000 --observations 20000 --targets 0-2 --set abc-smc.populat
 CHALLENGE := poisson-none-10-0 poisson-effects-12-0 weinberg-none-10-0 weinberg-effects-12-0 carl-none-4-0 carl-effects-8-0
 FULL_CHALLENGE := poisson-none-200-1098 poisson-effects-80-1111 weinberg-none-200-1099 weinberg-effects-80-1110
 FULL_CHALLENGE += carl-none-200-1100 carl-effects-40-1109 alignment-none-40-1095 alignment-effects-24-1105
-# The fourth and the fifth series of hidden shapes, which nobody saw who developed the search.
+# The series of hidden shapes that nobody saw who developed the search: the latest is the measure.
 FULL_CHALLENGE += poisson-fourth-40-4004 weinberg-fourth-32-4004 carl-fourth-24-4004
 FULL_CHALLENGE += poisson-fifth-40-5005 weinberg-fifth-32-5005 carl-fifth-32-5005 alignment-fifth-12-5005
+FULL_CHALLENGE += poisson-sixth-40-6006 weinberg-sixth-32-6006 carl-sixth-32-6006 alignment-sixth-12-6006
 KINDS_none := none
 KINDS_effects := own,foreign,two,withheld
 KINDS_fourth := foreign,foreign,foreign,withheld --series 4
 KINDS_fifth := foreign,foreign,two,withheld --series 5
+KINDS_sixth := foreign,foreign,two,withheld --series 6
 JOBS ?= 1
 
 .DEFAULT_GOAL := help

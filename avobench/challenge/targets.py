@@ -26,7 +26,7 @@ WANTED: tuple[tuple[str, tuple[str, ...], str, float], ...] = (
     ),
     *(
         (f"{name} series: {what}", ("one", "foreign", f"{name}_series", key), "at least", bound)
-        for name in ("second", "third", "fourth", "fifth")
+        for name in ("second", "third", "fourth", "fifth", "sixth")
         for what, key, bound in (
             ("right name first", "right_first", 0.85),
             ("truth in the tie set", "in_tie_set", 0.95),

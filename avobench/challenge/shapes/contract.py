@@ -16,7 +16,7 @@ Simulate = Callable[[NDArray[np.float64], np.random.Generator], NDArray]
 
 MAX_ROUNDS = 1000
 """Of simulating again what was lost, before a selection is said to keep nothing."""
-PACKAGES = ("first", "second", "third", "fourth", "fifth")
+PACKAGES = ("first", "second", "third", "fourth", "fifth", "sixth")
 """Of the series of shapes, in their order."""
 
 
@@ -98,7 +98,7 @@ class Injection(ABC):
     4 what is added or read out."""
     series: ClassVar[int] = 1
     """That of the package it stands in: the second was written when the search had been developed on the first, the
-    third, the fourth and the fifth without sight of the others, of the catalogue and of the search."""
+    others without sight of one another, of the catalogue and of the search."""
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
