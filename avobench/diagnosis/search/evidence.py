@@ -39,8 +39,6 @@ ANYWHERE = 0.1
 """Of the mean of all bins: what the unknown may add where nothing is expected."""
 WEAKEST = 0.001
 """Of the range of a strength: log-uniform from there, since effects are weak more often than strong."""
-CONFIDENT = 2.0
-"""Standard errors by which a fit must be better that is known badly: of many, the best is so by chance."""
 NOISE_KNOWN = 0.2
 """Relative error of what simulation is said to add, which is taken out: a polynomial may not go on where it ends."""
 CHOICE = 2.5
@@ -60,7 +58,7 @@ class Evidence:
     @property
     def at_least(self) -> float:
         """What counts: a fit that is known badly must not win by chance."""
-        return self.value - CONFIDENT * self.error
+        return self.value - self.error
 
     @property
     def at_most(self) -> float:

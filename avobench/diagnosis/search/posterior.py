@@ -18,14 +18,14 @@ OUTSIDE: Names = frozenset({("outside",)})
 NUMBER = (0.1, 0.5, 0.15, 0.03)
 """How probable beforehand, once a disagreement is shown, it is that no, one, two or more effects are missing.
 This, the next and the temperature were chosen on development data of the challenge's first five series."""
-UNKNOWN = 0.1
+UNKNOWN = 0.03
 """How probable beforehand that it is none of the catalogue."""
-TEMPERATURE = 3.0
-"""By which log evidence is divided at least: what the formula leaves out, and the scatter of simulation, make it too
-sure."""
+TEMPERATURE = 4.0
+"""By which log prior and log evidence are divided: what the formulas leave out, and the scatter of simulation, make
+them too sure."""
 COARSE = 0.01
-"""What is added to the temperature for each unit of Q beyond chance that is to be explained: no shape is exactly that
-of nature, and what a shape leaves for being another grows with it."""
+"""What is added to the temperature of the evidence for each unit of Q beyond chance that is to be explained: no shape
+is exactly that of nature, and what a shape leaves for being another grows with it."""
 CREDIBLE = 0.95
 """Probability of the smallest set of models that is told."""
 
@@ -48,13 +48,14 @@ class Posterior:
             if each not in own or own[each].evidence.at_least < one.evidence.at_least:
                 own[each] = one
         prior = Prior.of(catalogue)
-        logs = {OUTSIDE: outside + np.log(UNKNOWN)}
-        for names, own in shapes.items():
-            values = [one.evidence.at_least for one in own.values()]
-            logs[names] = float(logsumexp(values)) + prior.log(names)
-        names = sorted(logs, key=lambda each: -logs[each])
         to_explain = sum(2 * one.evidence.excess for one in shapes.get(frozenset(), {}).values())
-        values = np.array([logs[each] for each in names]) / (TEMPERATURE + COARSE * to_explain)
+        temperature = TEMPERATURE + COARSE * to_explain
+        logs = {OUTSIDE: outside / temperature + np.log(UNKNOWN) / TEMPERATURE}
+        for names, own in shapes.items():
+            values = [one.evidence.at_least / temperature for one in own.values()]
+            logs[names] = float(logsumexp(values)) + prior.log(names) / TEMPERATURE
+        names = sorted(logs, key=lambda each: -logs[each])
+        values = np.array([logs[each] for each in names])
         shares = np.exp(values - logsumexp(values))
         fits = {each: sorted(own.values(), key=lambda one: -one.evidence.at_least) for each, own in shapes.items()}
         return cls(dict(zip(names, shares.tolist(), strict=True)), fits)

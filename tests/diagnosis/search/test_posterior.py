@@ -76,7 +76,7 @@ def test_the_more_there_is_to_explain_the_less_a_difference_between_two_names_me
     )
     names = [frozenset({EFFECTS[name].key}) for name in ("zero_inflation", "dead_time")]
     assert list(weak)[:2] == list(strong)[:2] == names
-    assert strong[names[1]] > 5 * weak[names[1]]
+    assert strong[names[1]] > 4 * weak[names[1]]
 
 
 def test_two_effects_must_explain_more_than_one():
