@@ -55,9 +55,16 @@ def test_afterpulses_have_the_moments_of_their_generations(shape, mean, variance
 
 @pytest.mark.parametrize("lost", [0.4, 1.0])
 def test_truncated_counts_are_those_up_to_the_limit(lost):
-    x = events(Poisson(), [effect_of(Poisson(), "truncation")], [np.log(6.0), lost, 7.0])[:, 0]
+    x = events(Poisson(), [effect_of(Poisson(), "truncation", "")], [np.log(6.0), lost, 7.0])[:, 0]
     k = np.arange(25)
     kept = poisson.pmf(k, 6) * np.where(k > 7, 1 - lost, 1)
+    np.testing.assert_allclose(np.bincount(x, minlength=25)[:25] / N, kept / kept.sum(), atol=5 * 0.5 / np.sqrt(N))
+
+
+def test_a_soft_limit_loses_a_logistic_share():
+    x = events(Poisson(), [effect_of(Poisson(), "truncation", "soft")], [np.log(6.0), 0.9, 7.0, 1.5])[:, 0]
+    k = np.arange(25)
+    kept = poisson.pmf(k, 6) * (1 - 0.9 / (1 + np.exp(-(k - 7) / 1.5)))
     np.testing.assert_allclose(np.bincount(x, minlength=25)[:25] / N, kept / kept.sum(), atol=5 * 0.5 / np.sqrt(N))
 
 

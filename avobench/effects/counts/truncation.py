@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
+from scipy.special import expit
 
 from avobench.effects.contract import Parameter
 from avobench.effects.counts.feature import CountEffect
@@ -14,7 +15,8 @@ from avobench.effects.rejection import accepted
 class Truncation(CountEffect):
     """Events of more counts than `limit` are lost.
 
-    Between two whole numbers the limit is a share of the upper one. Events of few counts are lost by `threshold_loss`:
+    Between two whole numbers the limit is a share of the upper one; in the shape `soft` ever more are lost about it, as
+    where events of many counts take longer than there is time for. Events of few counts are lost by `threshold_loss`:
     the zeros that a truncated count lacks are its shape `step` below one count.
     """
 
@@ -25,7 +27,7 @@ class Truncation(CountEffect):
     name = "truncation"
     position = 34
     STRENGTH = Parameter("lost", 0, 1, 0, "1")
-    SHAPES: ClassVar = {"": ()}
+    SHAPES: ClassVar = {"": (), "soft": ()}
     sentence: ClassVar = (
         "Events with more counts than a limit are not recorded. That those with few are lost is threshold_loss."
     )
@@ -33,18 +35,21 @@ class Truncation(CountEffect):
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        return (self.STRENGTH, Parameter("limit", *self.limits, None, "counts"))
+        limit = Parameter("limit", *self.limits, None, "counts")
+        width = Parameter("width", 0.3, max(1.0, (self.limits[1] - self.limits[0]) / 2), None, "counts")
+        return (self.STRENGTH, limit, *((width,) if self.shape == "soft" else ()))
 
     def adapted(self, x):
         columns = x[:, self.columns]
         return replace(self, limits=(float(np.median(columns, axis=0).min()), float(columns.max()) + 1))
 
     def within(self, low, high, column):
-        return np.array([low])
+        return np.array([low, *((high - low,) if self.shape == "soft" else ())])
 
     def apply(self, simulate, theta, phi, rng):
         def kept(x, rows):
-            lost = phi[rows, :1] * np.clip(x[:, self.columns] - phi[rows, 1:], 0, 1)
-            return np.prod(1 - lost, axis=1)
+            beyond = x[:, self.columns] - phi[rows, 1:2]
+            share = expit(beyond / phi[rows, 2:]) if self.shape == "soft" else np.clip(beyond, 0, 1)
+            return np.prod(1 - phi[rows, :1] * share, axis=1)
 
         return accepted(simulate, theta, kept, rng)
