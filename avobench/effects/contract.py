@@ -22,7 +22,7 @@ class Simulate(Protocol):
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of an effect, `low <= null <= high` and `usual > 0`. Raises ValueError otherwise."""
+    """A parameter of an effect, `low <= null <= high`. Raises ValueError otherwise."""
 
     name: str
     low: float
@@ -32,14 +32,10 @@ class Parameter:
     unit: str
     soft: bool = False
     """Whether `high` is a guess, which a fit that ends there may double, and not a limit."""
-    usual: float = np.inf
-    """How far from its null value a strength is as a rule: one k times as far costs an effect 2 ln(1 + k^2)."""
 
     def __post_init__(self) -> None:
         if not (np.isfinite([self.low, self.high]).all() and self.low < self.high):
             raise ValueError(f"parameter {self.name} needs finite low < high, got {self.low} and {self.high}")
-        if not self.usual > 0:
-            raise ValueError(f"what is usual of parameter {self.name} must be positive, got {self.usual}")
         if self.null is not None and not self.low <= self.null <= self.high:
             raise ValueError(f"the null value {self.null} of parameter {self.name} lies outside its bounds")
 

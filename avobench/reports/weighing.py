@@ -12,8 +12,10 @@ import pandas as pd
 from avobench.bench import registry
 from avobench.challenge.case import Case
 from avobench.reports import reliability
-from avobench.studies.weighing import OFF, RESULTS
+from avobench.studies.weighing import RESULTS
 
+WITHHELD = ", withheld"
+"""Of the name of a row: the catalogue lacked what was hidden."""
 COLUMNS = {
     "cases": "cases",
     "most probable right": "right",
@@ -31,14 +33,16 @@ def cases(folder: Path = RESULTS) -> Iterator[tuple[str, Case]]:
         head, *rows = map(json.loads, path.read_text().splitlines())
         task = registry.build("task", head["task"], {})
         for row in rows:
-            yield f"{row['off']}{', withheld' * (row['kind'] == 'withheld')}", Case(task, row, row["diagnosis"])
+            yield f"{row['off']}{WITHHELD * (row['kind'] == 'withheld')}", Case(task, row, row["diagnosis"])
 
 
 def table(folder: Path = RESULTS) -> pd.DataFrame:
     """A row for each thing that was switched off; the last column is the mean P(outside) of what was withheld."""
-    rows = reliability.table(cases(folder)).set_index("hidden")
-    found = rows.loc[list(OFF), list(COLUMNS)].rename(columns=COLUMNS)
-    withheld = rows.loc[[f"{name}, withheld" for name in OFF]]
+    known = list(cases(folder))
+    off = [name for name in dict.fromkeys(name for name, _ in known) if not name.endswith(WITHHELD)]
+    rows = reliability.table(known).set_index("hidden")
+    found = rows.loc[off, list(COLUMNS)].rename(columns=COLUMNS)
+    withheld = rows.loc[[name + WITHHELD for name in off]]
     return found.assign(**{"withheld: P(outside)": withheld["P(outside)"].to_numpy()}).rename_axis("if")
 
 

@@ -129,12 +129,6 @@ def test_parameter_refuses_a_null_outside_its_bounds():
         Parameter("x", 0, 1, 2, "1")
 
 
-@pytest.mark.parametrize("usual", [0.0, -0.1, np.nan])
-def test_parameter_refuses_a_usual_strength_that_is_not_positive(usual):
-    with pytest.raises(ValueError, match="must be positive"):
-        Parameter("x", 0, 1, 0, "1", usual=usual)
-
-
 def test_range_of_a_cosine_is_exact_and_its_folds_stay_within():
     (span,) = ranges(Weinberg())
     assert span == Range(-1.0, 1.0, True)

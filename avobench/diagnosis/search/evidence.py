@@ -25,7 +25,6 @@ from scipy.special import logsumexp
 
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.summary.target import Target, fixed
-from avobench.effects import Effect
 
 WRONG = (0.0, 0.03, 0.1)
 """Shares d by which a shape may be wrong, equally probable: some are right, some only of the right kind."""
@@ -39,10 +38,6 @@ ANYWHERE = 0.1
 """Of the mean of all bins: what the unknown may add where nothing is expected."""
 WEAKEST = 0.001
 """Of the range of a strength: log-uniform from there, since effects are weak more often than strong."""
-NOISE_KNOWN = 0.2
-"""Relative error of what simulation is said to add, which is taken out: a polynomial may not go on where it ends."""
-CHOICE = 2.5
-"""Price of a choice among shapes that the parameters do not tell, such as a step: as of twelve to choose from."""
 
 
 @dataclass(frozen=True)
@@ -108,8 +103,7 @@ class Scale:
         spread = sum(self.whitened(change, self.wrong, fit.predicted) for change in changes)
         values, vectors = np.linalg.eigh(spread)
         found = [marginal(fit, 1 + d**2 * np.maximum(values, 0), vectors) for d in WRONG]
-        price = sum(CHOICE * effect.choices for effect in fit.model.effects)
-        value = float(logsumexp([one.value for one in found])) - np.log(len(WRONG)) - price
+        value = float(logsumexp([one.value for one in found])) - np.log(len(WRONG))
         return replace(max(found, key=lambda one: one.value), value=value)
 
     def outside(self, null: Fit) -> float:
@@ -144,8 +138,8 @@ def marginal(fit: Fit, variances: NDArray[np.float64], vectors: NDArray[np.float
     free = float(weights.sum() - (values / (1 + values)).sum())
     left = q - fit.noise * free
     value = -0.5 * (left + np.log(variances).sum() + np.log1p(values).sum())
-    error = np.sqrt((2 * free + NOISE_KNOWN**2 * free**2) * fit.noise**2 + 4 * max(left, 0) * fit.noise) / 2
-    return Evidence(value - unusual(fit), float(error), max(left - free, 0) / 2)
+    error = np.sqrt(2 * free * fit.noise**2 + 4 * max(left, 0) * fit.noise) / 2
+    return Evidence(value, float(error), max(left - free, 0) / 2)
 
 
 def prior(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -158,13 +152,3 @@ def prior(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         precision[at] = 12 / np.log(1 / WEAKEST) ** 2
         scale[at] = max(strength, WEAKEST)
     return precision, scale
-
-
-def unusual(fit: Fit) -> float:
-    """What strengths cost that are much larger than usual, as of a Cauchy distribution."""
-    effects = zip(fit.model.effects, fit.model.strengths(fit.point), strict=True)
-    return float(sum(np.log1p(_usual(effect, fit.params[at]) ** 2) for effect, at in effects))
-
-
-def _usual(effect: Effect, strength: float) -> float:
-    return (strength - effect.parameters[0].null) / effect.parameters[0].usual

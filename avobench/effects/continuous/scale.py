@@ -7,9 +7,6 @@ import numpy as np
 from avobench.effects.continuous.feature import Change
 from avobench.effects.contract import Parameter
 
-CALIBRATED = 0.03
-"""A scale is known to some per cent as a rule; where the far ends of a range seem squeezed by more, they may be cut."""
-
 
 @dataclass(frozen=True)
 class Scale(Change):
@@ -26,7 +23,7 @@ class Scale(Change):
     source = "W. R. Leo, Techniques for Nuclear and Particle Physics Experiments, 2nd ed. (1994), Chapter 5"
 
     def strength(self) -> Parameter:
-        return Parameter("stretch", -0.5, 0.5, 0, "1", usual=CALIBRATED)
+        return Parameter("stretch", -0.5, 0.5, 0, "1")
 
     def variants(self):
         share = Parameter("share", 0, 1, None, "of the stretch")
