@@ -80,7 +80,10 @@ class AbcSmc(Method):
         return 4 * self.population_size * self.events_per_theta
 
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
-        """As `Method.infer`. Raises BudgetExhausted when the budget ends within the first generation."""
+        """As `Method.infer`. Raises BudgetExhausted when the budget ends within the first generation.
+
+        Raises ArithmeticError where pyABC's weights are no numbers, as those of few particles of many parameters.
+        """
         import pyabc
 
         names, prior = problem.parameter_names, problem.prior
@@ -121,6 +124,13 @@ class AbcSmc(Method):
                 except BudgetExhausted:
                     if history.n_populations == 0:
                         raise
+                except (AssertionError, ValueError) as error:
+                    if "nan" not in str(error).lower():
+                        raise
+                    raise ArithmeticError(
+                        f"pyABC cannot weigh {self.population_size} particles of {len(names)} parameters ({error}); "
+                        "take a larger population_size"
+                    ) from error
                 populations = history.get_all_populations().sort_values("t")  # t = -1 is the calibration sample
                 ends = populations["samples"].cumsum().to_numpy()  # evaluations until then, in the order of `tried`
                 generations = [history.get_distribution(t=t) for t in range(history.n_populations)]

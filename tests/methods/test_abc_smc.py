@@ -10,6 +10,7 @@ from avobench.bench.registry import settings_of
 from avobench.methods.abc_smc import AbcSmc, AbcSmcTuned, _density_mode
 from avobench.tasks import Box, Task
 from avobench.tasks.errors import BudgetExhausted, SimulatorError, UsageError
+from avobench.tasks.warped import Means20
 from gaussian import TRUTH, Constant, Failing, GaussianMean, GaussianMeans, gaussian_problem
 
 METHOD = AbcSmc(population_size=40, events_per_theta=16)
@@ -118,6 +119,11 @@ def test_says_why_when_pyabc_stops_before_the_budget():
 def test_refuses_impossible_settings(wrong):
     with pytest.raises(UsageError, match="abc-smc needs"):
         AbcSmc(**wrong)
+
+
+def test_says_what_to_do_where_particles_are_too_few_to_be_weighed():
+    with pytest.raises(ArithmeticError, match=r"22 particles of 20 parameters .* larger population_size"):
+        infer(120_000, method=AbcSmcTuned(population_size=22), task=Means20(), truth=0.0)
 
 
 def test_refuses_a_population_too_small_for_a_density():
