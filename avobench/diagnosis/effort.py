@@ -89,7 +89,7 @@ IMAGES = Effort(
 """For images, which are slow to simulate and to summarise."""
 MANY = Effort(known=12, rounds_of_search=((1, 6), (4, 2), (12, 1)), screen=8000, starts=20, begun=8)
 """For several features, each of which has its own entries in the catalogue."""
-USUAL = {"counts": 56_000_000, "continuous": 80_000_000, "images": 1_500_000}
+USUAL = {"counts": 54_000_000, "continuous": 42_000_000, "images": 1_500_000}
 """Simulated events that a diagnosis of USUAL_EVENTS measured ones takes, by domain; a little more or less with what it
 finds."""
 USUAL_EVENTS = 50_000
