@@ -98,7 +98,7 @@ class AbcSmc(Method):
             return {"summary": summary}
 
         message = ""
-        with global_seed(rng), _quiet("ABC"):
+        with global_seed(rng), _quiet("ABC"), self._weighed(len(names)):
             abc = pyabc.ABCSMC(
                 model,
                 pyabc.Distribution(
@@ -124,13 +124,6 @@ class AbcSmc(Method):
                 except BudgetExhausted:
                     if history.n_populations == 0:
                         raise
-                except (AssertionError, ValueError) as error:
-                    if "nan" not in str(error).lower():
-                        raise
-                    raise ArithmeticError(
-                        f"pyABC cannot weigh {self.population_size} particles of {len(names)} parameters ({error}); "
-                        "take a larger population_size"
-                    ) from error
                 populations = history.get_all_populations().sort_values("t")  # t = -1 is the calibration sample
                 ends = populations["samples"].cumsum().to_numpy()  # evaluations until then, in the order of `tried`
                 generations = [history.get_distribution(t=t) for t in range(history.n_populations)]
@@ -146,6 +139,19 @@ class AbcSmc(Method):
             discarded=problem.simulate.used - trace[-1].simulations,
             message=message,
         )
+
+    @contextmanager
+    def _weighed(self, num_parameters: int) -> Iterator[None]:
+        """Say in one line where pyABC's weights are no numbers."""
+        try:
+            yield
+        except (AssertionError, ValueError) as error:
+            if "nan" not in str(error).lower():
+                raise
+            raise ArithmeticError(
+                f"pyABC cannot weigh {self.population_size} particles of {num_parameters} parameters ({error}); "
+                "take a larger population_size"
+            ) from error
 
     def _traced(
         self,
