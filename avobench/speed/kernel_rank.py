@@ -3,7 +3,8 @@
 It factorises the kernel matrix to its numerical rank r. An acquisition solves triangular systems of that size for
 1 + p + p^2 columns a point with up to two parameters, and for 2 + p with more (`avobench.speed.second_derivatives`
 times either way), so its cost goes as r^2 times that. Printed is r for evidence drawn uniformly in the
-unit box of p parameters, at the length scale that is its prior mean, a third of the box.
+unit box of p parameters, at the length scale that is its prior mean, a third of the box; to two digits, since the
+next one depends on how the processor rounds.
 """
 
 import numpy as np
@@ -30,8 +31,8 @@ def table() -> pd.DataFrame:
     p = frame["parameters"]
     cost = frame[f"rank of {EVIDENCE[-1]}"] ** 2.0 * (1 + p + (p**2).where(p <= DIRECT, 1))
     frame["cost of an acquisition beside two"] = cost / cost[PARAMETERS.index(2)]
-    return frame
+    return frame.map(lambda value: float(f"{value:.2g}"))
 
 
 if __name__ == "__main__":
-    print(table().to_string(index=False, float_format=lambda value: f"{value:.3g}"))
+    print(table().to_string(index=False, float_format=lambda value: f"{value:g}"))
