@@ -116,8 +116,8 @@ class Heaping(Family):
 def heaps(x: NDArray, whole: bool) -> Heaps:
     """The step whose multiples hold most more of the values x (N,) than those next to them let expect.
 
-    What to expect at a multiple is the cubic through the two values to either side of it, which lie a grain apart; of
-    real numbers that nobody rounded nothing.
+    What to expect at a multiple is the cubic through the two values to either side of it, which lie a grain apart, of the
+    numbers or of their logarithms, whichever is more: counts fall steeply. Of real numbers that nobody rounded nothing.
     """
     values, numbers = np.unique(x.astype(float), return_counts=True)
     often = values[numbers >= REPEATED]
@@ -134,11 +134,21 @@ def heaps(x: NDArray, whole: bool) -> Heaps:
         if rounded:  # a multiple at the end of the values has no two on either side
             away[(nearest < values[0] + 2 * gap) | (nearest > values[-1] - 2 * gap)] = np.inf
         at, one, two = (float(numbers[np.abs(away - k) < 1e-3].sum()) for k in (0, 1, 2))
-        expected = max((4 * one - two) / 6, 0.0) if rounded else 0.0
+        expected = max((4 * one - two) / 6, _steep(nearest, away, numbers)) if rounded else 0.0
         z = (at - expected) / np.sqrt(at + expected + 1)
         if z > max(best.z, CLEAR):
             best = Heaps(step, (at - expected) / len(x), float(z))
     return best
+
+
+def _steep(nearest: NDArray, away: NDArray, numbers: NDArray) -> float:
+    """Sum of the cubics in logarithms at all multiples `nearest` (k,) with two of `numbers` (k,) on either side."""
+    total = 0.0
+    for multiple in np.unique(nearest[np.abs(away) < 1e-3]):
+        beside = [numbers[(nearest == multiple) & (np.abs(away - k) < 1e-3)] for k in (1, 2)]
+        if all(len(pair) == 2 for pair in beside):
+            total += float(np.exp((4 * np.log(beside[0]).sum() - np.log(beside[1]).sum()) / 6))
+    return total
 
 
 def _steps(low: float, high: float, whole: bool) -> list[float]:
