@@ -116,8 +116,9 @@ class Heaping(Family):
 def heaps(x: NDArray, whole: bool) -> Heaps:
     """The step whose multiples hold most more of the values x (N,) than those next to them let expect.
 
-    What to expect at a multiple is the cubic through the two values to either side of it, which lie a grain apart, of the
-    numbers or of their logarithms, whichever is more: counts fall steeply. Of real numbers that nobody rounded nothing.
+    What to expect at a multiple is the cubic through the two values to either side of it, which lie a grain apart, of
+    the numbers or of their logarithms, whichever is more: counts fall steeply. Of real numbers that nobody rounded
+    nothing.
     """
     values, numbers = np.unique(x.astype(float), return_counts=True)
     often = values[numbers >= REPEATED]
