@@ -3,7 +3,7 @@
 Of each effect that was hidden in a foreign shape and taken for another: by how much the expected log likelihood of as
 many events is less under the model that was named, at the parameters that were quoted, than under the truth. Below
 about 3 nobody could tell the two apart, whatever he knew of both; a model that was fitted to the events is wrong by
-half its number of parameters anyway. Both are simulated with NUM_SIMULATED events.
+half its number of parameters anyway. "-" is where nothing was named. Both are simulated with NUM_SIMULATED events.
 """
 
 import sys
@@ -41,15 +41,12 @@ def misses(case: Case, head: dict[str, Any], number: int) -> float:
     true = injection(case, head, number).measure(task.simulate, np.tile(theta, (n, 1)), rng)
     model, params = named(case)
     other = model.simulate(np.tile(params, (n, 1)), rng)
-    edges = np.arange(-0.5, max(true.max(), other.max()) + 1) if kind_of_events(task) == "counts" else cosine_edges()
+    cosine = np.linspace(-1, 1, BINS + 1)
+    edges = np.arange(-0.5, max(true.max(), other.max()) + 1) if kind_of_events(task) == "counts" else cosine
     p, q = (np.histogram(x, edges)[0] for x in (true, other))
     some = p > 0
     missed = p[some] @ (np.log(p[some]) - np.log(np.maximum(q[some], 0.5))) / n
     return head["num_events"] * (missed - (some.sum() - 1) / n)  # of two samples of one distribution: K - 1 over n
-
-
-def cosine_edges() -> NDArray[np.float64]:
-    return np.linspace(-1, 1, BINS + 1)
 
 
 def injection(case: Case, head: dict[str, Any], number: int) -> Injection:
