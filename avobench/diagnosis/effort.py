@@ -8,6 +8,10 @@ from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
 
+COARSEST = 0.25
+"""Of the fits that go on, the least share of events: by fewer, all that they tell would be noise."""
+
+
 @dataclass(frozen=True)
 class Effort:
     """Numbers of simulated events. What is `a measured one` is multiplied by the number of measured events."""
@@ -57,11 +61,11 @@ class Effort:
             rounds=self.rounds * share,
             sharpen=max(self.sharpen * share, 1),
             known=max(self.known * share, 1),
-            rounds_of_search=tuple((max(n * share, 0.5), steps) for n, steps in self.rounds_of_search),
+            rounds_of_search=tuple((n * max(share, COARSEST), steps) for n, steps in self.rounds_of_search),
             few=max(int(self.few * share), 1000),
             least=max(int(self.least * share), 3000),
             fit=max(int(self.fit * share), 3000),
-            sample=max(int(self.sample * share), 5000),
+            sample=max(int(self.sample * share), 20_000),
             generated=max(self.generated * share, 2),
             screen=max(int(self.screen * share), 4000),
             card=max(int(self.card * share), 300),
@@ -97,7 +101,7 @@ USUAL_EVENTS = 50_000
 LEAST_SEARCH = 2_000_000
 """Simulated events of a search for one effect at the least effort, of 3 000 counts or angles: with fewer it ends early.
 """
-SEVERAL = 3
+SEVERAL = 2
 """Searches that are to fit into the events that are allowed, so that they seldom end early."""
 STEP = 0.8
 """By which the effort is made less until it fits."""
@@ -129,6 +133,11 @@ def addition(effort: Effort, num_events: int) -> int:
     return int((REFINED * ratio + (GATES[0] * effort.sharpen + GATES[1]) / 2) * num_events)
 
 
+def usual(domain: str, num_events: int) -> int:
+    """Simulated events that a diagnosis of so many measured ones takes, about."""
+    return USUAL[domain] * max(num_events, Effort.few) // USUAL_EVENTS
+
+
 def effort_for(task: Task, domain: str, num_simulations: int | None, num_events: int = 0) -> Effort:
     """The effort with which the first fit to so many measured events and the gates fit into `num_simulations`.
 
@@ -140,7 +149,7 @@ def effort_for(task: Task, domain: str, num_simulations: int | None, num_events:
     least = first(full.scaled(0), task, num_events)
     if num_simulations < least:
         raise UsageError(f"{num_simulations} simulated events are too few: the first fit and the gates need {least}")
-    share = float(np.clip((num_simulations - LEAST_SEARCH) / (SEVERAL * USUAL[domain]), 0, 1))
+    share = float(np.clip((num_simulations - LEAST_SEARCH) / (SEVERAL * usual(domain, num_events)), 0, 1))
     while first(full.scaled(share), task, num_events) > num_simulations:
         share = share * STEP if share > LEAST_SHARE else 0.0
     return full.scaled(share)

@@ -15,7 +15,7 @@ from avobench.diagnosis.answer.identifiability import Row, card, card_events
 from avobench.diagnosis.answer.notes import notes_of
 from avobench.diagnosis.answer.pictures import pictures
 from avobench.diagnosis.answer.quoted import Move
-from avobench.diagnosis.effort import GAP, USUAL, USUAL_EVENTS, Effort, effort_for, first
+from avobench.diagnosis.effort import GAP, Effort, effort_for, first, usual
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.method import Inferred
 from avobench.diagnosis.fit.null import best_null, fit_null
@@ -90,7 +90,7 @@ def diagnose(
 
     steps, posterior = [before], None
     if before.p_value < alpha:
-        telling.begin("search", USUAL[domain(task)] * max(cut // USUAL_EVENTS, 1) if num_simulations is None else 0)
+        telling.begin("search", usual(domain(task), cut) if num_simulations is None else 0)
         search = Search(target, seen, effects, max_effects, rng, effort, jobs, telling)
         with meter.keeping(later + gap_events(effort)):
             steps, posterior = searched(search, before, sparing)

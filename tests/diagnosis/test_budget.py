@@ -9,6 +9,7 @@ from avobench.diagnosis import Diagnosis, diagnose
 from avobench.diagnosis.schema import Verdict
 from avobench.effects.catalogue import catalogue
 from avobench.reports.diagnosis.text import meaning
+from avobench.tasks.carl import Carl
 from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson
 
@@ -62,6 +63,23 @@ def test_a_search_that_fitted_nothing_claims_nothing(often_off):
     assert any("the search ended early" in note for note in diagnosis.notes)
     assert (diagnosis.outside, diagnosis.probabilities, diagnosis.effects) == (None, [], [])
     assert "no effect was fitted" in meaning(diagnosis)
+
+
+def test_what_was_fitted_until_the_events_ended_is_weighed(often_off):
+    diagnosis = diagnose(Poisson(), often_off, num_simulations=600_000).diagnosis
+    assert any("the search ended early" in note for note in diagnosis.notes)
+    assert "zero_inflation" in [one.name for one in diagnosis.probabilities]
+    assert diagnosis.outside < 0.5
+
+
+@pytest.mark.parametrize("allowed", [1_500_000, 5_000_000])
+def test_a_search_with_few_events_finds_what_is_plain(allowed):
+    """Also where the fit that effects are added to is noisy: screening must not take its noise for the effects'."""
+    task, rng = Carl(), np.random.default_rng(3)
+    x = task.simulate(np.tile([[0.5, -0.5]], (3000, 1)), rng)
+    x[:, 1] *= 1.3
+    diagnosis = diagnose(task, x, num_simulations=allowed).diagnosis
+    assert (diagnosis.probabilities[0].name, diagnosis.probabilities[0].feature) == ("scale", "x2")
 
 
 def test_several_workers_keep_the_limit_too(often_off):

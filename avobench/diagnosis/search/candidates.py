@@ -5,7 +5,6 @@ beside the best.
 """
 
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -23,7 +22,7 @@ from avobench.diagnosis.search.screening import Look, Sample, closer, glance
 from avobench.diagnosis.search.starts import Start, hidden, starts_of
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
-from avobench.tasks.errors import BudgetExhausted
+from avobench.tasks.meter import Meter
 
 OF_ONE_FEATURE = 32
 """Effects of a catalogue, at most, where theta may hide one that is weak: several features tell them apart."""
@@ -130,17 +129,25 @@ class Candidates:
         return self.told_apart(self.hopeful(self.screened(glances)), beside)
 
     def told_apart(self, starts: list[Start], beside: float) -> list[Weighed]:
-        """Fits from these starts, with more and more events, of those that may matter beside each other."""
-        begun = self.work(begin, starts, self.effort.fit)
+        """Fits from these starts, with more and more events, of those that may matter beside each other.
+
+        Where few events may be simulated, half of them are for fits that begin, of the best starts first, and what was
+        fitted when they end is weighed.
+        """
+        meter = self.without.model.events.meter if self.without.model.events is not None else Meter()
+        with meter.keeping((meter.remaining or 0) // 2):
+            begun = [fit for fit in self.work(begin, starts, self.effort.fit) if fit is not None]
         fits = distinct(sorted(begun, key=lambda fit: fit.noiseless_q))[: self.effort.begun]
         found: list[Weighed] = []
-        with suppress(BudgetExhausted):  # what was fitted until then is weighed
-            for (ratio, rounds), most in zip(self.effort.rounds_of_search, MOST, strict=True):
-                events = int(ratio * max(self.target.num_events, self.effort.few))
-                settled = bool(found)  # a first fit may have far to go: the best of them stay, however far
-                found = sorted(self.weigh(self.work(go_on, fits, events, rounds)), key=worth)
-                found = (self.matter(found, beside) if settled else found)[:most]
-                fits = [one.fit for one in found]
+        for (ratio, rounds), most in zip(self.effort.rounds_of_search, MOST, strict=True):
+            events = int(ratio * max(self.target.num_events, self.effort.few))
+            more = self.work(go_on, fits, events, rounds)
+            if None in more:
+                break
+            settled = bool(found)  # a first fit may have far to go: the best of them stay, however far
+            found = sorted(self.weigh(more), key=worth)
+            found = (self.matter(found, beside) if settled else found)[:most]
+            fits = [one.fit for one in found]
         return found or self.matter(self.weigh(fits), beside)[: MOST[0]]
 
     @cached_property
@@ -148,8 +155,8 @@ class Candidates:
         """What effects are added to: what it makes is the same noise for all."""
         return self.without.known(self.target, int(self.effort.known * self.target.num_events), self.rng)
 
-    def work(self, fitting: Callable[..., Fit], begun: list, *how: int) -> list[Fit]:
-        """The fits of all, from one seed, by so many processes as were asked for."""
+    def work(self, fitting: Callable[..., Fit], begun: list, *how: int) -> list[Fit | None]:
+        """The fits of all, from one seed, by so many processes as were asked for; None where events end."""
         seed = int(self.rng.integers(2**63))
         calls = [(one, self.known, self.target, np.random.default_rng(seed), *how) for one in begun]
         return in_processes(self.jobs, self.without.model.events, fitting, calls)

@@ -62,7 +62,8 @@ def starts_of(fit: Fit, look: Look) -> list[Start]:
         step = (points[i, 0] - strength.null) / (strength.high - strength.low)
         along = -fit.follow(look.change[i]) / step
         off = GUESSED if look.guessed else ROUGH
-        starts.append(Start(model, point, float(expected[i]), off * model.strengths(point)[fit.model.dim], along))
+        noiseless = float(expected[i]) - fit.noise * fit.dof  # as is that of the fit
+        starts.append(Start(model, point, noiseless, off * model.strengths(point)[fit.model.dim], along))
     return starts
 
 
