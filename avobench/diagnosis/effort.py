@@ -7,7 +7,6 @@ import numpy as np
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
-
 COARSEST = 0.25
 """Of the fits that go on, the least share of events: by fewer, all that they tell would be noise."""
 
