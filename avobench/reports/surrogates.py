@@ -1,7 +1,8 @@
 """BOLFI with either Gaussian process in cells of the benchmark: `python -m avobench.reports.surrogates`.
 
-One is ELFI's own, in GPy, the other the fast one. A pair is a target that both have, with the same observed events. Errors are in units of the floor; `p` is of Wilcoxon's
-signed-rank test, to both sides, that the logarithms of the errors do not differ.
+One is ELFI's own, in GPy, the other the fast one. A pair is a target that both have, with the same observed events.
+Errors are in units of the floor; `p` is of Wilcoxon's signed-rank test, to both sides, that the logarithms of the
+errors do not differ.
 """
 
 from pathlib import Path
