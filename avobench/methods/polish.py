@@ -28,6 +28,9 @@ FARTHEST = 2.0
 """From the center of the fit, in kernel widths: beyond there are next to no events that it describes."""
 MANY = 20
 """Events a feature from which a misfit of many features can be told: their covariance must be known well."""
+UNLIKE = 1000.0
+"""Times by which a simulated event would enlarge the observed variance along its direction, from which the observed
+events do not know that variance: on all tasks it stays below 30, and where a pixel was never hit it is above 1e9."""
 SAME = 2.0
 """Standard errors within which, over all parameters, a closer look at the same events must find the answer again."""
 LOOKS = 10
@@ -67,7 +70,8 @@ class Fold:
         self.kept, self.shift, self.scale = kept, real.mean(axis=0, dtype=float)[kept], scale[kept]
         real = self._standardised(real)
         covariance = (real.T @ real).astype(float) / len(real)
-        self.inverse = np.linalg.inv(covariance + RIDGE * np.eye(len(covariance)))
+        self.covariance = covariance + RIDGE * np.eye(len(covariance))
+        self.inverse = np.linalg.inv(self.covariance)
         self.num_observations = len(real)
         self.synthetic, self.u = self._standardised(synthetic), u
 
@@ -91,10 +95,24 @@ class Fold:
         terms = quadratic(z[near])
         if len(near) < FEWEST * terms.shape[1]:
             raise TooFewEvents
-        weighted = terms * np.exp(-distance[near] / 2)[:, None]
+        weights = np.exp(-distance[near] / 2)
+        weighted = terms * weights[:, None]
         inverse = np.linalg.pinv(terms.T @ weighted, hermitian=True)
-        phi = weighted.astype(np.float32).T @ self.synthetic[near]
-        return Response(center, unit, inverse @ phi, inverse @ (weighted.T @ weighted) @ inverse, self)
+        synthetic = self.synthetic[near]
+        coefficients, spread = inverse @ (weighted.astype(np.float32).T @ synthetic), weighted.T @ weighted
+        known = self.inverse_beside(synthetic, weights)
+        return Response(center, unit, coefficients, inverse @ spread @ inverse, known, self.num_observations)
+
+    def inverse_beside(self, synthetic: NDArray[np.float32], weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of the covariance (k, k) of the observed events and of those simulated (n, k), weighted (n,), that are unlike
+        any of them, such as one that hits a pixel that was never hit.
+        """
+        leverage = weights * ((synthetic @ self.inverse.astype(np.float32)) * synthetic).sum(axis=1)
+        unlike = leverage > UNLIKE * self.num_observations
+        if not unlike.any():
+            return self.inverse
+        rows = synthetic[unlike] * np.sqrt(weights[unlike])[:, None]
+        return np.linalg.inv(self.covariance + rows.T @ rows / self.num_observations)
 
     def misfit(self, mean: NDArray[np.float64], root: NDArray[np.float64]) -> float:
         """Squared difference of the means of phi at mean (p,) from the observed ones, over what chance would make it.
@@ -105,7 +123,7 @@ class Fold:
         difference = response.coefficients[0]
         if response.num_effective < MANY * len(difference):
             return 1.0
-        return float(difference @ self.inverse @ difference * response.num_effective / len(difference))
+        return float(difference @ response.inverse @ difference * response.num_effective / len(difference))
 
 
 @dataclass(frozen=True)
@@ -118,12 +136,14 @@ class Response:
     """(m, k)"""
     spread: NDArray[np.float64]
     """Their covariance where phi has unit variance (m, m)."""
-    fold: Fold
+    inverse: NDArray[np.float64]
+    """Of the covariance of phi (k, k)."""
+    num_observations: int
 
     @property
     def num_effective(self) -> float:
         """Of events, at the center: both kinds together make the difference of the means as uncertain as so many."""
-        return 1 / (1 / self.fold.num_observations + self.spread[0, 0])
+        return 1 / (1 / self.num_observations + self.spread[0, 0])
 
     def at(self, mean: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Gradient (p,) in the proposal's mean (p,), information (p, p), and what information mere noise would show.
@@ -133,8 +153,8 @@ class Response:
         value = quadratic((self.unit @ (mean - self.center))[None])[0]
         linear = slice(1, 1 + len(mean))
         difference, jacobian = -value @ self.coefficients, self.unit.T @ self.coefficients[linear]  # observed mean: 0
-        num_effective = 1 / (1 / self.fold.num_observations + value @ self.spread @ value)
-        weighted = jacobian @ self.fold.inverse
+        num_effective = 1 / (1 / self.num_observations + value @ self.spread @ value)
+        weighted = jacobian @ self.inverse
         noise = len(difference) * self.unit.T @ self.spread[linear, linear] @ self.unit
         return num_effective * weighted @ difference, num_effective * weighted @ jacobian.T, num_effective * noise
 

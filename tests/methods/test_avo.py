@@ -158,3 +158,19 @@ def test_of_many_inputs_each_parameter_has_one_sum():
     assert not estimate.doubt
     assert (estimate.error < 0.02).all()
     np.testing.assert_array_less(np.abs(estimate.theta - truth), 4 * estimate.error)
+
+
+@pytest.mark.parametrize("num_rare", [20, 60])
+def test_inputs_that_are_hardly_ever_hit_do_no_harm(num_rare):
+    """Of a pixel that no observed event and one simulated event hits, the variance is not known."""
+
+    def simulate(theta, rng):
+        hits = rng.random((len(theta), num_rare)) < np.geomspace(1e-1, 1e-5, num_rare)
+        return np.hstack([rng.normal(theta, 1), hits])
+
+    pixels = task(simulate, prior={"mean": (-1, 1)}, name="pixels")
+    observed = simulate(np.full((20_000, 1), 0.3), np.random.default_rng(0))
+    given = pose(pixels, observed, MeteredSimulator(pixels, 40_000, np.random.default_rng(1)))
+    estimate = Avo(iterations=60, hidden=(16,), statistic_steps=200).infer(given, np.random.default_rng(2))
+    assert not estimate.doubt
+    assert abs(estimate.theta[0] - observed[:, 0].mean()) < 4 * estimate.error[0] < 0.04
