@@ -28,9 +28,9 @@ FARTHEST = 2.0
 """From the center of the fit, in kernel widths: beyond there are next to no events that it describes."""
 MANY = 20
 """Events a feature from which a misfit of many features can be told: their covariance must be known well."""
-UNLIKE = 1000.0
+UNLIKE = 100.0
 """Times by which a simulated event would enlarge the observed variance along its direction, from which the observed
-events do not know that variance: on all tasks it stays below 30, and where a pixel was never hit it is above 1e9."""
+events do not know that variance: it stayed below 30 on all tasks, and is above 1e8 where a pixel was never hit."""
 SAME = 2.0
 """Standard errors within which, over all parameters, a closer look at the same events must find the answer again."""
 LOOKS = 10
