@@ -10,14 +10,17 @@ import time
 import click
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from avobench.bench import registry
 from avobench.bench.events import check_events
 from avobench.bench.memory import peak_memory_mib, reset_peak_memory
 from avobench.diagnosis.loop import diagnose
+from avobench.effects import Effect
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.speed.growth import exponent, show
+from avobench.tasks import Task
 
 HIDDEN = {"poisson": ("zero_inflation", 0.2), "weinberg": ("scale", 0.1), "carl": ("offset", 0.5)}
 """The effect that is missing on each task, in its plainest shape on the first feature, and its strength."""
@@ -26,16 +29,27 @@ SHARES = (0.25, 0.5, 1.0)
 """Of the catalogue, in its order, with the missing effect in front."""
 
 
+def _hidden_first(task: Task) -> list[Effect]:
+    """The catalogue, with the effect of HIDDEN in front."""
+    name, _ = HIDDEN[task.name]
+    return sorted(catalogue(task), key=lambda effect: effect.key not in {(name, None), (name, 0)})
+
+
+def _measured(task_name: str, num_events: int, rng: np.random.Generator, pieces: int = 1) -> NDArray:
+    """Events (n, d) at the middle of the prior with the effect of HIDDEN, made in so many pieces."""
+    task = registry.build("task", task_name, {})
+    model = Model(task, (_hidden_first(task)[0],))
+    params = [*np.add(task.prior.low, task.prior.high) / 2, HIDDEN[task_name][1]]
+    sizes = [len(piece) for piece in np.array_split(np.arange(num_events), pieces)]
+    return np.concatenate([model.simulate(np.tile(params, (size, 1)), rng) for size in sizes])
+
+
 def measure(task_name: str, num_events: int, share: float, seed: int = 0) -> dict[str, float | str]:
     """A row: what a diagnosis with this share of the catalogue takes, and the effect that it names."""
     task = registry.build("task", task_name, {})
-    name, strength = HIDDEN[task_name]
-    effects = sorted(catalogue(task), key=lambda effect: effect.key not in {(name, None), (name, 0)})
+    effects = _hidden_first(task)
     chosen = effects[: max(round(share * len(effects)), 1)]
-    rng = np.random.default_rng(seed)
-    theta = np.add(task.prior.low, task.prior.high) / 2
-    params = np.tile([*theta, strength], (num_events, 1))
-    x = Model(task, (chosen[0],)).simulate(params, rng)
+    x = _measured(task_name, num_events, np.random.default_rng(seed))
     start = time.process_time()
     found = diagnose(task, x, seed=seed, effects=chosen).diagnosis
     seconds = time.process_time() - start
@@ -59,10 +73,7 @@ LARGE_SIMULATIONS = 50_000_000
 def memory(task_name: str, num_events: int, seed: int = 0) -> dict[str, float | str]:
     """A row: the memory [GB] that a process has with so many events, and at most while it diagnoses them in order."""
     task = registry.build("task", task_name, {})
-    rng = np.random.default_rng(seed)
-    theta = np.add(task.prior.low, task.prior.high) / 2
-    pieces = np.array_split(np.arange(num_events), max(num_events // 100_000, 1))
-    x = np.concatenate([task.simulate(np.tile(theta, (len(piece), 1)), rng) for piece in pieces])
+    x = _measured(task_name, num_events, np.random.default_rng(seed), max(num_events // 100_000, 1))
     reset_peak_memory()
     held, start = peak_memory_mib(), time.process_time()
     x, _ = check_events(task, x)
