@@ -43,7 +43,7 @@ def test_the_row_sums_are_those_of_the_average_image():
     np.testing.assert_array_equal(task.targets(), other.targets())
     assert task.floor(task.targets()[0], 10, 10) == other.floor(task.targets()[0], 10, 10)
     assert {(cell.identity["task"], cell.target) for cell in study.cells("summary")} == {
-        ("alignment-rows", target) for target in range(3)
+        ("alignment-rows", target) for target in range(study.SUMMARY_TARGETS)
     }
 
 
