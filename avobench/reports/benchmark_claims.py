@@ -145,8 +145,8 @@ def ahead_on_alignment(evidence: Evidence) -> Finding:
         verdicts["avo"] = "no records yet without row sums"
     reading = (
         "The claim is that AVO needs no summary statistic, so it is held against AVO on the image itself; the row sums "
-        "of `avo` are as good as a summary statistic, and with the same both rivals come near the limit as well, on "
-        "the few targets above. Criterion: on the image, AVO's squared errors are less than those of ABC-SMC and of "
+        "of `avo` are as good as a summary statistic, and both rivals gain by the same, as the table above says. "
+        "Criterion: on the image, AVO's squared errors are less than those of ABC-SMC and of "
         "BOLFI with the average image as summary, by a one-sided paired test over the targets, p below 0.05 against "
         "each."
     )

@@ -135,7 +135,7 @@ class Candidates:
         fitted when they end is weighed.
         """
         meter = self.without.model.events.meter if self.without.model.events is not None else Meter()
-        with meter.keeping((meter.remaining or 0) // 2):
+        with meter.keeping(max(meter.remaining or 0, 0) // 2):
             begun = [fit for fit in self.work(begin, starts, self.effort.fit) if fit is not None]
         fits = distinct(sorted(begun, key=lambda fit: fit.noiseless_q))[: self.effort.begun]
         found: list[Weighed] = []
