@@ -6,6 +6,7 @@ from scipy.stats import norm, poisson
 
 from avobench.bench.conformance import effects as suite
 from avobench.effects.catalogue import catalogue, chosen, of_domain
+from avobench.effects.counts.overdispersion import RATES
 from avobench.effects.model import Model
 from avobench.tasks.function import task
 from avobench.tasks.poisson import Poisson
@@ -188,3 +189,35 @@ def test_effects_keep_their_contract_on_any_count(family, which, feature):
     assert len(tried) == 4 * len(wanted)
     for check in tried:
         check()
+
+
+def test_pile_up_that_comes_sometimes_adds_any_part_of_another_event():
+    x = events(Poisson(), [effect_of(Poisson(), "pile_up", "sometimes")], [np.log(6.0), 0.8, 0.25])[:, 0]
+    part, square = 0.25 * 0.4, 0.25 * 0.8**2 / 3
+    assert x.mean() == pytest.approx(6 * (1 + part), abs=5 * x.std() / np.sqrt(N))
+    assert x.var() == pytest.approx(6 * (1 + part) + 36 * (square - part**2), rel=0.02)
+
+
+@pytest.mark.parametrize(("variance", "share"), [(0.1, 0.3), (0.5, 0.05), (1.0, 0.5)])
+def test_flares_keep_the_mean_rate_and_have_the_variance(variance, share):
+    phi = np.tile([variance, share], (N, 1))
+    rates = RATES["flares"].drawn(phi[:, 0], phi, rng())
+    assert rates.mean() == pytest.approx(1, abs=5 * rates.std() / np.sqrt(N))
+    assert rates.var() == pytest.approx(variance, rel=0.06)
+    assert (rates > rates.min() + 1e-9).mean() == pytest.approx(share, abs=5 * 0.5 / np.sqrt(N))
+
+
+def test_a_swept_background_gathers_at_both_ends_of_its_range():
+    phi = np.tile([1.0, 200.0], (N, 1))
+    x = effect_of(Poisson(), "flat_background", "swept").apply(
+        lambda theta, rng: np.zeros((N, 1), int), phi, phi, rng()
+    )
+    assert x.mean() == pytest.approx(100, abs=5 * x.std() / np.sqrt(N))
+    assert x.var() == pytest.approx(200**2 / 8 + 100, rel=0.02)
+
+
+def test_an_upset_flips_one_bit_of_some_readings():
+    effect, phi = effect_of(Poisson(), "readout_noise", "upset"), np.tile([0.3, 4.0], (N, 1))
+    x = effect.apply(lambda theta, rng: np.full((N, 1), 21), phi, phi, rng())[:, 0]
+    assert set(x) == {21, 20, 23, 17, 29}
+    assert (x != 21).mean() == pytest.approx(0.3, abs=5 * 0.5 / np.sqrt(N))

@@ -14,6 +14,7 @@ from avobench.effects.continuous.ends import sharp_end
 from avobench.effects.continuous.flat_background import FlatBackground
 from avobench.effects.continuous.forward_backward_acceptance import ForwardBackwardAcceptance
 from avobench.effects.continuous.offset import Offset
+from avobench.effects.continuous.outliers import Outliers
 from avobench.effects.continuous.peak_background import PeakBackground
 from avobench.effects.continuous.radiative_tail import RadiativeTail
 from avobench.effects.continuous.resolution import Resolution
@@ -337,3 +338,37 @@ def test_a_domed_background_is_a_semicircle():
     far = x[np.abs(x - WIDE.centre) > 0.75 * WIDE.half]
     expected = 0.95 * 2 * beta(1.5, 1.5).sf((1 + 0.75) / 2)
     assert len(far) / N == pytest.approx(expected, abs=5 * 0.5 / np.sqrt(N) + norm.sf(2) * 0.05)
+
+
+def test_an_offset_of_a_part_leaves_the_others_and_one_that_creeps_has_the_mean_of_its_exponential():
+    x = made(shape(Offset, "part"), [3.0, 0.2], lambda theta, rng: np.zeros((len(theta), 1)))
+    assert set(x) == {0.0, 3.0}
+    assert (x == 3).mean() == pytest.approx(0.2, abs=five_errors(x / 3))
+    x = made(shape(Offset, "creeping"), [-3.0, 0.5], lambda theta, rng: np.zeros((len(theta), 1)))
+    assert x.mean() == pytest.approx(-3 * (1 - 0.5 * (1 - np.exp(-2))), abs=five_errors(x))
+    assert -3 * (1 - np.exp(-2)) <= x.min() < x.max() <= 0
+
+
+@pytest.mark.parametrize(("side", "expected"), [("above", [-5, 1, 2, 6.8]), ("below", [-6.4, 0.8, 2, 6])])
+def test_beyond_a_level_a_scale_may_be_another(side, expected):
+    at = np.array([-5.0, 1, 2, 6])
+    np.testing.assert_allclose(made(shape(Scale, side), [0.2, 2.0], lambda theta, rng: at[:, None].copy(), 4), expected)
+
+
+def test_a_needle_comes_back_from_its_stop():
+    x = made(shape(Saturation, "rebound"), [1.0, 0.5, 0.1], lambda theta, rng: np.full((len(theta), 1), 11.0))
+    back = WIDE.centre + 0.5 * WIDE.half - x
+    assert back.min() >= 0
+    assert back.mean() == pytest.approx(0.1 * WIDE.half, rel=0.03)
+
+
+def test_of_an_event_all_features_may_be_far_off_together():
+    spans = (WIDE, UNIT)
+    effect = next(s for s in Outliers("all", spans).shapes() if s.shape == "above together")
+    phi = np.tile([0.1, 2.0], (N, 1))
+    x = effect.apply(lambda theta, rng: np.zeros((len(theta), 2)), phi, phi, np.random.default_rng(0))
+    assert ((x[:, 0] > 0) == (x[:, 1] > 0)).all()
+    assert (x[:, 0] > 0).mean() == pytest.approx(0.1, abs=5 * 0.3 / np.sqrt(N))
+    assert np.corrcoef(x[x[:, 0] > 0].T)[0, 1] == pytest.approx(0, abs=0.1)
+    np.testing.assert_allclose(x[x[:, 0] > 0].mean(axis=0), [2 * WIDE.half, 2 * UNIT.half], rtol=0.1)
+    assert not any("together" in s.shape for s in Outliers(0, spans).shapes())

@@ -1,6 +1,8 @@
-"""An offset: every value is recorded shifted."""
+"""An offset: values are recorded shifted."""
 
 from dataclasses import dataclass
+
+import numpy as np
 
 from avobench.effects.continuous.feature import Change
 from avobench.effects.contract import Parameter
@@ -11,7 +13,11 @@ FARTHEST = 0.7
 
 @dataclass(frozen=True)
 class Offset(Change):
-    """Every value is shifted."""
+    """Every value is shifted.
+
+    In the shape `part` a share of them, as after a step in time. In `creeping` the shift approaches its last value
+    exponentially while the data are taken, as of electronics that warm up.
+    """
 
     shape: str = "plain"
     name = "offset"
@@ -24,9 +30,15 @@ class Offset(Change):
         return Parameter("shift", -high, high, 0, "rad" if self.shape == "angle" else "of the feature")
 
     def variants(self):
-        return {"plain": ()} | ({"angle": (), "reflected": ()} if self.bounded else {})
+        of_some = {"part": (Parameter("share", 0.01, 1, None, "1"),)}
+        of_most = {"creeping": (Parameter("warm_up", 0.01, 1, None, "of the data"),)}
+        return {"plain": ()} | ({"angle": (), "reflected": ()} if self.bounded else {}) | of_some | of_most
 
     def changed(self, x, span, phi, rng):
         if self.shape == "angle":
             return span.cosine(span.angle(x) + phi[:, 0])
+        if self.shape == "part":
+            return x + phi[:, 0] * (rng.random(len(x)) < phi[:, 1])
+        if self.shape == "creeping":
+            return x - phi[:, 0] * np.expm1(-rng.random(len(x)) / phi[:, 1])
         return span.reflect(x + phi[:, 0]) if self.shape == "reflected" else x + phi[:, 0]

@@ -20,11 +20,16 @@ ERRORS = {
     "below": lambda width, rng: -width * rng.standard_exponential(len(width)),
 }
 """By shape: errors (n,) of widths (n,)."""
+TOGETHER = "together"
+"""Ends the names of shapes in which a whole event is far off."""
 
 
 @dataclass(frozen=True)
 class Outliers(Change):
-    """A share of the values has a large error: `width` times half the range, or as an angle."""
+    """A share of the values has a large error: `width` times half the range, or as an angle.
+
+    On all features alike in the shapes `together` an event is far off in all of them, and else a value by itself.
+    """
 
     shape: str = "gaussian"
     name = "outliers"
@@ -37,7 +42,17 @@ class Outliers(Change):
 
     def variants(self):
         shapes = {"gaussian": (WIDTH,), "cauchy": (WIDTH,)}
-        return shapes | ({"angle": (ANGLE,)} if self.bounded else {"above": (WIDTH,), "below": (WIDTH,)})
+        shapes |= {"angle": (ANGLE,)} if self.bounded else {"above": (WIDTH,), "below": (WIDTH,)}
+        return shapes | ({f"{each} {TOGETHER}": (WIDTH,) for each in ERRORS} if self.feature == "all" else {})
+
+    def apply(self, simulate, theta, phi, rng):
+        if not self.shape.endswith(TOGETHER):
+            return super().apply(simulate, theta, phi, rng)
+        x = simulate(theta, rng)
+        rows, errors = np.flatnonzero(rng.random(len(x)) < phi[:, 0]), ERRORS[self.shape.split()[0]]
+        for j in self.columns:
+            x[rows, j] += errors(phi[rows, 1] * self.ranges[j].half, rng)
+        return self.wrapped(x)
 
     def changed(self, x, span, phi, rng):
         rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])

@@ -12,11 +12,15 @@ ENDS = {"above": (False, True), "both": (True, True), "below": (True, False)}
 COMPRESSION = {"soft": 8, "knee": 50}
 """By shape: the largest compression, in half ranges a limit."""
 KNEE = Parameter("knee", 0, 1, None, "of half the range")
+BOUNCE = Parameter("bounce", 0.01, 0.5, None, "of half the range")
 
 
 @dataclass(frozen=True)
 class Saturation(Change):
-    """A share of the values ends at a limit, above, below, or on both sides; or all bend, or those beyond a knee."""
+    """A share of the values ends at a limit, above, below, or on both sides; or all bend, or those beyond a knee.
+
+    In the shape `rebound` those beyond a limit on either side come back from it a little, as a needle from its stop.
+    """
 
     shape: str = "above"
     limits: tuple[float, float] | None = None
@@ -33,7 +37,8 @@ class Saturation(Change):
         return Parameter("fraction", 0, 1, 0, "1")
 
     def variants(self):
-        return {shape: (self._limit(shape),) for shape in ENDS} | {"soft": (), "knee": (KNEE,)}
+        bent = {"soft": (), "knee": (KNEE,), "rebound": (Parameter("limit", 0.1, 1, None, "of half the range"), BOUNCE)}
+        return {shape: (self._limit(shape),) for shape in ENDS} | bent
 
     def _limit(self, shape: str) -> Parameter:
         shown = [limit for limit, cut in zip(self.limits or (0, 0), ENDS[shape], strict=True) if cut and limit > 0]
@@ -70,8 +75,11 @@ class Saturation(Change):
         if self.shape == "knee":
             beyond = np.maximum(u - phi[:, 1], 0)
             return span.centre + span.half * (u - beyond + beyond / (1 + phi[:, 0] * beyond))
-        below, above = ENDS[self.shape]
+        below, above = ENDS["both" if self.shape == "rebound" else self.shape]
         low = -phi[:, 1] if below else -np.inf
         high = phi[:, 1] if above else np.inf
         cut = ((u < low) | (u > high)) & (rng.random(len(x)) < phi[:, 0])
-        return np.where(cut, span.centre + span.half * np.clip(u, low, high), x)
+        end = np.clip(u, low, high)
+        if self.shape == "rebound":
+            end = np.clip(end - np.sign(u) * phi[:, 2] * rng.standard_exponential(len(x)), low, high)
+        return np.where(cut, span.centre + span.half * end, x)

@@ -1,6 +1,6 @@
 """A wrong scale: every value is recorded stretched."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ class Scale(Change):
 
     In the shape `two_gains` values on one side of the centre are stretched by a share of what those on the other are.
     In the shape `bowed` the scale is right at the centre and at both ends, where it was calibrated, and not between.
+    In `above` and `below` values beyond a level are stretched away from it, as by an amplifier that changes its range.
     """
 
     shape: str = "linear"
@@ -28,7 +29,9 @@ class Scale(Change):
     def variants(self):
         share = Parameter("share", 0, 1, None, "of the stretch")
         gains = {f"two_gains_{side}": (share,) for side in ("low", "high")}
-        return {"linear": (), "cubic": (), "bowed": ()} | ({"angle": ()} if self.bounded else {}) | gains
+        level, _ = self.place(0.5, 1)
+        switched = {side: (replace(level, name="level"),) for side in ("above", "below")}
+        return {"linear": (), "cubic": (), "bowed": ()} | ({"angle": ()} if self.bounded else {}) | gains | switched
 
     def changed(self, x, span, phi, rng):
         if self.shape == "angle":
@@ -38,5 +41,8 @@ class Scale(Change):
             return span.centre + (x - span.centre) * (1 + phi[:, 0] * np.where(less, phi[:, 1], 1))
         if self.shape == "bowed":
             return x + phi[:, 0] * (x - span.centre) * np.maximum(1 - span.unit(x) ** 2, 0)
+        if self.shape in ("above", "below"):
+            beyond = x - (span.centre + span.half * phi[:, 1] if self.feature == "all" else phi[:, 1])
+            return x + phi[:, 0] * (np.maximum if self.shape == "above" else np.minimum)(beyond, 0)
         growth = span.relative(x) ** 2 if self.shape == "cubic" else 1
         return x * (1 + phi[:, 0] * growth)

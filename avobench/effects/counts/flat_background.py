@@ -13,7 +13,7 @@ from avobench.effects.counts.feature import CountEffect
 class FlatBackground(CountEffect):
     """A share of the events has nothing to do with the source: counts are uniform, or exponential, up to `reach`.
 
-    In the shape `added` such counts come on top of those of the source.
+    In the shape `added` such counts come on top of those of the source. In `swept` their rate swings up and down.
     """
 
     shape: str = "uniform"
@@ -26,6 +26,7 @@ class FlatBackground(CountEffect):
         "uniform": (Parameter("reach", 2, 400, None, "counts"),),
         "exponential": (Parameter("reach", 1, 200, None, "counts"),),
         "added": (Parameter("reach", 1, 200, None, "counts"),),
+        "swept": (Parameter("reach", 2, 400, None, "counts"),),
     }
     sentence: ClassVar = "Some events are background whose counts spread over the whole range."
     source: ClassVar = "G. F. Knoll, Radiation Detection and Measurement, 4th ed. (2010), Section 20.II"
@@ -34,6 +35,9 @@ class FlatBackground(CountEffect):
         x = simulate(theta, rng)
         rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
         reach, u = phi[rows, 1:], rng.random((len(rows), len(self.columns)))
-        drawn = u * (reach + 1) if self.shape == "uniform" else -reach * np.log1p(-u)
+        if self.shape == "swept":
+            drawn = rng.poisson(reach * np.sin(np.pi / 2 * u) ** 2)
+        else:
+            drawn = u * (reach + 1) if self.shape == "uniform" else -reach * np.log1p(-u)
         x[self.cells(rows)] = np.floor(drawn) + (x[self.cells(rows)] if self.shape == "added" else 0)
         return x

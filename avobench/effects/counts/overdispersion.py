@@ -43,6 +43,13 @@ def _two_rates(variance, phi, rng):
     return np.clip(np.where(high, 1 + s * np.sqrt((1 - w) / w), 1 - s * np.sqrt(w / (1 - w))), LOWEST, HIGHEST)
 
 
+def _flares(variance, phi, rng):
+    """In a share w of the events the rate is higher, by an exponential amount."""
+    w, s = phi[:, 1], np.sqrt(variance)
+    mean = s / (np.sqrt(w * (2 - w)) - s * w)  # of that amount, beside the quiet rate
+    return (1 + mean * rng.standard_exponential(len(phi)) * (rng.random(len(phi)) < w)) / (1 + w * mean)
+
+
 RATES = {
     "gamma": Rates(4.0, (), lambda v, phi, rng: rng.gamma(1 / v) * v),
     "lognormal": Rates(4.0, (), _lognormal),
@@ -55,6 +62,7 @@ RATES = {
     "drift": Rates(0.5, (), lambda v, phi, rng: 1 + np.sqrt(2 * v) * np.sin(2 * np.pi * rng.random(len(phi)))),
     "uniform": Rates(0.33, (), lambda v, phi, rng: 1 + np.sqrt(3 * v) * rng.uniform(-1, 1, len(phi))),
     "two_rates": Rates(1.0, (Parameter("share", 0.1, 0.9, None, "1"),), _two_rates),
+    "flares": Rates(1.0, (Parameter("share", 0.01, 0.5, None, "1"),), _flares),
 }
 """By shape."""
 

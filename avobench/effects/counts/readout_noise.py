@@ -6,14 +6,17 @@ from typing import ClassVar
 import numpy as np
 
 from avobench.effects.contract import Parameter
-from avobench.effects.counts.feature import CountEffect
+from avobench.effects.counts.feature import CountEffect, whole
+
+UPSET = Parameter("fraction", 0, 1, 0, "1")
+"""Of the readings, with a flipped bit."""
 
 
 @dataclass(frozen=True)
 class ReadoutNoise(CountEffect):
     """Noise of standard deviation `sigma` is added to each count, rounded, and cut at zero.
 
-    In the shape `sometimes` to a share of the readings.
+    In the shape `sometimes` to a share of the readings. In `upset` one bit of a share of them is the wrong one.
     """
 
     shape: str = "gaussian"
@@ -27,12 +30,22 @@ class ReadoutNoise(CountEffect):
         "laplace": (),
         "folded": (),
         "sometimes": (Parameter("share", 0.01, 1, None, "1"),),
+        "upset": (Parameter("bits", 1, 8, None, "1"),),
     }
     sentence: ClassVar = "The electronics adds noise of its own to every reading."
     source: ClassVar = "G. F. Knoll, Radiation Detection and Measurement, 4th ed. (2010), Section 17.III"
 
+    @property
+    def parameters(self):
+        return (UPSET, *self.SHAPES["upset"]) if self.shape == "upset" else super().parameters
+
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
+        if self.shape == "upset":
+            rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
+            bit = (phi[rows, 1:] * rng.random((len(rows), len(self.columns)))).astype(int)
+            x[self.cells(rows)] = whole(x[self.cells(rows)]) ^ (1 << bit)
+            return x
         n = (len(x), len(self.columns))
         noise = rng.laplace(0, np.sqrt(0.5), n) if self.shape == "laplace" else rng.standard_normal(n)
         if self.shape == "sometimes":

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.special import expit
 
 from avobench.challenge.shapes.contract import drawn, strength
-from avobench.challenge.shapes.sixth.places import Along
+from avobench.challenge.shapes.places import Along
 
 
 @dataclass(frozen=True)

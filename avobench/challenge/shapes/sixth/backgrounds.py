@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.challenge.shapes.contract import Replacement, drawn, strength
-from avobench.challenge.shapes.sixth.places import Real, Single, unscaled
+from avobench.challenge.shapes.places import Real, Single, unscaled
 
 
 @dataclass(frozen=True)

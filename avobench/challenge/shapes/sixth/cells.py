@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.challenge.shapes.contract import drawn, strength
-from avobench.challenge.shapes.sixth.places import Picture
+from avobench.challenge.shapes.places import Picture
 
 DARK = 1e-3
 """Share of the glow below which it is not followed any further."""

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.challenge.shapes.contract import Change, Replacement, Simulate, drawn, strength
-from avobench.challenge.shapes.sixth.places import Counting
+from avobench.challenge.shapes.places import Counting
 
 BRIGHTEST = 4.0
 """Of what a flare adds, relative to the quiet source."""

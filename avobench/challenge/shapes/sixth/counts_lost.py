@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.special import expit
 
 from avobench.challenge.shapes.contract import Change, Selection, drawn, strength
-from avobench.challenge.shapes.sixth.places import Counting
+from avobench.challenge.shapes.places import Counting
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.challenge.shapes.contract import Change, drawn, strength
-from avobench.challenge.shapes.sixth.places import Counting
+from avobench.challenge.shapes.places import Counting
 
 
 class Register(Counting, Change):

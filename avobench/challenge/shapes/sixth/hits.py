@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.challenge.shapes.contract import Selection, Simulate, drawn, strength
-from avobench.challenge.shapes.sixth.places import Image, Picture
+from avobench.challenge.shapes.places import Image, Picture
 
 
 class Overlay(Image):

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.challenge.shapes.contract import Change, Place, drawn, strength
-from avobench.challenge.shapes.sixth.places import Real, Single, reflected
+from avobench.challenge.shapes.places import Real, Single, reflected
 
 LEAST_OF_A_SIGN = 0.2
 """Share of the values of either sign without which a wrong sign is not worth a word."""

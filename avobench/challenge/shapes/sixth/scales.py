@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.challenge.shapes.contract import Change, drawn, strength
-from avobench.challenge.shapes.sixth.places import Single, clipped
+from avobench.challenge.shapes.places import Single, clipped
 
 
 class Reading(Single, Change):

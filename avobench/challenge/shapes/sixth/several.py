@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.special import expit
 
 from avobench.challenge.shapes.contract import Change, Place, Simulate, drawn, strength
-from avobench.challenge.shapes.sixth.places import Real, Together
+from avobench.challenge.shapes.places import Real, Together
 
 
 class Driven(Real):

@@ -1,4 +1,4 @@
-"""At which places the shapes of this series make sense, and what they share there."""
+"""At which places shapes make sense, and what they share there."""
 
 from abc import abstractmethod
 from functools import cached_property
