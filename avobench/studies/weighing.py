@@ -45,10 +45,12 @@ OFF: dict[str, list[tuple[Any, str, Any]]] = {
     AS_IT_IS: [],
     "shapes are exactly right": [(evidence, "WRONG", (0.0,))],
     "the unknown is smooth": [(evidence, "UNKNOWN", evidence.UNKNOWN[1:])],
-    "nothing is outside": [(posterior, "UNKNOWN", 1e-300)],
+    "nothing is outside": [(posterior, "UNKNOWN", 1e-300), (posterior, "IMITATED", 0.0)],
+    "nothing outside looks like the catalogue": [(posterior, "IMITATED", 0.0)],
     "strengths uniform from a tenth": [(evidence, "WEAKEST", 0.1)],
     "noise of a fit does not count": [(Evidence, "at_least", property(lambda self: self.value))],
     "two effects as probable as one": [(posterior, "NUMBER", (0.1, 0.6, 0.6, 0.6))],
+    "what is free is tempered as what is left": [(posterior, "tempered", lambda one, coarse: one.at_least / coarse)],
     "one temperature for all": [(posterior, "COARSE", 0.0)],
     "temperature 1 for all": [(posterior, "COARSE", 0.0), (posterior, "TEMPERATURE", 1.0)],
 }

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from avobench.diagnosis.search.candidates import Weighed
 from avobench.diagnosis.search.evidence import Evidence
-from avobench.diagnosis.search.posterior import CREDIBLE, NUMBER, OUTSIDE, Posterior, Prior
+from avobench.diagnosis.search.posterior import CREDIBLE, IMITATED, NUMBER, OUTSIDE, Posterior, Prior
 from avobench.effects.catalogue import catalogue
 from avobench.tasks.poisson import Poisson
 
@@ -69,14 +69,29 @@ def test_a_fit_that_is_known_badly_does_not_win_by_chance():
     assert found.named.fit.model.effects[0].name == "dead_time"
 
 
-def test_the_more_there_is_to_explain_the_less_a_difference_between_two_names_means():
-    models = [weighed(0, "zero_inflation"), weighed(-12, "dead_time")]
+def test_the_more_there_is_to_explain_the_less_what_a_fit_leaves_tells_of_two_names():
+    models = [weighed(0, "zero_inflation"), weighed(-12, "dead_time", excess=12)]
     weak, strong = (
-        Posterior.of([weighed(-excess, excess=excess), *models], -30, CATALOGUE).probability for excess in (30, 3000)
+        Posterior.of([weighed(-excess, excess=excess), *models], -30, CATALOGUE).included for excess in (30, 3000)
     )
-    names = [frozenset({EFFECTS[name].key}) for name in ("zero_inflation", "dead_time")]
-    assert list(weak)[:2] == list(strong)[:2] == names
-    assert strong[names[1]] > 4 * weak[names[1]]
+    first, second = (EFFECTS[name].key for name in ("zero_inflation", "dead_time"))
+    assert weak[first] / weak[second] > 1.5 * strong[first] / strong[second] > 1.5
+
+
+def test_what_is_free_is_priced_alike_however_much_there_is_to_explain():
+    models = [weighed(0, "zero_inflation"), weighed(-12, "dead_time")]
+    odds = [
+        found[EFFECTS["zero_inflation"].key] / found[EFFECTS["dead_time"].key]
+        for excess in (30, 3000)
+        for found in [Posterior.of([weighed(-excess, excess=excess), *models], -30, CATALOGUE).included]
+    ]
+    assert odds[0] == pytest.approx(odds[1])
+
+
+def test_what_fits_may_be_an_imitation():
+    found = Posterior.of([weighed(0, "zero_inflation")], -1000, CATALOGUE)
+    assert found.outside == pytest.approx(IMITATED)
+    assert len(found.named.effects) == 1
 
 
 def test_two_effects_must_explain_more_than_one():
