@@ -13,11 +13,13 @@ FULL_CHALLENGE += carl-none-200-1100 carl-effects-40-1109 alignment-none-40-1095
 FULL_CHALLENGE += poisson-fourth-40-4004 weinberg-fourth-32-4004 carl-fourth-24-4004
 FULL_CHALLENGE += poisson-fifth-40-5005 weinberg-fifth-32-5005 carl-fifth-32-5005 alignment-fifth-12-5005
 FULL_CHALLENGE += poisson-sixth-40-6006 weinberg-sixth-32-6006 carl-sixth-32-6006 alignment-sixth-12-6006
+FULL_CHALLENGE += poisson-seventh-40-7007 weinberg-seventh-32-7007 carl-seventh-32-7007 alignment-seventh-12-7007
 KINDS_none := none
 KINDS_effects := own,foreign,two,withheld
 KINDS_fourth := foreign,foreign,foreign,withheld --series 4
 KINDS_fifth := foreign,foreign,two,withheld --series 5
 KINDS_sixth := foreign,foreign,two,withheld --series 6
+KINDS_seventh := foreign,foreign,two,withheld --series 7
 JOBS ?= 1
 
 .DEFAULT_GOAL := help

@@ -11,6 +11,7 @@ from scipy.stats import binomtest
 from avobench.bench import registry
 from avobench.challenge.case import VISIBLE, Case
 from avobench.challenge.hide import SETS
+from avobench.challenge.shapes.contract import PACKAGES
 from avobench.tasks.errors import UsageError
 
 POWERS = (0.2, 0.5, 0.9, 0.99)
@@ -20,7 +21,7 @@ GAPS = (1.5, 3.0, 10.0)
 ALL = "all"
 
 """Both sets of shapes together."""
-SERIES = {"second_series": 2, "third_series": 3, "fourth_series": 4, "fifth_series": 5, "sixth_series": 6}
+SERIES = {f"{name}_series": k for k, name in enumerate(PACKAGES[1:], start=2)}
 """Of hidden shapes, those that are told by themselves: what was learned from the ones before."""
 NEAR = 2.0
 """Theta is right within so many of its quoted errors."""

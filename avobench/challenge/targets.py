@@ -6,6 +6,7 @@ from typing import Any
 import pandas as pd
 
 from avobench.challenge.score import ALL, score
+from avobench.challenge.shapes.contract import PACKAGES
 from avobench.challenge.table import classes, number
 
 COVERS = "covers {:.0%} or below"
@@ -26,7 +27,7 @@ WANTED: tuple[tuple[str, tuple[str, ...], str, float], ...] = (
     ),
     *(
         (f"{name} series: {what}", ("one", "foreign", f"{name}_series", key), "at least", bound)
-        for name in ("second", "third", "fourth", "fifth", "sixth")
+        for name in PACKAGES[1:]
         for what, key, bound in (
             ("right name first", "right_first", 0.85),
             ("truth in the tie set", "in_tie_set", 0.95),
