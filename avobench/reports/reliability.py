@@ -24,6 +24,8 @@ ALPHA = 0.05
 """Where the events agree with what was named."""
 BINS = 10
 """Of the probability, of as many names each."""
+DRAWS = 300
+"""Of what may come true by chance."""
 
 
 def names(case: Case) -> dict[tuple[str, str | None], float]:
@@ -80,6 +82,7 @@ def table(cases: Iterable[tuple[str, Case]]) -> pd.DataFrame:
                 "Brier": np.mean(brier),
                 "log score": np.mean(logs),
                 "calibration error": calibration_error(np.array(told), np.array(hit)),
+                "if they held": by_chance(np.array(told)),
             }
         )
     return pd.DataFrame(rows)
@@ -89,6 +92,12 @@ def calibration_error(told: np.ndarray, hit: np.ndarray) -> float:
     """Expected calibration error of probabilities (n,) and what came true (n,): their mean distance, in equal bins."""
     parts = np.array_split(np.argsort(told, kind="stable"), min(BINS, len(told)))
     return float(sum(len(part) * abs(told[part].mean() - hit[part].mean()) for part in parts) / len(told))
+
+
+def by_chance(told: np.ndarray) -> float:
+    """The calibration error to be expected where each of the probabilities (n,) holds: of few cases none has 0."""
+    rng = np.random.default_rng(0)
+    return float(np.mean([calibration_error(told, rng.random(len(told)) < told) for _ in range(DRAWS)]))
 
 
 def cases_of(paths: Iterable[Path]) -> list[tuple[str, Case]]:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from avobench.challenge.case import Case
 from avobench.challenge.records import RECORDS
-from avobench.reports.reliability import calibration_error, cases_of, table
+from avobench.reports.reliability import by_chance, calibration_error, cases_of, table
 from avobench.tasks.poisson import Poisson
 
 
@@ -58,6 +58,12 @@ def test_probabilities_that_hold_have_next_to_no_calibration_error(seed):
     hit = rng.random(40_000) < told
     assert calibration_error(told, hit) < 0.02
     assert calibration_error(told, ~hit) > 0.4
+
+
+def test_of_few_cases_chance_alone_gives_a_calibration_error():
+    """Ten bins of two names of 50 %: of two coins the share of heads is 0.25 from a half on average."""
+    assert by_chance(np.full(20, 0.5)) == pytest.approx(0.25, abs=0.02)
+    assert by_chance(np.repeat([0.0, 1.0], 50)) == 0
 
 
 def test_cases_are_told_by_their_series(tmp_path):
