@@ -19,7 +19,6 @@ POWERS = (0.2, 0.5, 0.9, 0.99)
 GAPS = (1.5, 3.0, 10.0)
 """Borders of classes of what a user sees: chi2/ndf of held-out events before an effect is added."""
 ALL = "all"
-
 """Both sets of shapes together."""
 SERIES = {f"{name}_series": k for k, name in enumerate(PACKAGES[1:], start=2)}
 """Of hidden shapes, those that are told by themselves: what was learned from the ones before."""

@@ -25,7 +25,7 @@ def challenge() -> None:
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="New folder for data and answers.")
 @click.option("--events", "num_events", type=int, default=50_000, show_default=True, help="Events of each data set.")
 @click.option("--kinds", default=None, metavar="A,B", help="Of none, own, foreign, two, withheld.  [all]")
-@click.option("--series", type=int, multiple=True, help="Whose foreign shapes, 1 to 5; repeatable.  [1 and 2]")
+@click.option("--series", type=int, multiple=True, help="Whose foreign shapes, 1 to 7; repeatable.  [1 and 2]")
 @TRUST
 def make(
     task: str,

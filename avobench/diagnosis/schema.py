@@ -168,7 +168,7 @@ class Diagnosis(Strict):
     outside: float | None = None
     """Probability that what is missing is outside the catalogue."""
     models: list[ProbableModel] = []
-    """The smallest set of models that holds 95 %, the most probable first."""
+    """Of the smallest set of models that holds 95 %, all but what is outside the catalogue, the most probable first."""
     regions: list[Region]
     candidates: list[Candidate]
     identifiability: list[Identifiable]

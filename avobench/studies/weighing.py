@@ -29,7 +29,7 @@ from avobench.diagnosis.progress import Telling
 from avobench.diagnosis.schema import Verdict
 from avobench.diagnosis.search import evidence, posterior
 from avobench.diagnosis.search.evidence import Evidence, Scale
-from avobench.diagnosis.search.posterior import OUTSIDE, Posterior
+from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.search import Search
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
@@ -50,7 +50,6 @@ OFF: dict[str, list[tuple[Any, str, Any]]] = {
     "strengths uniform from a tenth": [(evidence, "WEAKEST", 0.1)],
     "noise of a fit does not count": [(Evidence, "at_least", property(lambda self: self.value))],
     "two effects as probable as one": [(posterior, "NUMBER", (0.1, 0.6, 0.6, 0.6))],
-    "what is free is tempered as what is left": [(posterior, "tempered", lambda one, coarse: one.at_least / coarse)],
     "one temperature for all": [(posterior, "COARSE", 0.0)],
     "temperature 1 for all": [(posterior, "COARSE", 0.0), (posterior, "TEMPERATURE", 1.0)],
 }
@@ -83,9 +82,8 @@ def weighed_again(found: Posterior, target: Target, effects: list[Effect]) -> It
 
 def record(case: dict[str, Any], name: str, found: Posterior, task: Task) -> dict[str, Any]:
     """A line of the records: what was hidden, what was switched off, and what a diagnosis would then say."""
-    first = next(iter(found.probability))
     diagnosis = {
-        "verdict": Verdict.UNEXPLAINED if first == OUTSIDE else Verdict.NAMED,
+        "verdict": Verdict.UNEXPLAINED if found.named is None else Verdict.NAMED,
         "probabilities": [each.model_dump() for each in probabilities(found, task.labels)],
         "outside": found.outside,
         "models": [each.model_dump() for each in models(found, task.labels)],

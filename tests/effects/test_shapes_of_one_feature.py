@@ -372,3 +372,11 @@ def test_of_an_event_all_features_may_be_far_off_together():
     assert np.corrcoef(x[x[:, 0] > 0].T)[0, 1] == pytest.approx(0, abs=0.1)
     np.testing.assert_allclose(x[x[:, 0] > 0].mean(axis=0), [2 * WIDE.half, 2 * UNIT.half], rtol=0.1)
     assert not any("together" in s.shape for s in Outliers(0, spans).shapes())
+
+
+def test_an_offset_of_a_part_is_one_of_whole_events():
+    effect = next(s for s in Offset("all", (WIDE, WIDE)).shapes() if s.shape == "part")
+    phi = np.tile([1.0, 0.3], (1000, 1))
+    x = effect.apply(lambda theta, rng: np.zeros((len(theta), 2)), phi, phi, np.random.default_rng(0))
+    assert (x[:, 0] == x[:, 1]).all()
+    assert 0.2 < x[:, 0].mean() < 0.4

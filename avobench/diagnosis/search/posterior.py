@@ -21,14 +21,14 @@ NUMBER = (0.1, 0.5, 0.15, 0.03)
 This, and all down to IMITATED, were chosen on development data of the challenge."""
 UNKNOWN = 0.03
 """How probable beforehand that it is none of the catalogue, and looks like none."""
-IMITATED = 0.15
+IMITATED = 0.1
 """How probable that it is none of the catalogue, but one that looks like what the catalogue has, of whatever fits."""
 TEMPERATURE = 4.0
 """By which log prior and log evidence are divided: what the formulas leave out, and the scatter of simulation, make
 them too sure."""
-COARSE = 0.05
-"""What is added to the temperature of what a fit leaves, for each unit of Q beyond chance that is to be explained: no
-shape is exactly that of nature, and what a shape leaves for being another grows with it."""
+COARSE = 0.03
+"""What is added to the temperature of what a fit leaves, for each unit of Q that it explains: no shape is exactly that
+of nature, and what a shape leaves for being another grows with what it does."""
 CREDIBLE = 0.95
 """Probability of the smallest set of models that is told."""
 
@@ -51,11 +51,10 @@ class Posterior:
             if each not in own or own[each].evidence.at_least < one.evidence.at_least:
                 own[each] = one
         prior = Prior.of(catalogue)
-        to_explain = sum(2 * one.evidence.excess for one in shapes.get(frozenset(), {}).values())
-        coarse = TEMPERATURE + COARSE * to_explain
+        to_explain = max((one.evidence.excess for one in shapes.get(frozenset(), {}).values()), default=0.0)
         logs = {OUTSIDE: (outside + np.log(UNKNOWN)) / TEMPERATURE}
         for names, own in shapes.items():
-            values = [tempered(one.evidence, coarse if names else TEMPERATURE) for one in own.values()]
+            values = [tempered(one.evidence, to_explain) for one in own.values()]
             logs[names] = float(logsumexp(values)) + prior.log(names) / TEMPERATURE
         total = logsumexp(list(logs.values()))
         share = {names: (1 - IMITATED) * np.exp(log - total) for names, log in logs.items()}
@@ -76,8 +75,12 @@ class Posterior:
 
     @property
     def named(self) -> Weighed | None:
-        """The model of the most probable effects; None where more probably nothing in the catalogue is missing."""
-        first = next(iter(self.probability))
+        """The model of the most probable effects; None where more probably nothing in the catalogue is missing.
+
+        What only looks like the catalogue speaks against all names alike, and is no reason for another.
+        """
+        looks = {**self.probability, OUTSIDE: self.outside - IMITATED}
+        first = max(looks, key=looks.get)
         return self.shapes[first][0] if first and first != OUTSIDE else None
 
     def rivals(self, k: int) -> list[tuple]:
@@ -113,10 +116,14 @@ class Posterior:
         return dict(sorted(found.items(), key=lambda item: -item[1]))
 
 
-def tempered(evidence: Evidence, coarse: float) -> float:
-    """A log evidence, of which the price of what is free has TEMPERATURE, and what the fit leaves a coarser one."""
+def tempered(evidence: Evidence, to_explain: float) -> float:
+    """A log evidence, of which the price of what is free has TEMPERATURE, and what the fit leaves a coarser one.
+
+    `to_explain` is the excess of the simulator as it is.
+    """
     price = evidence.value + evidence.excess
-    return price / TEMPERATURE - (price - evidence.at_least) / coarse
+    explained = 2 * max(to_explain - evidence.excess, 0)
+    return price / TEMPERATURE - (price - evidence.at_least) / (TEMPERATURE + COARSE * explained)
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ FARTHEST = 0.7
 class Offset(Change):
     """Every value is shifted.
 
-    In the shape `part` a share of them, as after a step in time. In `creeping` the shift approaches its last value
-    exponentially while the data are taken, as of electronics that warm up.
+    In the shape `part` those of a share of the events, as after a step in time. In `creeping` the shift approaches its
+    last value exponentially while the data are taken, as of electronics that warm up.
     """
 
     shape: str = "plain"
@@ -34,11 +34,15 @@ class Offset(Change):
         of_most = {"creeping": (Parameter("warm_up", 0.01, 1, None, "of the data"),)}
         return {"plain": ()} | ({"angle": (), "reflected": ()} if self.bounded else {}) | of_some | of_most
 
+    def apply(self, simulate, theta, phi, rng):
+        if self.shape not in ("part", "creeping"):
+            return super().apply(simulate, theta, phi, rng)
+        x, time = simulate(theta, rng), rng.random(len(theta))  # one time for all features of an event
+        present = time < phi[:, 1] if self.shape == "part" else -np.expm1(-time / phi[:, 1])
+        x[:, list(self.columns)] += (phi[:, 0] * present)[:, None]
+        return self.wrapped(x)
+
     def changed(self, x, span, phi, rng):
         if self.shape == "angle":
             return span.cosine(span.angle(x) + phi[:, 0])
-        if self.shape == "part":
-            return x + phi[:, 0] * (rng.random(len(x)) < phi[:, 1])
-        if self.shape == "creeping":
-            return x - phi[:, 0] * np.expm1(-rng.random(len(x)) / phi[:, 1])
         return span.reflect(x + phi[:, 0]) if self.shape == "reflected" else x + phi[:, 0]

@@ -43,7 +43,8 @@ class Outliers(Change):
     def variants(self):
         shapes = {"gaussian": (WIDTH,), "cauchy": (WIDTH,)}
         shapes |= {"angle": (ANGLE,)} if self.bounded else {"above": (WIDTH,), "below": (WIDTH,)}
-        return shapes | ({f"{each} {TOGETHER}": (WIDTH,) for each in ERRORS} if self.feature == "all" else {})
+        whole = {f"{each} {TOGETHER}": (WIDTH,) for each in shapes if each in ERRORS}
+        return shapes | (whole if self.feature == "all" else {})
 
     def apply(self, simulate, theta, phi, rng):
         if not self.shape.endswith(TOGETHER):

@@ -20,7 +20,7 @@ class PileUp(CountEffect):
     position = 9
     STRENGTH = Parameter("overlap", 0, 1, 0, "1")
     SHAPES: ClassVar = {"": (), "sometimes": (Parameter("share", 0.01, 1, None, "1"),)}
-    sentence: ClassVar = "Counts that belong to neighbouring events fall into every event."
+    sentence: ClassVar = "Counts that belong to neighbouring events fall into an event."
     source: ClassVar = "G. F. Knoll, Radiation Detection and Measurement, 4th ed. (2010), Section 17.VII"
 
     def apply(self, simulate, theta, phi, rng):

@@ -32,7 +32,7 @@ class ReadoutNoise(CountEffect):
         "sometimes": (Parameter("share", 0.01, 1, None, "1"),),
         "upset": (Parameter("bits", 1, 8, None, "1"),),
     }
-    sentence: ClassVar = "The electronics adds noise of its own to every reading."
+    sentence: ClassVar = "The electronics adds noise of its own to the readings."
     source: ClassVar = "G. F. Knoll, Radiation Detection and Measurement, 4th ed. (2010), Section 17.III"
 
     @property
@@ -42,9 +42,9 @@ class ReadoutNoise(CountEffect):
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
         if self.shape == "upset":
-            rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
-            bit = (phi[rows, 1:] * rng.random((len(rows), len(self.columns)))).astype(int)
-            x[self.cells(rows)] = whole(x[self.cells(rows)]) ^ (1 << bit)
+            read, n = whole(x[:, self.columns]), (len(x), len(self.columns))
+            flipped = read ^ (1 << (phi[:, 1:] * rng.random(n)).astype(int))
+            x[:, self.columns] = np.where(rng.random(n) < phi[:, :1], flipped, read)
             return x
         n = (len(x), len(self.columns))
         noise = rng.laplace(0, np.sqrt(0.5), n) if self.shape == "laplace" else rng.standard_normal(n)

@@ -1,6 +1,7 @@
 """A diagnosis in words, at most a screen of them."""
 
 from avobench.diagnosis.schema import Diagnosis, EffectValue, FoundEffect, Gap, Gate, Named, Value, Verdict
+from avobench.diagnosis.search.posterior import CREDIBLE
 from avobench.reports.diagnosis.order import sentences
 from avobench.reports.numbers import p_equals, p_value
 
@@ -113,11 +114,11 @@ def probabilities(diagnosis: Diagnosis) -> str:
 
 
 def likely_models(diagnosis: Diagnosis) -> str:
-    """The smallest set of models that holds 95 %; empty where there is none."""
-    return "; ".join(
-        f"{' + '.join(map(label, model.effects)) or 'the simulator as it is'}, {model.probability:.2f}"
-        for model in diagnosis.models
-    )
+    """The smallest set of models that holds 95 %, with what is outside the catalogue; empty where there is none."""
+    told = [(" + ".join(map(label, m.effects)) or "the simulator as it is", m.probability) for m in diagnosis.models]
+    if told and sum(p for _, p in told) < CREDIBLE:
+        told.append(("nothing in the catalogue", diagnosis.outside))
+    return "; ".join(f"{name}, {p:.2f}" for name, p in sorted(told, key=lambda each: -each[1]))
 
 
 def label(named: Named) -> str:

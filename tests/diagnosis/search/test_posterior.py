@@ -9,7 +9,16 @@ from hypothesis import strategies as st
 
 from avobench.diagnosis.search.candidates import Weighed
 from avobench.diagnosis.search.evidence import Evidence
-from avobench.diagnosis.search.posterior import CREDIBLE, IMITATED, NUMBER, OUTSIDE, Posterior, Prior
+from avobench.diagnosis.search.posterior import (
+    COARSE,
+    CREDIBLE,
+    IMITATED,
+    NUMBER,
+    OUTSIDE,
+    TEMPERATURE,
+    Posterior,
+    Prior,
+)
 from avobench.effects.catalogue import catalogue
 from avobench.tasks.poisson import Poisson
 
@@ -69,29 +78,41 @@ def test_a_fit_that_is_known_badly_does_not_win_by_chance():
     assert found.named.fit.model.effects[0].name == "dead_time"
 
 
-def test_the_more_there_is_to_explain_the_less_what_a_fit_leaves_tells_of_two_names():
+def odds(found, one, other):
+    return found.included[EFFECTS[one].key] / found.included[EFFECTS[other].key]
+
+
+def told(excess, *models, outside=-30):
+    return Posterior.of([weighed(-excess, excess=excess), *models], outside, CATALOGUE)
+
+
+def test_the_more_a_model_explains_the_less_what_it_leaves_tells_of_two_names():
+    """The temperature of what is left is 4, and 0.06 more for each unit that is explained of half of the excess."""
     models = [weighed(0, "zero_inflation"), weighed(-12, "dead_time", excess=12)]
-    weak, strong = (
-        Posterior.of([weighed(-excess, excess=excess), *models], -30, CATALOGUE).included for excess in (30, 3000)
-    )
-    first, second = (EFFECTS[name].key for name in ("zero_inflation", "dead_time"))
-    assert weak[first] / weak[second] > 1.5 * strong[first] / strong[second] > 1.5
+    for excess in (112, 3012):
+        level = odds(told(excess, weighed(0, "zero_inflation"), weighed(0, "dead_time")), "zero_inflation", "dead_time")
+        expected = np.exp(12 / (TEMPERATURE + 2 * COARSE * (excess - 12)))
+        assert odds(told(excess, *models), "zero_inflation", "dead_time") / level == pytest.approx(expected)
 
 
 def test_what_is_free_is_priced_alike_however_much_there_is_to_explain():
     models = [weighed(0, "zero_inflation"), weighed(-12, "dead_time")]
-    odds = [
-        found[EFFECTS["zero_inflation"].key] / found[EFFECTS["dead_time"].key]
-        for excess in (30, 3000)
-        for found in [Posterior.of([weighed(-excess, excess=excess), *models], -30, CATALOGUE).included]
-    ]
-    assert odds[0] == pytest.approx(odds[1])
+    weak, strong = (odds(told(excess, *models), "zero_inflation", "dead_time") for excess in (30, 3000))
+    assert weak == pytest.approx(strong)
 
 
-def test_what_fits_may_be_an_imitation():
-    found = Posterior.of([weighed(0, "zero_inflation")], -1000, CATALOGUE)
+def test_a_model_that_explains_nothing_is_no_better_than_the_simulator_as_it_is():
+    found = told(500, weighed(-500, "zero_inflation", excess=500), outside=-70)
+    assert found.named is None
+    assert found.outside > 0.99
+
+
+def test_what_fits_may_be_an_imitation_and_that_is_no_reason_for_another_name():
+    names = [name for name in EFFECTS if name not in ("zero_inflation", "overdispersion")][:6]
+    found = told(500, *(weighed(0, name) for name in names), outside=-1000)
     assert found.outside == pytest.approx(IMITATED)
-    assert len(found.named.effects) == 1
+    assert found.named is not None
+    assert all(share < 3 * IMITATED for share in found.included.values())
 
 
 def test_two_effects_must_explain_more_than_one():
