@@ -27,7 +27,8 @@ from avobench.tasks.meter import Meter
 OF_ONE_FEATURE = 32
 """Effects of a catalogue, at most, where theta may hide one that is weak: several features tell them apart."""
 MATTERS = 8.0
-"""Difference of log evidence from which a model does not matter beside another: odds of 3 000."""
+"""Difference of log evidence from which a model is fitted no further beside another, though its probability, which is
+coarser, may not be small."""
 LOOKED_AT = 2
 """Times as many shapes as fits that begin are looked at more closely."""
 FURTHEST = 0.2
