@@ -18,7 +18,7 @@ OUTSIDE: Names = frozenset({("outside",)})
 """That what is missing is not in the catalogue."""
 NUMBER = (0.1, 0.5, 0.15, 0.03)
 """How probable beforehand, once a disagreement is shown, it is that no, one, two or more effects are missing.
-This, and all down to IMITATED, were chosen on development data of the challenge."""
+This, and all down to COARSE, were chosen on development data of the challenge."""
 UNKNOWN = 0.03
 """How probable beforehand that it is none of the catalogue, and looks like none."""
 IMITATED = 0.1
