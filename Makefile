@@ -84,7 +84,7 @@ docs/figures/effects/drawn: avobench/reports/effects.py $(shell find avobench/ef
 
 demo: venv  ## the example of the README: a simulator, measured data, what the simulator lacks; picture in reports/
 	@mkdir -p reports
-	cd reports && OMP_NUM_THREADS=1 ../$(BIN)/python ../examples/muon.py
+	cd reports && OMP_NUM_THREADS=1 ../$(BIN)/python ../examples/gamma_line.py
 
 demo-missing-effect: demo  ## the same, by its old name
 

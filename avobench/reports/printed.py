@@ -2,8 +2,8 @@
 
 A comment such as `<!-- printed by: avobench status --results results/reference -->` before a fenced block says which
 command printed the block; this one runs it again, from the folder of the repository, and writes the block anew.
-`<!-- code of: examples/muon.py -->` and `<!-- text of: results/robustness/kills.txt -->` show a file, and
-`<!-- output of: examples/muon.py -->` what it prints; the pictures that it saves are those in docs/figures.
+`<!-- code of: examples/gamma_line.py -->` and `<!-- text of: results/robustness/kills.txt -->` show a file, and
+`<!-- output of: examples/gamma_line.py -->` what it prints; the pictures that it saves are those in docs/figures.
 """
 
 import os

@@ -59,7 +59,7 @@ def test_the_readme_shows_what_its_example_prints(tmp_path):
         return re.sub(number, "#", timed), [float(value) for value in re.findall(number, timed)]
 
     words, numbers = parts(shown)
-    words_now, numbers_now = parts(output(ROOT / "examples" / "muon.py", tmp_path))
+    words_now, numbers_now = parts(output(ROOT / "examples" / "gamma_line.py", tmp_path))
     assert words_now == words
     assert numbers_now == pytest.approx(numbers, rel=0.01)
 
