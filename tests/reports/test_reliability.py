@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -10,6 +11,8 @@ from hypothesis import strategies as st
 from avobench.challenge.case import Case
 from avobench.challenge.records import RECORDS
 from avobench.reports.reliability import by_chance, calibration_error, cases_of, table
+from avobench.reports.reliability_diagram import draw
+from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson
 
 
@@ -75,3 +78,14 @@ def test_cases_are_told_by_their_series(tmp_path):
     path = tmp_path / "records.jsonl"
     path.write_text("\n".join(map(json.dumps, lines)))
     assert [name for name, _ in cases_of([path])] == ["series 2", "withheld, series 3"]
+
+
+def test_the_diagram_has_a_bin_of_what_came_true(tmp_path):
+    cases = [case({"dead_time": 0.8}, 0.2)] * 8 + [case({"pile_up": 0.8}, 0.2)] * 2
+    table = pd.read_csv(draw(cases, tmp_path)[2])
+    assert table.names.sum() == 20
+    likely = table[table.told > 0.5]
+    assert np.average(likely.true, weights=likely.names) == pytest.approx(0.8)
+    assert ((table.low <= table.true) & (table.true <= table.high)).all()
+    with pytest.raises(UsageError, match="no case tells probabilities"):
+        draw([], tmp_path)
