@@ -3,7 +3,8 @@
 Of each effect that was hidden in a foreign shape and taken for another: by how much the expected log likelihood of as
 many events is less under the model that was named, at the parameters that were quoted, than under the truth. Below
 about 3 nobody could tell the two apart, whatever he knew of both; a model that was fitted to the events is wrong by
-half its number of parameters anyway. "-" is where nothing was named. Both are simulated with NUM_SIMULATED events.
+half its number of parameters anyway. "-" is where nothing was named, or a shape that
+is read off the data. Both are simulated with NUM_SIMULATED events.
 """
 
 import sys
@@ -39,7 +40,9 @@ def misses(case: Case, head: dict[str, Any], number: int) -> float:
     task, n = case.task, NUM_SIMULATED
     theta = np.array(case.answer["theta"])
     true = injection(case, head, number).measure(task.simulate, np.tile(theta, (n, 1)), rng)
-    model, params = named(case)
+    if (found := named(case)) is None:
+        return np.nan
+    model, params = found
     other = model.simulate(np.tile(params, (n, 1)), rng)
     cosine = np.linspace(-1, 1, BINS + 1)
     edges = np.arange(-0.5, max(true.max(), other.max()) + 1) if kind_of_events(task) == "counts" else cosine
@@ -63,15 +66,17 @@ def injection(case: Case, head: dict[str, Any], number: int) -> Injection:
     return shape(Place(case.task, feature, reference), **answer["settings"])
 
 
-def named(case: Case) -> tuple[Model, NDArray[np.float64]]:
-    """The model that was named, and its parameters as they were quoted (P,)."""
+def named(case: Case) -> tuple[Model, NDArray[np.float64]] | None:
+    """The model that was named, and its parameters as they were quoted (P,); None of a shape read off the data."""
     theta, effects = case.diagnosis["theta_after"], case.diagnosis["effects"]
     entries = catalogue(case.task)
     params = [theta[name]["value"] for name in case.task.parameter_names]
     found = []
     for told in effects:
         shapes = (shape for entry in entries if entry.name == told["name"] for shape in entry.shapes())
-        found.append(next(shape for shape in shapes if shape.shape == told["shape"]))
+        if (shape := next((shape for shape in shapes if shape.shape == told["shape"]), None)) is None:
+            return None
+        found.append(shape)
         params += [told["parameters"][parameter.name]["value"] for parameter in found[-1].parameters]
     return Model(case.task, tuple(found)), np.array(params)
 
