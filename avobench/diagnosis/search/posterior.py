@@ -68,10 +68,17 @@ class Posterior:
         return self.probability[OUTSIDE]
 
     @property
+    def looks(self) -> dict[Names, float]:
+        """The probabilities without that of what is outside the catalogue and looks like it."""
+        return {**self.probability, OUTSIDE: self.outside - IMITATED}
+
+    @property
     def credible(self) -> list[Names]:
-        """The smallest set of models that has CREDIBLE of the probability."""
-        reached = np.cumsum(list(self.probability.values()))
-        return list(self.probability)[: int(np.searchsorted(reached, CREDIBLE)) + 1]
+        """The smallest set of models that has CREDIBLE of the probability, but for that of what looks like them."""
+        looks = self.looks
+        ordered = sorted(looks, key=lambda each: -looks[each])
+        reached = np.cumsum([looks[each] for each in ordered])
+        return ordered[: int(np.searchsorted(reached, CREDIBLE * reached[-1])) + 1]
 
     @property
     def named(self) -> Weighed | None:
@@ -79,8 +86,7 @@ class Posterior:
 
         What only looks like the catalogue speaks against all names alike, and is no reason for another.
         """
-        looks = {**self.probability, OUTSIDE: self.outside - IMITATED}
-        first = max(looks, key=looks.get)
+        first = max(self.looks, key=self.looks.get)
         return self.shapes[first][0] if first and first != OUTSIDE else None
 
     def rivals(self, k: int) -> list[tuple]:

