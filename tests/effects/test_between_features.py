@@ -57,6 +57,17 @@ def test_a_smearing_grows_with_what_acts():
 def test_a_gain_follows_what_acts_as_far_as_its_range():
     plain, x = made(ConditionalResponse(0, RANGES, "x2 gain"), -0.3)
     np.testing.assert_allclose((x - plain)[:, 0], -0.3 * (plain[:, 0] - 1) * plain[:, 1] / 10)
+    plain, x = made(ConditionalResponse(0, RANGES, "x2 balanced"), -0.3)
+    np.testing.assert_allclose((x - plain)[:, 0], -0.3 * (plain[:, 0] - 1) * (plain[:, 1] - 5) / 5)
+
+
+def test_sensors_that_tilt_about_a_pivot_have_one_error_in_proportion_to_its_distance():
+    effect = next(s for s in Correlation("all", RANGES).shapes() if s.shape == "tilt")
+    phi = np.tile([0.2, 0.5], (N, 1))
+    x = effect.apply(lambda theta, rng: np.zeros((N, 3)), phi, phi, np.random.default_rng(0))
+    errors = x / np.array([span.half for span in RANGES])
+    np.testing.assert_allclose(errors[:, 1:] / errors[:, :1], np.tile([1 / 3, -1 / 3], (N, 1)))
+    assert errors[:, 0].std() == pytest.approx(0.2 * 1.5, rel=5 / np.sqrt(2 * N))
 
 
 def test_both_neighbours_of_a_feature_leak_into_it():
@@ -93,7 +104,8 @@ def test_the_catalogue_stays_small_however_many_features_there_are():
         next(e for e in catalogue(each) if e.name == "correlation") for each in (features(2), Carl(), features(20))
     )
     assert [shape.shape for shape in of_two.shapes()] == ["x1 x2"]
-    assert len(of_five.shapes()) == 1 + 10
-    assert len(of_many.shapes()) == 1 + 19 <= 1 + MOST_PAIRS
+    assert len(of_five.shapes()) == 2 + 10
+    assert len(of_many.shapes()) == 2 + 19 <= 2 + MOST_PAIRS
     assert {shape.shape for shape in of_many.shapes()} >= {"every", "x1 x2", "x19 x20"}
-    assert all(len(shape.parameters) == 1 for e in catalogue(Carl()) if e.name in names for shape in e.shapes())
+    shapes = [shape for e in catalogue(Carl()) if e.name in names for shape in e.shapes()]
+    assert all(len(shape.parameters) == 1 + (shape.shape == "tilt") for shape in shapes)

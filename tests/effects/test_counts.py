@@ -207,6 +207,22 @@ def test_flares_keep_the_mean_rate_and_have_the_variance(variance, share):
     assert (rates > rates.min() + 1e-9).mean() == pytest.approx(share, abs=5 * 0.5 / np.sqrt(N))
 
 
+def test_a_source_that_decays_keeps_the_mean_rate_and_has_the_variance():
+    for variance in (1e-6, 0.01, 0.3, 1.0):
+        phi = np.tile([variance], (N, 1))
+        rates = RATES["decaying"].drawn(phi[:, 0], phi, rng())
+        assert rates.mean() == pytest.approx(1, abs=5 * rates.std() / np.sqrt(N))
+        assert rates.var() == pytest.approx(variance, rel=0.02)
+        assert rates.max() / rates.min() == pytest.approx(np.exp(np.ptp(np.log(rates))))
+
+
+def test_pile_up_of_several_adds_a_part_of_each():
+    x = events(Poisson(), [effect_of(Poisson(), "pile_up", "several")], [np.log(6.0), 0.5, 1.5])[:, 0]
+    mean, variance = 6 * (1 + 0.75), 6 * (1 + 0.75) + 36 * 0.25 * 1.5
+    assert x.mean() == pytest.approx(mean, abs=5 * x.std() / np.sqrt(N))
+    assert x.var() == pytest.approx(variance, rel=0.02)
+
+
 def test_a_swept_background_gathers_at_both_ends_of_its_range():
     phi = np.tile([1.0, 200.0], (N, 1))
     x = effect_of(Poisson(), "flat_background", "swept").apply(
@@ -221,3 +237,17 @@ def test_an_upset_flips_one_bit_of_some_readings():
     x = effect.apply(lambda theta, rng: np.full((N, 1), 21), phi, phi, rng())[:, 0]
     assert set(x) == {21, 20, 23, 17, 29}
     assert (x != 21).mean() == pytest.approx(0.3, abs=5 * 0.5 / np.sqrt(N))
+
+
+@pytest.mark.parametrize(("shape", "phi"), [("jumps", [5.0, 0.3]), ("hum", [5.0])])
+def test_a_readout_that_jumps_or_hums_has_the_moments_of_that(shape, phi):
+    effect = effect_of(Poisson(), "readout_noise", shape)
+    phi = np.tile(phi, (N, 1))
+    x = effect.apply(lambda theta, rng: np.full((N, 1), 100), phi, phi, rng())[:, 0]
+    assert x.mean() == pytest.approx(100, abs=5 * x.std() / np.sqrt(N))
+    if shape == "jumps":
+        assert set(x) == {95, 100, 105}
+        assert (x != 100).mean() == pytest.approx(0.3, abs=5 * 0.5 / np.sqrt(N))
+    else:
+        assert x.max() - 100 == 100 - x.min() == 7  # the crest of a sine wave of rms 5
+        assert x.var() == pytest.approx(25 + 1 / 12, rel=0.02)

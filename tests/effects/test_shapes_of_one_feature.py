@@ -9,6 +9,7 @@ from scipy.stats import beta, crystalball, expon, kstest, lomax, norm
 from avobench.effects.catalogue import catalogue
 from avobench.effects.continuous.analysis_window import AnalysisWindow
 from avobench.effects.continuous.censoring import Censoring
+from avobench.effects.continuous.charge_misid import ChargeMisid
 from avobench.effects.continuous.dead_region import DeadRegion
 from avobench.effects.continuous.ends import sharp_end
 from avobench.effects.continuous.flat_background import FlatBackground
@@ -16,6 +17,7 @@ from avobench.effects.continuous.forward_backward_acceptance import ForwardBackw
 from avobench.effects.continuous.offset import Offset
 from avobench.effects.continuous.outliers import Outliers
 from avobench.effects.continuous.peak_background import PeakBackground
+from avobench.effects.continuous.quantisation import Quantisation
 from avobench.effects.continuous.radiative_tail import RadiativeTail
 from avobench.effects.continuous.resolution import Resolution
 from avobench.effects.continuous.saturation import Saturation
@@ -380,3 +382,51 @@ def test_an_offset_of_a_part_is_one_of_whole_events():
     x = effect.apply(lambda theta, rng: np.zeros((len(theta), 2)), phi, phi, np.random.default_rng(0))
     assert (x[:, 0] == x[:, 1]).all()
     assert 0.2 < x[:, 0].mean() < 0.4
+
+
+@pytest.mark.parametrize(("sign", "name"), [(1, "of_positive"), (-1, "of_negative")])
+def test_the_sign_of_one_half_alone_may_be_lost(sign, name):
+    at = sign * np.r_[np.full(N // 2, 3.0), np.full(N // 2, -2.0)]
+    x = made(shape(ChargeMisid, name), [0.3], lambda theta, rng: at[:, None].copy())
+    np.testing.assert_array_equal(x[N // 2 :], at[N // 2 :])
+    assert (x[: N // 2] != at[: N // 2]).mean() == pytest.approx(0.3, abs=5 * 0.5 / np.sqrt(N / 2))
+
+
+@pytest.mark.parametrize(("name", "far"), [("rising", 8.0), ("falling", 0.0)])
+def test_a_smearing_may_grow_from_one_end_to_the_other(name, far):
+    for at in (far, 4.0):
+        x = made(shape(Resolution, name), [2.0], lambda theta, rng, at=at: np.full((len(theta), 1), at))
+        share = (at + 4) / 16 if name == "rising" else (12 - at) / 16
+        assert x.std() == pytest.approx(2 * np.sqrt(share), rel=5 / np.sqrt(2 * N))
+
+
+@given(st.floats(0, 50), st.floats(0, 1))
+@settings(max_examples=30, deadline=None)
+def test_a_knee_below_is_the_mirror_of_one_above(compression, knee):
+    at = np.linspace(-4.0, 12.0, 50)
+    above, below = (
+        made(shape(Saturation, name), [compression, knee], lambda theta, rng, at=at: at[:, None].copy(), len(at))
+        for name in ("knee", "knee_below")
+    )
+    np.testing.assert_allclose(below, 2 * WIDE.centre - above[::-1], atol=1e-12)
+
+
+def test_a_bowed_scale_may_differ_on_either_side():
+    at = np.array([-2.0, 2.0, 4.0, 6.0, 10.0])
+    x = made(shape(Scale, "bowed_low"), [0.2, 0.5], lambda theta, rng: at[:, None].copy(), len(at))
+    np.testing.assert_allclose(x - at, 0.2 * (1 - ((at - 4) / 8) ** 2) * (at - 4) * np.where(at < 4, 0.5, 1))
+
+
+@given(st.floats(0.05, 0.6), st.floats(-0.3, 0.3))
+@settings(max_examples=20, deadline=None)
+def test_values_of_few_digits_are_read_in_steps_that_grow_with_them(step, off):
+    """The logarithm of the size is rounded; the border between two values then lies below the middle."""
+    x = np.random.default_rng(0).normal(4, 8, 20_000)
+    unit = np.log1p(step)
+    measured = np.sign(x) * np.exp(unit * (np.rint(np.log(np.abs(x)) / unit + off) - off))
+    effect = next(s for s in Quantisation(0, (WIDE,)).adapted(measured[:, None]).shapes() if s.shape == "by_size")
+    border = (np.sqrt(1 + step) - 1) / step
+    read = made(effect, [1.0, border], lambda theta, rng: x[:, None].copy(), len(x))
+    levels = np.array(effect.levels)
+    inside = (np.abs(x) > 2 * np.abs(levels).min()) & (x > levels[0]) & (x < levels[-1])
+    assert np.isclose(read, measured)[inside].mean() > 0.98

@@ -7,12 +7,15 @@ import numpy as np
 from avobench.effects.continuous.feature import Change
 from avobench.effects.contract import Parameter
 
-SHAPES = {"constant": (), "growing": (Parameter("power", 0.5, 10, None, "1"),)}
+SHAPES = {"constant": (), "growing": (Parameter("power", 0.5, 10, None, "1"),), "of_positive": (), "of_negative": ()}
 
 
 @dataclass(frozen=True)
 class ChargeMisid(Change):
-    """The sign is taken wrongly with a fixed chance, or with one that grows with the magnitude."""
+    """The sign is taken wrongly with a fixed chance, or with one that grows with the magnitude.
+
+    In the shapes `of_positive` and `of_negative` only that of values with this sign.
+    """
 
     shape: str = "constant"
     name = "charge_misid"
@@ -21,7 +24,7 @@ class ChargeMisid(Change):
     source = "ALEPH, DELPHI, L3, OPAL, SLD, Phys. Rep. 427 (2006) 257, Section 5"
 
     def strength(self) -> Parameter:
-        return Parameter("fraction", 0, 0.5, 0, "1")
+        return Parameter("fraction", 0, 1 if self.shape.startswith("of_") else 0.5, 0, "1")
 
     def variants(self):
         return SHAPES
@@ -30,4 +33,7 @@ class ChargeMisid(Change):
         chance = phi[:, 0]
         if self.shape == "growing":
             chance = chance * np.minimum(np.abs(span.relative(x)), 1) ** phi[:, 1]
-        return np.where(rng.random(len(x)) < chance, -x, x)
+        wrong = rng.random(len(x)) < chance
+        if self.shape.startswith("of_"):
+            wrong &= (x > 0) if self.shape == "of_positive" else (x < 0)
+        return np.where(wrong, -x, x)

@@ -26,6 +26,8 @@ SMEARED = "smeared"
 """The shape in which a feature is smeared, the more the larger what acts is."""
 GAIN = "gain"
 """The shape in which a feature is stretched about its centre, the more the larger what acts is."""
+BALANCED = "balanced"
+"""The same with no stretch where what acts is at its centre, and a shrinking below."""
 STRETCH = 0.5
 """Of a gain, at most, as of a wrong scale."""
 
@@ -52,13 +54,13 @@ class ConditionalResponse(FeatureEffect):
     def strength(self) -> Parameter:
         if self.shape.endswith(SMEARED):
             return Parameter("sigma", 0, self.half, 0, "of the feature")
-        if self.shape.endswith(GAIN):
+        if self.shape.endswith((GAIN, BALANCED)):
             return Parameter("stretch", -STRETCH, STRETCH, 0, "1")
         return Parameter("shift", -self.half, self.half, 0, "of the feature")
 
     def variants(self):
         others = [j for j in range(len(self.ranges)) if j != self.feature]
-        return {f"x{j + 1} {form}": () for form in (*SHIFTS, SMEARED, GAIN) for j in others}
+        return {f"x{j + 1} {form}": () for form in (*SHIFTS, SMEARED, GAIN, BALANCED) for j in others}
 
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
@@ -68,7 +70,10 @@ class ConditionalResponse(FeatureEffect):
         own, size = self.ranges[self.feature], np.abs(1 + u) / 2
         if form == SMEARED:
             moved = size * rng.standard_normal(len(x))
+        elif form in (GAIN, BALANCED):
+            gain = np.minimum(size, 1) if form == GAIN else np.clip(u, -1, 1)
+            moved = (x[:, self.feature] - own.centre) * gain
         else:
-            moved = (x[:, self.feature] - own.centre) * np.minimum(size, 1) if form == GAIN else SHIFTS[form](u)
+            moved = SHIFTS[form](u)
         x[:, self.feature] = own.wrapped(x[:, self.feature] + phi[:, 0] * moved)
         return x

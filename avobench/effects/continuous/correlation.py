@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from itertools import combinations, pairwise
 
+import numpy as np
+
 from avobench.effects.continuous.feature import FeatureEffect
 from avobench.effects.contract import Effect, Parameter
 
@@ -13,6 +15,9 @@ MOST_PAIRS = 45
 @dataclass(frozen=True)
 class Correlation(FeatureEffect):
     """All features, or two of them, share an error; a negative one moves the second of a pair to the other side.
+
+    In the shape `tilt` the error of each is in proportion to its distance from a pivot, in the order of the features,
+    as of sensors on one table.
 
     One entry, on all features; which of them share the error is a matter of shape. Where both are smeared alike but
     each by itself it is `resolution`.
@@ -29,20 +34,23 @@ class Correlation(FeatureEffect):
         return [entry.shapes()[0] for entry in super().entries(site) if entry.feature == "all"]
 
     def strength(self) -> Parameter:
-        return Parameter("sigma", 0 if self.shape == "every" else -0.5, 0.5, 0, "of half the range")
+        return Parameter("sigma", 0 if self.shape in ("every", "tilt") else -0.5, 0.5, 0, "of half the range")
 
     def variants(self):
         features = range(len(self.ranges))
         pairs = list(combinations(features, 2))
         pairs = pairs if len(pairs) <= MOST_PAIRS else list(pairwise(features))
-        return ({"every": ()} if len(pairs) > 1 else {}) | {f"x{i + 1} x{j + 1}": () for i, j in pairs}
+        pivot = Parameter("pivot", -1, 1, None, "of half the row of features")
+        common = {"every": (), "tilt": (pivot,)} if len(pairs) > 1 else {}
+        return common | {f"x{i + 1} x{j + 1}": () for i, j in pairs}
 
     def apply(self, simulate, theta, phi, rng):
         x, sigma = simulate(theta, rng), phi[:, 0]
         noise = rng.standard_normal(len(x))
-        if self.shape == "every":
-            for j in self.columns:
-                x[:, j] += self.ranges[j].half * sigma * noise
+        if self.shape in ("every", "tilt"):
+            for j, at in zip(self.columns, np.linspace(-1, 1, len(self.columns)), strict=True):
+                lever = at - phi[:, 1] if self.shape == "tilt" else 1
+                x[:, j] += self.ranges[j].half * sigma * lever * noise
             return self.wrapped(x)
         first, second = (int(feature[1:]) - 1 for feature in self.shape.split())
         x[:, first] += self.ranges[first].half * abs(sigma) * noise

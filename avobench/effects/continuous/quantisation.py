@@ -26,7 +26,11 @@ ROUNDED = {"nearest": np.rint, "down": np.floor, "middle": lambda v: np.floor(v)
 
 @dataclass(frozen=True)
 class Quantisation(Change):
-    """A share of the values is known only in steps, or by the bin that it falls in."""
+    """A share of the values is known only in steps, or by the bin that it falls in.
+
+    In the shape `by_size` the steps may grow with the size of a value, as of floating-point numbers of few digits: the
+    border between two is at the same share of each step, from the smaller size to the larger.
+    """
 
     shape: str = "nearest"
     steps: tuple[float, float] | None = None
@@ -52,6 +56,7 @@ class Quantisation(Change):
         if len(self.levels) >= LEAST_LEVELS:
             border = Parameter("border", 0, 1, None, "of the middle step")
             shapes |= {"bins": (border,)} | ({"bins_in_angle": (border,)} if self.bounded else {})
+            shapes["by_size"] = (replace(border, unit="of each step"),)
         if self.combs:
             noise = Parameter("noise", 0, NOISIEST, None, "steps")
             shapes |= {shape: (self._known_step(), noise) for shape in ("blurred", "blurred_down")}
@@ -97,7 +102,7 @@ class Quantisation(Change):
 
     def guess(self, x):
         """Nothing where no values repeat."""
-        if self.shape.startswith("bins"):
+        if self.shape.startswith("bins") or self.shape == "by_size":
             return None
         if self.shape.startswith("blurred"):
             comb, (_, step, noise) = self.combs[0], self.parameters
@@ -121,11 +126,21 @@ class Quantisation(Change):
         step = phi[:, 1]
         if self.shape.startswith("bins"):
             y = self._middle(x, span, phi[:, 1])
+        elif self.shape == "by_size":
+            y = self._nearest(x, phi[:, 1])
         elif self.shape == "angle":
             y = span.cosine(np.rint(span.angle(x) / step) * step)
         else:
             y = step * ROUNDED[self.shape](x / step)
         return np.where(rng.random(len(x)) < phi[:, 0], y, x)
+
+    def _nearest(self, x, share):
+        """The recorded value of each (n,), the border in each step being at a `share` (n,) of its size."""
+        levels = np.array(self.levels)
+        below = np.clip(np.searchsorted(levels, x), 1, len(levels) - 1) - 1
+        low, high = levels[below], levels[below + 1]
+        share = np.where(low * high < 0, 0.5, np.where(low + high > 0, share, 1 - share))
+        return np.where(x > low + share * (high - low), high, low)
 
     def _middle(self, x, span, share):
         """The middle of the bin of each value (n,), the border at the middle being a `share` (n,) of the step on."""

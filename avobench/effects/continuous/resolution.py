@@ -18,6 +18,8 @@ SHAPES = {
     "skewed": (Parameter("skewness", -2, 2, None, "1"),),
     "tails": (Parameter("tail", 0.02, 0.5, None, "1"),),
     "proportional": (),
+    "rising": (),
+    "falling": (),
 }
 SHAPES_BOUNDED = {"reflected": (), "angle": ()}
 """The same of a feature that ends sharply at both ends, beside those above."""
@@ -25,7 +27,11 @@ SHAPES_BOUNDED = {"reflected": (), "angle": ()}
 
 @dataclass(frozen=True)
 class Resolution(Change):
-    """Each value is smeared with standard deviation `sigma`."""
+    """Each value is smeared with standard deviation `sigma`.
+
+    In the shapes `rising` and `falling` that is at one end of the range, and its square falls evenly to the other: as
+    of charges that spread while they drift.
+    """
 
     shape: str = "gaussian"
     name = "resolution"
@@ -47,6 +53,10 @@ class Resolution(Change):
             return x + error * np.abs(span.unit(x))
         if self.shape == "angle":
             return span.cosine(span.angle(x) + error)
+        if self.shape in ("rising", "falling"):
+            far = (1 + (span.unit(x) if self.shape == "rising" else -span.unit(x))) / 2
+            moved = x + error * np.sqrt(np.clip(far, 0, 1))
+            return span.reflect(moved) if span.bounded else moved
         return span.reflect(x + error) if self.shape == "reflected" else x + error
 
     def _noise(self, phi, rng):

@@ -9,7 +9,7 @@ from avobench.effects.contract import Parameter
 
 ENDS = {"above": (False, True), "both": (True, True), "below": (True, False)}
 """By shape: whether values are cut at the lower and at the upper end."""
-COMPRESSION = {"soft": 8, "knee": 50}
+COMPRESSION = {"soft": 8, "knee": 50, "knee_below": 50}
 """By shape: the largest compression, in half ranges a limit."""
 KNEE = Parameter("knee", 0, 1, None, "of half the range")
 BOUNCE = Parameter("bounce", 0.01, 0.5, None, "of half the range")
@@ -17,7 +17,7 @@ BOUNCE = Parameter("bounce", 0.01, 0.5, None, "of half the range")
 
 @dataclass(frozen=True)
 class Saturation(Change):
-    """A share of the values ends at a limit, above, below, or on both sides; or all bend, or those beyond a knee.
+    """A share of the values ends at a limit on one side or both; or all bend, or those beyond a knee on one side.
 
     In the shape `rebound` those beyond a limit on either side come back from it a little, as a needle from its stop.
     """
@@ -37,7 +37,12 @@ class Saturation(Change):
         return Parameter("fraction", 0, 1, 0, "1")
 
     def variants(self):
-        bent = {"soft": (), "knee": (KNEE,), "rebound": (Parameter("limit", 0.1, 1, None, "of half the range"), BOUNCE)}
+        bent = {
+            "soft": (),
+            "knee": (KNEE,),
+            "knee_below": (KNEE,),
+            "rebound": (Parameter("limit", 0.1, 1, None, "of half the range"), BOUNCE),
+        }
         return {shape: (self._limit(shape),) for shape in ENDS} | bent
 
     def _limit(self, shape: str) -> Parameter:
@@ -72,9 +77,10 @@ class Saturation(Change):
         u = span.unit(x)
         if self.shape == "soft":
             return span.centre + span.half * u / np.sqrt(1 + (phi[:, 0] * u) ** 2)
-        if self.shape == "knee":
-            beyond = np.maximum(u - phi[:, 1], 0)
-            return span.centre + span.half * (u - beyond + beyond / (1 + phi[:, 0] * beyond))
+        if self.shape in ("knee", "knee_below"):
+            sign = 1 if self.shape == "knee" else -1
+            beyond = np.maximum(sign * u - phi[:, 1], 0)
+            return span.centre + span.half * (u - sign * (beyond - beyond / (1 + phi[:, 0] * beyond)))
         below, above = ENDS["both" if self.shape == "rebound" else self.shape]
         low = -phi[:, 1] if below else -np.inf
         high = phi[:, 1] if above else np.inf

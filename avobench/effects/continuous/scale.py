@@ -13,7 +13,8 @@ class Scale(Change):
     """Every value is stretched: about zero, about the centre of the angle, or more the larger it is.
 
     In the shape `two_gains` values on one side of the centre are stretched by a share of what those on the other are.
-    In the shape `bowed` the scale is right at the centre and at both ends, where it was calibrated, and not between.
+    In the shape `bowed` the scale is right at the centre and at both ends, where it was calibrated, and not between; so
+    it is for the cosine of an angle where lengths along the axis are stretched. It, too, may differ on either side.
     In `above` and `below` values beyond a level are stretched away from it, as by an amplifier that changes its range.
     """
 
@@ -31,16 +32,25 @@ class Scale(Change):
         gains = {f"two_gains_{side}": (share,) for side in ("low", "high")}
         level, _ = self.place(0.5, 1)
         switched = {side: (replace(level, name="level"),) for side in ("above", "below")}
-        return {"linear": (), "cubic": (), "bowed": ()} | ({"angle": ()} if self.bounded else {}) | gains | switched
+        bowed = {f"bowed_{side}": (share,) for side in ("low", "high")}
+        return (
+            {"linear": (), "cubic": (), "bowed": ()}
+            | ({"angle": ()} if self.bounded else {})
+            | gains
+            | bowed
+            | switched
+        )
 
     def changed(self, x, span, phi, rng):
         if self.shape == "angle":
             return span.cosine(np.pi / 2 + (1 + phi[:, 0]) * (span.angle(x) - np.pi / 2))
+        side = self.shape.rpartition("_")[2]
+        less = (x < span.centre) if side == "low" else (x > span.centre)
+        gain = phi[:, 0] * np.where(less, phi[:, 1], 1) if side in ("low", "high") else phi[:, 0]
         if self.shape.startswith("two_gains"):
-            less = (x < span.centre) if self.shape == "two_gains_low" else (x > span.centre)
-            return span.centre + (x - span.centre) * (1 + phi[:, 0] * np.where(less, phi[:, 1], 1))
-        if self.shape == "bowed":
-            return x + phi[:, 0] * (x - span.centre) * np.maximum(1 - span.unit(x) ** 2, 0)
+            return span.centre + (x - span.centre) * (1 + gain)
+        if self.shape.startswith("bowed"):
+            return x + gain * (x - span.centre) * np.maximum(1 - span.unit(x) ** 2, 0)
         if self.shape in ("above", "below"):
             beyond = x - (span.centre + span.half * phi[:, 1] if self.feature == "all" else phi[:, 1])
             return x + phi[:, 0] * (np.maximum if self.shape == "above" else np.minimum)(beyond, 0)

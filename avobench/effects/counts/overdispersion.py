@@ -16,6 +16,10 @@ LOWEST = 0.3
 """Of two rates: below, it is a channel that is off now and then, another effect."""
 HIGHEST = 1.8
 """Of two rates: above, it is two events in one, another effect."""
+FALLEN = np.geomspace(1e-3, 8, 400)
+"""Lifetimes over which a source may decay: from what changes no count to one that is used up."""
+VARIANCES = FALLEN / 2 / np.tanh(FALLEN / 2) - 1
+"""Relative variances of its rate."""
 LEAST_VARIANCE = 1e-12
 """At the null value: a scatter of 1e-6 of the rate, which changes no count."""
 
@@ -50,6 +54,12 @@ def _flares(variance, phi, rng):
     return (1 + mean * rng.standard_exponential(len(phi)) * (rng.random(len(phi)) < w)) / (1 + w * mean)
 
 
+def _decaying(variance, phi, rng):
+    """The rate falls exponentially while the events are taken."""
+    fallen = np.interp(variance, VARIANCES, FALLEN)
+    return np.exp(-fallen * rng.random(len(phi))) * fallen / -np.expm1(-fallen)
+
+
 RATES = {
     "gamma": Rates(4.0, (), lambda v, phi, rng: rng.gamma(1 / v) * v),
     "lognormal": Rates(4.0, (), _lognormal),
@@ -62,6 +72,7 @@ RATES = {
     "drift": Rates(0.5, (), lambda v, phi, rng: 1 + np.sqrt(2 * v) * np.sin(2 * np.pi * rng.random(len(phi)))),
     "uniform": Rates(0.33, (), lambda v, phi, rng: 1 + np.sqrt(3 * v) * rng.uniform(-1, 1, len(phi))),
     "two_rates": Rates(1.0, (Parameter("share", 0.1, 0.9, None, "1"),), _two_rates),
+    "decaying": Rates(1.0, (), _decaying),
     "flares": Rates(1.0, (Parameter("share", 0.01, 0.5, None, "1"),), _flares),
 }
 """By shape."""
