@@ -9,6 +9,11 @@ from avobench.effects.contract import Simulate
 
 MAX_ROUNDS = 200
 """Of rejection: of a detector that records one event in ten, all but 1e-9 have been recorded by then."""
+DRAWN = 12
+"""Events that are drawn for one that is recorded, at most and on average: a detector that records one in ten still
+has all of its events, and one that records next to nothing does not take hundreds of times as long as others."""
+FEW = 100
+"""What fewer events count as in that average."""
 
 
 def accepted(
@@ -23,10 +28,11 @@ def accepted(
     cannot be waited for: the event of the last round stays, recorded or not.
     """
     x = simulate(theta, rng)
-    rows = np.arange(len(theta))
+    rows, left = np.arange(len(theta)), DRAWN * max(len(theta), FEW)
     for _ in range(MAX_ROUNDS):
         rows = rows[rng.random(len(rows)) >= keep(x[rows], rows)]
-        if len(rows) == 0:
+        left -= len(rows)
+        if len(rows) == 0 or left < 0:
             break
         x[rows] = simulate(theta[rows], rng)
     return x

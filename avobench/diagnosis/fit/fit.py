@@ -21,6 +21,12 @@ SLOPE_NOISE = 0.2
 IDENTIFIED = 5.0
 """A direction is identified if moving across its range changes the summary by so many standard errors."""
 
+DEAR = 5.0
+"""Simulated events that an event of a model may take before it is given fewer of them: a detector that records one in
+fifty would else take fifty times as long as all others, to no more than being ruled out."""
+PROBED = 1000
+"""Events from which it is told how many that is."""
+
 
 @dataclass(frozen=True)
 class Fit:
@@ -148,9 +154,18 @@ class Fit:
         """A design around the fit for `ratio` times its events, with `least` as in `around`."""
         return self.around(max(MIN_SIGMAS, self.slope_error / np.sqrt(ratio) / SLOPE_NOISE), least)
 
+    def afforded(self, num_events: int) -> int:
+        """So many events of the model, or fewer where each takes more than DEAR simulated ones, as of rare events."""
+        events = self.model.events
+        if events is None or not self.model.effects:
+            return num_events
+        before = events.used
+        self.model.simulate(np.tile(self.params, (PROBED, 1)), np.random.default_rng(0))
+        return int(num_events * min(1.0, DEAR * PROBED / max(events.used - before, 1)))
+
     def known(self, target: Target, num_events: int, rng: np.random.Generator) -> KnownModel:
         """The model, made known with so many events over a wide design around the fit."""
-        make = partial(surrogate, self.model, target, num_events=num_events, rng=rng)
+        make = partial(surrogate, self.model, target, num_events=self.afforded(num_events), rng=rng)
         return KnownModel(self.model, quadratic(make, self.around(KNOWN_SIGMAS), target))
 
     def around(self, sigmas: float, least: float = 0.0) -> Design:

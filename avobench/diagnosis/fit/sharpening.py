@@ -25,6 +25,7 @@ def sharpen(
     known: KnownModel | None = None,
 ) -> Fit:
     """The same fit with many events in small designs around it."""
+    num_events = fit.afforded(num_events)
     design = fit.next_design(ratio=max(num_events / fit.num_events, 1))
     return descend(fit.model, target, design, rng, num_events, rounds, known)
 
