@@ -28,7 +28,8 @@ from avobench.diagnosis.loop import begun
 from avobench.diagnosis.progress import Telling
 from avobench.diagnosis.schema import Verdict
 from avobench.diagnosis.search import evidence, posterior
-from avobench.diagnosis.search.evidence import Evidence, Scale
+from avobench.diagnosis.search.candidates import Weighed
+from avobench.diagnosis.search.evidence import Evidence, Unknown
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.search import Search
 from avobench.diagnosis.summary.target import Target
@@ -43,8 +44,6 @@ ALPHA = 0.05
 AS_IT_IS = "as it is"
 OFF: dict[str, list[tuple[Any, str, Any]]] = {
     AS_IT_IS: [],
-    "shapes are exactly right": [(evidence, "WRONG", (0.0,))],
-    "the unknown is smooth": [(evidence, "UNKNOWN", evidence.UNKNOWN[1:])],
     "nothing is outside": [(posterior, "UNKNOWN", 1e-300), (posterior, "IMITATED", 0.0)],
     "nothing outside looks like the catalogue": [(posterior, "IMITATED", 0.0)],
     "strengths uniform from a tenth": [(evidence, "WEAKEST", 0.1)],
@@ -70,14 +69,13 @@ def searched(task: Task, x: NDArray, effects: list[Effect], seed: int) -> tuple[
 def weighed_again(found: Posterior, target: Target, effects: list[Effect]) -> Iterator[tuple[str, Posterior]]:
     """The probabilities of the same fits with each thing of OFF switched off."""
     fits = [one for fits in found.shapes.values() for one in fits]
-    null = next(one.fit for one in fits if not one.path)
+    null = next(one.fit for one in fits if not one.fit.model.effects)
     for name, changes in OFF.items():
         with ExitStack() as stack:
             for owner, constant, value in changes:
                 stack.enter_context(patch.object(owner, constant, value))
-            scale = Scale(target)
-            again = [type(one)(one.fit, scale.of(one.fit, one.path), one.path) for one in fits]
-            yield name, Posterior.of(again, scale.outside(null), effects)
+            again = [Weighed.of(one.fit) for one in fits]
+            yield name, Posterior.of(again, Unknown(target).evidence(null), effects)
 
 
 def record(case: dict[str, Any], name: str, found: Posterior, task: Task) -> dict[str, Any]:

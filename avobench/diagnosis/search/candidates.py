@@ -4,7 +4,7 @@ Successive halving: after each round a candidate stays if, for all that simulati
 beside the best.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -16,7 +16,7 @@ from avobench.diagnosis.fit.descent import descend
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.known import KnownModel
 from avobench.diagnosis.fit.sharpening import sharpen
-from avobench.diagnosis.search.evidence import Evidence, Scale
+from avobench.diagnosis.search.evidence import Evidence, evidence_of
 from avobench.diagnosis.search.processes import in_processes
 from avobench.diagnosis.search.screening import Look, Sample, closer, glance
 from avobench.diagnosis.search.starts import Start, hidden, starts_of
@@ -53,8 +53,10 @@ class Weighed:
 
     fit: Fit
     evidence: Evidence
-    path: tuple[NDArray[np.float64], ...] = ()
-    """Means (K,) of the fits that came before each of its effects was added."""
+
+    @classmethod
+    def of(cls, fit: Fit) -> "Weighed":
+        return cls(fit, evidence_of(fit))
 
     @property
     def effects(self) -> frozenset[tuple]:
@@ -68,7 +70,7 @@ class Candidates:
 
     parent: Weighed
     """That one effect is added to."""
-    scale: Scale
+    target: Target
     effects: list[Effect]
     """Adapted to the measured events."""
     x: NDArray
@@ -80,10 +82,6 @@ class Candidates:
     @property
     def without(self) -> Fit:
         return self.parent.fit
-
-    @property
-    def target(self) -> Target:
-        return self.scale.target
 
     @cached_property
     def sample(self) -> Sample:
@@ -146,10 +144,10 @@ class Candidates:
             if None in more:
                 break
             settled = bool(found)  # a first fit may have far to go: the best of them stay, however far
-            found = sorted(self.weigh(more), key=worth)
+            found = sorted(map(Weighed.of, more), key=worth)
             found = (self.matter(found, beside) if settled else found)[:most]
             fits = [one.fit for one in found]
-        return found or self.matter(self.weigh(fits), beside)[: MOST[0]]
+        return found or self.matter(map(Weighed.of, fits), beside)[: MOST[0]]
 
     @cached_property
     def known(self) -> KnownModel:
@@ -162,11 +160,7 @@ class Candidates:
         calls = [(one, self.known, self.target, np.random.default_rng(seed), *how) for one in begun]
         return in_processes(self.jobs, self.without.model.events, fitting, calls)
 
-    def weigh(self, fits: list[Fit]) -> list[Weighed]:
-        path = (*self.parent.path, self.without.predicted)
-        return [Weighed(fit, self.scale.of(fit, path), path) for fit in fits]
-
-    def matter(self, found: list[Weighed], beside: float) -> list[Weighed]:
+    def matter(self, found: Iterable[Weighed], beside: float) -> list[Weighed]:
         """Those that may matter beside the best of them, or beside another model, best first.
 
         The best few families stay, since further effects may be added to them.

@@ -1,23 +1,18 @@
 """One number for any set of effects: how probable the measured summary is under a fitted model.
 
-The measured mean m is normal about that of the model, with the covariance of the measurement and a term which says that
-no shape of the catalogue is exactly right: each effect is wrong by a smooth share of what it does,
-
-    m ~ N(s(theta, eta), C / N + sum over effects of d^2 diag(D) K diag(D)).
-
-D is the change of the mean that adding the effect makes, theta following it, K a smooth correlation between bins, d the
-share. Theta, eta and d are integrated over (Laplace), so that whatever is free pays for itself. That something is
-missing which the catalogue does not have is a model too: the simulator, distorted smoothly by a share a of each bin,
+The measured mean m is normal about that of the model, m ~ N(s(theta, eta), C / N), with the covariance C of the
+measurement. Theta and the effects' parameters eta are integrated over (Laplace), so that whatever is free pays for
+itself. That something is missing which the catalogue does not have is a model too: the simulator, distorted smoothly by
+a share a of each bin, where K is a smooth correlation between bins,
 
     m ~ N(s(theta), C / N + a^2 diag(s) K diag(s)).
 
+That no shape of the catalogue is exactly right is a matter of the temperature of what a fit leaves, see `posterior`.
 After M. C. Kennedy, A. O'Hagan, J. R. Stat. Soc. B 63 (2001) 425, and D. J. C. MacKay, Neural Computation 4 (1992) 415.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,14 +21,10 @@ from scipy.special import logsumexp
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.summary.target import Target, fixed
 
-WRONG = (0.0, 0.03, 0.1)
-"""Shares d by which a shape may be wrong, equally probable: some are right, some only of the right kind."""
-SMOOTH = ((1 / 8, 0.7), (1 / 40, 0.3))
-"""Lengths, as shares of a feature's range, over which a shape is wrong in the same way, and how much of it is so."""
 DISTORTED = np.geomspace(0.003, 1, 12)
 """Shares a by which something unknown distorts the simulation: log-uniform, from what a million events would show."""
-UNKNOWN = (1e-6, 1 / 40, 1 / 16, 1 / 8, 1 / 4)
-"""Lengths over which it does so; the shortest for bins each by itself, as spikes and combs do."""
+UNKNOWN = (1 / 40, 1 / 16, 1 / 8, 1 / 4)
+"""Lengths over which it does so, as shares of a feature's range."""
 ANYWHERE = 0.1
 """Of the mean of all bins: what the unknown may add where nothing is expected."""
 WEAKEST = 0.001
@@ -62,20 +53,10 @@ class Evidence:
 
 
 @dataclass(frozen=True)
-class Scale:
-    """What all evidences of one target share: where the summary's parts are alike."""
+class Unknown:
+    """Something that the catalogue lacks, as a target's summary would show it."""
 
     target: Target
-
-    @cached_property
-    def wrong(self) -> NDArray[np.float64]:
-        """K of the effects (K, K)."""
-        return sum(share * self.target.summary.alike(length) for length, share in SMOOTH)
-
-    @cached_property
-    def unknown(self) -> list[NDArray[np.float64]]:
-        """K of what the catalogue lacks, a length each."""
-        return [self.target.summary.alike(length) for length in UNKNOWN]
 
     @cached_property
     def fixed(self) -> NDArray[np.float64]:
@@ -95,25 +76,20 @@ class Scale:
         w = np.sqrt(self.target.num_events) * w * change[:, None]
         return w.T @ alike @ w
 
-    def of(self, fit: Fit, path: Sequence[NDArray[np.float64]] = ()) -> Evidence:
-        """Of a fitted model, with the means (K,) of the best fits before each of its effects was added: `path`."""
-        if not path:
-            return marginal(fit, np.ones(self.target.rank), None)
-        changes = [after - before for before, after in pairwise([*path, fit.predicted])]
-        spread = sum(self.whitened(change, self.wrong, fit.predicted) for change in changes)
-        values, vectors = np.linalg.eigh(spread)
-        found = [marginal(fit, 1 + d**2 * np.maximum(values, 0), vectors) for d in WRONG]
-        value = float(logsumexp([one.value for one in found])) - np.log(len(WRONG))
-        return replace(max(found, key=lambda one: one.value), value=value)
-
-    def outside(self, null: Fit) -> float:
-        """That what is missing is not in the catalogue, from the fit of the simulator as it is."""
+    def evidence(self, null: Fit) -> float:
+        """Of it, from the fit of the simulator as it is."""
         found = []
-        for alike in self.unknown:
+        for length in UNKNOWN:
+            alike = self.target.summary.alike(length)
             share = np.maximum(null.predicted, 0) + ANYWHERE * null.predicted.mean()
             values, vectors = np.linalg.eigh(self.whitened(share, alike, null.predicted))
             found += [marginal(null, 1 + a**2 * np.maximum(values, 0), vectors).value for a in DISTORTED]
         return float(logsumexp(found)) - np.log(len(found))
+
+
+def evidence_of(fit: Fit) -> Evidence:
+    """Of a fitted model."""
+    return marginal(fit, np.ones(len(fit.residual)), None)
 
 
 def marginal(fit: Fit, variances: NDArray[np.float64], vectors: NDArray[np.float64] | None) -> Evidence:

@@ -12,7 +12,7 @@ from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.sharpening import sharpen
 from avobench.diagnosis.progress import Telling
 from avobench.diagnosis.search.candidates import PARENTS, Candidates, Weighed
-from avobench.diagnosis.search.evidence import Scale
+from avobench.diagnosis.search.evidence import Unknown
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.starts import ROUGH, Start
 from avobench.diagnosis.summary.target import Target
@@ -44,20 +44,20 @@ class Search:
 
         Where the simulated events end, those that were weighed until then; None if they end before any was.
         """
-        scale, effects = Scale(self.target), [effect.adapted(self.x) for effect in self.effects]
-        weighed = [Weighed(null, scale.of(null))]
-        outside = scale.outside(null)
+        effects = [effect.adapted(self.x) for effect in self.effects]
+        weighed = [Weighed.of(null)]
+        outside = Unknown(self.target).evidence(null)
         meter = null.model.events.meter if null.model.events is not None else Meter()
         with suppress(BudgetExhausted), meter.keeping(addition(self.effort, self.target.num_events)):
-            self.look(weighed, outside, scale, effects)
+            self.look(weighed, outside, effects)
         return Posterior.of(weighed, outside, effects) if len(weighed) > 1 or not meter.refused else None
 
-    def look(self, weighed: list[Weighed], outside: float, scale: Scale, effects: list[Effect]) -> None:
+    def look(self, weighed: list[Weighed], outside: float, effects: list[Effect]) -> None:
         """Add to the models `weighed`, at first the null alone, all that may matter: an effect more in each round.
 
         Raises BudgetExhausted where the simulated events end.
         """
-        first, beam = self.candidates(weighed[0], scale, effects), weighed[:1]
+        first, beam = self.candidates(weighed[0], effects), weighed[:1]
         for size in range(1, self.max_effects + 1):
             added = []
             for parent in beam[: PARENTS if size == 2 else 1]:
@@ -66,7 +66,7 @@ class Search:
                     continue  # no further effect can make it the best
                 if self.telling is not None:
                     self.telling.begin(f"search for effect {size}")
-                search = self.candidates(parent, scale, effects) if size > 1 else first
+                search = self.candidates(parent, effects) if size > 1 else first
                 found = search.weighed(first.glances, beside)
                 added += found
                 weighed += found
@@ -74,11 +74,11 @@ class Search:
             if size == 2 and beam:  # each of the two may describe the events alone, from where it is beside the other
                 weighed += first.told_apart([start_without(beam[0].fit, k) for k in (0, 1)], -np.inf)
 
-    def candidates(self, parent: Weighed, scale: Scale, effects: list[Effect]) -> Candidates:
+    def candidates(self, parent: Weighed, effects: list[Effect]) -> Candidates:
         """Those to add to a model."""
         free = [effect for effect in effects if effect.key not in parent.effects]
         effort = self.effort.beside if parent.effects else self.effort
-        return Candidates(parent, scale, free, self.x, self.rng, effort, self.jobs)
+        return Candidates(parent, self.target, free, self.x, self.rng, effort, self.jobs)
 
     def foremost(self, added: list[Weighed]) -> list[Weighed]:
         """The best model of each set of effects, of the best PARENTS sets."""
