@@ -172,8 +172,8 @@ class Candidates:
 
 
 def worth(one: Weighed) -> float:
-    """Lowest for what is worth most."""
-    return -one.evidence.at_least
+    """Lowest for what is worth most: whether it is known well, further events tell."""
+    return -one.evidence.value
 
 
 def begin(start: Start, known: KnownModel, target: Target, rng: np.random.Generator, num_events: int) -> Fit:
