@@ -29,7 +29,7 @@ from avobench.diagnosis.progress import Telling
 from avobench.diagnosis.schema import Verdict
 from avobench.diagnosis.search import evidence, posterior
 from avobench.diagnosis.search.candidates import Weighed
-from avobench.diagnosis.search.evidence import Evidence, Unknown
+from avobench.diagnosis.search.evidence import Unknown
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.search import Search
 from avobench.diagnosis.summary.target import Target
@@ -47,7 +47,6 @@ OFF: dict[str, list[tuple[Any, str, Any]]] = {
     "nothing is outside": [(posterior, "UNKNOWN", 1e-300), (posterior, "IMITATED", 0.0)],
     "nothing outside looks like the catalogue": [(posterior, "IMITATED", 0.0)],
     "strengths uniform from a tenth": [(evidence, "WEAKEST", 0.1)],
-    "noise of a fit does not count": [(Evidence, "at_least", property(lambda self: self.value))],
     "two effects as probable as one": [(posterior, "NUMBER", (0.1, 0.6, 0.6, 0.6))],
     "one temperature for all": [(posterior, "COARSE", 0.0)],
     "temperature 1 for all": [(posterior, "COARSE", 0.0), (posterior, "TEMPERATURE", 1.0)],

@@ -43,7 +43,7 @@ class Evidence:
 
     @property
     def at_least(self) -> float:
-        """What counts: a fit that is known badly must not win by chance."""
+        """What it is surely worth: others matter beside that."""
         return self.value - self.error
 
     @property

@@ -48,7 +48,7 @@ class Posterior:
         for one in weighed:
             each = tuple(sorted((str(effect.key), effect.shape) for effect in one.fit.model.effects))
             own = shapes.setdefault(one.effects, {})
-            if each not in own or own[each].evidence.at_least < one.evidence.at_least:
+            if each not in own or own[each].evidence.value < one.evidence.value:
                 own[each] = one
         prior = Prior.of(catalogue)
         to_explain = max((one.evidence.excess for one in shapes.get(frozenset(), {}).values()), default=0.0)
@@ -60,7 +60,7 @@ class Posterior:
         share = {names: (1 - IMITATED) * np.exp(log - total) for names, log in logs.items()}
         share[OUTSIDE] += IMITATED
         names = sorted(share, key=lambda each: -share[each])
-        fits = {each: sorted(own.values(), key=lambda one: -one.evidence.at_least) for each, own in shapes.items()}
+        fits = {each: sorted(own.values(), key=lambda one: -one.evidence.value) for each, own in shapes.items()}
         return cls({each: float(share[each]) for each in names}, fits)
 
     @property
@@ -110,7 +110,7 @@ class Posterior:
     def single(self) -> list[Weighed]:
         """The best fit with each effect alone, best first."""
         fits = [own[0] for names, own in self.shapes.items() if len(names) == 1]
-        return sorted(fits, key=lambda one: -one.evidence.at_least)
+        return sorted(fits, key=lambda one: -one.evidence.value)
 
     @property
     def included(self) -> dict[tuple, float]:
@@ -129,7 +129,7 @@ def tempered(evidence: Evidence, to_explain: float) -> float:
     """
     price = evidence.value + evidence.excess
     explained = 2 * max(to_explain - evidence.excess, 0)
-    return price / TEMPERATURE - (price - evidence.at_least) / (TEMPERATURE + COARSE * explained)
+    return price / TEMPERATURE - evidence.excess / (TEMPERATURE + COARSE * explained)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from avobench.diagnosis.fit.descent import refine
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.sharpening import sharpen
 from avobench.diagnosis.progress import Telling
-from avobench.diagnosis.search.candidates import PARENTS, Candidates, Weighed
+from avobench.diagnosis.search.candidates import PARENTS, Candidates, Weighed, worth
 from avobench.diagnosis.search.evidence import Unknown
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.starts import ROUGH, Start
@@ -61,7 +61,7 @@ class Search:
         for size in range(1, self.max_effects + 1):
             added = []
             for parent in beam[: PARENTS if size == 2 else 1]:
-                beside = max(outside, *(one.evidence.at_least for one in weighed))
+                beside = max(outside, *(one.evidence.value for one in weighed))
                 if size > 1 and parent.evidence.value + parent.evidence.excess - PRICE < beside:
                     continue  # no further effect can make it the best
                 if self.telling is not None:
@@ -82,7 +82,7 @@ class Search:
 
     def foremost(self, added: list[Weighed]) -> list[Weighed]:
         """The best model of each set of effects, of the best PARENTS sets."""
-        best_last = sorted(added, key=lambda one: one.evidence.at_least)
+        best_last = sorted(added, key=worth)[::-1]
         return list({one.effects: one for one in best_last}.values())[::-1][:PARENTS]
 
 
