@@ -26,7 +26,7 @@ IMITATED = 0.1
 TEMPERATURE = 4.0
 """By which log prior and log evidence are divided: what the formulas leave out, and the scatter of simulation, make
 them too sure."""
-COARSE = 0.03
+COARSE = 0.02
 """What is added to the temperature of what a fit leaves, for each unit of Q that it explains: no shape is exactly that
 of nature, and what a shape leaves for being another grows with what it does."""
 CREDIBLE = 0.95

@@ -74,11 +74,6 @@ def test_a_shape_that_leaves_as_much_makes_its_family_more_probable():
     assert Posterior.of(both, -9, CATALOGUE).included[key] > Posterior.of(alone, -9, CATALOGUE).included[key]
 
 
-def test_a_fit_that_is_known_badly_does_not_win_by_chance():
-    found = Posterior.of([weighed(0, "zero_inflation", error=9), weighed(-3, "dead_time", error=0.5)], -30, CATALOGUE)
-    assert found.named.fit.model.effects[0].name == "dead_time"
-
-
 def odds(found, one, other):
     return found.included[EFFECTS[one].key] / found.included[EFFECTS[other].key]
 
