@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy.stats import binomtest
 
 from avobench.bench import registry
 from avobench.challenge.case import Case
@@ -63,9 +64,23 @@ def rows(path: Path) -> Iterator[dict[str, Any]]:
         yield row
 
 
-def table(folder: Path = RESULTS) -> pd.DataFrame:
+def every(folder: Path = RESULTS) -> pd.DataFrame:
+    """A row for each data set of all challenges, as `rows` gives them."""
+    return pd.DataFrame([row for path in sorted(folder.glob("*.jsonl")) for row in rows(path)])
+
+
+def disagree(known: pd.DataFrame) -> str:
+    """How often one of the two is right and the other is not, and how probable so uneven a split is by chance."""
+    first, second = known["search"].astype(bool), known["classifier"].astype(bool)
+    alone, other = int((first & ~second).sum()), int((second & ~first).sum())
+    p = binomtest(alone, max(alone + other, 1)).pvalue
+    return (
+        f"the classifier alone is right in {other} cases, the search alone in {alone}: p = {p:.2g} (exact, two-sided)"
+    )
+
+
+def table(known: pd.DataFrame) -> pd.DataFrame:
     """A row for each task and series, and one for all: numbers of names that are right, and mean log scores."""
-    known = pd.DataFrame([row for path in sorted(folder.glob("*.jsonl")) for row in rows(path)])
     how = {column: "mean" if column.startswith("log") else "sum" for column in known.columns[2:]}
     each = known.groupby(["task", "series"]).agg(how).reset_index()
     whole = known.agg(how).to_frame().T.assign(task="all", series="")
@@ -75,4 +90,6 @@ def table(folder: Path = RESULTS) -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    print(table().to_string(index=False, float_format=lambda value: f"{value:.2f}"))
+    found = every()
+    print(table(found).to_string(index=False, float_format=lambda value: f"{value:.2f}"))
+    print(disagree(found))
