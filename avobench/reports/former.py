@@ -26,8 +26,8 @@ def table(former: Path = FORMER, results: Path = RESULTS) -> pd.DataFrame:
     """Quantities (rows) of every task of which there are records of both searches, and of all tasks together."""
     columns: dict[tuple[str, str], list[tuple[Case, float]]] = {}
     for path in sorted(former.glob("*.jsonl")):
-        if not (results / path.name).exists():
-            continue  # these the search by evidence has not diagnosed
+        if not (results / path.name).exists() or _made(results / path.name) != _made(path):
+            continue  # these data sets the search by evidence has not diagnosed
         old, new = _cases(path), _cases(results / path.name)
         common = [name for name in old if name in new]
         for search, cases in zip(SEARCHES, (old, new), strict=True):
@@ -37,6 +37,12 @@ def table(former: Path = FORMER, results: Path = RESULTS) -> pd.DataFrame:
     return pd.DataFrame(
         {(task, search): _quantities(columns[task, search]) for task in (*tasks, "all") for search in SEARCHES}
     )
+
+
+def _made(path: Path) -> tuple[int, int]:
+    """By what data sets differ of challenges with one name: their seed and number of events."""
+    head, *_ = read_records(path)
+    return head["seed"], head["num_events"]
 
 
 def _cases(path: Path) -> dict[str, tuple[Case, float]]:
