@@ -164,12 +164,13 @@ def test_the_new_model_is_a_task_that_finds_nothing_missing(named, tmp_path):
     task = registry.build("task", str(path), {})
     assert isinstance(task, AugmentedTask)
     assert task.name == "poisson-overdispersion"
-    assert task.parameter_names == ("log_rate", "overdispersion_variance")
-    theta = np.tile([2.5, 0.08], (20_000, 1))
+    assert task.parameter_names[:2] == ("log_rate", "overdispersion_variance")
+    shape = result.fit.params[2:]  # whatever shape of it fits best: all have this variance
+    theta = np.tile([2.5, 0.08, *shape], (20_000, 1))
     y = task.simulate(theta, np.random.default_rng(1))
     assert y.var() == pytest.approx(np.exp(2.5) + 0.08 * np.exp(5.0), rel=0.05)
     with pytest.raises(ValueError, match="outside the support"):
-        task.simulate(np.array([[2.5, -1.0]]), np.random.default_rng(1))
+        task.simulate(np.array([[2.5, -1.0, *shape]]), np.random.default_rng(1))
     assert diagnose(task, x, effects=[]).diagnosis.verdict == Verdict.NOTHING
 
 

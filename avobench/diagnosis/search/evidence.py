@@ -43,7 +43,7 @@ class Evidence:
 
     @property
     def at_least(self) -> float:
-        """What it is surely worth: others matter beside that."""
+        """What it is surely worth: others matter beside that, and of one set the fit that has most is told."""
         return self.value - self.error
 
     @property

@@ -48,7 +48,7 @@ class Posterior:
         for one in weighed:
             each = tuple(sorted((str(effect.key), effect.shape) for effect in one.fit.model.effects))
             own = shapes.setdefault(one.effects, {})
-            if each not in own or own[each].evidence.value < one.evidence.value:
+            if each not in own or own[each].evidence.at_least < one.evidence.at_least:
                 own[each] = one
         prior = Prior.of(catalogue)
         to_explain = max((one.evidence.excess for one in shapes.get(frozenset(), {}).values()), default=0.0)
@@ -60,7 +60,7 @@ class Posterior:
         share = {names: (1 - IMITATED) * np.exp(log - total) for names, log in logs.items()}
         share[OUTSIDE] += IMITATED
         names = sorted(share, key=lambda each: -share[each])
-        fits = {each: sorted(own.values(), key=lambda one: -one.evidence.value) for each, own in shapes.items()}
+        fits = {each: sorted(own.values(), key=lambda one: -one.evidence.at_least) for each, own in shapes.items()}
         return cls({each: float(share[each]) for each in names}, fits)
 
     @property
@@ -110,7 +110,7 @@ class Posterior:
     def single(self) -> list[Weighed]:
         """The best fit with each effect alone, best first."""
         fits = [own[0] for names, own in self.shapes.items() if len(names) == 1]
-        return sorted(fits, key=lambda one: -one.evidence.value)
+        return sorted(fits, key=lambda one: -one.evidence.at_least)
 
     @property
     def included(self) -> dict[tuple, float]:
