@@ -67,7 +67,7 @@ def study(state: State, name: str, results: Path | None, seed: int, jobs: int | 
     those for avo-plain. dimension runs every method against the number of parameters, fresh runs avo and smm on a
     hundred targets a task that nothing was chosen on.
     misspecification is the width of avo's proposal on events with a hidden effect, and what the diagnosis says of them.
-    real is what the diagnosis says of the measured events in examples/real.
+    real is what the diagnosis says of the measured events in examples/real, with five seeds from --seed on.
     """
     workers = Workers(jobs, in_process=state.in_process)
     state.resumes = True
@@ -75,7 +75,7 @@ def study(state: State, name: str, results: Path | None, seed: int, jobs: int | 
         raise UsageError(f"--seed must lie between 0 and 2^63 - 1, got {seed}")
     if name == "real":
         require_folder(folder := results or FOLDERS[name])
-        click.echo(format_real(real.real(folder, seed, jobs=jobs or 1)))
+        click.echo(format_real(real.with_seeds(folder, seed, jobs or 1)))
         return
     store = Store(results or FOLDERS.get(name, Path("results/studies")), create=True)
     if name == "detector":

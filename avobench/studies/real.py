@@ -23,6 +23,8 @@ from avobench.tasks.errors import StoreError, UsageError
 EXAMPLES = Path("examples/real")
 FOLDER = Path("results/real")
 EXPECTED = "expected.json"
+SEEDS = 5
+"""With which each is diagnosed: a fifth of the events is kept aside, and of few events other ones say other things."""
 UNSAID = {"candidates", "identifiability"}
 """Fields of a diagnosis that a record leaves out: they are long, and no part of the answer."""
 
@@ -83,6 +85,23 @@ def real(folder: Path, seed: int = 0, examples: Path = EXAMPLES, jobs: int = 1) 
             write_atomically(path, encode(record))
         records.append(record)
     return records
+
+
+def place(folder: Path, k: int) -> Path:
+    """Where the records of the k-th seed are: of the first in the folder itself, of each other in one within it."""
+    return folder / "seeds" / str(k) if k else folder
+
+
+def with_seeds(folder: Path, first: int = 0, jobs: int = 1) -> list[list[dict[str, Any]]]:
+    """As `real`, for each of SEEDS seeds from the first on."""
+    for k in range(1, SEEDS):
+        place(folder, k).mkdir(parents=True, exist_ok=True)
+    return [real(place(folder, k), first + k, jobs=jobs) for k in range(SEEDS)]
+
+
+def read_all(folder: Path = FOLDER) -> list[list[dict[str, Any]]]:
+    """The records of all seeds, each as `read` gives them."""
+    return [read(place(folder, k)) for k in range(SEEDS)]
 
 
 def identity_of(name: str, answer: Expected, task: Any, examples: Path, seed: int) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from avobench.reports.printed import OUTPUT, filled, output
 from avobench.reports.real import page as real_page
 from avobench.reports.reproduction import gather
 from avobench.reports.reproduction import page as claims
-from avobench.studies.real import read as read_real
+from avobench.studies.real import read_all as read_real
 
 ROOT = Path(__file__).parents[2]
 REFERENCE = Store(ROOT / "results" / "reference")

@@ -3,7 +3,7 @@
 import pytest
 
 from avobench.diagnosis.schema import Verdict
-from avobench.reports.real import judged
+from avobench.reports.real import format_table, judged
 
 
 def said(*effects, verdict=Verdict.NAMED, **values):
@@ -43,3 +43,16 @@ LINE = {"parameter": "centre", "value": 867.38, "tolerance": 0.4, "unit": "keV"}
 )
 def test_a_diagnosis_is_judged(expected, diagnosis, judgement):
     assert judged(expected, diagnosis) == judgement
+
+
+def test_what_is_said_with_every_seed_is_counted():
+    gap = {"value": 2.0, "low": 1.0, "high": 3.0}
+    more = {"num_events": 300, "gap_before": gap, "gap_after": None, "p_value_before": 0.01, "p_value_after": None}
+    told = [said("offset"), said("scale"), said(["scale", "offset"])]
+    seeds = [
+        [{"name": "data", "expected": known("offset"), "diagnosis": {**each, **more}, "processor_seconds": 1.0}]
+        for each in told
+    ]
+    *_, row, counts = format_table(seeds).splitlines()
+    assert row.split()[-4:] == ["right", "1", "1", "1"]
+    assert counts == "1 data sets with 3 seeds each: 1 right, 1 defensible, 1 wrong"
