@@ -16,7 +16,7 @@ from avobench.effects.counts.exposure import exposed
 from avobench.effects.images.grid import odd_cells
 from avobench.effects.noise import skewed_noise
 from avobench.effects.ranges import Range, ranges
-from avobench.effects.rejection import accepted
+from avobench.effects.rejection import DRAWN, accepted
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
 from avobench.tasks.errors import UsageError
@@ -208,6 +208,19 @@ def test_an_acceptance_of_nothing_ends():
         np.random.default_rng(0),
     )
     assert x.shape == (200, 1)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.01])
+def test_one_recorded_event_in_ten_is_waited_for_and_what_is_rarer_costs_no_more(share):
+    drawn = []
+
+    def simulate(theta, rng):
+        drawn.append(len(theta))
+        return rng.random((len(theta), 1))
+
+    x = accepted(simulate, np.zeros((20_000, 1)), lambda x, rows: x[:, 0] < share, np.random.default_rng(0))
+    assert sum(drawn) <= (DRAWN + 1) * len(x)
+    assert ((x < share).mean() > 0.999) == (share == 0.1)
 
 
 @pytest.mark.parametrize(("shape", "phi"), [("cut", [1, 0.8]), ("window", [1, -0.7, 0.9])])
