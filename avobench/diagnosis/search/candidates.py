@@ -5,7 +5,7 @@ beside the best.
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +16,7 @@ from avobench.diagnosis.fit.descent import descend
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.known import KnownModel
 from avobench.diagnosis.fit.sharpening import sharpen
-from avobench.diagnosis.search.evidence import Evidence, evidence_of
+from avobench.diagnosis.search.evidence import TEMPERATURE, Evidence, evidence_of
 from avobench.diagnosis.search.processes import in_processes
 from avobench.diagnosis.search.screening import Look, Sample, closer, glance
 from avobench.diagnosis.search.starts import Start, hidden, starts_of
@@ -53,10 +53,14 @@ class Weighed:
 
     fit: Fit
     evidence: Evidence
+    resemblance: float = 0.0
+    """Logarithm of how much the measured events look like its effects, on average."""
 
     @classmethod
-    def of(cls, fit: Fit) -> "Weighed":
-        return cls(fit, evidence_of(fit))
+    def of(cls, fit: Fit, like: dict[str, float] | None = None) -> "Weighed":
+        """`like` is the logarithm of how much they look like each family, where that is known."""
+        known = [like[effect.name] for effect in fit.model.effects] if like else []
+        return cls(fit, evidence_of(fit), float(np.mean(known)) if known else 0.0)
 
     @property
     def effects(self) -> frozenset[tuple]:
@@ -78,6 +82,8 @@ class Candidates:
     rng: np.random.Generator
     effort: Effort
     jobs: int
+    like: dict[str, float] = field(default_factory=dict)
+    """Logarithm of how much the events look like each family."""
 
     @property
     def without(self) -> Fit:
@@ -144,10 +150,10 @@ class Candidates:
             if None in more:
                 break
             settled = bool(found)  # a first fit may have far to go: the best of them stay, however far
-            found = sorted(map(Weighed.of, more), key=worth)
+            found = sorted((Weighed.of(fit, self.like) for fit in more), key=worth)
             found = (self.matter(found, beside) if settled else found)[:most]
             fits = [one.fit for one in found]
-        return found or self.matter(map(Weighed.of, fits), beside)[: MOST[0]]
+        return found or self.matter((Weighed.of(fit, self.like) for fit in fits), beside)[: MOST[0]]
 
     @cached_property
     def known(self) -> KnownModel:
@@ -173,7 +179,7 @@ class Candidates:
 
 def worth(one: Weighed) -> float:
     """Lowest for what is worth most: whether it is known well, further events tell."""
-    return -one.evidence.value
+    return -one.evidence.value - TEMPERATURE * one.resemblance
 
 
 def begin(start: Start, known: KnownModel, target: Target, rng: np.random.Generator, num_events: int) -> Fit:

@@ -21,6 +21,9 @@ from scipy.special import logsumexp
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.summary.target import Target, fixed
 
+TEMPERATURE = 4.0
+"""By which log prior and log evidence are divided: what the formulas leave out, and the scatter of simulation, make
+them too sure."""
 DISTORTED = np.geomspace(0.003, 1, 12)
 """Shares a by which something unknown distorts the simulation: log-uniform, from what a million events would show."""
 UNKNOWN = (1 / 40, 1 / 16, 1 / 8, 1 / 4)

@@ -9,7 +9,7 @@ from scipy.special import comb, logsumexp
 
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.search.candidates import Weighed
-from avobench.diagnosis.search.evidence import Evidence
+from avobench.diagnosis.search.evidence import TEMPERATURE, Evidence
 from avobench.effects import Effect
 
 Names = frozenset[tuple]
@@ -23,12 +23,12 @@ UNKNOWN = 0.03
 """How probable beforehand that it is none of the catalogue, and looks like none."""
 IMITATED = 0.1
 """How probable that it is none of the catalogue, but one that looks like what the catalogue has, of whatever fits."""
-TEMPERATURE = 4.0
-"""By which log prior and log evidence are divided: what the formulas leave out, and the scatter of simulation, make
-them too sure."""
 COARSE = 0.02
 """What is added to the temperature of what a fit leaves, for each unit of Q that it explains: no shape is exactly that
 of nature, and what a shape leaves for being another grows with what it does."""
+OPINION = 0.7
+"""Power of the odds by the fits, and of those by what the events look like: two opinions of the same events agree more
+than independent ones would."""
 CREDIBLE = 0.95
 """Probability of the smallest set of models that is told."""
 
@@ -56,6 +56,9 @@ class Posterior:
         for names, own in shapes.items():
             values = [tempered(one.evidence, to_explain) for one in own.values()]
             logs[names] = float(logsumexp(values)) + prior.log(names) / TEMPERATURE
+        logs |= pooled(
+            {each: (logs[each], next(iter(own.values())).resemblance) for each, own in shapes.items() if each}
+        )
         total = logsumexp(list(logs.values()))
         share = {names: (1 - IMITATED) * np.exp(log - total) for names, log in logs.items()}
         share[OUTSIDE] += IMITATED
@@ -130,6 +133,19 @@ def tempered(evidence: Evidence, to_explain: float) -> float:
     price = evidence.value + evidence.excess
     explained = 2 * max(to_explain - evidence.excess, 0)
     return price / TEMPERATURE - evidence.excess / (TEMPERATURE + COARSE * explained)
+
+
+def pooled(opinions: dict[Names, tuple[float, float]]) -> dict[Names, float]:
+    """Log weights of sets of effects by two opinions: what the fits say, and what the events look like.
+
+    Together the sets keep what the fits give them: how probable it is that nothing in the catalogue is missing, what
+    the events look like does not say.
+    """
+    if not any(looks for _, looks in opinions.values()):
+        return {names: fitted for names, (fitted, _) in opinions.items()}
+    both = {names: OPINION * (fitted + looks) for names, (fitted, looks) in opinions.items()}
+    kept = logsumexp([fitted for fitted, _ in opinions.values()]) - logsumexp(list(both.values()))
+    return {names: float(log + kept) for names, log in both.items()}
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.effort import REFINED, Effort, addition
+from avobench.diagnosis.experience.portrait import MOST_EVENTS
+from avobench.diagnosis.experience.recogniser import SIMULATED, kind_of, resemblance
 from avobench.diagnosis.fit.descent import refine
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.sharpening import sharpen
@@ -17,6 +19,7 @@ from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.starts import ROUGH, Start
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
+from avobench.effects.model import Model
 from avobench.tasks.errors import BudgetExhausted
 from avobench.tasks.meter import Meter
 
@@ -49,15 +52,22 @@ class Search:
         outside = Unknown(self.target).evidence(null)
         meter = null.model.events.meter if null.model.events is not None else Meter()
         with suppress(BudgetExhausted), meter.keeping(addition(self.effort, self.target.num_events)):
-            self.look(weighed, outside, effects)
+            self.look(weighed, outside, effects, self.like(null.model, null.params))
         return Posterior.of(weighed, outside, effects) if len(weighed) > 1 or not meter.refused else None
 
-    def look(self, weighed: list[Weighed], outside: float, effects: list[Effect]) -> None:
+    def like(self, model: Model, theta: NDArray[np.float64]) -> dict[str, float]:
+        """Logarithm of how much the events look like each family, beside those of a model at theta (p,)."""
+        if kind_of(model.task) is None:
+            return {}
+        rng, n = self.rng.spawn(1)[0], SIMULATED * min(len(self.x), MOST_EVENTS)
+        return resemblance(model.task, self.effects, self.x, model.simulate(np.tile(theta, (n, 1)), rng))
+
+    def look(self, weighed: list[Weighed], outside: float, effects: list[Effect], like: dict[str, float]) -> None:
         """Add to the models `weighed`, at first the null alone, all that may matter: an effect more in each round.
 
         Raises BudgetExhausted where the simulated events end.
         """
-        first, beam = self.candidates(weighed[0], effects), weighed[:1]
+        first, beam = self.candidates(weighed[0], effects, like), weighed[:1]
         for size in range(1, self.max_effects + 1):
             added = []
             for parent in beam[: PARENTS if size == 2 else 1]:
@@ -66,7 +76,7 @@ class Search:
                     continue  # no further effect can make it the best
                 if self.telling is not None:
                     self.telling.begin(f"search for effect {size}")
-                search = self.candidates(parent, effects) if size > 1 else first
+                search = self.candidates(parent, effects, like) if size > 1 else first
                 found = search.weighed(first.glances, beside)
                 added += found
                 weighed += found
@@ -74,11 +84,11 @@ class Search:
             if size == 2 and beam:  # each of the two may describe the events alone, from where it is beside the other
                 weighed += first.told_apart([start_without(beam[0].fit, k) for k in (0, 1)], -np.inf)
 
-    def candidates(self, parent: Weighed, effects: list[Effect]) -> Candidates:
+    def candidates(self, parent: Weighed, effects: list[Effect], like: dict[str, float]) -> Candidates:
         """Those to add to a model."""
         free = [effect for effect in effects if effect.key not in parent.effects]
         effort = self.effort.beside if parent.effects else self.effort
-        return Candidates(parent, self.target, free, self.x, self.rng, effort, self.jobs)
+        return Candidates(parent, self.target, free, self.x, self.rng, effort, self.jobs, like)
 
     def foremost(self, added: list[Weighed]) -> list[Weighed]:
         """The best model of each set of effects, of the best PARENTS sets."""

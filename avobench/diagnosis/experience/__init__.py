@@ -1,0 +1,1 @@
+"""What effects look like: learned once from random examples, and asked beside the fits."""
