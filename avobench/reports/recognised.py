@@ -18,6 +18,7 @@ from avobench.bench import registry
 from avobench.challenge.case import Case
 from avobench.challenge.records import read_records
 from avobench.challenge.shapes import ONE_FAMILY, kind_of_events
+from avobench.diagnosis.search.posterior import OPINION
 from avobench.studies.recognised import RESULTS
 
 CHALLENGES = Path("results/challenge")
@@ -26,9 +27,9 @@ LEAST = 0.01
 
 
 def together(first: dict[str, float], second: dict[str, float]) -> dict[str, float]:
-    """The geometric mean of two tables of probabilities, by name."""
+    """Two tables of probabilities as one, by name: each counts with the power that it has in a diagnosis."""
     names = sorted({*first, *second})
-    both = np.array([np.sqrt((first.get(name, 0) + LEAST) * (second.get(name, 0) + LEAST)) for name in names])
+    both = np.array([((first.get(name, 0) + LEAST) * (second.get(name, 0) + LEAST)) ** OPINION for name in names])
     return dict(zip(names, (both / both.sum()).tolist(), strict=True))
 
 

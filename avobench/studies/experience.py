@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import get_args
 
 import joblib
 import numpy as np
@@ -41,6 +42,8 @@ SERIES_SEEN = (1, 2, 3, 4, 5, 6, 7)
 ROUNDS = {"poisson": 36, "weinberg": 30, "carl": 20, "correlated": 4, "mixed": 4, "chain": 4}
 """Over all shapes, by simulator; USUAL of others."""
 USUAL_ROUNDS = 8
+LEARNT_FROM = ("carl", "weinberg", "poisson", *SIMULATORS)
+"""The simulators, slowest first."""
 OWN = 3
 """Examples of each family in the catalogue's own shapes, a round."""
 TWO = 40
@@ -135,13 +138,16 @@ def seen_of(
     measure = make(task.simulate(np.tile(theta, (NUM_REFERENCE, 1)), rng))
     if measure is None:
         return None
-    x = measure(task.simulate, np.tile(theta, (n, 1)), rng)
+    seen, p_value = beside(task, measure(task.simulate, np.tile(theta, (n, 1)), rng), rng)
+    return seen if p_value <= SHOWN else None
+
+
+def beside(task: Task, x: NDArray, rng: np.random.Generator) -> tuple[NDArray[np.float64], float]:
+    """The portrait (f,) of events (n, d) beside the task as a first fit finds it, and the p-value of that fit."""
     model = Model(task, events=Counted(task, Meter()))
-    fit, _ = fit_null(model, x, rng, effort_for(task, domain(task), None, n), None)
-    if fit.p_value > SHOWN:
-        return None
-    m = max(SIMULATED * n, NUM_REFERENCE)
-    return portrait(x, task.simulate(np.tile(fit.params, (m, 1)), rng), kind_of(task) == "count")
+    fit, _ = fit_null(model, x, rng, effort_for(task, domain(task), None, len(x)), None)
+    m = max(SIMULATED * len(x), NUM_REFERENCE)
+    return portrait(x, task.simulate(np.tile(fit.params, (m, 1)), rng), kind_of(task) == "count"), fit.p_value
 
 
 def foreign(task: Task, shape: type[Injection], rng: np.random.Generator, reference: NDArray) -> Measure | None:
@@ -222,17 +228,20 @@ def made(simulator: str, number: int, folder: Path) -> Path:
 def learnt(folder: Path) -> list[Path]:
     """Make what is missing of the examples, and train on all; the paths of the networks."""
     folder.mkdir(parents=True, exist_ok=True)
-    simulators = ["carl", "weinberg", "poisson", *SIMULATORS]
-    paths = joblib.Parallel(n_jobs=-1)(joblib.delayed(made)(each, k, folder) for k, each in enumerate(simulators))
-    written = []
-    for kind in ("count", "real", "reals"):
-        own = [path for path, each in zip(paths, simulators, strict=True) if kind_of(named(each)) == kind]
-        written.append(install(kind, *trained(Examples.joined([Examples.read(path) for path in own]))))
-    return written
+    joblib.Parallel(n_jobs=-1)(joblib.delayed(made)(each, k, folder) for k, each in enumerate(LEARNT_FROM))
+    return [install(kind, *trained(of_kind(kind, folder))) for kind in get_args(Kind)]
+
+
+def of_kind(kind: Kind, folder: Path) -> Examples:
+    """The examples of all simulators with such events, of a folder. Raises UsageError if one is missing."""
+    paths = [folder / f"{each}.npz" for each in LEARNT_FROM if kind_of(named(each)) == kind]
+    if missing := [str(path) for path in paths if not path.exists()]:
+        raise UsageError(f"there is no {missing[0]}: `python -m avobench.studies.experience {folder}` makes it")
+    return Examples.joined([Examples.read(path) for path in paths])
 
 
 if __name__ == "__main__":
     if len(sys.argv) != 2:
-        raise UsageError("say in which folder the examples are to be kept")
+        sys.exit("say in which folder the examples are to be kept")
     for path in learnt(Path(sys.argv[1])):
         print(path)

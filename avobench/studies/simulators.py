@@ -42,6 +42,20 @@ def peak(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.flo
     return np.where(inside, rng.normal(mean, 1.0), rng.exponential(15, n) % 30 + 80)
 
 
+def window(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+    """A resonance at a mean, of a width, of which only what lies between 80 and 100 is kept."""
+    mean, width = theta
+    low, high = (np.arctan((edge - mean) / width) for edge in (80, 100))
+    return mean + width * np.tan(rng.uniform(low, high))
+
+
+def populations(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+    """Two normal populations: the share, mean and width of the first, and the mean of the second."""
+    share, mean, std, other = theta
+    first = rng.random(len(share)) < share
+    return np.where(first, rng.normal(mean, std), rng.normal(other, 0.5))
+
+
 def correlated(theta: NDArray[np.float64], rng: np.random.Generator) -> tuple[NDArray[np.float64], ...]:
     """Two normal features with a correlation."""
     mean, rho = theta
@@ -67,6 +81,7 @@ SIMULATORS: dict[str, Task] = {
     task.name: task
     for task in (
         simulator("poissons", Box((0.3,), (60,)), Box((0.1,), (80,)), lambda t, rng: rng.poisson(t[0]), counts=True),
+        simulator("rare", Box((-2,), (2,)), Box((-3.5,), (3,)), lambda t, rng: rng.poisson(np.exp(t[0])), counts=True),
         simulator(
             "negative-binomial",
             Box((1, 1), (12, 8)),
@@ -87,6 +102,13 @@ SIMULATORS: dict[str, Task] = {
             "lognormal", Box((0, 0.2), (2, 1)), Box((-1, 0.05), (3, 2)), lambda t, rng: rng.lognormal(t[0], t[1])
         ),
         simulator("peak", Box((0.05, 86), (0.9, 96)), Box((0, 83), (1, 100)), peak),
+        simulator("window", Box((88, 0.5), (94, 3)), Box((84, 0.2), (97, 6)), window),
+        simulator(
+            "populations",
+            Box((0.1, 0, 0.2, 2.5), (0.9, 1.5, 0.8, 5)),
+            Box((0, -1, 0.1, 1.5), (1, 3, 1.5, 7)),
+            populations,
+        ),
         simulator("beta", Box((1, 1), (4, 4)), Box((0.5, 0.5), (7, 7)), lambda t, rng: rng.beta(t[0], t[1])),
         simulator("correlated", Box((-1, -0.6), (1, 0.6)), Box((-2, -0.9), (2, 0.9)), correlated, features=2),
         simulator("mixed", Box((0.5, -1), (3, 1)), Box((0.2, -2), (5, 2)), mixed, features=3),

@@ -164,7 +164,7 @@ def _together(x: NDArray, simulated: NDArray, rng: np.random.Generator) -> NDArr
     cells = np.array([_cells(z[:, [i, j]], usual[:, [i, j]]) for i, j in combinations(range(d), 2)])
     far = [((np.abs(each) > 3).sum(axis=1) >= k).mean() for k in (1, 2, 3) for each in (z, usual)]
     tops = [_top(each) for each in (linear, bent, spread, cells)]
-    return np.r_[*tops, np.log(np.array(far) + 1e-4), d, len(np.unique(x[:, 0])) / n]
+    return np.r_[*tops, np.log(np.array(far) + 1e-4), d]
 
 
 def _cells(z: NDArray[np.float64], usual: NDArray[np.float64]) -> float:

@@ -18,6 +18,7 @@ from avobench.diagnosis.search.posterior import (
     TEMPERATURE,
     Posterior,
     Prior,
+    pooled,
 )
 from avobench.effects.catalogue import catalogue
 from avobench.tasks.poisson import Poisson
@@ -131,3 +132,33 @@ def test_rivals_stand_in_the_place_of_an_effect():
     first = [effect.name for effect in found.named.fit.model.effects].index(zeros)
     assert found.rivals(first) == [EFFECTS[dead].key]
     assert found.rivals(1 - first) == []
+
+
+OPINIONS = st.dictionaries(
+    st.frozensets(st.tuples(st.sampled_from(list(EFFECTS)), st.none()), min_size=1, max_size=2),
+    st.tuples(st.floats(-50, 0), st.floats(-5, -0.01)),
+    min_size=1,
+)
+
+
+@given(OPINIONS)
+def test_what_events_look_like_moves_probability_among_sets_alone(opinions):
+    both = pooled(opinions)
+    fitted = np.array([fit for fit, _ in opinions.values()])
+    assert np.logaddexp.reduce(list(both.values())) == pytest.approx(np.logaddexp.reduce(fitted))
+
+
+@given(OPINIONS)
+def test_where_all_look_alike_the_order_is_that_of_the_fits(opinions):
+    alike = {names: (fitted, -1.0) for names, (fitted, _) in opinions.items()}
+    both = pooled(alike)
+    for one in alike:
+        for other in alike:
+            assert (both[one] - both[other]) * (alike[one][0] - alike[other][0]) >= 0
+
+
+@given(OPINIONS)
+def test_without_experience_the_fits_decide(opinions):
+    assert pooled({names: (fitted, 0.0) for names, (fitted, _) in opinions.items()}) == {
+        names: fitted for names, (fitted, _) in opinions.items()
+    }
