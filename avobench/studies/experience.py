@@ -40,8 +40,9 @@ from avobench.tasks.meter import Meter
 SERIES_SEEN = (1, 2, 3, 4, 5, 6, 7)
 """Of hidden shapes; later ones are the measure."""
 ROUNDS = {"poisson": 36, "weinberg": 30, "carl": 20, "correlated": 4, "mixed": 4, "chain": 4}
-"""Over all shapes, by simulator; USUAL of others."""
+"""Over all shapes, by simulator; USUAL_ROUNDS of others."""
 USUAL_ROUNDS = 8
+"""Fewer than of tasks, since there are many of them."""
 LEARNT_FROM = ("carl", "weinberg", "poisson", *SIMULATORS)
 """The simulators, slowest first."""
 OWN = 3
@@ -49,16 +50,19 @@ OWN = 3
 TWO = 40
 """Examples with two hidden shapes, a round."""
 NUM_EVENTS = (300, 50_000)
-"""Log-uniform; for tasks of the challenge as many as there in LIKE_THERE of the examples."""
+"""Log-uniform."""
 LIKE_THERE = 0.7
+"""Share of the examples on tasks of the challenge that have the most events, as many as there."""
 SHOWN = 1e-3
 """p-value of an example above which it shows nothing."""
 NETWORKS = 4
 """Whose probabilities are averaged."""
 UNITS = (128, 64)
 """Of their hidden layers."""
-COPIES, BLURRED = 3, 0.3
-"""Of each example, all but one blurred by this share of a mark's standard deviation: other simulators differ."""
+COPIES = 3
+"""Of each example, all but one blurred: other simulators differ."""
+BLURRED = 0.3
+"""Of a mark's standard deviation."""
 
 Measure = Callable[[Callable, NDArray[np.float64], np.random.Generator], NDArray]
 """Events of a simulator with an effect: simulate, theta (n, p), rng -> (n, d)."""

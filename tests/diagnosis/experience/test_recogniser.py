@@ -45,7 +45,7 @@ def of_strength(task, theta, name, share, n=20_000):
     ("task", "theta", "name", "share"),
     [
         ("binomial", [0.5], "zero_inflation", 0.3),
-        ("poissons", [20.0], "dead_time", 0.3),
+        ("poissons", [50.0], "dead_time", 0.1),
         ("exponential", [2.0], "quantisation", 0.5),
         ("normal", [0.0, 1.0], "dead_region", 0.8),
         ("mixed", [1.0, 0.0], "correlation", 0.8),
@@ -70,6 +70,12 @@ def test_only_families_that_may_be_missing_share_the_probability():
 def test_of_images_there_is_no_experience():
     task = registry.build("task", "alignment", {})
     assert resemblance(task, catalogue(task), np.zeros((10, 1024)), np.zeros((10, 1024))) == {}
+
+
+def test_with_small_counts_there_is_no_experience():
+    task, rng = named("poisson"), np.random.default_rng(0)
+    assert resemblance(task, catalogue(task), rng.poisson(4, (500, 1)), rng.poisson(4, (1000, 1))) == {}
+    assert resemblance(task, catalogue(task), rng.poisson(6, (500, 1)), rng.poisson(6, (1000, 1))) != {}
 
 
 def test_a_trained_network_says_the_same_with_its_scale_in_its_weights():
