@@ -9,6 +9,7 @@ import json
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -73,7 +74,7 @@ def weighed_again(found: Posterior, target: Target, effects: list[Effect]) -> It
         with ExitStack() as stack:
             for owner, constant, value in changes:
                 stack.enter_context(patch.object(owner, constant, value))
-            again = [Weighed.of(one.fit) for one in fits]
+            again = [replace(Weighed.of(one.fit), resemblance=one.resemblance) for one in fits]
             yield name, Posterior.of(again, Unknown(target).evidence(null), effects)
 
 
