@@ -1,7 +1,9 @@
 """The command `avobench`. Exit code 0 when all was done, 1 for failed work, 2 for wrong usage, 130 after Ctrl-C."""
 
 import errno
+import signal
 import sys
+from typing import NoReturn
 
 import click
 
@@ -49,20 +51,27 @@ def main() -> None:
     anywhere = [flag for flag in ANYWHERE if flag in given]
     arguments = [*anywhere, *(argument for argument in given if argument not in ANYWHERE)]
     state = State()
+    signal.signal(signal.SIGINT, state.interrupt)
     try:
         sys.exit(naming_damaged(lambda: cli.main(arguments, standalone_mode=False, obj=state)))
     except (KeyboardInterrupt, click.Abort):
-        resumes = "what was finished is kept, and the same command goes on from there"
-        click.echo(f"avobench: stopped; {resumes if state.resumes else 'the same command begins anew'}", err=True)
-        sys.exit(130)
+        _stop(state)
     except click.exceptions.NoArgsIsHelpError as error:
         click.echo(error.ctx.get_help())
         sys.exit(2)
     except Exception as error:
+        if state.interrupted:  # libraries turn what interrupts their loading into an ImportError
+            _stop(state)
         if state.debug or "--debug" in anywhere:
             raise
         click.echo(f"avobench: {' '.join(_said(error).split())}", err=True)
         sys.exit(2 if isinstance(error, (UsageError, click.UsageError)) else 1)
+
+
+def _stop(state: State) -> NoReturn:
+    resumes = "what was finished is kept, and the same command goes on from there"
+    click.echo(f"avobench: stopped; {resumes if state.resumes else 'the same command begins anew'}", err=True)
+    sys.exit(130)
 
 
 def _said(error: Exception) -> str:
