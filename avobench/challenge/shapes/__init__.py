@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from avobench.challenge.shapes import eighth, fifth, first, fourth, second, seventh, sixth, third
+from avobench.challenge.shapes import eighth, fifth, first, fourth, ninth, second, seventh, sixth, third
 from avobench.challenge.shapes.contract import Injection, Place, Simulate
 from avobench.tasks import Task
 
@@ -29,6 +29,7 @@ SERIES: dict[int, dict[str, tuple[type[Injection], ...]]] = {
     6: sixth.FAMILIES,
     7: seventh.FAMILIES,
     8: eighth.FAMILIES,
+    9: ninth.FAMILIES,
 }
 """The shapes of each series, by the kind of events."""
 DEVELOPED = (1, 2)

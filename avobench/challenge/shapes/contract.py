@@ -16,7 +16,7 @@ Simulate = Callable[[NDArray[np.float64], np.random.Generator], NDArray]
 
 MAX_ROUNDS = 1000
 """Of simulating again what was lost, before a selection is said to keep nothing."""
-PACKAGES = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth")
+PACKAGES = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth")
 """Of the series of shapes, in their order."""
 
 
