@@ -18,19 +18,11 @@ from avobench.bench import registry
 from avobench.challenge.case import Case
 from avobench.challenge.records import read_records
 from avobench.challenge.shapes import ONE_FAMILY, kind_of_events
-from avobench.diagnosis.search.posterior import OPINION
 from avobench.studies.recognised import RESULTS
 
 CHALLENGES = Path("results/challenge")
 LEAST = 0.01
 """Added to each probability, so that no name is excluded for good."""
-
-
-def together(first: dict[str, float], second: dict[str, float]) -> dict[str, float]:
-    """Two tables of probabilities as one, by name: each counts with the power that it has in a diagnosis."""
-    names = sorted({*first, *second})
-    both = np.array([((first.get(name, 0) + LEAST) * (second.get(name, 0) + LEAST)) ** OPINION for name in names])
-    return dict(zip(names, (both / both.sum()).tolist(), strict=True))
 
 
 def searched(case: Case) -> dict[str, float]:
@@ -58,7 +50,7 @@ def rows(path: Path) -> Iterator[dict[str, Any]]:
         row = {"task": task.name, "series": head["series"], "cases": 1}
         first = case.named[0][0] if case.named else None
         named = ONE_FAMILY.get((kind_of_events(task), first), first)
-        for who, given in (("search", search), ("classifier", other), ("both", together(search, other))):
+        for who, given in (("search", search), ("classifier", other)):
             best = named if who == "search" else max(given, key=given.get)
             row[who] = best == line["hidden"]
             row[f"log score: {who}"] = np.log(given.get(line["hidden"], 0) + LEAST)
@@ -85,9 +77,7 @@ def table(known: pd.DataFrame) -> pd.DataFrame:
     how = {column: "mean" if column.startswith("log") else "sum" for column in known.columns[2:]}
     each = known.groupby(["task", "series"]).agg(how).reset_index()
     whole = known.agg(how).to_frame().T.assign(task="all", series="")
-    return pd.concat([each, whole], ignore_index=True).astype(
-        dict.fromkeys(["cases", "search", "classifier", "both"], int)
-    )
+    return pd.concat([each, whole], ignore_index=True).astype(dict.fromkeys(["cases", "search", "classifier"], int))
 
 
 if __name__ == "__main__":
