@@ -1,12 +1,13 @@
-"""Names by the search beside names by a classifier that fits nothing: `python -m avobench.reports.recognised`.
+"""Names by the search beside names by a classifier that fits nothing: `python -m avobench.reports.recognised NAME ...`.
 
-From the records of `avobench.studies.recognised` and those of the challenges themselves: of single effects in foreign
-shapes that were detected, how many each names, and the mean logarithm of the probability that each gives to the truth.
-Each series was diagnosed by the search as it was then, and classified by what the series before it had taught.
+From the records of `avobench.studies.recognised` and those of the challenges themselves, all or those of these names:
+of single effects in foreign shapes that were detected, how many each names, and the mean logarithm of the probability
+that each gives to the truth. Each series was diagnosed by the search as it was then, and classified by what the series before it had taught.
 """
 
 import json
-from collections.abc import Iterator
+import sys
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -57,9 +58,9 @@ def rows(path: Path) -> Iterator[dict[str, Any]]:
         yield row
 
 
-def every(folder: Path = RESULTS) -> pd.DataFrame:
-    """A row for each data set of all challenges, as `rows` gives them."""
-    return pd.DataFrame([row for path in sorted(folder.glob("*.jsonl")) for row in rows(path)])
+def every(names: Iterable[str]) -> pd.DataFrame:
+    """A row for each data set of all challenges of these names, as `rows` gives them."""
+    return pd.DataFrame([row for name in names for row in rows(RESULTS / f"{name}.jsonl")])
 
 
 def disagree(known: pd.DataFrame) -> str:
@@ -81,6 +82,6 @@ def table(known: pd.DataFrame) -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    found = every()
+    found = every(sys.argv[1:] or sorted(path.stem for path in RESULTS.glob("*.jsonl")))
     print(table(found).to_string(index=False, float_format=lambda value: f"{value:.2f}"))
     print(disagree(found))

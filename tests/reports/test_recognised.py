@@ -6,11 +6,11 @@ from avobench.reports.recognised import disagree, every, table
 
 
 def test_both_are_counted_over_the_same_data_sets():
-    known = every()
+    known = every(["poisson-fourth-40", "weinberg-ninth-32"])
     rows = table(known)
     assert rows["cases"].iloc[-1] == rows["cases"].iloc[:-1].sum() == len(known)
     assert (rows[["search", "classifier"]].le(rows["cases"], axis=0)).all(axis=None)
-    assert set(known["series"]) == set(range(4, 10))
+    assert set(known["series"]) == {4, 9}
 
 
 def test_an_uneven_split_is_told_with_its_probability():
