@@ -2,7 +2,8 @@
 
 From the records of `avobench.studies.recognised` and those of the challenges themselves, all or those of these names:
 of single effects in foreign shapes that were detected, how many each names, and the mean logarithm of the probability
-that each gives to the truth. Each series was diagnosed by the search as it was then, and classified by what the series before it had taught.
+that each gives to the truth. Each series was diagnosed by the search as it was then, and classified by what the series
+before it had taught.
 """
 
 import json
