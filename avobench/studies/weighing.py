@@ -43,8 +43,17 @@ RESULTS = Path("results/weighing")
 ALPHA = 0.05
 """The level of a diagnosis unless another is asked for."""
 AS_IT_IS = "as it is"
+
+
+def by_fits_alone(opinions: dict[posterior.Names, tuple[float, float]]) -> dict[posterior.Names, float]:
+    """Log weights of sets of effects without what the events look like."""
+    return {names: fitted for names, (fitted, _) in opinions.items()}
+
+
 OFF: dict[str, list[tuple[Any, str, Any]]] = {
     AS_IT_IS: [],
+    "no experience": [(posterior, "pooled", by_fits_alone)],
+    "experience and fits count as independent": [(posterior, "OPINION", 1.0)],
     "nothing is outside": [(posterior, "UNKNOWN", 1e-300), (posterior, "IMITATED", 0.0)],
     "nothing outside looks like the catalogue": [(posterior, "IMITATED", 0.0)],
     "strengths uniform from a tenth": [(evidence, "WEAKEST", 0.1)],
