@@ -15,7 +15,7 @@ FULL_CHALLENGE += poisson-fifth-40-5005 weinberg-fifth-32-5005 carl-fifth-32-500
 FULL_CHALLENGE += poisson-sixth-40-6006 weinberg-sixth-32-6006 carl-sixth-32-6006 alignment-sixth-12-6006
 FULL_CHALLENGE += poisson-seventh-40-7007 weinberg-seventh-32-7007 carl-seventh-32-7007 alignment-seventh-12-7007
 FULL_CHALLENGE += poisson-eighth-40-8008 weinberg-eighth-32-8008 carl-eighth-32-8008
-FULL_CHALLENGE += poisson-ninth-40-9009 weinberg-ninth-32-9009
+FULL_CHALLENGE += poisson-ninth-40-9009 weinberg-ninth-32-9009 carl-ninth-32-9009 alignment-ninth-12-9009
 # Shapes that the search was developed on, with fresh targets.
 FULL_CHALLENGE += poisson-known-40-2511 weinberg-known-40-2511 carl-known-24-2511
 KINDS_none := none

@@ -1,9 +1,10 @@
-"""What moves when a constant of the score is switched off: `python -m avobench.reports.weighing`.
+"""What moves when a constant of the score is switched off: `python -m avobench.reports.weighing FOLDER`.
 
-From the records of `avobench.studies.weighing`, of series of hidden shapes that the search was developed on.
+From the records of `avobench.studies.weighing` in this folder, or in `results/weighing`.
 """
 
 import json
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -47,4 +48,5 @@ def table(folder: Path = RESULTS) -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    print(table().reset_index().to_string(index=False, float_format=lambda value: f"{value:.2f}"))
+    found = table(Path(sys.argv[1]) if len(sys.argv) > 1 else RESULTS)
+    print(found.reset_index().to_string(index=False, float_format=lambda value: f"{value:.2f}"))
