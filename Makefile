@@ -53,7 +53,7 @@ quick: venv  ## all tasks and methods on 3 targets at a tenth of the budget, int
 figures: venv  ## draw the committed records into docs/figures, and write docs/reproduction.md and docs/real-data.md
 	$(BIN)/avobench figure benchmark weinberg efficiency cost coverage --results results/reference --out docs/figures
 	$(BIN)/avobench figure poisson alignment detector dimension misspecification --out docs/figures
-	$(BIN)/python -m avobench.reports.reliability_diagram docs/figures results/challenge/*-seventh-*.jsonl
+	$(BIN)/python -m avobench.reports.reliability_diagram docs/figures results/challenge/*-ninth-*.jsonl results/challenge/weinberg-eighth-32.jsonl results/challenge/carl-eighth-32.jsonl
 	$(BIN)/python -m avobench.reports.reproduction --out docs/reproduction.md
 	$(BIN)/python -m avobench.reports.real --out docs/real-data.md
 
