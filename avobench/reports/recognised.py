@@ -83,6 +83,9 @@ def table(known: pd.DataFrame) -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    found = every(sys.argv[1:] or sorted(path.stem for path in RESULTS.glob("*.jsonl")))
+    known = sorted(path.stem for path in RESULTS.glob("*.jsonl"))
+    if unknown := [name for name in sys.argv[1:] if name not in known]:
+        sys.exit(f"there are no records of {unknown[0]} in {RESULTS}; there are those of {', '.join(known)}")
+    found = every(sys.argv[1:] or known)
     print(table(found).to_string(index=False, float_format=lambda value: f"{value:.2f}"))
     print(disagree(found))
