@@ -53,31 +53,31 @@ quick: venv  ## all tasks and methods on 3 targets at a tenth of the budget, int
 figures: venv  ## draw the committed records into docs/figures, and write docs/reproduction.md and docs/real-data.md
 	$(BIN)/avobench figure benchmark weinberg efficiency cost coverage --results results/reference --out docs/figures
 	$(BIN)/avobench figure poisson alignment detector dimension misspecification --out docs/figures
-	$(BIN)/python -m avobench.reports.reliability_diagram docs/figures results/challenge/*-ninth-*.jsonl results/challenge/weinberg-eighth-32.jsonl results/challenge/carl-eighth-32.jsonl
-	$(BIN)/python -m avobench.reports.reproduction --out docs/reproduction.md
-	$(BIN)/python -m avobench.reports.real --out docs/real-data.md
+	$(BIN)/python -m paper.figures.reliability_diagram docs/figures results/challenge/*-ninth-*.jsonl results/challenge/weinberg-eighth-32.jsonl results/challenge/carl-eighth-32.jsonl
+	$(BIN)/python -m paper.claims.reproduction --out docs/reproduction.md
+	$(BIN)/python -m paper.tables.real --out docs/real-data.md
 
 studies: venv  ## the paper's single experiments, the ablation and the studies beyond it into results/, as far as they lack
 	for study in poisson detector summary alignment ablation dimension fresh misspecification real; do $(BIN)/avobench study $$study || exit 1; done
 
 bench-speed: venv  ## side by side: simulators against bare NumPy and Pythia, BOLFI's fast process against ELFI's own
-	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.speed.simulators
-	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.speed.bolfi
+	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.simulators
+	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.bolfi
 
 bench-avo: venv  ## AVO's step beside a plain implementation, matrix products alone and memory traffic
-	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.speed.avo
+	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.avo
 
 bench-scaling: venv  ## time and memory against budget, observations, targets, workers and number of cells
-	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.speed.growth
+	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.growth
 
 bench-diagnosis: venv  ## seconds of a diagnosis against measured events and against the size of the catalogue
-	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.speed.diagnosis
+	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.diagnosis
 
 bench-cost: venv  ## where the time goes, from results/reference
-	$(BIN)/python -m avobench.speed.cost results/reference
+	$(BIN)/python -m paper.speed.cost results/reference
 
 pages: venv  ## write into README, docs and examples what the commands and cells there print
-	$(BIN)/python -m avobench.reports.printed README.md docs/*.md docs/tables/*.md
+	$(BIN)/python -m paper.printed README.md docs/*.md docs/tables/*.md
 	OMP_NUM_THREADS=1 $(BIN)/jupyter-execute --inplace --NotebookClient.record_timing=False examples/*.ipynb
 
 docs: venv docs/figures/effects/drawn  ## build the site into site/: a warning ends it, and the tutorial's code is run
@@ -108,7 +108,7 @@ challenge-%: venv
 	@$(BIN)/avobench challenge score $(PLACE) --records $(PLACE).jsonl
 
 bench-store: venv  ## time and memory of the commands that read a store, up to 100 000 records
-	OMP_NUM_THREADS=1 $(BIN)/python -m avobench.speed.store
+	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.store
 
 fuzz: venv  ## a thousand hostile inputs of every kind; a line each
 	cd tests && PYTHONPATH=.:users ../$(BIN)/python -m fuzz

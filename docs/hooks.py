@@ -8,7 +8,7 @@ from latex2mathml.converter import convert
 from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File, Files
 
-from avobench.bench import registry
+from avobench.bench.plugins import registry
 from avobench.effects.catalogue import catalogue, domain
 from avobench.effects.contract import Effect
 

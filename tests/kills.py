@@ -5,8 +5,8 @@ import signal
 import sys
 from pathlib import Path
 
-from avobench.bench.pack import pack
-from avobench.bench.store import Store
+from avobench.bench.store.pack import pack
+from avobench.bench.store.store import Store
 
 OPERATIONS = ("open", "tempfile.mkstemp", "os.chmod", "os.rename", "os.remove", "os.rmdir")
 """What Python tells an audit hook just before it does it."""

@@ -15,10 +15,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from avobench.bench import registry
-from avobench.bench.atomic import write_atomically
 from avobench.bench.events import check_events, with_times
-from avobench.bench.files import require_folder
+from avobench.bench.plugins import registry
+from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.files import require_folder
 from avobench.effects import Effect
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from avobench.diagnosis import Diagnosis, Result
-    from avobench.diagnosis.answer.model_file import ModelFile
+    from avobench.diagnosis.report.model_file import ModelFile
 
 TRIED = 50
 """Events on which an effect of the user's is tried before anything is fitted."""
@@ -163,8 +163,8 @@ class Diagnosed:
         return f"the task {self.task.name}" if self.spec is None else next(iter(lost), "")
 
     def _content(self) -> "ModelFile":
-        from avobench.diagnosis.answer.model_file import describe
-        from avobench.diagnosis.answer.quoted import scaled_std
+        from avobench.diagnosis.report.model_file import describe
+        from avobench.diagnosis.report.quoted import scaled_std
 
         fit, theta = self.result.fit, self.diagnosis.theta_after or self.diagnosis.theta_before
         std = scaled_std(fit)
@@ -229,7 +229,7 @@ def diagnose(
     UsageError
         If there is no such task or effect, if the events are not those of the task, or a number makes no sense.
     """
-    from avobench.diagnosis.loop import diagnose as diagnosed
+    from avobench.diagnosis.run import diagnose as diagnosed
     from avobench.effects.catalogue import catalogue, chosen
 
     spec = task if isinstance(task, str) else registry.spec_of("task", task)
@@ -276,7 +276,7 @@ def _own(given: Effect | type[Effect] | str) -> tuple[str | None, Effect]:
 
 
 def _keepable(effect: Effect, x: NDArray, task: Task, source: str | None) -> None:
-    from avobench.diagnosis.answer.model_file import kept
+    from avobench.diagnosis.report.model_file import kept
 
     kept(effect.adapted(x), task, source, effect)
 

@@ -10,12 +10,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from avobench.bench import registry
-from avobench.bench.budget import MeteredSimulator, pose
-from avobench.bench.estimates import require_recordable
+from avobench.bench.cells.budget import MeteredSimulator, pose
+from avobench.bench.cells.estimates import require_recordable
+from avobench.bench.cells.streams import stream
 from avobench.bench.events import check_events
-from avobench.bench.streams import stream
-from avobench.bench.versions import versions
+from avobench.bench.plugins import registry
+from avobench.bench.store.versions import versions
 from avobench.methods import Estimate, Method
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError

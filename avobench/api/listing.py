@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from avobench.bench import registry
+from avobench.bench.plugins import registry
 from avobench.effects.catalogue import catalogue
 from avobench.tasks import Task
 

@@ -8,15 +8,16 @@ from typing import Any
 
 import pandas as pd
 
-from avobench.bench import registry, runner
-from avobench.bench.apart import Call, Limits, apart, kept
-from avobench.bench.backends.local import LIMITS
-from avobench.bench.backends.workers import Workers
-from avobench.bench.cell import Cell
-from avobench.bench.plan import plan
-from avobench.bench.runner import View
-from avobench.bench.store import Store
-from avobench.bench.table import to_frame
+from avobench.bench.cells.cell import Cell
+from avobench.bench.plugins import registry
+from avobench.bench.processes.apart import Call, Limits, apart, kept
+from avobench.bench.processes.local import LIMITS
+from avobench.bench.processes.workers import Workers
+from avobench.bench.store.store import Store
+from avobench.bench.store.table import to_frame
+from avobench.bench.sweep import runner
+from avobench.bench.sweep.plan import plan
+from avobench.bench.sweep.runner import View
 from avobench.tasks.errors import ProcessEnded, UsageError
 
 RESULTS = Path("results/local")

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from avobench.bench import registry
-from avobench.bench.atomic import write_atomically
+from avobench.bench.plugins import registry
+from avobench.bench.store.atomic import write_atomically
 from avobench.challenge.hide import hide
 from avobench.challenge.shapes import DEVELOPED, SERIES
 from avobench.tasks.contract import stable_hash

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import binomtest
 
-from avobench.bench import registry
+from avobench.bench.plugins import registry
 from avobench.challenge.case import VISIBLE, Case
 from avobench.challenge.hide import SETS
 from avobench.challenge.shapes.contract import PACKAGES

@@ -8,12 +8,12 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from avobench.bench import registry
-from avobench.bench.apart import Call, here, outcomes
-from avobench.bench.backends.workers import Workers
 from avobench.bench.events import check_events, read_events
-from avobench.bench.files import require_folder, write_file
-from avobench.bench.record import NAME
+from avobench.bench.plugins import registry
+from avobench.bench.processes.apart import Call, here, outcomes
+from avobench.bench.processes.workers import Workers
+from avobench.bench.store.files import require_folder, write_file
+from avobench.bench.store.record import NAME
 from avobench.challenge.make import MANIFEST
 from avobench.diagnosis import diagnose
 from avobench.effects.catalogue import catalogue

@@ -7,9 +7,9 @@ import click
 from rich.console import Console
 
 from avobench.api.diagnosis import diagnose as diagnose_events
-from avobench.bench import registry
 from avobench.bench.events import read_timed
-from avobench.bench.files import require_folder
+from avobench.bench.plugins import registry
+from avobench.bench.store.files import require_folder
 from avobench.cli.isolated import Isolated
 from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
 from avobench.cli.progress import DiagnosisProgress

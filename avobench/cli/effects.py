@@ -4,8 +4,8 @@ from pathlib import Path
 
 import click
 
-from avobench.bench import registry
-from avobench.bench.files import require_folder
+from avobench.bench.plugins import registry
+from avobench.bench.store.files import require_folder
 from avobench.cli import listing
 from avobench.cli.isolated import Isolated
 from avobench.cli.options import TRUST, named

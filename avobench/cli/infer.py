@@ -6,10 +6,10 @@ from pathlib import Path
 import click
 
 from avobench.api.inference import infer as infer_events
-from avobench.bench import registry
 from avobench.bench.events import read_events
-from avobench.bench.files import require_folder, write_file
-from avobench.bench.plan import parse_settings
+from avobench.bench.plugins import registry
+from avobench.bench.store.files import require_folder, write_file
+from avobench.bench.sweep.plan import parse_settings
 from avobench.cli.isolated import Isolated
 from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
 

@@ -10,8 +10,8 @@ from typing import Any
 
 import click
 
-from avobench.bench import registry
-from avobench.bench.apart import Call, apart
+from avobench.bench.plugins import registry
+from avobench.bench.processes.apart import Call, apart
 from avobench.tasks.errors import AvobenchError, ProcessEnded
 
 

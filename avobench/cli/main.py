@@ -7,7 +7,7 @@ from typing import NoReturn
 
 import click
 
-from avobench.bench.apart import Fault
+from avobench.bench.processes.apart import Fault
 from avobench.cli.challenge import challenge
 from avobench.cli.check import check
 from avobench.cli.damaged import naming_damaged

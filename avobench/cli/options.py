@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from avobench.api.sweep import RESULTS as DEFAULT
-from avobench.bench import registry
+from avobench.bench.plugins import registry
 
 RESULTS = click.option(
     "--results",

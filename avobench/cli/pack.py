@@ -5,8 +5,8 @@ from pathlib import Path
 
 import click
 
-from avobench.bench.pack import pack as pack_store
-from avobench.bench.store import Store
+from avobench.bench.store.pack import pack as pack_store
+from avobench.bench.store.store import Store
 from avobench.cli.options import RESULTS
 
 

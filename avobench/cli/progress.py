@@ -10,9 +10,9 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 from rich.progress_bar import ProgressBar
 from rich.table import Table
 
-from avobench.bench.cell import Cell
-from avobench.bench.runner import Sweep, View
-from avobench.bench.status import Status, reason
+from avobench.bench.cells.cell import Cell
+from avobench.bench.cells.status import Status, reason
+from avobench.bench.sweep.runner import Sweep, View
 
 QUIET_SECONDS = 30.0
 """How often plain output tells how far the running cells are."""

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import click
 
-from avobench.bench.files import require_folder, write_file
-from avobench.bench.status import Status, reason
-from avobench.bench.store import Store
-from avobench.bench.table import to_frame
+from avobench.bench.cells.status import Status, reason
+from avobench.bench.store.files import require_folder, write_file
+from avobench.bench.store.store import Store
+from avobench.bench.store.table import to_frame
 from avobench.cli import listing
 from avobench.cli.options import RESULTS
 from avobench.tasks.errors import UsageError
@@ -20,7 +20,7 @@ def status(results: Path, targets: bool) -> None:
     """Summarise the records of a results folder, and name failed cells and damaged files."""
     store = Store(results)
     if targets:
-        from avobench.reports.targets import format_table  # here, because it takes a second to load
+        from paper.tables.targets import format_table  # here, because it takes a second to load
 
         click.echo(format_table(store.read_all()))
         return

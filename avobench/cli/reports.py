@@ -4,8 +4,8 @@ from pathlib import Path
 
 import click
 
-from avobench.bench.files import require_folder, write_file
-from avobench.bench.store import Store
+from avobench.bench.store.files import require_folder, write_file
+from avobench.bench.store.store import Store
 from avobench.cli.options import RESULTS
 from avobench.reports.figures import FIGURES, FOLDERS, draw, records_for
 

@@ -9,12 +9,12 @@ import click
 from rich.console import Console
 
 from avobench.api import sweep
-from avobench.bench.apart import kept
-from avobench.bench.backends.workers import Workers
-from avobench.bench.cell import Cell
-from avobench.bench.files import require_folder
-from avobench.bench.runner import Sweep
-from avobench.bench.status import Status
+from avobench.bench.cells.cell import Cell
+from avobench.bench.cells.status import Status
+from avobench.bench.processes.apart import kept
+from avobench.bench.processes.workers import Workers
+from avobench.bench.store.files import require_folder
+from avobench.bench.sweep.runner import Sweep
 from avobench.cli import listing
 from avobench.cli.isolated import State
 from avobench.cli.options import RESULTS, TRUST, named

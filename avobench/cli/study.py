@@ -5,19 +5,19 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from avobench.bench.backends.workers import Workers
-from avobench.bench.files import require_folder
-from avobench.bench.runner import run
-from avobench.bench.status import ESTIMATED, reason
-from avobench.bench.store import Store
+from avobench.bench.cells.status import ESTIMATED, reason
+from avobench.bench.processes.workers import Workers
+from avobench.bench.store.files import require_folder
+from avobench.bench.store.store import Store
+from avobench.bench.sweep.runner import run
 from avobench.cli import listing
 from avobench.cli.isolated import State
 from avobench.cli.progress import ProgressView
-from avobench.reports import sensitivity as sensitivity_report
-from avobench.reports import tuning as tuning_report
-from avobench.reports.real import format_table as format_real
-from avobench.studies import dimension, fresh, misspecification, paper, real, sensitivity, tuning
 from avobench.tasks.errors import AvobenchError, UsageError
+from paper.studies import dimension, fresh, misspecification, paper, real, sensitivity, tuning
+from paper.tables import sensitivity as sensitivity_report
+from paper.tables import tuning as tuning_report
+from paper.tables.real import format_table as format_real
 
 STUDIES = (
     "poisson",

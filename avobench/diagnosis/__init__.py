@@ -4,16 +4,16 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from avobench.diagnosis.answer.assemble import Result
-    from avobench.diagnosis.loop import diagnose
+    from avobench.diagnosis.report.assemble import Result
+    from avobench.diagnosis.run import diagnose
     from avobench.diagnosis.schema import Diagnosis
 
 __all__ = ["Diagnosis", "Result", "diagnose"]
 
 _HOMES = {
-    "diagnose": "avobench.diagnosis.loop",
+    "diagnose": "avobench.diagnosis.run",
     "Diagnosis": "avobench.diagnosis.schema",
-    "Result": "avobench.diagnosis.answer.assemble",
+    "Result": "avobench.diagnosis.report.assemble",
 }
 
 

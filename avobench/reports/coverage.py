@@ -15,9 +15,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from avobench.bench.status import ESTIMATED
-from avobench.bench.store import Store
-from avobench.bench.table import labels
+from avobench.bench.cells.status import ESTIMATED
+from avobench.bench.store.store import Store
+from avobench.bench.store.table import labels
 from avobench.reports.style import FLOOR, METHOD_ORDER, STYLE, TASK_ORDER, colours, ordered, panels, save
 from avobench.tasks.errors import StoreError
 

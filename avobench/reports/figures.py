@@ -4,9 +4,9 @@ import importlib
 from pathlib import Path
 from typing import Any
 
-from avobench.bench.store import Store
-from avobench.studies import misspecification, paper
+from avobench.bench.store.store import Store
 from avobench.tasks.errors import StoreError
+from paper.studies import misspecification, paper
 
 FIGURES = (
     "benchmark",

@@ -10,19 +10,19 @@ from typing import Any
 
 import pandas as pd
 
-from avobench.bench.status import ESTIMATED
-from avobench.bench.store import Store
-from avobench.bench.table import labels, to_frame
+from avobench.bench.cells.status import ESTIMATED
+from avobench.bench.store.store import Store
+from avobench.bench.store.table import labels, to_frame
 from avobench.reports import html
 from avobench.reports.benchmark import numbers
-from avobench.reports.benchmark_claims import PRESETS
 from avobench.reports.figures import STUDY_FIGURES, draw, records_for
 from avobench.reports.quantities import comparable
-from avobench.reports.reproduction import CLAIMS, gather
 from avobench.reports.style import TASK_ORDER
-from avobench.reports.targets import METHOD, RIVALS
-from avobench.reports.targets import table as targets_table
-from avobench.studies.paper import DETECTOR_FILE
+from paper.claims.benchmark_claims import PRESETS
+from paper.claims.reproduction import CLAIMS, gather
+from paper.studies.paper import DETECTOR_FILE
+from paper.tables.targets import METHOD, RIVALS
+from paper.tables.targets import table as targets_table
 
 CAPTIONS = {
     "benchmark": "Squared error of each method on each task (the paper's Figure 4). Boxes show quartiles, whiskers the "

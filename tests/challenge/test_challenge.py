@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 from scipy.stats import kstest, poisson
 
-from avobench.bench.backends.workers import Workers
+from avobench.bench.processes.workers import Workers
 from avobench.challenge import hide as hiding
 from avobench.challenge import solve as solving
 from avobench.challenge.case import Case

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from avobench.bench import registry
+from avobench.bench.plugins import registry
 from avobench.challenge.shapes import FAMILIES, SERIES, Place, second, shapes
 from avobench.challenge.shapes.first import (
     acceptance,

@@ -10,7 +10,7 @@ import time
 import numpy as np
 import pytest
 
-from avobench.bench.store import Store
+from avobench.bench.store.store import Store
 from avobench.cli import main
 
 CELLS = ("--method", "hostile:Steps", "--targets", "0-1", "--budget", 160, "--observations", 100)
@@ -158,8 +158,8 @@ def test_limits_are_numbers_and_not_for_every_way_of_working(avobench):
 
 
 def test_cells_are_in_this_process_where_that_is_asked_for(avobench, tmp_path, monkeypatch):
-    monkeypatch.setattr("avobench.bench.apart.outcomes", None)
-    monkeypatch.setattr("avobench.bench.backends.local.outcomes", None)
+    monkeypatch.setattr("avobench.bench.processes.apart.outcomes", None)
+    monkeypatch.setattr("avobench.bench.processes.local.outcomes", None)
     code, _, err, found = run(avobench, tmp_path / "r", "--task", "faulty:SoundTask", "--in-process")
     assert code == 0, err
     assert len(found) == 2

@@ -6,7 +6,7 @@ import sys
 import pandas as pd
 import pytest
 
-from avobench.bench.store import Store
+from avobench.bench.store.store import Store
 
 QUICK = ("run", "--task", "toys:Normal", "--method", "toys:Moment", "--targets", "0-1", "--budget", 400)
 QUICK += ("--observations", 100, "--jobs", 1)

@@ -121,7 +121,7 @@ def test_order_changes_nothing_else():
 
 
 def test_of_millions_of_events_a_random_sample_is_compared(monkeypatch):
-    monkeypatch.setattr("avobench.diagnosis.loop.MOST_EVENTS", 1000)
+    monkeypatch.setattr("avobench.diagnosis.run.MOST_EVENTS", 1000)
     x = np.r_[np.random.default_rng(0).poisson(7, (1500, 1)), np.random.default_rng(1).poisson(9, (1500, 1))]
     diagnosis = diagnose(Poisson(), x, effects=[], num_simulations=250_000, ordered=True).diagnosis
     assert diagnosis.num_events == 1000

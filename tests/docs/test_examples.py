@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from scipy.stats import exponnorm
 
-from avobench.bench import registry
-from avobench.bench.budget import MeteredSimulator, pose
-from avobench.bench.streams import observe
+from avobench.bench.cells.budget import MeteredSimulator, pose
+from avobench.bench.cells.streams import observe
+from avobench.bench.plugins import registry
 from avobench.tasks.carl import Carl
 
 DOCS = Path(__file__).parents[2] / "docs"

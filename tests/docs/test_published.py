@@ -7,14 +7,14 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
-from avobench.bench.plan import plan
-from avobench.bench.store import Store
+from avobench.bench.store.store import Store
+from avobench.bench.sweep.plan import plan
 from avobench.reports.figures import FIGURES, FOLDERS, draw, records_for
-from avobench.reports.printed import OUTPUT, filled, output
-from avobench.reports.real import page as real_page
-from avobench.reports.reproduction import gather
-from avobench.reports.reproduction import page as claims
-from avobench.studies.real import read_all as read_real
+from paper.claims.reproduction import gather
+from paper.claims.reproduction import page as claims
+from paper.printed import OUTPUT, filled, output
+from paper.studies.real import read_all as read_real
+from paper.tables.real import page as real_page
 
 ROOT = Path(__file__).parents[2]
 REFERENCE = Store(ROOT / "results" / "reference")

@@ -8,7 +8,7 @@ from scipy.special import ndtr
 from scipy.stats import poisson
 
 from avobench.bench import conformance as check
-from avobench.bench import registry
+from avobench.bench.plugins import registry
 from avobench.effects.catalogue import catalogue
 from avobench.effects.continuous.comb import Comb
 from avobench.effects.contract import Parameter

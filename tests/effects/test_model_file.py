@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from avobench.bench import registry
+from avobench.bench.plugins import registry
 from avobench.tasks.errors import UsageError
 
 MODEL = {

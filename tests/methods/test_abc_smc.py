@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from avobench.bench.registry import settings_of
+from avobench.bench.plugins.registry import settings_of
 from avobench.methods.abc_smc import AbcSmc, AbcSmcTuned, _density_mode
 from avobench.tasks import Box, Task
 from avobench.tasks.errors import BudgetExhausted, SimulatorError, UsageError

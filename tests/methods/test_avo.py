@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import torch
 
-from avobench.bench.budget import MeteredSimulator, pose
+from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.methods import stacked_discriminators
 from avobench.methods.avo import Avo, geometric, regression
-from avobench.speed.discriminator_steps import AutogradStep
 from avobench.tasks.function import task
 from gaussian import GaussianMean, GaussianMeans, gaussian_problem
+from paper.speed.discriminator_steps import AutogradStep
 
 FEW = {"iterations": 250, "hidden": (32, 32), "statistic_steps": 100}
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import torch
 
-from avobench.bench import registry
-from avobench.bench.cell import Cell
-from avobench.bench.status import reason
-from avobench.bench.trial import execute
+from avobench.bench.cells.cell import Cell
+from avobench.bench.cells.status import reason
+from avobench.bench.cells.trial import execute
+from avobench.bench.plugins import registry
 from avobench.methods.avo_paper import (
     AvoPaper,
     baseline,

@@ -6,7 +6,7 @@ import warnings
 import numpy as np
 import pytest
 
-from avobench.bench.registry import settings_of
+from avobench.bench.plugins.registry import settings_of
 from avobench.methods.bolfi import Bolfi
 from avobench.tasks import Task
 from avobench.tasks.errors import BudgetExhausted, SimulatorError, UsageError

@@ -6,8 +6,8 @@ import warnings
 import numpy as np
 import pytest
 
-from avobench.bench.cell import Cell
-from avobench.bench.trial import execute
+from avobench.bench.cells.cell import Cell
+from avobench.bench.cells.trial import execute
 from avobench.methods.bsl import Bsl
 from avobench.tasks import Task
 from avobench.tasks.errors import BudgetExhausted, SimulatorError, UsageError

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from avobench.methods.discriminator import mlp
 from avobench.methods.fused_step import FusedStep
-from avobench.speed.discriminator_steps import AutogradStep, VmapStep
+from paper.speed.discriminator_steps import AutogradStep, VmapStep
 
 settings.register_profile("fused", deadline=None, max_examples=25)
 SLOPES = (0.25, -0.5, 1.0, 2.0)

@@ -6,7 +6,7 @@ With v and w uniform in [0, 1] and v w = s known, v has the density 1 / (v log(1
 import numpy as np
 import pytest
 
-from avobench.bench.budget import MeteredSimulator, pose
+from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.methods import avo, smm
 from avobench.methods.avo import Avo
 from avobench.methods.leeway import EDGE, LEAST_POINTS, Leeway, leaves_open, tempered

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import torch
 
-from avobench.bench.budget import MeteredSimulator, pose
-from avobench.bench.cell import Cell
-from avobench.bench.trial import execute, execute_together
+from avobench.bench.cells.budget import MeteredSimulator, pose
+from avobench.bench.cells.cell import Cell
+from avobench.bench.cells.trial import execute, execute_together
 from avobench.methods import product_posterior
 from avobench.methods.nle import Nle
 from avobench.methods.npe import Npe, Tsnpe

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from avobench.bench.budget import MeteredSimulator, pose
+from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.methods.smm import Smm
 from avobench.tasks.carl import Carl
 from avobench.tasks.function import task

@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
-from avobench.bench.plan import plan
-from avobench.bench.trial import execute
+from avobench.bench.cells.trial import execute
+from avobench.bench.sweep.plan import plan
 from avobench.reports import benchmark
 
 

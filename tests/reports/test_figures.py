@@ -4,15 +4,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from avobench.bench.cell import Cell
-from avobench.bench.streams import observe
-from avobench.bench.trial import execute
-from avobench.reports import alignment, cost, detector, efficiency, poisson, weinberg
+from avobench.bench.cells.cell import Cell
+from avobench.bench.cells.streams import observe
+from avobench.bench.cells.trial import execute
+from avobench.reports import cost, efficiency
 from avobench.reports.figures import FIGURES
 from avobench.reports.style import METHOD_COLOURS, PALETTE, colours
-from avobench.studies import paper as study
 from avobench.tasks.errors import StoreError
 from avobench.tasks.weinberg import Weinberg
+from paper.figures import alignment, detector, poisson, weinberg
+from paper.studies import paper as study
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +23,7 @@ def examples():
     poisson = [("PoissonExample", {**common, "entropy": gamma}) for gamma in (0.0, 1e-4)]
     kinds = [*poisson, ("AlignmentExample", {"hidden": [4], "schedule": "shared"})]
     return [
-        execute(Cell(f"avobench.studies.paper:{task}", {}, "avo-paper", settings, 0, repetition, 640, 200, 0))
+        execute(Cell(f"paper.studies.paper:{task}", {}, "avo-paper", settings, 0, repetition, 640, 200, 0))
         for task, settings in kinds
         for repetition in range(2)
     ]
@@ -133,7 +134,7 @@ def test_failures_and_a_users_task_leave_the_others_to_be_drawn(benchmark, make_
 
 
 def test_the_command_draws_several(avobench, make_record, tmp_path):
-    from avobench.bench.store import Store
+    from avobench.bench.store.store import Store
 
     store = Store(tmp_path / "results", create=True)
     store.write(make_record("poisson", "avo", 0, 0.1))

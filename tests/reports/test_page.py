@@ -9,7 +9,7 @@ import pytest
 from selenium.webdriver import ActionChains, Keys
 from selenium.webdriver.support.ui import Select
 
-from avobench.bench.store import Store
+from avobench.bench.store.store import Store
 from avobench.reports.page import provenance, render
 
 HOSTILE = "<script>document.title = 'taken'</script> & \"quoted\" <b>bold</b>"

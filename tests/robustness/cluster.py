@@ -98,11 +98,11 @@ class Killer:
 
 def soak(folder: Path, cells: int, workers: int, seconds: float, seed: int) -> str:
     """The sweep to its end, however often it must be begun. Raises AssertionError for a cell that is lost or twice."""
-    from avobench.bench.backends.dask import DaskBackend
-    from avobench.bench.backends.local import LocalBackend
-    from avobench.bench.plan import plan
-    from avobench.bench.runner import View, run
-    from avobench.bench.store import Store
+    from avobench.bench.processes.dask import DaskBackend
+    from avobench.bench.processes.local import LocalBackend
+    from avobench.bench.store.store import Store
+    from avobench.bench.sweep.plan import plan
+    from avobench.bench.sweep.runner import View, run
     from avobench.tasks.errors import AvobenchError
 
     finished: list[str] = []

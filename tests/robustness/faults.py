@@ -143,8 +143,8 @@ def call(arguments: list[str], set_up: Callable[[], None] = lambda: None, faults
 
 def kept(folder: Path) -> dict[str, bytes]:
     """Every record that reads as finished, by name; raises ValueError for a half one."""
-    from avobench.bench.packed import read_rows
-    from avobench.bench.record import decode_record
+    from avobench.bench.store.packed import read_rows
+    from avobench.bench.store.record import decode_record
 
     found = {row.file: row.text.encode() for row in read_rows(folder / "records.parquet")}
     found |= {path.name: path.read_bytes() for path in folder.glob("records/[!.]*")}
@@ -154,7 +154,7 @@ def kept(folder: Path) -> dict[str, bytes]:
 
 
 def results(folder: Path) -> list[dict[str, Any]]:
-    from avobench.bench.store import Store
+    from avobench.bench.store.store import Store
 
     records, damaged = Store(folder).read()
     assert not damaged, damaged
@@ -253,8 +253,8 @@ def main(every: int, place: Path | None) -> None:
     """Let operations on files fail in their turn, and print what came of it; exit code 1 if any outcome is wrong."""
     if place is not None:  # the process in which they fail
         warm.environment()
-        import avobench.bench.pack
-        import avobench.bench.trial
+        import avobench.bench.cells.trial
+        import avobench.bench.store.pack
         import avobench.cli.main  # noqa: F401
 
         click.echo(json.dumps(campaign(place, every)))

@@ -27,9 +27,9 @@ from typing import Any
 import click
 import numpy as np
 
-from avobench.bench.packed import read_rows
-from avobench.bench.record import decode_record
-from avobench.bench.store import Store
+from avobench.bench.store.packed import read_rows
+from avobench.bench.store.record import decode_record
+from avobench.bench.store.store import Store
 from robustness.warm import start
 
 REFERENCE = Path(__file__).parents[2] / "results" / "reference"

@@ -15,7 +15,12 @@ TESTS = Path(__file__).parents[1]
 USERS = TESTS / "users"
 LOADED = (
     *("avobench.cli.main", "avobench.api.diagnosis", "avobench.challenge.solve", "avobench.challenge.make"),
-    *("avobench.bench.trial", "avobench.bench.pack", "avobench.diagnosis.loop", "avobench.reports.diagnosis.page"),
+    *(
+        "avobench.bench.cells.trial",
+        "avobench.bench.store.pack",
+        "avobench.diagnosis.run",
+        "avobench.reports.diagnosis.page",
+    ),
     *("avobench.reports.diagnosis.figures", "avobench.reports.page", "toys"),
 )
 """What a command would load; no module that starts a thread may be among them, for each start is a fork."""

@@ -91,8 +91,8 @@ def main(rounds: int, seed: int, place: Path | None) -> None:
     """Let several commands write to one store at a time, and print what became of each."""
     if place is not None:  # the process whose locks are as told
         warm.environment()
-        import avobench.bench.pack
-        import avobench.bench.trial
+        import avobench.bench.cells.trial
+        import avobench.bench.store.pack
         import avobench.cli.main  # noqa: F401
 
         click.echo(json.dumps(campaign(place, rounds, seed)))

@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 from scipy.optimize import minimize
 
-from avobench.bench import registry
+from avobench.bench.plugins import registry
 from avobench.tasks import warped
 from avobench.tasks.warped import NARROW, WIDE, Means5, Mixed, Warped5, Warped10, information, rotation
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from avobench.bench.budget import MeteredSimulator, pose
+from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.methods.problem import Problem
 from avobench.tasks import Box, Task
 

@@ -6,9 +6,9 @@ Checks come in rounds. Seeds are fixed, so a verdict is repeatable.
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from avobench.bench import registry
 from avobench.bench.conformance import effects, methods, tasks
 from avobench.bench.conformance.promises import BrokenPromise
+from avobench.bench.plugins import registry
 from avobench.tasks.errors import SimulatorError
 
 ROUNDS = {"task": tasks.rounds, "method": methods.rounds, "effect": effects.rounds}

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2_contingency
 
-from avobench.bench import registry
 from avobench.bench.conformance.promises import Round, expect, global_seeds, is_text, state_kept
+from avobench.bench.plugins import registry
 from avobench.effects.catalogue import of_domain
 from avobench.effects.contract import Effect, Parameter
 from avobench.effects.site import Site

@@ -11,7 +11,7 @@ from typing import Any
 import joblib
 import numpy as np
 
-from avobench.bench import registry
+from avobench.bench.plugins import registry
 from avobench.methods import Method
 from avobench.methods.contract import global_seed
 from avobench.tasks import Task

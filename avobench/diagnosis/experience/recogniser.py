@@ -1,6 +1,6 @@
 """Which family measured events look like, told by networks that have seen random examples of all.
 
-`python -m avobench.studies.experience` makes the examples and trains the networks, whose weights lie beside this file.
+`python -m paper.studies.experience` makes the examples and trains the networks, whose weights lie beside this file.
 """
 
 from collections.abc import Sequence

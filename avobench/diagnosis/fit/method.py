@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.bench import registry
-from avobench.bench.budget import MeteredSimulator, pose
+from avobench.bench.cells.budget import MeteredSimulator, pose
+from avobench.bench.plugins import registry
 from avobench.diagnosis.fit.fit import Fit
 from avobench.effects.model import Model
 from avobench.methods import Estimate

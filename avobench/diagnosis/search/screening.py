@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.gates.regions import spots
+from avobench.diagnosis.goodness_of_fit.regions import spots
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect, Parameter
 

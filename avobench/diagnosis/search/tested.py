@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.known import KnownModel
-from avobench.diagnosis.gates.cells import cell_gate
-from avobench.diagnosis.gates.classifier import classifier_gate
-from avobench.diagnosis.gates.summary import summary_gate
+from avobench.diagnosis.goodness_of_fit.cells import cell_gate
+from avobench.diagnosis.goodness_of_fit.classifier import classifier_gate
+from avobench.diagnosis.goodness_of_fit.summary import summary_gate
 from avobench.diagnosis.schema import Gate
 from avobench.diagnosis.summary.target import Target
 

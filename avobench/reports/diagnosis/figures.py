@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from avobench.diagnosis.answer.pictures import Maps, Pictures
+from avobench.diagnosis.report.pictures import Maps, Pictures
 from avobench.diagnosis.schema import Diagnosis, FoundEffect, Named, Region
 from avobench.reports.diagnosis.distribution import distribution
 from avobench.reports.diagnosis.drawn import AFTER, BEFORE, REGION, Drawn, sigma

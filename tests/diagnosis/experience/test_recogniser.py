@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from avobench.bench import registry
+from avobench.bench.plugins import registry
 from avobench.diagnosis.effort import effort_for
 from avobench.diagnosis.experience.recogniser import LEAST, Recogniser, compressed, forward, kind_of, resemblance
 from avobench.diagnosis.fit.null import fit_null
 from avobench.effects.catalogue import catalogue, domain, of_domain
 from avobench.effects.model import Model
 from avobench.effects.pool import Counted
-from avobench.studies.experience import Examples, trained
-from avobench.studies.simulators import SIMULATORS
 from avobench.tasks.meter import Meter
+from paper.studies.experience import Examples, trained
+from paper.studies.simulators import SIMULATORS
 
 TASKS = {"count": "poisson", "real": "weinberg", "reals": "carl"}
 

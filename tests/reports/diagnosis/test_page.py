@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from avobench.diagnosis import Result
-from avobench.diagnosis.answer.pictures import Maps, Pictures, Spectrum
+from avobench.diagnosis.report.pictures import Maps, Pictures, Spectrum
 from avobench.diagnosis.schema import Diagnosis, Region, Verdict
 from avobench.effects.model import Model
 from avobench.reports.diagnosis import write

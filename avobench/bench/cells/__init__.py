@@ -1,0 +1,1 @@
+"""One inference of the sweep: what identifies it, and how it is carried out."""

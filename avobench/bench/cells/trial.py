@@ -1,0 +1,246 @@
+"""A cell carried out: its problem posed, its method run, its estimate checked and scored, its record made."""
+
+import json
+import math
+import numbers
+import time
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from functools import lru_cache
+from typing import Any
+
+from numpy.typing import NDArray
+
+from avobench.bench.cells.budget import MeteredSimulator, pose
+from avobench.bench.cells.cell import Cell
+from avobench.bench.cells.estimates import require_recordable
+from avobench.bench.cells.status import Status
+from avobench.bench.cells.streams import observe, stream
+from avobench.bench.plugins import registry
+from avobench.bench.processes.memory import peak_memory_mib, reset_peak_memory
+from avobench.bench.store.record import SCHEMA_VERSION
+from avobench.bench.store.versions import versions
+from avobench.methods import Estimate, Problem
+from avobench.tasks import Task
+from avobench.tasks.errors import (
+    AvobenchError,
+    BudgetExhausted,
+    InvalidEstimate,
+    SimulatorError,
+    SupportError,
+)
+
+STATUS_OF = {
+    BudgetExhausted: Status.BUDGET_EXHAUSTED,
+    SimulatorError: Status.SIMULATOR_ERROR,
+    SupportError: Status.OUTSIDE_SUPPORT,
+    InvalidEstimate: Status.INVALID_ESTIMATE,
+}
+
+
+@lru_cache(maxsize=1)
+def _observed(task: str, settings: str, target: int, num_observations: int, seed: int) -> NDArray:
+    """The same from the name of the task and its settings, in JSON; kept, as the next cell often has the same."""
+    return observe(registry.build("task", task, json.loads(settings)), target, num_observations, seed)
+
+
+class Trial:
+    """A cell while it is carried out, by itself or with others: what its method is given, and how it ended.
+
+    What goes wrong is kept as `failure` and becomes status and message of the record; only KeyboardInterrupt leaves.
+    """
+
+    def __init__(self, cell: Cell, progress: Callable[[int], None] | None = None, debug: bool = False) -> None:
+        """Observe the target of the cell and pose its problem."""
+        start = time.perf_counter()
+        self.cell, self._debug = cell, debug
+        self._started = datetime.now(UTC).isoformat(timespec="seconds")
+        self._task, self.method = cell.build_task(), cell.build_method()
+        # Of an amortised method the events are the same for every target: one budget for all, whoever simulates first.
+        own = () if self.method.amortised else (cell.target,)
+        words = (self._task.name, self.method.name, *own, cell.repetition)
+        self.simulate = MeteredSimulator(self._task, cell.budget, stream(cell.seed, "simulator", *words), progress)
+        self.rng = stream(cell.seed, "method", *words)
+        self.problem: Problem | None = None
+        self.estimate: object = None
+        self.failure: BaseException | None = None
+        self.method_seconds = 0.0
+        """In the method outside of the simulator."""
+        self.remark = ""
+        """Added to the message of the estimate."""
+        self._floors: dict[str, float | None] = {}
+        with self.failing():
+            self._floors = _floors(self._task, cell)
+            settings = json.dumps(cell.task_settings, sort_keys=True)
+            x_observed = _observed(cell.task, settings, cell.target, cell.num_observations, cell.seed)
+            self.problem = pose(self._task, x_observed, self.simulate)
+        self._observation_seconds = time.perf_counter() - start
+
+    @contextmanager
+    def failing(self) -> Iterator[None]:
+        """What goes wrong within the block becomes the failure of this cell; with `debug` its traceback is printed."""
+        try:
+            yield
+        except (Exception, SystemExit) as error:
+            self.failure = error
+            if self._debug:
+                traceback.print_exc()
+
+    def record(self) -> dict[str, Any]:
+        """The record of the cell, its estimate checked and scored."""
+        start = time.perf_counter()
+        scored, status, message = {}, Status.OK, ""
+        if self.failure is None:
+            with self.failing():
+                require_recordable(self.estimate, self.problem, self.simulate.used)
+                scored = _scored(self.estimate, self._task, self.cell)
+                message = "; ".join(filter(None, (self.estimate.message, self.remark, self.estimate.doubt)))
+                status = Status.DOUBTFUL if self.estimate.doubt else Status.OK
+        if (error := self.failure) is not None:
+            status = next((word for kind, word in STATUS_OF.items() if isinstance(error, kind)), Status.METHOD_ERROR)
+            message = told(error)
+            if self.problem is None:  # where it was too much, e.g. for memory: no method has run
+                status = Status.SIMULATOR_ERROR
+        record = {
+            **blank_record(self.cell, status, message),
+            **self._floors,
+            "started": self._started,
+            "simulations_requested": self.simulate.requested,
+            "simulations_used": self.simulate.used,
+            "simulations_refused": self.simulate.refused,
+            "simulations_discarded": self.simulate.used,  # unless an estimate was made of them
+            "observation_seconds": self._observation_seconds,
+            "simulator_seconds": self.simulate.seconds,
+            "method_seconds": self.method_seconds,
+            "peak_memory_mib": peak_memory_mib(),
+            **scored,
+        }
+        record["harness_seconds"] = time.perf_counter() - start
+        return record
+
+
+def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bool = False) -> dict[str, Any]:
+    """Carry out a cell and return its record; whatever goes wrong becomes its status and message.
+
+    Only KeyboardInterrupt leaves this function. With `debug` the traceback of a failure goes to standard error.
+    """
+    reset_peak_memory()
+    trial = Trial(cell, progress, debug)
+    if trial.problem is not None:
+        start = time.perf_counter()
+        with trial.failing():
+            trial.estimate = trial.method.infer(trial.problem, trial.rng)
+        trial.method_seconds = time.perf_counter() - start - trial.simulate.seconds
+    return trial.record()
+
+
+def execute_together(
+    cells: Sequence[Cell], progress: Sequence[Callable[[int], None] | None], debug: bool = False
+) -> list[dict[str, Any]]:
+    """Carry out cells of one task and method as one, by `Method.infer_together`, and return their records in order.
+
+    Each record is that which `execute` makes, to floating-point reordering of the estimate, but for `method_seconds`,
+    an equal share of what all took, and a remark in `message`. A cell that cannot be observed fails alone. Whatever
+    the method raises leaves this function, and no cell has a record: it is not known whose fault it is.
+    """
+    reset_peak_memory()
+    trials = [Trial(cell, heartbeat, debug) for cell, heartbeat in zip(cells, progress, strict=True)]
+    posed = [trial for trial in trials if trial.problem is not None]
+    if posed:
+        start = time.perf_counter()
+        estimates = posed[0].method.infer_together([trial.problem for trial in posed], [trial.rng for trial in posed])
+        seconds = time.perf_counter() - start - sum(trial.simulate.seconds for trial in posed)
+        if not isinstance(estimates, list) or len(estimates) != len(posed):
+            raise InvalidEstimate(
+                f"infer_together must return a list of {len(posed)} estimates, got {estimates!r:.100}"
+            )
+        for trial, estimate in zip(posed, estimates, strict=True):
+            trial.estimate, trial.method_seconds = estimate, seconds / len(posed)
+            trial.remark = f"one of {len(posed)} cells carried out together"
+    return [trial.record() for trial in trials]
+
+
+def told(error: BaseException) -> str:
+    """What went wrong, for a record or a line to the user."""
+    if isinstance(error, AvobenchError):
+        return str(error)
+    if type(error).__name__ == "OutOfMemoryError":  # PyTorch's, whose message goes on about its allocator
+        message = ". ".join(str(error).split(". ")[:2])
+        return f"{message}; fewer cells at a time (--group, --jobs) or --device cpu need less"
+    return f"{type(error).__name__}: {error}"
+
+
+def blank_record(cell: Cell, status: Status, message: str) -> dict[str, Any]:
+    """A record with every field of the schema, for a cell of which nothing more is known."""
+    record = {
+        "schema_version": SCHEMA_VERSION,
+        "id": cell.id,
+        **cell.identity,
+        "parameter_names": list(cell.parameter_names),
+        "status": str(status),
+        "message": message,
+        "theta_hat": None,
+        "squared_error": None,
+        "floor": None,
+        "floor_likelihood": None,
+        "how": None,
+        "spread_of": None,
+        "mean": None,
+        "std": None,
+        "trace": [],
+        "simulations_requested": None,
+        "simulations_used": None,
+        "simulations_discarded": None,
+        "simulations_refused": None,
+        "observation_seconds": 0.0,
+        "simulator_seconds": 0.0,
+        "method_seconds": 0.0,
+        "harness_seconds": 0.0,
+        "peak_memory_mib": None,
+        "started": None,
+        "versions": versions(cell.packages),
+    }
+    return record | {"amortised": True} if cell.amortised else record
+
+
+def _floors(task: Task, cell: Cell) -> dict[str, float | None]:
+    floors = {}
+    for name, num_simulations in (("floor", cell.budget), ("floor_likelihood", None)):
+        try:
+            floor = task.floor(task.targets()[cell.target], cell.num_observations, num_simulations)
+        except (Exception, SystemExit) as error:
+            raise SimulatorError(f"the floor of {task.name} raised {type(error).__name__}: {error}") from error
+        if not isinstance(floor, numbers.Real):
+            raise SimulatorError(f"the floor of {task.name} must be a number, got {floor!r:.100}")
+        if floor < 0:
+            raise SimulatorError(f"the floor of {task.name} must not be negative, got {floor!r:.100}")
+        floors[name] = _number(floor)
+    return floors
+
+
+def _scored(estimate: Estimate, task: Task, cell: Cell) -> dict[str, Any]:
+    theta_true, error = task.targets()[cell.target], estimate.error
+    return {
+        "theta_hat": estimate.theta.tolist(),
+        "squared_error": float(((estimate.theta - theta_true) ** 2).sum()),
+        "how": estimate.how,
+        "spread_of": estimate.spread_of,
+        "mean": [_number(value) for value in estimate.mean],
+        "std": [_number(value) for value in estimate.std],
+        **({} if error is None else {"standard_error": [_number(value) for value in error]}),
+        "trace": [
+            {
+                "simulations": int(point.simulations),
+                "theta": [_number(value) for value in point.theta],
+                "std": None if point.std is None else [_number(value) for value in point.std],
+            }
+            for point in estimate.trace
+        ],
+        "simulations_discarded": int(estimate.discarded),
+    }
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

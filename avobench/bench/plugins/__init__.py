@@ -1,0 +1,1 @@
+"""Tasks, methods and effects by name, shipped or a user's own."""

@@ -1,0 +1,299 @@
+"""Tasks, methods and effects by name, as `module:Class` or as `file.py:Class`, with their settings checked."""
+
+import dataclasses
+import difflib
+import importlib
+import inspect
+import os
+import re
+import sys
+from collections.abc import Callable
+from functools import cache, partial
+from importlib.metadata import EntryPoint, entry_points
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from avobench.bench.plugins import user_files
+from avobench.bench.plugins.source import source_hash
+from avobench.effects.catalogue import GROUP, families
+from avobench.effects.contract import Effect
+from avobench.effects.model_file import AugmentedTask
+from avobench.methods import Method
+from avobench.methods.device import require_device
+from avobench.tasks import Task
+from avobench.tasks.errors import SimulatorError, UsageError
+from avobench.tasks.function import NAME
+
+BASES = {"task": Task, "method": Method, "effect": Effect}
+GROUPS = {"task": "avobench.tasks", "method": "avobench.methods", "effect": GROUP}
+REQUIRED = {
+    "task": ("name", "parameter_names", "parameter_units", "source", "prior", "support", "num_features"),
+    "method": ("name", "source"),
+    "effect": ("name", "parameters", "sentence", "source"),
+}
+NAMES = {
+    "task": (NAME, "letters, digits, dots and dashes"),
+    "method": (NAME, "letters, digits, dots and dashes"),
+    "effect": (r"[A-Za-z0-9_]+", "letters, digits and underscores"),
+}
+"""What a name may be, which becomes a part of file names and of other names; and how that is said."""
+
+
+class Trusted(str):
+    """The path of a model file that may name code beside it; see `trusted`."""
+
+    __slots__ = ()
+
+
+def trusted(spec: str) -> str:
+    """`spec`, marked as a file that the user trusts: reading a model then runs the code that the file names.
+
+    Without the mark a model may name installed tasks and effects only. The mark stays with the text wherever it is
+    sent, to worker processes too.
+    """
+    return Trusted(spec)
+
+
+def absolute(spec: str) -> str:
+    """`spec` as it is to be understood in a process with another working folder: paths of files are made absolute."""
+    place, colon, name = spec.rpartition(":")
+    if colon and place.endswith(".py"):
+        return f"{os.path.abspath(place)}:{name}"
+    return type(spec)(os.path.abspath(spec)) if is_model("task", spec) else spec
+
+
+def names(kind: str) -> list[str]:
+    """Registered names of tasks, methods or effects, sorted."""
+    return sorted(families()) if kind == "effect" else sorted({point.name for point in _points(kind)})
+
+
+def load(kind: str, spec: str) -> Any:
+    """What `spec` names: a class, or an instance that a user's module or file has ready-made.
+
+    It is a registered name, `module:Class`, `file.py:Class`, or the file of a model. Raises UsageError in one line.
+    """
+    if is_model(kind, spec):
+        return AugmentedTask
+    found = _import(kind, spec) if ":" in spec else _registered(kind, spec)
+    base = BASES[kind]
+    if not (isinstance(found, base) or (inspect.isclass(found) and issubclass(found, base))):
+        raise UsageError(f"'{spec}' is not a subclass of avobench.{kind}s.{base.__name__}, nor an instance of one")
+    missing = [name for name in REQUIRED[kind] if not hasattr(found, name)]
+    missing += sorted(found.__abstractmethods__) if inspect.isclass(found) else []
+    if missing:
+        raise UsageError(f"{kind} '{spec}' does not define {', '.join(missing)}")
+    pattern, said = NAMES[kind]
+    if not re.fullmatch(pattern, found.name):
+        raise UsageError(f"the name of {kind} '{spec}' must be {said}, got '{found.name}'")
+    return found
+
+
+def runs_theirs(kind: str, spec: str) -> bool:
+    """Whether what `spec` names runs code that is not of this project; False too for a name that there is not."""
+    if ":" in spec or is_model(kind, spec):
+        return True
+    return any(point.name == spec and not point.value.startswith("avobench.") for point in _points(kind))
+
+
+def is_model(kind: str, spec: str) -> bool:
+    """Whether `spec` is the file of a task with effects added, as `avobench diagnose` writes it."""
+    return kind == "task" and spec.endswith(".json")
+
+
+def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
+    """An instance of the task or method `spec` with `settings`, values as text or typed. Raises UsageError."""
+    found = load(kind, spec)
+    if is_model(kind, spec):
+        if settings:
+            raise UsageError(f"{spec} is a model; its settings are in the file")
+        return read_model(spec)
+    if not inspect.isclass(found):
+        if settings:
+            raise UsageError(f"{kind} '{spec}' is ready-made; its settings are in {spec.rpartition(':')[0]}")
+        return found
+    known = [f.name for f in dataclasses.fields(found) if f.init] if dataclasses.is_dataclass(found) else []
+    for name in settings:
+        if name not in known:
+            nearest = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean {nearest[0]}?" if nearest else f"it has: {', '.join(known) or 'none'}"
+            raise UsageError(f"{kind} {found.name} has no setting '{name}'; {hint}")
+    try:
+        return blamed(lambda: TypeAdapter(found).validate_python(settings) if known else found(), f"{kind} '{spec}'")
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = f" {'.'.join(map(str, first['loc']))}" if first["loc"] else ""
+        reason = first["msg"].removeprefix("Value error, ")
+        raise UsageError(f"setting{where} of {kind} {found.name}: {reason}") from error
+
+
+def read_model(spec: str) -> AugmentedTask:
+    """The task of the file of a model. Raises UsageError for code that it names and the user has not trusted."""
+    trust = isinstance(spec, Trusted)
+
+    def task(name: str, settings: dict[str, Any]) -> Task:
+        if is_model("task", name):  # it holds such a model itself
+            raise UsageError(f"{spec} names task '{name}', which is not installed")
+        return build("task", named_in(spec, "task", name, trust), settings)
+
+    def own_effect(name: str) -> Effect:
+        return effect(named_in(spec, "effect", name, trust))
+
+    return AugmentedTask.read(Path(spec), task, own_effect)
+
+
+def named_in(file: str | Path, kind: str, name: str, trust: bool) -> str:
+    """The task or effect that a file names, to be built.
+
+    Raises UsageError for what is not installed, unless the user trusts the file.
+    """
+    if ":" in name and not trust:
+        raise UsageError(
+            f"{file} names {kind} '{name}', and reading it would run that code: only a file that is trusted (--trust) "
+            "may name what is not installed"
+        )
+    if ":" not in name and not is_model(kind, name) and name not in names(kind):
+        raise UsageError(f"{file} names {kind} '{name}', which is not installed")
+    return trusted(name) if trust else name
+
+
+def effect(spec: str) -> Effect:
+    """The effect of a user's `module:Class` or `file.py:Class`. Raises UsageError in one line."""
+    if ":" not in spec:
+        raise UsageError(f"--effect takes module:Class, got '{spec}'; --effects chooses from the catalogue")
+    found = load("effect", spec)
+    return blamed(found, f"effect '{spec}'") if inspect.isclass(found) else found
+
+
+def effect_families(name: str) -> list[type[Effect]]:
+    """The installed effects of a name, which several classes may have, or of an entry point. Raises UsageError."""
+    points = families()
+    found = [family for point, family in points.items() if name in (point, point.rpartition(".")[2], family.name)]
+    if not found:
+        known = points if "." in name else {point.rpartition(".")[2] for point in points}
+        near = difflib.get_close_matches(name, sorted(known), n=3, cutoff=0.5)
+        hint = f"did you mean {' or '.join(near)}? " if near else ""
+        raise UsageError(f"there is no effect '{name}'; {hint}`avobench list effects` shows all")
+    return found
+
+
+def spec_of(kind: str, instance: Any) -> str | None:
+    """How a task or effect is found again in another process; None where it cannot be, as in a notebook.
+
+    By its entry point; or as what its module, or that of the function that it is made of, calls it or its class.
+    """
+    if isinstance(instance, AugmentedTask):
+        return instance.name  # its file tells all that it is made of
+    cls = type(instance)
+    for point in _points(kind):
+        if point.value == f"{cls.__module__}:{cls.__qualname__}":
+            return point.name
+    functions = [part for part in getattr(instance, "parts", ()) if inspect.isfunction(part)]
+    wanted = [instance] if functions else [instance, cls]  # a class alone does not tell of which function it was made
+    for home in dict.fromkeys(thing.__module__ for thing in (cls, *functions)):
+        known = vars(sys.modules[home]) if home in sys.modules else {}
+        names = [name for one in wanted for name, value in known.items() if value is one]
+        if names and home != "__main__":
+            return f"{user_files.file_of(home) or home}:{names[0]}"
+    return None
+
+
+def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:
+    """What determines the behaviour of a task or method: name, version, settings, and the source if it is not ours.
+
+    The source is that of the class, its bases and its `parts`, and what they use of their modules; see `source`. A
+    setting with the metadata `{"identifies": "unless default"}` is left out at its default, so one added later keeps
+    old results.
+    """
+    parts = {kind: instance.name, f"{kind}_version": instance.version, f"{kind}_settings": settings_of(instance)}
+    if source := blamed(partial(source_hash, _made_of(instance)), f"{kind} '{spec}'"):
+        parts[f"{kind}_source_sha256"] = source
+    return parts
+
+
+def settings_of(instance: Any) -> dict[str, Any]:
+    """Its settings by name, as they identify it."""
+    fields = [f for f in dataclasses.fields(instance) if f.init] if dataclasses.is_dataclass(instance) else []
+    return {
+        f.name: getattr(instance, f.name)
+        for f in fields
+        if not (f.metadata.get("identifies") == "unless default" and getattr(instance, f.name) == f.default)
+    }
+
+
+def _made_of(instance: Any) -> list[Any]:
+    """The class of a task or method, and the parts of a task, with those of tasks among them."""
+    parts = [one for part in instance.parts for one in _made_of(part)] if isinstance(instance, Task) else []
+    return [type(instance) if isinstance(instance, Task | Method | Effect) else instance, *parts]
+
+
+def require_packages(kind: str, instance: Any) -> None:
+    """Raise UsageError when a package that the task or method needs is not installed, or its device is not there."""
+    for package in instance.packages:
+        if find_spec(package) is None:
+            raise UsageError(
+                f"{kind} {instance.name} needs {package}, which is not installed"
+                + (f": pip install 'avobench[{instance.extra}]'" if instance.extra else "")
+            )
+    if kind == "method" and getattr(instance, "device", "cpu") == "cuda" and find_spec("torch") is not None:
+        try:
+            require_device("cuda")
+        except ValueError as error:
+            raise UsageError(f"method {instance.name} with device=cuda: {error}") from error
+
+
+def blamed(make: Callable[[], Any], what: str) -> Any:
+    """The value of `make()`; what a user's class raises on the way is a UsageError that names it.
+
+    A SimulatorError names it already.
+    """
+    try:
+        return make()
+    except (UsageError, SimulatorError, ValidationError):
+        raise
+    except (Exception, SystemExit) as error:
+        raise UsageError(f"{what} cannot be used, it raised {type(error).__name__}: {error}") from error
+
+
+@cache
+def _points(kind: str) -> tuple[EntryPoint, ...]:
+    """Asked for once a process: it looks into every installed distribution, which takes longer than a small cell."""
+    return tuple(entry_points(group=GROUPS[kind]))
+
+
+def _registered(kind: str, name: str) -> Any:
+    """What an entry point names."""
+    known = names(kind)
+    if name not in known:
+        nearest = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
+        near = f"did you mean {nearest[0]}?" if nearest else f"known: {', '.join(known)}, module:Class or file.py:Class"
+        raise UsageError(f"there is no {kind} named '{name}'; {near}")
+    if kind == "effect":
+        return families()[name]
+    return blamed(next(point for point in _points(kind) if point.name == name).load, f"{kind} '{name}'")
+
+
+def _import(kind: str, spec: str) -> Any:
+    """What a module or a file holds by that name. `my_module:MyTask` is looked for beside the user first."""
+    place, _, name = spec.rpartition(":")
+    module_name = place
+    if place.endswith(".py"):
+        if not Path(place).is_file():
+            raise UsageError(f"there is no file '{place}', for {kind} '{spec}'")
+        module_name = user_files.module_name(place)
+    elif (here := str(Path.cwd())) not in sys.path:
+        sys.path.insert(0, here)
+    try:
+        module = importlib.import_module(module_name)
+    except ModuleNotFoundError as error:
+        if error.name != module_name:
+            raise UsageError(f"{kind} '{spec}' needs {error.name}, which is not installed") from error
+        raise UsageError(f"there is no module '{place}' here or installed, for {kind} '{spec}'") from error
+    except (Exception, SystemExit) as error:
+        raise UsageError(f"{place} of {kind} '{spec}' raised {type(error).__name__}: {error}") from error
+    if not hasattr(module, name):
+        nearest = difflib.get_close_matches(name, dir(module), n=1)
+        raise UsageError(f"{place} has no '{name}'" + (f"; did you mean {nearest[0]}?" if nearest else ""))
+    return getattr(module, name)

@@ -1,0 +1,164 @@
+"""The source of a user's class or function, with the parts of its module that it uses.
+
+Of a module only those top-level statements count that bind a name which the class uses, directly or through other
+statements. So an edit of another class in the same file changes nothing, and one of a constant or of a function that is
+used does. What other modules of the user's hold is not followed, except for base classes.
+"""
+
+import ast
+import functools
+import hashlib
+import inspect
+import re
+import symtable
+import sys
+import textwrap
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import joblib
+
+from avobench.bench.plugins import user_files
+
+EVERYTHING = "*"
+"""What `from module import *` binds: nobody can tell, so it counts always."""
+
+
+class Statement(NamedTuple):
+    """One at the top of a module."""
+
+    text: str
+    binds: frozenset[str]
+    uses: frozenset[str]
+
+
+def is_ours(thing: Any) -> bool:
+    """Whether a class or function belongs to this project, to Python, or to what is compiled into it."""
+    module = thing.__module__
+    if module.startswith(user_files.PREFIX):
+        return False
+    top = module.partition(".")[0]
+    return top == "avobench" or (top in sys.stdlib_module_names and top != "__main__")
+
+
+def source_hash(things: list[Any]) -> str | None:
+    """SHA-256 of texts, and of the source of those classes, functions and objects that are not ours; None if all are.
+
+    Raises OSError or TypeError where a source cannot be read, as of what was typed at a prompt.
+    """
+    theirs = list(dict.fromkeys(source for thing in things for source in _sources(thing)))
+    return hashlib.sha256("\0".join(theirs).encode()).hexdigest() if theirs else None
+
+
+def _sources(thing: Any) -> Iterator[str]:
+    """Names and texts that a class or function consists of; of other objects their class."""
+    if isinstance(thing, str):
+        yield thing
+    elif isinstance(thing, functools.partial):
+        yield from _sources(thing.func)
+        yield repr((thing.args, sorted(thing.keywords.items())))
+    elif inspect.isclass(thing):
+        bases = [base for base in thing.__mro__ if not is_ours(base)]
+        yield from (base.__qualname__ for base in bases[:1])
+        for module in dict.fromkeys(base.__module__ for base in bases):
+            yield from _used(module, [base for base in bases if base.__module__ == module])
+    elif inspect.isfunction(thing):
+        if not is_ours(thing):
+            yield thing.__qualname__
+            yield from _used(thing.__module__, [thing])
+    elif not is_ours(type(thing)):
+        yield from _sources(type(thing))
+
+
+def _used(module: str, things: list[Any]) -> list[str]:
+    """The statements of a module that these classes or functions of it consist of and use, in their order."""
+    try:
+        statements = _statements(inspect.getsource(sys.modules[module]))
+    except (OSError, TypeError):  # what was typed in a notebook has no file, nor has what is compiled
+        return [text for thing in things for text in _of_values(thing, set())]
+    wanted = {thing.__qualname__.partition(".")[0] for thing in things}
+    if "<lambda>" in wanted:
+        return [*map(inspect.getsource, things), *_closure(statements, _names(_text(things[0])))]
+    return _closure(statements, wanted)
+
+
+def _closure(statements: tuple[Statement, ...], wanted: set[str] | frozenset[str]) -> list[str]:
+    """The statements that bind one of these names, or one that such a statement uses."""
+    wanted, chosen, found = {*wanted, EVERYTHING}, set(), True
+    while found:
+        found = [k for k, each in enumerate(statements) if k not in chosen and each.binds & wanted]
+        chosen.update(found)
+        wanted = wanted.union(*(statements[k].uses for k in found))
+    return [statements[k].text for k in sorted(chosen)]
+
+
+@functools.lru_cache(maxsize=64)
+def _statements(source: str) -> tuple[Statement, ...]:
+    """Those at the top of a module."""
+    lines = source.splitlines(keepends=True)
+    found = []
+    for node in ast.parse(source).body:
+        first = min([node.lineno, *(each.lineno for each in getattr(node, "decorator_list", []))])
+        text = "".join(lines[first - 1 : node.end_lineno])
+        found.append(Statement(text, frozenset(_bound(node)), _names(text)))
+    return tuple(found)
+
+
+def _bound(node: ast.AST) -> Iterator[str]:
+    """Names that a statement gives a value, or changes the value of: `x = 1`, `def x`, `x[0] = 1`, `x.append(1)`."""
+    if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+        yield node.name
+        return
+    if isinstance(node, ast.Import | ast.ImportFrom):
+        yield from ((alias.asname or alias.name).partition(".")[0] for alias in node.names)
+    elif isinstance(node, ast.Name | ast.Attribute | ast.Subscript) and not isinstance(node.ctx, ast.Load):
+        yield _root(node)
+    elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Call) and isinstance(node.value.func, ast.Attribute):
+        yield _root(node.value)
+    for child in ast.iter_child_nodes(node):
+        yield from _bound(child)
+
+
+def _root(node: ast.AST) -> str:
+    """The name at the left of a chain of attributes, indices and calls; "" where there is none."""
+    while isinstance(node, ast.Attribute | ast.Subscript | ast.Call):
+        node = node.func if isinstance(node, ast.Call) else node.value
+    return node.id if isinstance(node, ast.Name) else ""
+
+
+@functools.lru_cache(maxsize=1024)
+def _names(text: str) -> frozenset[str]:
+    """Names of its module that a text uses."""
+    try:
+        top = symtable.symtable(text, "source", "exec")
+    except SyntaxError:  # the line of a lambda need not be a whole statement
+        return frozenset(re.findall(r"[^\W\d]\w*", text))
+    return frozenset(s.get_name() for s in top.get_symbols() if s.is_referenced()) | _globals(top)
+
+
+def _globals(table: symtable.SymbolTable) -> frozenset[str]:
+    found = set()
+    for child in table.get_children():
+        # A name that a class both sets and uses, as in `rate = rate`, may be that of the module.
+        in_class = child.get_type() == "class"
+        found |= {s.get_name() for s in child.get_symbols() if s.is_global() or (in_class and s.is_referenced())}
+        found |= _globals(child)
+    return frozenset(found)
+
+
+def _text(thing: Any) -> str:
+    return textwrap.dedent(inspect.getsource(thing))
+
+
+def _of_values(thing: Any, seen: set[str]) -> Iterator[str]:
+    """The text of a class or function without a file, and the values in its module of the names that it uses."""
+    text, home = _text(thing), vars(sys.modules[thing.__module__])
+    yield text
+    for name in sorted(_names(text) & home.keys() - seen):
+        seen.add(name)
+        value = home[name]
+        if inspect.isfunction(value) or inspect.isclass(value):
+            if value.__module__ == thing.__module__:
+                yield from _of_values(value, seen)
+        elif not inspect.ismodule(value):
+            yield f"{name} = {joblib.hash(value)}"

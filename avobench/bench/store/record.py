@@ -1,0 +1,292 @@
+"""What a record is: its fields, what makes sense in them, and its form as a line of JSON with a checksum.
+
+`python -m avobench.bench.store.record` prints the table of the fields in docs/records.md.
+"""
+
+import hashlib
+import json
+import math
+import re
+from datetime import datetime
+from itertools import pairwise
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from avobench.bench.cells.status import ESTIMATED, LOST, Status
+from avobench.tasks.errors import UsageError
+
+SCHEMA_VERSION = 1
+"""Of records; raised when a field changes its meaning."""
+NAME = r"[A-Za-z0-9][A-Za-z0-9.-]*"
+"""A task's or method's name: part of a file's name, so nothing in it may lead to another folder."""
+TOLERANCE = 1e-12
+"""Relative; a sum over many parameters depends on its order, by about 1e-16 a term."""
+IDENTITY = (
+    *("task", "task_version", "task_settings", "task_source_sha256"),
+    *("method", "method_version", "method_settings", "method_source_sha256"),
+    *("theta_true", "target", "repetition", "budget", "num_observations", "seed"),
+)
+"""The fields that determine a result, as far as a record has them; `id` is their hash."""
+
+Count = Annotated[int, Field(ge=0, lt=2**63)]
+"""A whole number that a table of 64-bit integers holds."""
+Positive = Annotated[int, Field(ge=1, lt=2**63)]
+Seconds = Annotated[float, Field(ge=0)]
+Name = Annotated[str, Field(pattern=f"^{NAME}$")]
+Sha256 = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+Vector = list[float]
+PartlyKnown = list[float | None]
+"""A vector in which what was not finite is null."""
+
+
+class Strict(BaseModel):
+    """No field besides those listed, no value of another type, no number that is not finite."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
+
+
+class TracePoint(Strict):
+    """The estimate after so many simulated events."""
+
+    simulations: Count
+    theta: PartlyKnown
+    std: PartlyKnown | None
+
+
+class Record(Strict):
+    """One inference and how it ended. Raises ValidationError where a field, or two together, make no sense."""
+
+    schema_version: Annotated[int, Field(ge=SCHEMA_VERSION, le=SCHEMA_VERSION)] = Field(description="of this schema")
+    id: str = Field(description="hash of everything that determines the result: the fields from `task` down to `seed`")
+    task: Name = Field(description="what was simulated")
+    task_version: str = Field(description="raised when the task's events, summary or floor change their meaning")
+    task_settings: dict[str, Any] = Field(description="the task's settings")
+    task_source_sha256: Sha256 | None = Field(
+        None, description="checksum of the source of a task outside this package; no such field for one within it"
+    )
+    method: Name = Field(description="how θ was inferred")
+    method_version: str = Field(description="raised when the same settings and seed would give another estimate")
+    method_settings: dict[str, Any] = Field(
+        description="the method's settings; `device` and `step` of AVO are left out at their defaults: "
+        "they came later, and change a result by rounding alone"
+    )
+    method_source_sha256: Sha256 | None = Field(
+        None, description="likewise for the method, over the modules of its class and bases"
+    )
+    amortised: Literal[True] | None = Field(
+        None,
+        description="true where the simulated events are the same for all targets, so that `budget` is one for them "
+        "all; no such field elsewhere",
+    )
+    theta_true: Vector = Field(min_length=1, description="the target: the parameters of the observed events")
+    target: Count = Field(description="index of the target; targets belong to the task and do not depend on the seed")
+    repetition: Count = Field(description="index of the repetition: the same observation, other random streams")
+    budget: Positive = Field(description="simulated events that the method may use")
+    num_observations: Positive = Field(description="observed events")
+    seed: Count = Field(description="root of all random streams")
+    parameter_names: list[str] = Field(description="names of the parameters, in the order of all lists over them")
+    status: Annotated[Status, Field(strict=False)] = Field(description="how the inference ended, see below")
+    message: str = Field(description="reason of a failure, or a remark such as why budget was left over")
+    theta_hat: Vector | None = Field(
+        description="the estimate; null unless `status` is `ok` or `doubtful`, as the fields to `std`"
+    )
+    squared_error: Annotated[float, Field(ge=0)] | None = Field(
+        description="squared distance of the estimate to `theta_true`"
+    )
+    floor: Annotated[float, Field(ge=0)] | None = Field(
+        description="expected squared error of the best estimator that knows the model only through `budget` simulated "
+        "events; null where it is not finite or not known"
+    )
+    floor_likelihood: Annotated[float, Field(ge=0)] | None = Field(
+        description="the same for an estimator that knows the likelihood"
+    )
+    how: str | None = Field(description="how the estimate was taken")
+    spread_of: Literal["posterior", "proposal"] | None = Field(
+        description="what `mean` and `std` are of: the posterior or the proposal"
+    )
+    mean: PartlyKnown | None = Field(description="mean of the posterior or proposal")
+    std: PartlyKnown | None = Field(description="standard deviation of the posterior or proposal")
+    standard_error: PartlyKnown | None = Field(
+        None, description="of `theta_hat`, where the method tells one; no such field elsewhere"
+    )
+    trace: list[TracePoint] = Field(
+        description="list of `simulations`, `theta`, `std`: the estimate after so many simulated events, in their order"
+    )
+    simulations_requested: Count | None = Field(
+        description="events asked for: used plus refused; null, as the next three, where the worker process was lost"
+    )
+    simulations_used: Count | None = Field(
+        description="events simulated, never above `budget`; pilot and calibration events count too"
+    )
+    simulations_discarded: Count | None = Field(description="of those used, the events that did not enter the estimate")
+    simulations_refused: Count | None = Field(
+        description="events that would have exceeded the budget and were not simulated"
+    )
+    observation_seconds: Seconds = Field(description="making the observed events")
+    simulator_seconds: Seconds = Field(description="in the simulator, for the method")
+    method_seconds: float = Field(
+        description="in the method outside of the simulator, the first use of its package included; of cells carried "
+        "out together, as `message` says, an equal share; the difference of two clocks, so below 0 where a method "
+        "calls the simulator from several threads"
+    )
+    harness_seconds: Seconds = Field(description="the rest of the cell")
+    peak_memory_mib: Annotated[float, Field(gt=0)] | None = Field(
+        description="highest resident memory of the worker process during the cell (Linux; null elsewhere)"
+    )
+    started: str | None = Field(description="when, in UTC; null where the worker process was lost")
+    versions: dict[str, str | None] = Field(
+        description="of Python, avobench, NumPy, SciPy, PyTorch, pyABC, ELFI, GPy, Pythia, the packages that the task "
+        "and method name, and the commit of the source; they do not identify a cell: after an upgrade, finished cells "
+        "stay finished"
+    )
+
+    @model_validator(mode="after")
+    def _agrees(self) -> "Record":
+        """Raise ValueError where fields that are sound by themselves contradict each other."""
+        self._lengths_agree()
+        self._events_add_up()
+        self._estimate_is_there_if_ok()
+        self._trace_is_in_order()
+        if self.started is not None and datetime.fromisoformat(self.started).tzinfo is None:
+            raise ValueError(f"started says no time zone: {self.started}")
+        return self
+
+    def _lengths_agree(self) -> None:
+        p = len(self.theta_true)
+        if len(self.parameter_names) != p or len(set(self.parameter_names)) != p:
+            raise ValueError(f"parameter_names are not {p} different names, as theta_true has numbers")
+        vectors = [(name, getattr(self, name)) for name in ("theta_hat", "mean", "std", "standard_error")]
+        vectors += [("theta of the trace", point.theta) for point in self.trace]
+        vectors += [("std of the trace", point.std) for point in self.trace]
+        for name, vector in vectors:
+            if vector is not None and len(vector) != p:
+                raise ValueError(f"{name} has {len(vector)} numbers, theta_true has {p}")
+        for name, vector in vectors:
+            if name.startswith(("std", "standard_error")) and any(
+                value is not None and value < 0 for value in vector or ()
+            ):
+                raise ValueError(f"{name} is negative")
+
+    def _events_add_up(self) -> None:
+        names = [f"simulations_{what}" for what in ("requested", "used", "discarded", "refused")]
+        counts = [getattr(self, name) for name in names]
+        if (self.status in LOST) != (None in counts) or len({count is None for count in counts}) > 1:
+            raise ValueError("the numbers of simulations are known exactly where the worker process was not lost")
+        if None in counts:
+            return
+        requested, used, discarded, refused = counts
+        if requested != used + refused:
+            raise ValueError(f"simulations_requested is {requested}, not {used} used plus {refused} refused")
+        if used > self.budget:
+            raise ValueError(f"simulations_used is {used}, more than the budget of {self.budget}")
+        if discarded > used:
+            raise ValueError(f"simulations_discarded is {discarded}, more than the {used} used")
+
+    def _estimate_is_there_if_ok(self) -> None:
+        ok = self.status in ESTIMATED
+        for name in ("theta_hat", "squared_error", "how", "spread_of", "mean", "std"):
+            if (getattr(self, name) is not None) != ok:
+                raise ValueError(f"{name} is {'null' if ok else 'given'} though the status is {self.status}")
+        if not ok:
+            if self.standard_error is not None:
+                raise ValueError(f"standard_error is given though the status is {self.status}")
+            return
+        differences = [found - true for found, true in zip(self.theta_hat, self.theta_true, strict=True)]
+        distance = math.fsum(difference * difference for difference in differences)
+        if not math.isclose(self.squared_error, distance, rel_tol=TOLERANCE):
+            raise ValueError(f"squared_error is {self.squared_error}, theta_hat is {distance} from theta_true")
+
+    def _trace_is_in_order(self) -> None:
+        simulations = [point.simulations for point in self.trace]
+        if simulations and self.status not in ESTIMATED:
+            raise ValueError(f"there is a trace though the status is {self.status}")
+        if any(later < earlier for earlier, later in pairwise(simulations)):
+            raise ValueError("the trace is not in the order of its simulations")
+        if simulations and simulations[-1] > self.simulations_used:
+            raise ValueError(f"the trace goes to {simulations[-1]} of {self.simulations_used} simulations used")
+
+
+def check(record: dict[str, Any]) -> None:
+    """Raise ValueError, saying why, unless a record makes sense by itself and its id is that of its identity."""
+    try:
+        Record.model_validate(record)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = ".".join(map(str, first["loc"]))
+        message = first["msg"].removeprefix("Value error, ")
+        raise ValueError(f"makes no sense: {where + ': ' if where else ''}{message}") from error
+    if record["id"] != identity_hash({name: record[name] for name in IDENTITY if name in record}):
+        raise ValueError("makes no sense: id is not that of the fields which it stands for")
+
+
+def identity_hash(identity: dict[str, Any]) -> str:
+    """The id of what determines a result."""
+    return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def file_name(record: dict[str, Any]) -> str:
+    """Where a record is kept: what it is of, in words, and its id. Raises UsageError for a name that is no name."""
+    for kind in ("task", "method"):
+        if not re.fullmatch(NAME, record[kind]):
+            raise UsageError(f"the name of a {kind} must be letters, digits, dots and dashes, got '{record[kind]}'")
+    return "{task}_{method}_t{target:02d}_r{repetition}_{id}.json".format(**record)
+
+
+def encode(record: dict[str, Any]) -> bytes:
+    """A record as one line of JSON with its checksum."""
+    return (json.dumps({**record, "sha256": _checksum(record)}, allow_nan=False) + "\n").encode()
+
+
+def decode(content: bytes) -> dict[str, Any]:
+    """What `encode` was given, of whatever kind; raises ValueError saying what is wrong with `content`."""
+    try:
+        record = json.loads(content.decode())
+        claimed = record.pop("sha256")
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise ValueError("is truncated or not a record") from error
+    if record.get("schema_version") != SCHEMA_VERSION:
+        raise ValueError(f"has schema version {record.get('schema_version')}, not {SCHEMA_VERSION}")
+    try:
+        found = _checksum(record)
+    except ValueError as error:
+        raise ValueError("holds a number that is not finite") from error
+    if found != claimed:
+        raise ValueError("was changed after it was written (its checksum does not match)")
+    return record
+
+
+def decode_record(content: bytes) -> dict[str, Any]:
+    """The record of a cell in `content`; raises ValueError saying what is wrong, or makes no sense, in it."""
+    record = decode(content)
+    check(record)
+    return record
+
+
+def fields_table() -> str:
+    """The fields of a record with their types and meaning, as a table in Markdown."""
+    properties = Record.model_json_schema()["properties"]
+    rows = [f"| `{name}` | {_type(shape)} | {shape['description']} |" for name, shape in properties.items()]
+    rows.insert(1, "| `sha256` | text | checksum of all other fields |")
+    return "\n".join(["| field | type | meaning |", "|---|---|---|", *rows]) + "\n"
+
+
+def _type(shape: dict[str, Any]) -> str:
+    """A type of the JSON schema in a word or two."""
+    if "anyOf" in shape:
+        return " or ".join(map(_type, shape["anyOf"]))
+    if shape.get("type") == "array":
+        return f"list of {_type(shape['items']).replace(' or ', 's or ')}s"
+    words = {"string": "text", "integer": "whole number"}
+    if "Status" in shape.get("$ref", ""):
+        return "text"
+    kind = shape.get("type", "object")
+    return words.get(kind, kind)
+
+
+def _checksum(record: dict[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(record, sort_keys=True, allow_nan=False).encode()).hexdigest()
+
+
+if __name__ == "__main__":
+    print(fields_table(), end="")

@@ -1,0 +1,271 @@
+"""Records on disk: a JSON file a cell, or many packed in one table. docs/records.md describes them."""
+
+import errno
+import json
+import os
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import Any
+
+from filelock import FileLock, Timeout
+
+from avobench.bench.store.atomic import within, write_atomically
+from avobench.bench.store.claim import claim
+from avobench.bench.store.packed import Unreadable, read_rows
+from avobench.bench.store.record import SCHEMA_VERSION, decode_record, encode, file_name
+from avobench.tasks.errors import StoreError, UsageError
+
+SCHEMA = {"schema": "avobench-records", "version": SCHEMA_VERSION}
+UNREAD = "cannot be read"
+"""How the fault of a file begins that the disk does not give: what it holds may be sound, and is never made again."""
+
+NO_LOCKS = (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP)
+"""What a file system says that has no locks."""
+
+
+class DamagedRecord(UserWarning):
+    """A record that was left out because it is damaged; the text says which, what is wrong and what to do."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What a store keeps of one cell."""
+
+    path: Path
+    """Its file; of a packed record, the table's path and within it the name of the file that it had."""
+    content: bytes
+    record: dict[str, Any] | None
+    """None where it is damaged."""
+    fault: str = ""
+    """What is wrong with a damaged one."""
+
+
+class Store:
+    """A folder of records: `store.json` names the schema, `records/` holds one file a cell, `records.parquet` others.
+
+    A cell has a file from when it was carried out until the store is packed; then it has a row of the table. A file
+    wins over the row of the same cell, which it was made to replace. Every record carries a checksum of its content,
+    so that a truncated or edited one is noticed. Only the process that holds `lock()` writes.
+    """
+
+    def __init__(self, path: Path, *, create: bool = False) -> None:
+        """Open the store at `path`; raises UsageError when the folder cannot be one, or is none and not to be made."""
+        self.path = path
+        self.records = path / "records"
+        self.table = path / "records.parquet"
+        self.running = path / "running"
+        marker = path / "store.json"
+        if not create and not path.exists():
+            raise UsageError(f"there is no results folder {path}; `avobench run --results {path}` makes one")
+        if path.exists() and not path.is_dir():
+            raise UsageError(f"the results folder {path} is a file; choose a folder with --results")
+        try:
+            if not marker.exists():
+                if path.exists() and any(not inside.name.startswith(".") for inside in path.iterdir()):
+                    raise UsageError(f"{path} holds other files and no store.json; choose an empty or new folder")
+                if not create:
+                    raise UsageError(f"{path} is empty; `avobench run --results {path}` fills it")
+                path.mkdir(parents=True, exist_ok=True)
+                write_atomically(marker, (json.dumps(SCHEMA) + "\n").encode())
+            found = json.loads(marker.read_text())
+        except ValueError as error:
+            raise UsageError(f"{marker} is not readable as JSON; restore it to {json.dumps(SCHEMA)}") from error
+        except OSError as error:
+            raise UsageError(f"the results folder {path} cannot be used: {error.strerror or error}") from error
+        if found != SCHEMA:
+            raise UsageError(f"{path} holds the schema {found}, this version of avobench reads {SCHEMA}")
+        if create and not os.access(path, os.W_OK):
+            raise UsageError(f"the results folder {path} is read-only; choose another with --results")
+
+    @contextmanager
+    def lock(self) -> Iterator[None]:
+        """A lock that one sweep at a time can hold; it goes with its process. Raises UsageError if it is taken.
+
+        Some network file systems have no locks, or grant one to everyone who asks, so who writes leaves its name too.
+        """
+        with ExitStack() as stack:
+            try:
+                stack.enter_context(FileLock(self.path / ".lock", fallback_to_soft=False).acquire(timeout=0))
+            except Timeout as error:
+                raise UsageError(f"another avobench run is writing to {self.path}; wait for it or stop it") from error
+            except OSError as error:
+                if error.errno not in NO_LOCKS:
+                    raise self._cannot_be_locked(error) from error
+            try:
+                stack.enter_context(claim(self.path / ".writer"))
+            except OSError as error:
+                raise self._cannot_be_locked(error) from error
+            yield
+
+    def _cannot_be_locked(self, error: OSError) -> UsageError:
+        return UsageError(f"{self.path} cannot be locked for writing: {error.strerror or error}")
+
+    def write(self, record: dict[str, Any]) -> Path:
+        """Write one record, whole or not at all. Raises StoreError when the disk does not take it, or as `place`."""
+        path = self.place(record)
+        if not (self.path / "store.json").exists():
+            raise StoreError(f"the results folder {self.path} was removed while it was in use, and its records with it")
+        try:
+            self.records.mkdir(exist_ok=True)
+            return write_atomically(path, encode(record))
+        except OSError as error:
+            raise StoreError(f"a record could not be written to {self.records}: {error.strerror or error}") from error
+
+    def place(self, record: dict[str, Any]) -> Path:
+        """The file of a record, of which the identity and id are enough. Raises UsageError for a name that is none."""
+        return within(self.records, file_name(record))
+
+    def log_sweep(self, entry: dict[str, Any]) -> None:
+        """Add a line to `sweeps.jsonl`, which tells how the records were made: command, time taken, versions.
+
+        Raises StoreError when the disk does not take it.
+        """
+        try:
+            with (self.path / "sweeps.jsonl").open("a") as file:
+                file.write(json.dumps(entry) + "\n")
+        except OSError as error:
+            raise StoreError(f"{self.path / 'sweeps.jsonl'} could not be written: {error.strerror or error}") from error
+
+    def sweeps(self) -> list[dict[str, Any]]:
+        """The lines of `sweeps.jsonl`, oldest first; a last line cut short by a crash is left out."""
+        path = self.path / "sweeps.jsonl"
+        lines = path.read_text().splitlines(keepends=True) if path.exists() else []
+        return [json.loads(line) for line in lines if line.endswith("\n")]
+
+    def entries(self) -> Iterator[Entry]:
+        """What is kept, one entry a cell: files first, then the rows of the table; last a table not all readable.
+
+        A reader needs no lock. What is packed meanwhile is gone as a file, but then in the table, which is read after.
+        """
+        seen = set()
+        for path in self._files():
+            try:
+                content = path.read_bytes()
+            except FileNotFoundError:
+                continue
+            except OSError as error:
+                yield Entry(path, b"", None, f"{UNREAD}: {error.strerror or error}")
+            else:
+                yield _entry(path, content)
+            seen.add(path.name)
+        try:
+            for row in read_rows(self.table):
+                if row.file not in seen:
+                    yield _entry(within(self.table, row.file), row.text.encode())
+                seen.add(row.file)
+        except (Unreadable, UsageError) as error:
+            yield Entry(self.table, b"", None, str(error))
+
+    def _files(self) -> list[Path]:
+        """The files of records. Raises StoreError when the folder cannot be listed: it would seem to be empty."""
+        try:
+            with os.scandir(self.records) as found:
+                return [self.records / each.name for each in found if fnmatch(each.name, "[!.]*.json")]
+        except FileNotFoundError:
+            return []
+        except OSError as error:
+            raise StoreError(f"{self.records} cannot be listed: {error.strerror or error}") from error
+
+    def read(self, *, traces: bool = True) -> tuple[list[dict[str, Any]], dict[Path, str]]:
+        """All sound records, ordered by file name, and the damaged files and rows with what is wrong with each.
+
+        Without `traces`, which are most of a record, many more have room in memory; then there is no such field.
+        """
+        sound, damaged = {}, {}
+        once: dict[Any, Any] = {}
+        for entry in self.entries():
+            if entry.record is None:
+                damaged[entry.path] = entry.fault
+            else:
+                sound[entry.path.name] = {
+                    sys.intern(name): _once(value, once)
+                    for name, value in entry.record.items()
+                    if traces or name != "trace"
+                }
+        return [sound[name] for name in sorted(sound)], {path: damaged[path] for path in sorted(damaged)}
+
+    def read_sound(self, *, traces: bool = True) -> list[dict[str, Any]]:
+        """All sound records, ordered by file name, maybe none, with a warning DamagedRecord for each other one."""
+        sound, damaged = self.read(traces=traces)
+        for path, fault in damaged.items():
+            warnings.warn(f"{path} {fault}; {self.remedy(path, fault)}", DamagedRecord, stacklevel=3)
+        return sound
+
+    def read_all(self, *, traces: bool = True) -> list[dict[str, Any]]:
+        """The same; raises StoreError when there are none."""
+        sound = self.read_sound(traces=traces)
+        if not sound:
+            raise StoreError(
+                f"there are no sound records in {self.path}; `avobench run --results {self.path}` makes them"
+            )
+        return sound
+
+    def remedy(self, path: Path, fault: str = "") -> str:
+        """What to do about a damaged file, row or table."""
+        if path.parent == self.records and fault.startswith(UNREAD):
+            return "look at the disk and at the file's permissions, or move it away and `avobench run` makes it again"
+        if path == self.table:
+            return "restore it from a copy, or move it away and `avobench run` makes its records again"
+        if path.parent == self.table:
+            return "`avobench run` sets it aside and makes it again"
+        return "`avobench run` sets it aside and makes it again, or delete it"
+
+    def set_aside(self, path: Path) -> Path:
+        """Keep a damaged record in `damaged/`, never over another file, and move it out of the way.
+
+        A row stays in the table, unread once its cell is made again, and goes when the store is next packed. Raises
+        StoreError when the disk does not take it.
+        """
+        try:
+            return self._set_aside(path)
+        except OSError as error:
+            raise StoreError(f"{path} could not be set aside: {error.strerror or error}") from error
+
+    def _set_aside(self, path: Path) -> Path:
+        folder = self.path / "damaged"
+        folder.mkdir(exist_ok=True)
+        target, number = within(folder, path.name), 1
+        row = None
+        if path.parent == self.table:
+            row = next(entry.content for entry in self.entries() if entry.path == path)
+        while target.exists():
+            if row is not None and target.read_bytes() == row:
+                return target  # by a run that was stopped before it had made the cell again
+            target = within(folder, f"{path.name}.{number}")
+            number += 1
+        return path.rename(target) if row is None else write_atomically(target, row)
+
+    def remove_leftovers(self) -> None:
+        """Delete what a killed run left half-done: temporary files and marks of running cells. Needs the lock.
+
+        Raises StoreError when they cannot be deleted.
+        """
+        try:
+            for leftover in [*self.path.glob(".*.tmp"), *self.records.glob(".*.tmp"), *self.running.glob("*")]:
+                leftover.unlink(missing_ok=True)  # the workers of a killed run may still be ending
+        except OSError as error:
+            raise StoreError(f"{self.path} could not be tidied up: {error.strerror or error}") from error
+
+
+def _once(value: Any, once: dict[Any, Any]) -> Any:
+    """An equal text that is in memory already, in place of this one: much is the same in all records of a sweep."""
+    if isinstance(value, str):
+        return once.setdefault(value, value)
+    if isinstance(value, dict):
+        return {_once(name, once): _once(inner, once) for name, inner in value.items()}
+    return value
+
+
+def _entry(path: Path, content: bytes) -> Entry:
+    try:
+        record = decode_record(content)
+        if path.name != file_name(record):
+            raise ValueError(f"is a copy of {file_name(record)}, or was renamed")
+    except ValueError as error:
+        return Entry(path, content, None, str(error))
+    return Entry(path, content, record)

@@ -1,0 +1,47 @@
+"""Which versions made a record."""
+
+import importlib.metadata
+import platform
+import subprocess
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+
+RECORDED = ("avobench", "numpy", "scipy", "torch", "pyabc", "elfi", "GPy", "pythia8mc")
+"""Packages on which a result depends."""
+
+
+@cache
+def versions(modules: tuple[str, ...] = ()) -> dict[str, str | None]:
+    """Versions of what a result depends on, and the commit of the source where it is a git checkout.
+
+    That is RECORDED, and the packages of these modules.
+    """
+    found: dict[str, str | None] = {"python": platform.python_version()}
+    for name in (*RECORDED, *(package for module in modules for package in _packages(module))):
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            found[name] = None
+    source = Path(__file__).resolve().parents[3]
+    found["commit"] = None
+    if (source / ".git").exists():
+        git = ["git", "-C", str(source)]
+        try:
+            head = subprocess.run([*git, "rev-parse", "--short=12", "HEAD"], capture_output=True, text=True, check=True)
+            changed = subprocess.run([*git, "diff", "--quiet", "HEAD", "--", "avobench"])
+            found["commit"] = head.stdout.strip() + "-changed" * (changed.returncode != 0)
+        except (OSError, subprocess.CalledProcessError):
+            found["commit"] = "unknown"
+    return found
+
+
+def _packages(module: str) -> list[str]:
+    """The names under which what provides a module was installed; its own name where nothing is known of it."""
+    return _distributions().get(module.partition(".")[0], [module])
+
+
+@cache
+def _distributions() -> Mapping[str, list[str]]:
+    """Asked for once a process: it looks into every installed distribution."""
+    return importlib.metadata.packages_distributions()

@@ -1,0 +1,91 @@
+"""The model that a diagnosis leaves, as the content of `model.json`."""
+
+from collections.abc import Mapping
+from dataclasses import is_dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import TypeAdapter
+
+from avobench.bench.plugins import registry
+from avobench.diagnosis.fit.fit import Fit
+from avobench.effects import Effect
+from avobench.effects.catalogue import catalogue
+from avobench.effects.model_file import (
+    AddedEffect,
+    AugmentedTask,
+    ModelFile,
+    Parameter,
+    settings_of,
+)
+from avobench.tasks import Task
+
+PRIOR_SIGMAS = 5.0
+"""The prior of an effect's parameter reaches so many standard errors to either side of the fit."""
+LEAST_PRIOR = 0.01
+"""The same at least, as a share of the parameter's range."""
+
+
+def describe(
+    fit: Fit, std: NDArray[np.float64], task_spec: str, own: Mapping[str, tuple[str | None, Effect]]
+) -> ModelFile:
+    """What `model.json` says of a fitted model.
+
+    `std` (P,) are its standard errors. `own` gives of the user's effects by name how each is found again, if it is,
+    and the effect as it is before it sees data.
+    """
+    model = fit.model
+    theta = model.num_theta
+    base = model.task
+    inner = isinstance(base, AugmentedTask)
+    names = list(base.parameter_names)
+    for effect in model.effects:
+        prefix = effect.name if effect.feature is None else f"{effect.name}_{_feature(base, effect)}"
+        again = sum(name.startswith(f"{prefix}_") for name in base.parameter_names)  # by a model that was found before
+        names += [f"{prefix}{'_again' if again else ''}_{p.name}" for p in effect.parameters]
+    margin = np.maximum(PRIOR_SIGMAS * std, LEAST_PRIOR * (model.high - model.low))
+    low = np.maximum(model.low, fit.params - margin)
+    high = np.minimum(model.high, fit.params + margin)
+    low[:theta] = np.minimum(low[:theta], base.prior.low)
+    high[:theta] = np.maximum(high[:theta], base.prior.high)
+    return ModelFile(
+        name="-".join([base.name, *(e.name.replace("_", "-") for e in model.effects)]),
+        task=base.content if inner else registry.absolute(task_spec),
+        task_settings={} if inner else registry.settings_of(base),
+        effects=[kept(effect, base, *own.get(effect.name, (None, None))) for effect in model.effects],
+        parameters=[
+            Parameter(
+                name=names[i],
+                unit=model.units[i],
+                value=float(fit.params[i]),
+                std=float(std[i]),
+                prior=(float(low[i]), float(high[i])),
+                support=(float(model.low[i]), float(model.high[i])),
+            )
+            for i in range(model.dim)
+        ],
+    )
+
+
+def _feature(task: Task, effect: Effect) -> str:
+    return task.labels[effect.feature] if isinstance(effect.feature, int) else effect.feature
+
+
+def kept(effect: Effect, base: Task, source: str | None = None, own: Effect | None = None) -> AddedEffect:
+    """What a file keeps of an effect on a task.
+
+    Of one of the user's `own` that is as it is before it sees data, and `source` how it is found again: module:Class or
+    file.py:Class; its name where it is not.
+    """
+    if own is None:
+        alike = (shape for entry in catalogue(base) if entry.key == effect.key for shape in entry.shapes())
+        plain = next((shape for shape in alike if type(shape) is type(effect)), None)
+    else:
+        plain, source = own, registry.absolute(source or effect.name)
+    settings = {}
+    if is_dataclass(effect):
+        changed = {
+            n for n, value in settings_of(effect).items() if n != "shape" and not np.all(value == getattr(plain, n))
+        }
+        settings = TypeAdapter(type(effect)).dump_python(effect, mode="json", include=changed) if changed else {}
+    return AddedEffect(name=effect.name, feature=effect.feature, shape=effect.shape, source=source, settings=settings)

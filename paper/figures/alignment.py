@@ -1,0 +1,58 @@
+"""The paper's Figure 3, from the study `alignment`: the offset of the detector found at theta* = 1 mm."""
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from avobench.bench.cells.status import Status
+from avobench.reports.proposals import convergence, density
+from avobench.reports.style import METHOD_COLOURS, STYLE, TRUTH, save
+from avobench.tasks.errors import StoreError
+
+THETA = np.linspace(-3, 3, 301)
+
+
+def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
+    """Write alignment.pdf, alignment.png and alignment.csv to `folder`; every repetition is a line of its own."""
+    with matplotlib.rc_context(STYLE):
+        return save(*_figure(chosen(records)), folder, "alignment")
+
+
+def chosen(records: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The records of the study `alignment`, by repetition; raises StoreError when there are none."""
+    found = [record for record in records if record["task"] == "alignment-example" and record["status"] == Status.OK]
+    if not found:
+        raise StoreError("there are no such records; `avobench study alignment` makes them")
+    return sorted(found, key=lambda record: record["repetition"])
+
+
+def _figure(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
+    figure = Figure(figsize=(6.4, 5.2), layout="constrained")
+    axes = figure.subplot_mosaic([["proposal", "proposal"], ["distance", "loss"]])
+    rows = []
+
+    def line(panel: str, curve: str, repetition: int, x: NDArray, y: NDArray, **look: Any) -> None:
+        axes[panel].plot(x, y, lw=1.2, **look)
+        rows.append(pd.DataFrame({"panel": panel, "curve": curve, "repetition": repetition, "x": x, "y": y}))
+
+    true = records[0]["theta_true"][0]
+    line("proposal", "before", 0, THETA, density(records[0], THETA, final=False), color=TRUTH, ls=":", label="before")
+    for record, style in zip(records, ("-", "--", "-."), strict=False):
+        repetition, curve = record["repetition"], convergence(record)
+        look = {"color": METHOD_COLOURS["avo-paper"], "ls": style}
+        after = density(record, THETA, final=True)
+        line("proposal", "after", repetition, THETA, after, label=f"after, run {repetition + 1}", **look)
+        line("distance", "after", repetition, curve["simulations"], curve["distance"], **look)
+        line("loss", "after", repetition, curve["simulations"], curve["loss"], **look)
+    axes["proposal"].axvline(true, color=TRUTH, lw=1)
+    axes["proposal"].annotate(r"$\theta^*$", (true, 0), (4, 3), textcoords="offset points")
+    axes["proposal"].set(xlabel=r"$\theta$ [mm]", ylabel=r"$q(\theta\,|\,\psi)$ [1/mm]")
+    axes["proposal"].legend()
+    axes["distance"].set(xlabel="simulations", ylabel=r"$|\theta^* - $mean of $q|$ [mm]", ylim=(0, None))
+    axes["loss"].set(xlabel="simulations", ylabel=r"$-\log q(\theta^*\,|\,\psi)$")
+    return figure, pd.concat(rows)

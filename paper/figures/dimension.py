@@ -1,0 +1,106 @@
+"""Inefficiency and seconds against the number of parameters: `avobench figure dimension`.
+
+`python -m paper.figures.dimension` prints the table, from the records of `avobench study dimension`.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
+
+from avobench.bench.store.store import Store
+from avobench.reports.quantities import labelled, task_of
+from avobench.reports.style import FLOOR, MARKERS, METHOD_ORDER, STYLE, colours, note, ordered, panels, save
+from avobench.tasks.errors import StoreError
+from paper.studies.dimension import DETECTOR, DIMENSIONS, FAMILIES
+from paper.tables.targets import inefficiency_of
+
+STORE = Path("results/dimension")
+WITHIN = 100.0
+"""Floors beyond which a run went astray."""
+WHAT = {"warped": "means say little", "means": "means say all"}
+"""Of the families of tasks, what the mean of the events tells of the parameters."""
+SPAN = 5e-2
+"""Share of the number of parameters by which marks of different methods are moved apart."""
+
+
+def table(records: list[dict[str, Any]]) -> pd.DataFrame:
+    """A row a family of tasks, number of parameters and method; empty without records of these tasks."""
+    families = (*FAMILIES, DETECTOR.rpartition("-")[0])
+    known = [record for record in records if _studied(record["task"]) and task_of(record)]
+    if not known:
+        return pd.DataFrame()
+    frame = labelled(known)
+    frame[["family", "p"]] = frame["task"].str.rsplit("-", n=1, expand=True)
+    rows = []
+    for (family, p, method), cells in frame.astype({"p": int}).groupby(["family", "p", "method"], sort=False):
+        ratios = cells["ratio"].to_numpy()
+        rows.append(
+            {
+                "family": family,
+                "parameters": p,
+                "method": method,
+                "targets": cells["target"].nunique(),
+                "inefficiency": inefficiency_of(cells),
+                "worst run / floor": ratios.max(),
+                f"above {WITHIN:g}": int((ratios > WITHIN).sum()),
+                "of these ok": int(((ratios > WITHIN) & (cells["status"] == "ok")).sum()),
+                "seconds": cells["seconds"].mean(),
+            }
+        )
+    found = pd.DataFrame(rows)
+    orders = {"family": families, "method": ordered(found["method"], METHOD_ORDER)}
+    for name, order in orders.items():
+        found[name] = pd.Categorical(found[name], order)
+    found = found.sort_values(["family", "parameters", "method"], ignore_index=True)
+    return found.astype(dict.fromkeys(orders, str))
+
+
+def _studied(task: str) -> bool:
+    return task == DETECTOR or task.rpartition("-")[0] in FAMILIES
+
+
+def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
+    """Write dimension.pdf, dimension.png and dimension.csv to `folder`: a panel a family, and one of the seconds.
+
+    Raises StoreError where there is no record of the study.
+    """
+    found = table(records)
+    if found.empty:
+        raise StoreError("there is no record of the tasks of this study: run `avobench study dimension` first")
+    with matplotlib.rc_context(STYLE):
+        return save(_figure(found), found, folder, "dimension")
+
+
+def _figure(found: pd.DataFrame) -> Figure:
+    methods = ordered(found["method"], METHOD_ORDER)
+    figure, axes = panels([*(f"{family}: {WHAT[family]}" for family in FAMILIES), "seconds of a run"], columns=3)
+    for axis, family in zip(axes, FAMILIES, strict=False):
+        _panel(axis, found[found["family"] == family], methods, "inefficiency")
+        axis.axhline(1, color=FLOOR, ls="--", lw=1.2, label="limit")
+    _panel(axes[-1], found[found["family"] == FAMILIES[0]], methods, "seconds")
+    handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
+    shown = [name for name in (*methods, "limit") if name in handles]
+    figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=len(shown))
+    return figure
+
+
+def _panel(axis: Axes, rows: pd.DataFrame, methods: list[str], what: str) -> None:
+    if rows.empty:
+        note(axis, "no records")
+        return
+    for i, method in enumerate(methods):
+        own = rows[(rows["method"] == method) & np.isfinite(rows[what])]
+        x = own["parameters"] * (1 + SPAN * (i - (len(methods) - 1) / 2))
+        axis.plot(x, own[what], color=colours(methods)[method], marker=MARKERS[i % len(MARKERS)], ms=5, label=method)
+    axis.set(xscale="log", yscale="log", xlabel="parameters", ylabel=what, xticks=DIMENSIONS, xticklabels=DIMENSIONS)
+    axis.xaxis.set_minor_locator(NullLocator())
+
+
+if __name__ == "__main__":
+    print(table(Store(STORE).read_all()).to_string(index=False, float_format=lambda value: f"{value:.3g}"))

@@ -1,0 +1,73 @@
+"""The width of AVO's proposal against a hidden effect, beside the diagnosis: `avobench figure misspecification`.
+
+`python -m paper.figures.misspecification` prints the table, from the record of `avobench study misspecification`.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import pandas as pd
+from matplotlib.figure import Figure
+
+from avobench.reports.style import FLOOR, MARKERS, PALETTE, STYLE, panels, save
+from paper.studies.misspecification import TASKS, read
+
+LEAST = 1e-300
+"""Below this a p-value is drawn and printed as if it were this."""
+LINEAR = 0.01
+"""Strength up to which the axis of the strengths is linear, since the first is none."""
+
+
+def table(record: dict[str, Any]) -> pd.DataFrame:
+    """A row a task and strength: medians over the repetitions of the proposal's width and of the p-value."""
+    runs = pd.DataFrame(record["runs"])
+    runs["width"] = [sum(width) / len(width) for width in runs["width"]]
+    grouped = runs.groupby(["task", "strength"], sort=False)
+    found = grouped.agg(runs=("width", "size"), width=("width", "median"), p_value=("p_value", "median")).reset_index()
+    return found.sort_values(["task", "strength"], key=_place, ignore_index=True)
+
+
+def _place(column: pd.Series) -> pd.Series:
+    return column.map(TASKS.index) if column.name == "task" else column
+
+
+def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
+    """Write misspecification.pdf, .png and .csv to `folder`: widths above, p-values below, a column a task."""
+    (record,) = records
+    runs = pd.DataFrame(record["runs"])
+    with matplotlib.rc_context(STYLE):
+        return save(_figure(runs), table(record), folder, "misspecification")
+
+
+def _figure(runs: pd.DataFrame) -> Figure:
+    tasks = sorted(runs["task"].unique(), key=TASKS.index)
+    figure, axes = panels([f"{task}: {what}" for what in ("the proposal", "the diagnosis") for task in tasks])
+    for column, task in enumerate(tasks):
+        own, (above, below) = runs[runs["task"] == task], axes[column :: len(tasks)]
+        widths = own.explode("width")
+        above.plot(widths["strength"], widths["width"].astype(float), MARKERS[0], color=PALETTE[0], ms=4, alpha=0.6)
+        ends = [own["strength"].min(), own["strength"].max()]
+        above.plot(ends, ends, color=FLOOR, ls="--", lw=1.2, label="hidden width")
+        above.set(ylabel="std / prior's std")
+        above.set_yscale("symlog", linthresh=LINEAR)
+        above.legend(loc="lower right")
+        below.plot(own["strength"], own["p_value"].clip(lower=LEAST), MARKERS[1], color=PALETTE[1], ms=4, alpha=0.6)
+        below.axhline(0.05, color=FLOOR, ls="--", lw=1.2, label="0.05")
+        below.set(ylabel="p-value", yscale="log")
+        below.legend(loc="lower left")
+        for axis in (above, below):
+            axis.set_xscale("symlog", linthresh=LINEAR)
+            axis.set(xlabel="hidden std / prior's std", xlim=(-LINEAR / 5, 1.5 * ends[1]))
+    return figure
+
+
+def format_table(folder: Path = Path("results/studies")) -> str:
+    """`table` of a results folder, to be read."""
+    found = table(read(folder))
+    found["p_value"] = [f"< {LEAST:g}" if p < LEAST else f"{p:.2g}" for p in found["p_value"]]
+    return found.to_string(index=False, float_format=lambda value: f"{value:.3g}")
+
+
+if __name__ == "__main__":
+    print(format_table())

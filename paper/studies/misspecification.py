@@ -1,0 +1,90 @@
+"""What adversarial inference does where the simulator is wrong, beside what the diagnosis says of it.
+
+The paper expects the proposal to smear a simulator that is too sharp. Here the hidden effect is of that kind: the
+parameters of the observed events vary from event to event, with a standard deviation that the simulator does not have.
+A proposal of that width, averaged over, gives exactly the observed distribution.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from avobench.bench.cells.budget import MeteredSimulator, pose
+from avobench.bench.cells.streams import stream
+from avobench.bench.plugins import registry
+from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.record import SCHEMA_VERSION, decode, encode
+from avobench.bench.store.versions import versions
+from avobench.diagnosis.run import diagnose
+from avobench.methods.avo import Avo
+from avobench.tasks.errors import StoreError
+from paper.studies.paper import NUM_OBSERVATIONS
+
+FILE = "misspecification.json"
+"""The record's name in a results folder."""
+TASKS = ("poisson", "carl")
+"""One with a count for an event, one with five features."""
+STRENGTHS = (0.0, 0.01, 0.03, 0.1, 0.3)
+"""Standard deviation of each parameter between events, in units of the prior's."""
+REPETITIONS = 3
+"""A median then has one run on either side."""
+BUDGET = 160_000
+"""Simulated events, as in the benchmark."""
+METHOD = Avo(polish=False, min_std=1e-3)
+"""The adversarial phase alone, whose proposal may become as narrow as it will: what is looked at is its width."""
+
+
+def misspecification(path: Path, seed: int = 0) -> dict[str, Any]:
+    """The record of the study at `path`, of which each run that is lacking is made and written at once.
+
+    `runs` holds for each the `task`, `strength` and `repetition`, the `width` of the final proposal in units of the
+    prior's, a number a parameter, and the p-value of the gates of a diagnosis. Raises StoreError for a damaged file.
+    """
+    identity = {"study": "misspecification", "seed": seed, "budget": BUDGET, "num_observations": NUM_OBSERVATIONS}
+    identity |= {"method": METHOD.name, "method_version": METHOD.version}
+    runs: list[dict[str, Any]] = []
+    if path.exists():
+        record = read(path.parent)
+        runs = record["runs"] if {name: record.get(name) for name in identity} == identity else []
+    done = {(run["task"], run["strength"], run["repetition"]) for run in runs}
+    wanted = [(task, strength, i) for i in range(REPETITIONS) for task in TASKS for strength in STRENGTHS]
+    for task, strength, repetition in wanted:
+        if (task, strength, repetition) not in done:
+            runs.append(one(task, strength, repetition, seed))
+            record = {"schema_version": SCHEMA_VERSION, **identity, "runs": runs, "versions": versions(("torch",))}
+            write_atomically(path, encode(record))
+    return record
+
+
+def one(
+    name: str, strength: float, repetition: int, seed: int, num_events: int = NUM_OBSERVATIONS, budget: int = BUDGET
+) -> dict[str, Any]:
+    """A run on events whose parameters vary around the prior's center."""
+    task = registry.build("task", name, {})
+    words = ("misspecification", name, str(strength), str(repetition))
+    rng = stream(seed, "observed", *words)
+    unit = task.prior.width / np.sqrt(12)  # the prior is uniform
+    spread = strength * unit * rng.standard_normal((num_events, task.prior.dim))
+    x = task.simulate(np.clip(task.prior.center + spread, task.support.low, task.support.high), rng)
+    simulate = MeteredSimulator(task, budget, stream(seed, "simulator", *words))
+    found = METHOD.infer(pose(task, x, simulate), stream(seed, "method", *words))
+    found_by_gates = diagnose(task, x, seed=seed + repetition, effects=[])
+    return {
+        "task": name,
+        "strength": strength,
+        "repetition": repetition,
+        "width": (found.std / unit).tolist(),
+        "p_value": float(found_by_gates.diagnosis.p_value_before),
+    }
+
+
+def read(folder: Path) -> dict[str, Any]:
+    """The record of the study in a results folder. Raises StoreError when it is missing or damaged."""
+    path = folder / FILE
+    if not path.exists():
+        raise StoreError(f"there is no {path}; `avobench study misspecification --results {folder}` makes it")
+    try:
+        return decode(path.read_bytes())
+    except ValueError as error:
+        raise StoreError(f"{path} {error}; delete it, and `avobench study misspecification` makes it again") from error

@@ -1,0 +1,143 @@
+"""The diagnosis on real data: simple simulators of what was measured, of which it is known what they lack.
+
+Each example is a file in `examples/real` that makes a `task` and reads what was `measured` from the table beside it.
+`expected.json` has the answers, taken from the literature and committed before any diagnosis was made.
+"""
+
+import hashlib
+import importlib
+import time
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
+
+from avobench.bench.events import check_events
+from avobench.bench.plugins import registry, user_files
+from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.record import SCHEMA_VERSION, decode, encode
+from avobench.bench.store.versions import versions
+from avobench.diagnosis.run import diagnose
+from avobench.tasks.errors import StoreError, UsageError
+
+EXAMPLES = Path("examples/real")
+FOLDER = Path("results/real")
+EXPECTED = "expected.json"
+SEEDS = 5
+"""With which each is diagnosed: a fifth of the events is kept aside, and of few events other ones say other things."""
+UNSAID = {"candidates", "identifiability"}
+"""Fields of a diagnosis that a record leaves out: they are long, and no part of the answer."""
+
+
+class Strict(BaseModel):
+    model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
+
+
+class KnownValue(Strict):
+    """A parameter of the missing effect whose value is known."""
+
+    parameter: str
+    value: float
+    tolerance: float
+    """What the measurement itself leaves open, such as its calibration."""
+    unit: str
+
+
+class Expected(Strict):
+    """What is known of an example."""
+
+    measured: str
+    lacks: str
+    answer: list[str]
+    """Names of effects, each of which is right; none where nothing is missing."""
+    also: list[str]
+    """Names that tell a part of it, or the same less well."""
+    why: str
+    value: KnownValue | None
+
+
+def expected(examples: Path = EXAMPLES) -> dict[str, Expected]:
+    """The answers by the name of the example. Raises UsageError where the file is missing or makes no sense."""
+    path = examples / EXPECTED
+    if not path.is_file():
+        raise UsageError(f"there is no {path}; run this in a clone of the repository, which has the examples")
+    try:
+        return TypeAdapter(dict[str, Expected]).validate_json(path.read_bytes())
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise UsageError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+
+
+def real(folder: Path, seed: int = 0, examples: Path = EXAMPLES, jobs: int = 1) -> list[dict[str, Any]]:
+    """The records of all examples in `folder`, of which those are made that are lacking, or of other data or answers.
+
+    A new version of the diagnosis makes none of them anew: remove the folder for that. Raises StoreError for a damaged
+    record.
+    """
+    records = []
+    for name, answer in expected(examples).items():
+        path = folder / f"{name}.json"
+        module = importlib.import_module(user_files.module_name(examples / f"{name}.py"))
+        identity = identity_of(name, answer, module.task, examples, seed)
+        record = read_one(path) if path.exists() else {}
+        if {field: record.get(field) for field in identity} != identity:
+            record = {"schema_version": SCHEMA_VERSION, **identity, **said(module.task, module.measured, seed, jobs)}
+            write_atomically(path, encode(record))
+        records.append(record)
+    return records
+
+
+def place(folder: Path, k: int) -> Path:
+    """Where the records of the k-th seed are: of the first in the folder itself, of each other in one within it."""
+    return folder / "seeds" / str(k) if k else folder
+
+
+def with_seeds(folder: Path, first: int = 0, jobs: int = 1) -> list[list[dict[str, Any]]]:
+    """As `real`, for each of SEEDS seeds from the first on."""
+    for k in range(1, SEEDS):
+        place(folder, k).mkdir(parents=True, exist_ok=True)
+    return [real(place(folder, k), first + k, jobs=jobs) for k in range(SEEDS)]
+
+
+def read_all(folder: Path = FOLDER) -> list[list[dict[str, Any]]]:
+    """The records of all seeds, each as `read` gives them."""
+    return [read(place(folder, k)) for k in range(SEEDS)]
+
+
+def identity_of(name: str, answer: Expected, task: Any, examples: Path, seed: int) -> dict[str, Any]:
+    """What determines a record but for the version of the diagnosis, with the lines that head the data."""
+    data = (examples / f"{name}.csv").read_bytes()
+    head = [line[2:] for line in data.decode().splitlines() if line.startswith("# ")]
+    identity = {"study": "real", "name": name, "seed": seed, "expected": answer.model_dump(mode="json")}
+    identity |= {"data_sha256": hashlib.sha256(data).hexdigest(), "data_head": head}
+    return identity | registry.identity("task", f"{examples / name}.py:task", task)
+
+
+def said(task: Any, measured: Any, seed: int, jobs: int) -> dict[str, Any]:
+    """What the diagnosis says of the measured events, and the versions that it was made with.
+
+    `processor_seconds` are those of this process, which with one job are all.
+    """
+    x, remarks = check_events(task, measured)
+    started = time.process_time()
+    diagnosis = diagnose(task, x, seed=seed, jobs=jobs).diagnosis
+    seconds = time.process_time() - started
+    diagnosis.notes[:0] = remarks
+    told = diagnosis.model_dump(mode="json", exclude=UNSAID)
+    return {"diagnosis": told, "processor_seconds": seconds, "versions": versions()}
+
+
+def read(folder: Path = FOLDER) -> list[dict[str, Any]]:
+    """The records of a results folder, by name. Raises StoreError when there are none or one is damaged."""
+    paths = sorted(folder.glob("*.json"))
+    if not paths:
+        raise StoreError(f"there are no records in {folder}; `avobench study real --results {folder}` makes them")
+    return [read_one(path) for path in paths]
+
+
+def read_one(path: Path) -> dict[str, Any]:
+    """The record in a file. Raises StoreError when it is damaged."""
+    try:
+        return decode(path.read_bytes())
+    except ValueError as error:
+        raise StoreError(f"{path} {error}; delete it, and `avobench study real` makes it again") from error

@@ -1,0 +1,1 @@
+"""The tables that the documentation prints from committed records."""

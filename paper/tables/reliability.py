@@ -1,0 +1,124 @@
+"""Do the probabilities of a diagnosis hold? `python -m paper.tables.reliability RECORDS ...`.
+
+Of effects to which a diagnosis gives 70 %, seven in ten should be those that were hidden. A row a series of hidden
+shapes, since only the last was seen by nobody who developed the search: what stands there is the measure, the others
+are development numbers. Of two effects both count, where each is visible beside the other.
+"""
+
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from avobench.bench.plugins import registry
+from avobench.challenge.case import Case
+from avobench.challenge.records import read_records
+
+OUTSIDE = ("outside the catalogue", None)
+LEAST = 0.01
+"""Probability from which a name is one that was told: of most names it is all but certain that they are not it."""
+ALPHA = 0.05
+"""Where the events agree with what was named."""
+BINS = 10
+"""Of the probability, of as many names each."""
+DRAWS = 300
+"""Of what may come true by chance."""
+
+
+def names(case: Case) -> dict[tuple[str, str | None], float]:
+    """The probability of each name to be in the model, and of what is missing to be outside the catalogue."""
+    told = {case.key(each): each["probability"] for each in case.diagnosis["probabilities"]}
+    return {**told, OUTSIDE: case.diagnosis["outside"]}
+
+
+def truth(case: Case) -> set[tuple[str, str | None]]:
+    """What should have the probability 1: what was hidden, or, if that was withheld, that it is outside."""
+    return {OUTSIDE} if case.answer["kind"] == "withheld" else set(case.hidden)
+
+
+def of_truth(case: Case) -> float:
+    """The probability of what was hidden; of two effects, of the less probable."""
+    return min(names(case).get(key, 0.0) for key in truth(case))
+
+
+def table(cases: Iterable[tuple[str, Case]]) -> pd.DataFrame:
+    """Of cases in which a disagreement was seen, by what was hidden."""
+    rows = []
+    groups: dict[str, list[Case]] = {}
+    for name, case in cases:
+        if case.detected and case.diagnosis.get("probabilities"):
+            groups.setdefault(name, []).append(case)
+    for name, group in groups.items():
+        told, hit, brier, logs, first, agrees, within, size = [], [], [], [], [], [], [], []
+        for case in group:
+            shares, true = names(case), truth(case)
+            told += [share for share in shares.values() if share >= LEAST]
+            hit += [key in true for key, share in shares.items() if share >= LEAST]
+            brier.append(sum((share - (key in true)) ** 2 for key, share in shares.items()))
+            logs.append(np.log(max(of_truth(case), 1e-6)))
+            first.append(set(sorted(shares, key=shares.get)[-len(true) :]) == true)
+            agrees.append(not first[-1] and (case.diagnosis.get("p_value_after") or 0) >= ALPHA)
+            models = [{case.key(each) for each in model["effects"]} for model in case.diagnosis["models"]]
+            enough = sum(model["probability"] for model in case.diagnosis["models"]) + shares[OUTSIDE]
+            if shares[OUTSIDE] > 0.05 or enough < 0.95:
+                models.append({OUTSIDE})
+            within.append(any(true == model for model in models))
+            size.append(len(models))
+        others = [max((share for key, share in names(case).items() if key != OUTSIDE), default=0) for case in group]
+        rows.append(
+            {
+                "hidden": name,
+                "cases": len(group),
+                "most probable right": np.mean(first),
+                "wrong, yet agrees": np.mean(agrees),
+                "in the 95 % set": np.mean(within),
+                "size": np.mean(size),
+                "P(truth)": np.mean([of_truth(case) for case in group]),
+                "P(outside)": np.mean([names(case)[OUTSIDE] for case in group]),
+                "P(first name)": np.mean(others),
+                "Brier": np.mean(brier),
+                "log score": np.mean(logs),
+                "calibration error": calibration_error(np.array(told), np.array(hit)),
+                "if they held": by_chance(np.array(told)),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def calibration_error(told: np.ndarray, hit: np.ndarray) -> float:
+    """Expected calibration error of probabilities (n,) and what came true (n,): their mean distance, in equal bins."""
+    parts = np.array_split(np.argsort(told, kind="stable"), min(BINS, len(told)))
+    return float(sum(len(part) * abs(told[part].mean() - hit[part].mean()) for part in parts) / len(told))
+
+
+def by_chance(told: np.ndarray) -> float:
+    """The calibration error to be expected where each of the probabilities (n,) holds: of few cases none has 0."""
+    rng = np.random.default_rng(0)
+    return float(np.mean([calibration_error(told, rng.random(len(told)) < told) for _ in range(DRAWS)]))
+
+
+def cases_of(paths: Iterable[Path]) -> list[tuple[str, Case]]:
+    """The cases of files of records with hidden effects that can be seen, each with what it is of."""
+    found = []
+    for path in paths:
+        head, *rows = read_records(path)
+        task = registry.build("task", registry.named_in(str(path), "task", head["task"], trust=False), {})
+        for row in rows:
+            case = Case(task, row, row["diagnosis"])
+            pair = row["kind"] == "two" and case.both_visible
+            if row["error"] is None and (pair or row["kind"] in ("own", "foreign", "withheld")):
+                found.append((_name(row), case))
+    return sorted(found, key=lambda each: each[0])
+
+
+def _name(row: dict[str, Any]) -> str:
+    series = row["effects"][0]["series"]
+    of = "own shapes" if series is None else f"series {series}"
+    return of if row["kind"] in ("own", "foreign") else f"{row['kind']}, {of}"
+
+
+if __name__ == "__main__":
+    print(table(cases_of(map(Path, sys.argv[1:]))).to_string(index=False, float_format=lambda value: f"{value:.2f}"))

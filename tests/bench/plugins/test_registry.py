@@ -1,0 +1,358 @@
+"""What a spec may name, where it is found, and what of a user's file identifies a result."""
+
+import multiprocessing
+import pickle
+import subprocess
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import avobench
+from avobench.bench.cells.cell import Cell
+from avobench.bench.plugins import registry, user_files
+from avobench.bench.store.store import Store
+from avobench.effects import Effect
+from avobench.tasks import Task
+from avobench.tasks.errors import UsageError
+from avobench.tasks.function import task
+
+REFERENCE = Store(Path(__file__).parents[3] / "results" / "reference")
+
+FILE = '''
+"""Two tasks, a method and an effect of a user's."""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+import avobench
+from avobench.effects import Effect, Parameter
+from avobench.methods import Estimate, Method
+from avobench.tasks import Box, Task
+
+SHIFT = 0.5
+WIDTH = {"first": 1.0}
+WIDTH["first"] = 2.0
+UNUSED = 3
+
+
+def shifted(theta):
+    return theta + offset()
+
+
+def offset():
+    return SHIFT
+
+
+class Common(Task):
+    parameter_names = ("location",)
+    parameter_units = ("1",)
+    source = "test"
+    prior = Box((-1,), (1,))
+    support = Box((-9,), (9,))
+    num_features = 1
+
+    def summary(self, x):
+        return x.mean(axis=0)
+
+    def floor(self, theta, num_observations, num_simulations):
+        return np.nan
+
+
+@dataclass(frozen=True)
+class First(Common):
+    name = "first"
+    scale: float = 1.0
+
+    def simulate(self, theta, rng):
+        self.require_support(theta)
+        return rng.normal(shifted(theta), self.scale * WIDTH["first"])
+
+
+class Second(Common):
+    name = "second"
+
+    def simulate(self, theta, rng):
+        return rng.exponential(np.exp(theta))
+
+
+class Middle(Method):
+    name = "middle"
+    source = "test"
+
+    def min_simulations(self, num_parameters):
+        return 10
+
+    def infer(self, problem, rng):
+        problem.simulate(problem.prior.sample(10, rng))
+        theta = problem.prior.center
+        return Estimate(theta, "middle", "posterior", theta, np.full(len(theta), 0.5))
+
+
+class Extra(Effect):
+    name = "extra"
+    parameters = (Parameter("rate", 0, 2, 0, "1"),)
+    sentence = "Something is added."
+    source = "test"
+
+    def apply(self, simulate, theta, phi, rng):
+        return simulate(theta, rng) + rng.exponential(phi)
+
+
+def falling(theta, rng):
+    return rng.exponential(offset() + np.exp(theta[:, 0]))
+
+
+made = avobench.task(falling, prior={"log_rate": (0, 1)})
+extra = Extra()
+'''
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "of a user" / "their.tasks.py"
+    path.parent.mkdir()
+    path.write_text(FILE)
+    return path
+
+
+def test_tasks_methods_and_effects_are_found_in_a_file(file, monkeypatch):
+    assert registry.build("task", f"{file}:First", {"scale": "3"}).scale == 3
+    assert registry.load("method", f"{file}:Middle").name == "middle"
+    assert isinstance(registry.effect(f"{file}:Extra"), Effect)
+    monkeypatch.chdir(file.parent)
+    assert registry.load("task", f"{file.name}:Second") is registry.load("task", f"{file}:Second")
+
+
+def test_a_ready_made_task_or_effect_is_taken_as_it_is(file):
+    task = registry.build("task", f"{file}:made", {})
+    assert (task.name, task.parameter_names) == ("falling", ("log_rate",))
+    assert registry.effect(f"{file}:extra").name == "extra"
+    with pytest.raises(UsageError, match="is ready-made; its settings are in"):
+        registry.build("task", f"{file}:made", {"scale": 2})
+
+
+def test_files_of_one_name_in_two_folders_are_two_modules(file, tmp_path):
+    other = tmp_path / file.name
+    other.write_text(FILE.replace('name = "second"', 'name = "other"'))
+    names = [registry.load("task", f"{path}:Second").name for path in (file, other)]
+    assert names == ["second", "other"]
+
+
+def test_a_file_finds_what_lies_beside_it(tmp_path):
+    (tmp_path / "beside_it.py").write_text("NAME = 'neighbour'\n")
+    path = tmp_path / "neighbour.py"
+    path.write_text("from beside_it import NAME\n" + FILE.replace('name = "second"', "name = NAME"))
+    assert registry.load("task", f"{path}:Second").name == "neighbour"
+
+
+@pytest.mark.parametrize(
+    ("spec", "said"),
+    [
+        ("{file}:Frist", "their.tasks.py has no 'Frist'; did you mean First"),
+        ("{file}:Middle", "is not a subclass of avobench.tasks.Task, nor an instance of one"),
+        ("{file}:UNUSED", "is not a subclass of avobench.tasks.Task"),
+        ("{file.parent}/none.py:First", "there is no file '.*none.py', for task"),
+        ("{file}:Common", "does not define name, simulate"),
+    ],
+)
+def test_what_is_not_there_is_said_in_a_line(file, spec, said):
+    with pytest.raises(UsageError, match=said) as raised:
+        registry.load("task", spec.format(file=file))
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"), [("task", "First"), ("task", "made"), ("effect", "Extra"), ("effect", "extra")]
+)
+def test_an_object_of_a_file_tells_where_it_is_found(file, kind, name):
+    spec = f"{file}:{name}"
+    instance = registry.effect(spec) if kind == "effect" else registry.build(kind, spec, {})
+    assert registry.spec_of(kind, instance) == spec
+    assert registry.spec_of("task", registry.build("task", "poisson", {})) == "poisson"
+
+
+def test_a_task_of_a_function_that_no_module_holds_is_found_nowhere():
+    assert (
+        registry.spec_of("task", avobench.task(lambda theta, rng: theta[:, 0], prior={"a": (0, 1)}, name="a")) is None
+    )
+
+
+def _events(pickled):
+    task = pickle.loads(pickled)
+    return task.simulate(np.zeros((3, 1)), np.random.default_rng(0))
+
+
+@pytest.mark.parametrize("name", ["Second", "made"])
+def test_objects_of_a_file_can_be_sent_to_a_new_process(file, name):
+    task = registry.build("task", f"{file}:{name}", {})
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        there = pool.submit(_events, pickle.dumps(task)).result()
+    assert np.array_equal(there, _events(pickle.dumps(task)))
+
+
+def test_a_sweep_of_two_processes_runs_a_file_named_from_its_own_folder(file):
+    command = [sys.executable, "-m", "avobench", "run", "--task", "their.tasks.py:First", "--task"]
+    command += ["their.tasks.py:made", "--method", "their.tasks.py:Middle", "--targets", "0-1", "--budget", "20"]
+    command += ["--observations", "100", "--jobs", "2", "--results", "r"]
+    done = subprocess.run(command, cwd=file.parent, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "4 of 4 cells ok" in done.stdout
+    cell = Cell(f"{file}:First", {}, f"{file}:Middle", {}, 0, 0, 20, 100, 0)
+    assert cell.id in {record["id"] for record in Store(file.parent / "r").read_all()}
+
+
+@given(st.text(st.characters(exclude_characters="\0/", exclude_categories=["Cs"]), min_size=1))
+def test_a_module_s_name_tells_its_path(name):
+    path = f"/some where/{name}.py"
+    module = user_files.module_name(path)
+    assert "." not in module.removeprefix(user_files.PREFIX)
+    assert user_files.file_of(module) == path
+    assert user_files.file_of("avobench.bench.plugins.registry") is None
+
+
+def test_specs_are_made_absolute_as_far_as_they_are_paths(file, monkeypatch):
+    monkeypatch.chdir(file.parent)
+    assert registry.absolute("their.tasks.py:First") == f"{file}:First"
+    assert registry.absolute("model.json") == str(file.parent / "model.json")
+    assert isinstance(registry.absolute(registry.trusted("model.json")), registry.Trusted)
+    for spec in ("poisson", "toys:Normal"):
+        assert registry.absolute(spec) == spec
+
+
+# What identifies a class of a user's file.
+
+
+def identity_of(folder, text, name="First", kind="task"):
+    """Of a class in a file with this text, of which there is a new one each time."""
+    path = folder / f"variant_{len(list(folder.iterdir()))}.py"
+    path.write_text(text)
+    spec = f"{path}:{name}"
+    return registry.identity(kind, spec, registry.build(kind, spec, {}))
+
+
+ITS_OWN = (
+    ("self.scale * WIDTH", "2 * self.scale * WIDTH"),  # the class itself
+    ("return theta + offset()", "return theta - offset()"),  # a function that it uses
+    ("return SHIFT", "return -SHIFT"),  # one that this uses
+    ("SHIFT = 0.5", "SHIFT = 0.6"),  # a constant that this uses
+    ('WIDTH["first"] = 2.0', 'WIDTH["first"] = 2.5'),  # one that is changed after it was made
+    ("Box((-1,), (1,))", "Box((-1,), (2,))"),  # a base class
+    ("@dataclass(frozen=True)\nclass First", "@dataclass(frozen=True, eq=False)\nclass First"),  # a decorator
+)
+NOT_ITS_OWN = (
+    ("rng.exponential(np.exp(theta))", "rng.exponential(theta**2)"),  # another class
+    ("UNUSED = 3", "UNUSED = 4"),
+    ('"""Two tasks', '"""Some tasks'),
+    ("rng.exponential(phi)", "rng.exponential(2 * phi)"),
+    ("from functools import partial\n", ""),
+    ("extra = Extra()\n", "extra = Extra()\nmore = print\n"),
+)
+
+
+@pytest.mark.parametrize(("old", "new"), ITS_OWN)
+def test_an_edit_of_what_a_class_uses_is_another_identity(tmp_path, old, new):
+    assert FILE.count(old) == 1
+    assert identity_of(tmp_path, FILE) != identity_of(tmp_path, FILE.replace(old, new))
+
+
+@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(edits=st.lists(st.sampled_from(NOT_ITS_OWN), unique=True), place=st.sampled_from(["", "\n\n# a remark\n"]))
+def test_edits_of_anything_else_in_the_file_are_none(tmp_path, edits, place):
+    text = place + FILE
+    for old, new in edits:
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    assert identity_of(tmp_path, FILE) == identity_of(tmp_path, text)
+
+
+def test_a_task_of_a_function_is_identified_by_the_function_and_what_it_uses(tmp_path):
+    plain = identity_of(tmp_path, FILE, "made")
+    for old, new in (
+        ("np.exp(theta[:, 0])", "theta[:, 0] ** 2"),
+        ("SHIFT = 0.5", "SHIFT = 0.6"),
+        ("(0, 1)}", "(0, 2)}"),
+    ):
+        assert FILE.count(old) == 1
+        assert identity_of(tmp_path, FILE.replace(old, new), "made") != plain
+    for old, new in NOT_ITS_OWN:
+        assert identity_of(tmp_path, FILE.replace(old, new), "made") == plain
+
+
+def test_a_base_class_of_another_file_of_the_user_s_counts(tmp_path):
+    found = []
+    for text in (FILE, FILE.replace("np.exp(theta))", "theta**2)"), FILE.replace("SHIFT = 0.5", "SHIFT = 0.6")):
+        folder = tmp_path / str(len(found))
+        folder.mkdir()
+        (folder / "their_base.py").write_text(text)
+        (folder / "derived.py").write_text(
+            "from their_base import Second\n\n\nclass Third(Second):\n    name = 'third'\n"
+        )
+        spec = f"{folder / 'derived.py'}:Third"
+        found.append(registry.identity("task", spec, registry.build("task", spec, {}))["task_source_sha256"])
+        del sys.modules["their_base"]
+        sys.path.remove(str(folder))
+    assert found[0] == found[2] != found[1]
+
+
+def test_what_has_no_file_is_identified_by_the_values_that_it_uses():
+    made = []
+    for shift in (1, 1, 2):
+        code = f"shift = {shift}\n\ndef simulate(theta, rng):\n    return rng.normal(theta[:, 0]) + shift\n"
+        made.append(_typed(code))
+    assert made[0] == made[1] != made[2]
+
+
+def _typed(code):
+    """The identity of a task of a function that was typed at a prompt, whose text IPython keeps like this."""
+    text = "\n".join(
+        [
+            "import linecache, avobench",
+            "from avobench.bench import registry",
+            f"code = {code!r}",
+            "linecache.cache['<cell 1>'] = (len(code), None, code.splitlines(True), '<cell 1>')",
+            "exec(compile(code, '<cell 1>', 'exec'))",
+            "made = avobench.task(simulate, prior={'a': (0, 1)})",
+            "print(registry.identity('task', 'made', made)['task_source_sha256'])",
+        ]
+    )
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_the_committed_records_keep_their_ids():
+    seen = set()
+    for record in REFERENCE.read_all():
+        if (record["task"], record["method"]) in seen or record["task"] not in registry.names("task"):
+            continue
+        seen.add((record["task"], record["method"]))
+        fields = ("task", "task_settings", "method", "method_settings", "target", "repetition", "budget")
+        cell = Cell(*(record[name] for name in (*fields, "num_observations", "seed")))
+        assert cell.id == record["id"], cell.label
+        assert not any(key.endswith("sha256") for key in cell.identity)
+    assert len(seen) >= 16
+
+
+@pytest.mark.parametrize("kind", ["task", "method", "effect"])
+def test_our_own_names_are_those_of_the_classes(kind):
+    """Or, where several effects are of one family and share its name, those of the modules that they stand in."""
+    for name in registry.names(kind):
+        loaded, last = registry.load(kind, name), name.rpartition(".")[2]
+        assert last in (loaded.name, loaded.__module__.rpartition(".")[2])
+    assert isinstance(registry.build("task", "poisson", {}), Task)
+
+
+def test_a_task_of_a_function_that_no_module_knows_has_no_name_but_settings():
+    """As at a prompt, where a function has no source either: its class alone would not make it again."""
+    scope = {}
+    exec("def simulate(theta, rng):\n    return rng.exponential(theta[:, 0])", scope)
+    decay = task(scope["simulate"], prior={"lifetime": (1, 4)})
+    assert registry.spec_of("task", decay) is None
+    assert registry.settings_of(decay) == {}

@@ -1,0 +1,211 @@
+"""A real scheduler and real worker processes: the records of this machine, whatever happens to a worker."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from distributed import Client
+
+from avobench.bench.processes.dask import DaskBackend, facts, require_equal, source
+from avobench.bench.processes.local import LocalBackend
+from avobench.bench.store.store import Store
+from avobench.bench.sweep.plan import plan
+from avobench.bench.sweep.runner import View, run
+from avobench.tasks.errors import AvobenchError, UsageError
+
+HERE = Path(__file__).parents[2] / "users"
+TIMED = ("observation_seconds", "simulator_seconds", "method_seconds", "harness_seconds", "peak_memory_mib", "started")
+
+
+class Cluster:
+    """A scheduler on this machine, and workers as a user starts them."""
+
+    def __init__(self, folder):
+        self.folder, self.started = folder, []
+        file = folder / "scheduler.json"
+        self.start("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-show", "--scheduler-file", file)
+        while not file.exists():
+            time.sleep(0.05)
+        self.address = json.loads(file.read_text())["address"]
+
+    def worker(self, *arguments, **environment):
+        """A process that runs cells itself: without a nanny that would start it again."""
+        arguments = arguments or ("--nthreads", "1", "--no-nanny")
+        return self.start("worker", self.address, *arguments, "--local-directory", self.folder, **environment)
+
+    def start(self, kind, *arguments, **environment):
+        command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", "--no-dashboard", *map(str, arguments)]
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        environment = {**os.environ, **environment}
+        process = subprocess.Popen(command, cwd=HERE, env=environment, start_new_session=True, **quiet)
+        self.started.append(process)
+        return process
+
+    def wait_for(self, workers):
+        with Client(self.address, set_as_default=False) as client:
+            client.wait_for_workers(workers, timeout=60)
+
+    def stop(self):
+        for process in reversed(self.started):
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)  # with the workers that a nanny started
+            process.wait()
+
+
+@pytest.fixture
+def cluster(tmp_path, monkeypatch):
+    monkeypatch.setenv("DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES", "1")  # not 3, which takes longer
+    cluster = Cluster(tmp_path)
+    yield cluster
+    cluster.stop()
+
+
+class Watch(View):
+    """Notes what is said, and calls `act` after the first cell."""
+
+    def __init__(self, act=lambda: None):
+        self.act, self.notes, self.order = act, [], []
+
+    def note(self, line):
+        self.notes.append(line)
+
+    def finished(self, sweep, cell, record):
+        self.order.append(cell)
+        if len(self.order) == 1:
+            self.act()
+
+
+def toys(targets="0-4", method="toys:Moment", pause=0.1):
+    return plan(["toys:Normal"], [method], targets, 1, 400, 100, 0, [f"{method[5:].lower()}.pause={pause}"])
+
+
+def results(records):
+    """Records without what a clock or a meter says."""
+    return [{name: value for name, value in record.items() if name not in TIMED} for record in records]
+
+
+def far(cells, cluster, store, view=None):
+    return run(cells, store, DaskBackend(cluster.address), view or Watch())
+
+
+def test_a_killed_worker_costs_its_cell_a_retry_and_every_record_is_that_of_this_machine(cluster, tmp_path):
+    cells = toys(pause=0.3)
+    cells += plan(["weinberg"], ["avo-paper"], "0", 1, 1280, 500, 0, ["avo-paper.hidden=[8]"])
+    workers = [cluster.worker(), cluster.worker()]
+    cluster.wait_for(2)
+
+    def kill():
+        time.sleep(0.5)  # in the middle of the next cell
+        workers[1].kill()
+
+    view, store = Watch(act=kill), Store(tmp_path / "far", create=True)
+    records = far(cells, cluster, store, view)
+    assert view.notes  # one, or two where the worker held a result that was not yet fetched
+    assert all("its worker died, begun again on" in note for note in view.notes)
+    local = Store(tmp_path / "local", create=True)
+    run(cells, local, LocalBackend(1, local.running), View())
+    assert [record["status"] for record in records] == ["ok"] * len(cells)
+    assert results(store.read_all()) == results(local.read_all())
+
+
+def test_a_worker_that_dies_while_it_is_asked_for_its_versions_is_none_the_less(cluster, tmp_path):
+    cluster.worker()
+    dying = cluster.worker()
+    cluster.wait_for(2)
+    os.killpg(dying.pid, signal.SIGSTOP)  # it is connected, and does not answer
+    end = threading.Timer(1.5, os.killpg, (dying.pid, signal.SIGKILL))
+    end.start()
+    records = far(toys("0-2"), cluster, Store(tmp_path / "far", create=True))
+    end.join()
+    assert [record["status"] for record in records] == ["ok"] * 3
+
+
+def test_a_cell_that_kills_its_workers_is_recorded_as_crashed_and_no_other_is(cluster, tmp_path):
+    cluster.worker("--nthreads", "1")  # its nanny starts it again
+    cluster.wait_for(1)
+    cells = toys("0", "toys:Dying") + toys("0-2")
+    view = Watch()
+    records = far(cells, cluster, Store(tmp_path / "r", create=True), view)
+    assert [record["status"] for record in records] == ["crashed", "ok", "ok", "ok"]
+    assert records[0]["message"] == "the worker process died at least 2 times (killed, or out of memory)"
+
+
+def test_cells_are_begun_in_their_order_and_a_second_run_does_only_what_is_missing(cluster, tmp_path):
+    cluster.worker()
+    cluster.wait_for(1)
+    store, view = Store(tmp_path / "r", create=True), Watch()
+    far(toys("3,1,2", pause=0), cluster, store, view)
+    assert view.order == toys("3,1,2", pause=0)
+    view = Watch()
+    far(toys("0-3", pause=0), cluster, store, view)
+    assert view.order == toys("0", pause=0)
+
+
+def test_a_scheduler_that_goes_away_is_one_line_and_what_was_finished_stays(cluster, tmp_path):
+    cluster.worker()
+    cluster.wait_for(1)
+    store = Store(tmp_path / "r", create=True)
+    with pytest.raises(AvobenchError, match=r"the Dask scheduler at .* went away"):
+        far(toys(), cluster, store, Watch(act=cluster.started[0].kill))
+    assert len(store.read_all()) >= 1
+    assert len(store.sweeps()) == 1
+
+
+def test_a_late_worker_that_is_not_fit_ends_the_sweep_and_what_was_finished_stays(cluster, tmp_path):
+    cluster.worker()
+    cluster.wait_for(1)
+    store = Store(tmp_path / "r", create=True)
+    view = Watch(act=lambda: cluster.worker("--nthreads", "2", "--no-nanny"))
+    with pytest.raises(UsageError, match="has threads 2 where this run has 1; start it with --nthreads 1"):
+        far(toys("0-14", pause=0.5), cluster, store, view)
+    assert len(store.read_all()) >= 1
+
+
+def test_a_worker_of_another_source_gets_no_cell(cluster, tmp_path, monkeypatch):
+    cluster.worker()
+    cluster.wait_for(1)
+    monkeypatch.setattr("avobench.bench.processes.dask.source", lambda: "0" * 12)
+    view = Watch()
+    with pytest.raises(UsageError, match=r"has source [0-9a-f]{12} where this run has 000000000000; install the same"):
+        far(toys(), cluster, Store(tmp_path / "r", create=True), view)
+    assert not view.order
+
+
+def test_the_command_needs_a_scheduler_that_answers_and_has_workers(cluster, avobench, tmp_path, monkeypatch):
+    monkeypatch.setattr("avobench.bench.processes.dask.CONNECT_SECONDS", 1)
+    monkeypatch.setattr("avobench.bench.processes.dask.WORKERS_SECONDS", 1)
+    start = ("run", "--task", "toys:Normal", "--method", "toys:Moment", "--budget", 400, "--observations", 100)
+    start += ("--results", tmp_path / "r")
+    for arguments, words in {
+        ("--backend", "dask"): "--scheduler ADDRESS belong together",
+        ("--scheduler", "tcp://127.0.0.1:9"): "--scheduler ADDRESS belong together",
+        ("--backend", "dask", "--scheduler", cluster.address, "--jobs", 2): "--jobs is for --backend local",
+        ("--backend", "dask", "--scheduler", "tcp://127.0.0.1:9"): "there is no Dask scheduler at tcp://127.0.0.1:9",
+        ("--backend", "dask", "--scheduler", "nonsense://x"): "there is no Dask scheduler at nonsense://x",
+        ("--backend", "dask", "--scheduler", cluster.address): "has no workers; start some: dask worker",
+    }.items():
+        code, _, err = avobench(*start, *arguments)
+        assert code == 2
+        assert words in err
+        assert err.count("\n") == 1
+    assert not Store(tmp_path / "r").sweeps()
+
+
+@pytest.mark.parametrize("name", ["avobench", "numpy", "python", "source", "OMP_NUM_THREADS"])
+def test_any_fact_that_differs_is_named(name):
+    ours = facts()
+    require_equal("tcp://there", dict(ours), ours)
+    with pytest.raises(UsageError, match=f"the worker at tcp://there has {name} 0 where this run has"):
+        require_equal("tcp://there", {**ours, name: "0"}, ours)
+
+
+def test_the_source_is_that_of_every_module_that_makes_results():
+    assert source() == source()
+    assert len(source()) == 12

@@ -1,0 +1,243 @@
+"""Cells carried out as one piece of work: the records of single ones, and a fault costs its own cell only."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from avobench.bench.cells.status import Status
+from avobench.bench.cells.trial import execute
+from avobench.bench.processes.local import LocalBackend
+from avobench.bench.processes.together import TogetherBackend
+from avobench.bench.store.store import Store
+from avobench.bench.sweep.plan import plan
+from avobench.bench.sweep.runner import View, run, seconds
+
+HERE = Path(__file__).parents[2] / "users"
+TIMED = {"observation_seconds", "simulator_seconds", "method_seconds", "harness_seconds", "peak_memory_mib", "started"}
+ESTIMATED = {"theta_hat", "squared_error", "mean", "std", "trace"}
+
+
+class Notes(View):
+    def __init__(self):
+        self.notes, self.shares = [], {}
+
+    def note(self, line):
+        self.notes.append(line)
+
+    def tick(self, sweep):
+        for id, share in sweep.running.items():
+            self.shares.setdefault(id, []).append(share)
+
+
+def toys(*settings, task="Normal", methods=("Lockstep",), targets="0-3", repetitions=2, budget=400):
+    settings = [f"lockstep.{setting}" for setting in settings]
+    specs = [f"toys:{method}" for method in methods]
+    return plan([f"toys:{task}"], specs, targets, repetitions, budget, 100, 0, settings)
+
+
+def together(path, cells, jobs=1, most=None):
+    """Records with traces in the planned order, and what was noted."""
+    store, view = Store(path, create=True), Notes()
+    order = [record["id"] for record in run(cells, store, TogetherBackend(jobs, store.running, most), view)]
+    return sorted(store.read_all(), key=lambda record: order.index(record["id"])), view
+
+
+def numbers(record):
+    """Estimate, errors and trace of a record as one array."""
+    trace = [value for point in record["trace"] for value in (*point["theta"], *(point["std"] or []))]
+    return np.array([*record["theta_hat"], *record["mean"], *record["std"], record["squared_error"], *trace])
+
+
+def assert_as_single(records, cells, atol):
+    for record, cell in zip(records, cells, strict=True):
+        single = execute(cell)
+        for name in set(single) - TIMED - ESTIMATED - {"message"}:
+            assert record[name] == single[name], name
+        np.testing.assert_allclose(numbers(record), numbers(single), rtol=0, atol=atol)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_records_are_those_of_single_cells(tmp_path, jobs):
+    cells = toys()
+    records, view = together(tmp_path, cells, jobs)
+    assert_as_single(records, cells, atol=1e-6)
+    assert {record["message"] for record in records} == {"one of 8 cells carried out together"}
+    assert not view.notes
+
+
+def test_each_cell_has_its_share_of_the_time_and_together_they_have_all_of_it(tmp_path):
+    start = time.perf_counter()
+    records, _ = together(tmp_path, toys("pause=0.1"))
+    spent = time.perf_counter() - start
+    assert len({record["method_seconds"] for record in records}) == 1
+    assert 0.4 < 8 * records[0]["method_seconds"] < spent
+    assert 0.4 < sum(map(seconds, records)) < spent
+
+
+def test_pieces_are_of_one_task_and_method_and_the_rest_follows_one_by_one(tmp_path):
+    cells = plan(["toys:Normal", "toys:Cliff"], ["toys:Moment", "toys:Lockstep"], "0-2", 1, 400, 100, 0, [])
+    pieces = TogetherBackend(1, tmp_path).pieces(cells)
+    assert [len(piece) for piece in pieces] == [3, 3, 1, 1, 1, 1, 1, 1]
+    assert [[cell.target for cell in piece] for piece in pieces[:2]] == [[0, 1, 2]] * 2
+    assert [piece[0].label.split(" target")[0] for piece in pieces[:3]] == [
+        "normal lockstep",
+        "cliff lockstep",
+        "normal moment",
+    ]
+    assert sorted(cell.id for piece in pieces for cell in piece) == sorted(cell.id for cell in cells)
+    assert [len(piece) for piece in TogetherBackend(1, tmp_path, 2).pieces(cells)][:2] == [2, 2]
+
+
+def test_settings_and_budgets_are_not_mixed(tmp_path):
+    pieces = TogetherBackend(1, tmp_path).pieces([*toys(), *toys("steps=2"), *toys(budget=800)])
+    assert [len(piece) for piece in pieces] == [8, 8, 8]
+
+
+def test_one_that_fails_fails_alone(tmp_path):
+    cells = toys("fault=raises", "limit=0.6", targets="0-14", repetitions=1)
+    guilty = [execute(cell)["status"] == Status.METHOD_ERROR for cell in cells]
+    assert 0 < sum(guilty) < len(cells)
+    records, view = together(tmp_path, cells)
+    assert [record["status"] == Status.METHOD_ERROR for record in records] == guilty
+    assert {record["message"] for record in records if record["status"] != Status.OK} == {
+        "RuntimeError: lost the thread"
+    }
+    assert all(record["simulations_used"] == 400 for record in records if record["status"] == Status.OK)
+    assert view.notes[0] == (
+        "normal lockstep, 15 cells together: RuntimeError: lost the thread; begun again in halves, as with --group 8"
+    )
+
+
+def test_one_that_cannot_be_observed_does_not_hold_up_the_others(tmp_path):
+    cells = toys(task="Cliff", targets="0-14", repetitions=1, budget=800)
+    over = [cell.build_task().targets()[cell.target][0] > 0.5 for cell in cells]
+    records, view = together(tmp_path, cells)
+    assert [record["status"] == Status.SIMULATOR_ERROR for record in records] == over
+    assert "over the edge" in records[over.index(True)]["message"]
+    assert records[over.index(False)]["message"] == f"one of {over.count(False)} cells carried out together"
+    assert not view.notes
+
+
+def test_what_a_gpu_has_no_memory_for_is_done_in_smaller_pieces(tmp_path):
+    cells = toys("most=2", targets="0-4", repetitions=1)
+    records, view = together(tmp_path, cells)
+    assert_as_single(records, cells, atol=1e-6)
+    assert view.notes[0] == (
+        "normal lockstep, 5 cells together: CUDA out of memory. Tried to allocate 2.00 GiB; fewer cells at a time "
+        "(--group, --jobs) or --device cpu need less; begun again in halves, as with --group 3"
+    )
+    assert len(view.notes) == 2
+    (alone,) = toys("most=0", targets="0", repetitions=1)
+    assert execute(alone)["message"].endswith("(--group, --jobs) or --device cpu need less")
+
+
+def test_a_method_that_returns_too_few_is_asked_one_by_one(tmp_path):
+    records, view = together(tmp_path, toys("fault=few", targets="0-2", repetitions=1))
+    assert [record["status"] for record in records] == ["ok"] * 3
+    assert "must return a list of 3 estimates, got [Estimate(" in view.notes[0]
+
+
+def test_one_that_kills_its_worker_crashes_alone(tmp_path):
+    cells = toys("fault=dies", "limit=0.6", targets="5-9", repetitions=1)
+    guilty = [cell.target == 8 for cell in cells]  # at 0.7, the others below 0.5
+    records, view = together(tmp_path, cells, jobs=2)
+    assert [record["status"] == Status.CRASHED for record in records] == guilty
+    assert view.notes[0].startswith("normal lockstep, 5 cells together: the process was ended by SIGKILL")
+    assert view.notes[0].endswith("begun again one by one")
+    assert not any((tmp_path / "running").iterdir())
+
+
+def test_all_cells_of_a_piece_tell_how_far_they_are(tmp_path):
+    _, view = together(tmp_path, toys("pause=0.7", targets="0-1"))
+    assert len(view.shares) == 4
+    assert all(0 < shares[-1] < 1 for shares in view.shares.values())
+
+
+def test_an_interrupted_piece_leaves_what_was_finished_and_the_next_run_goes_on(tmp_path):
+    command = [sys.executable, "-m", "avobench", "run", "--backend", "together", "--group", "5", "--jobs", "2"]
+    command += ["--task", "toys:Normal", "--method", "toys:Lockstep", "--budget", "400", "--observations", "100"]
+    command += ["--set", "lockstep.pause=0.1", "--results", str(tmp_path)]
+    process = subprocess.Popen(command, cwd=HERE, start_new_session=True, stderr=subprocess.PIPE)
+    while len(list(tmp_path.glob("records/*.json"))) < 10:
+        assert process.poll() is None
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGINT)
+    _, error = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert error.decode().strip().splitlines()[-1].startswith("avobench: stopped; ")
+    sound, damaged = Store(tmp_path).read()
+    assert len(sound) == 10
+    assert not damaged
+    subprocess.run(command, cwd=HERE, capture_output=True, check=True)
+    assert len(Store(tmp_path).read_all()) == 15
+
+
+def test_avo_gives_together_what_it_gives_alone(tmp_path, monkeypatch):
+    monkeypatch.setattr("avobench.methods.avo.Avo.together", True)
+    settings = ["avo.iterations=20", "avo.hidden=[8]", "avo.batch_size=32"]
+    cells = plan(["poisson"], ["avo"], "0-2", 1, 2000, 1000, 0, settings)
+    records, view = together(tmp_path, cells)
+    assert not view.notes
+    assert_as_single(records, cells, atol=1e-3)
+
+
+def test_the_command_takes_the_backend_and_its_limit(avobench, tmp_path):
+    start = ("run", "--task", "toys:Normal", "--method", "toys:Lockstep", "--targets", "0-3", "--budget", 400)
+    start += ("--observations", 100, "--jobs", 1, "--results", tmp_path / "r")
+    code, out, err = avobench(*start, "--backend", "together", "--group", 3)
+    assert code == 0, err
+    assert "4 of 4 cells ok" in out
+    messages = [record["message"] for record in Store(tmp_path / "r").read_all()]
+    assert messages == ["one of 3 cells carried out together"] * 3 + [""]
+    assert Store(tmp_path / "r").sweeps()[0]["backend"] == "together"
+    for arguments in (("--group", 2), ("--backend", "together", "--group", 0)):
+        code, _, err = avobench(*start, *arguments)
+        assert code == 2
+        assert "--group is for --backend together, at least 1" in err
+        assert err.count("\n") == 1
+
+
+def cuda():
+    import torch
+
+    return torch.cuda.is_available()
+
+
+def test_without_a_gpu_nothing_starts(avobench, tmp_path):
+    if cuda():
+        pytest.skip("there is a GPU")
+    code, _, err = avobench("run", "--method", "avo-paper", "--device", "cuda", "--results", tmp_path / "r")
+    assert code == 2
+    assert "finds no CUDA device" in err
+    assert err.count("\n") == 1
+    assert not (tmp_path / "r").exists()
+
+
+def test_avo_trains_all_targets_at_once_on_a_gpu(avobench, tmp_path):
+    if not cuda():
+        pytest.skip("needs a CUDA device")
+    start = ("run", "--task", "poisson", "--method", "avo", "--targets", "0-3", "--budget", 16000, "--jobs", 1)
+    start += ("--observations", 20000, "--results", tmp_path / "r")
+    for device in ("cpu", "cuda"):
+        code, _, err = avobench(*start, "--device", device)
+        assert code == 0, err
+    records = Store(tmp_path / "r").read_all()
+    by_target = {}
+    for record in records:
+        by_target.setdefault(record["target"], []).append(record)
+    assert [len(pair) for pair in by_target.values()] == [2] * 4
+    assert sum("one of 4 cells carried out together" in record["message"] for record in records) == 4
+    for first, second in by_target.values():
+        error = np.sqrt(first["floor"])
+        assert abs(first["theta_hat"][0] - second["theta_hat"][0]) < 5 * error
+
+
+def test_a_backend_of_single_cells_is_as_it_was(tmp_path):
+    cells = toys(targets="0-1", repetitions=1)
+    assert LocalBackend(1, tmp_path).pieces(cells) == [(cells[0],), (cells[1],)]

@@ -1,0 +1,307 @@
+"""Packing: every record comes back as it was, readers see no difference, and no kill loses or halves anything."""
+
+import json
+import multiprocessing
+import random
+import shutil
+import time
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from kills import pack_calmly, pack_killed_at
+from sound_records import sound_records
+
+from avobench.bench.processes.local import LocalBackend
+from avobench.bench.store.pack import pack
+from avobench.bench.store.packed import ROWS_A_GROUP, Row, read_rows, write_rows
+from avobench.bench.store.record import IDENTITY, decode_record, file_name, identity_hash
+from avobench.bench.store.store import DamagedRecord, Store
+from avobench.bench.sweep.plan import plan
+from avobench.bench.sweep.runner import View, run
+from avobench.tasks.errors import StoreError, UsageError
+
+REFERENCE = Store(Path(__file__).parents[3] / "results" / "reference")
+FORKSERVER = multiprocessing.get_context("forkserver")
+FORKSERVER.set_forkserver_preload(["avobench.bench.store.pack"])
+
+
+@pytest.fixture(scope="module")
+def kept():
+    """A few committed records, among them ones with long traces."""
+    return REFERENCE.read_all()[::60]
+
+
+@pytest.fixture
+def store(kept, tmp_path):
+    store = Store(tmp_path / "store", create=True)
+    for record in kept:
+        store.write(record)
+    return store
+
+
+def files(store):
+    return {path.name: path.read_bytes() for path in store.records.glob("*.json")}
+
+
+def rows(store):
+    return {row.file: row.text.encode() for row in read_rows(store.table)}
+
+
+@given(st.lists(sound_records(), min_size=1, max_size=4, unique_by=file_name))
+@settings(max_examples=30, deadline=None)
+def test_any_record_comes_back_byte_for_byte(tmp_path_factory, records):
+    store = Store(tmp_path_factory.mktemp("any") / "store", create=True)
+    for record in records:
+        store.write(record)
+    written = files(store)
+    pack(store)
+    assert rows(store) == written
+    assert store.read_all() == sorted(records, key=file_name)
+    frame = pd.read_parquet(store.table).set_index("file")
+    for record in records:
+        row = frame.loc[file_name(record)]
+        assert list(row["theta_true"]) == record["theta_true"]
+        assert row["simulations_used"] == record["simulations_used"] or record["simulations_used"] is None
+        assert json.loads(row["task_settings"]) == record["task_settings"]
+
+
+def test_the_committed_records_are_packed():
+    folders = sorted(path.parent for path in REFERENCE.path.parent.glob("*/store.json"))
+    assert len(folders) >= 5
+    for folder in folders:
+        assert (folder / "records.parquet").exists()
+        assert not (folder / "records").exists()
+
+
+def test_a_packed_store_is_read_as_it_was_and_has_few_files(store):
+    before, written = store.read_all(), files(store)
+    packed = pack(store)
+    assert (packed.rows, packed.folded, packed.damaged) == (len(written), len(written), {})
+    assert Store(store.path).read_all() == before
+    assert rows(store) == written
+    left = {path.name for path in store.path.iterdir()}
+    assert left - {".lock"} == {"records.parquet", "store.json"}
+    table = store.table.read_bytes()
+    assert pack(store).folded == 0
+    assert store.table.read_bytes() == table
+
+
+def test_a_record_made_again_wins_over_its_row_and_is_folded_in(store, kept):
+    pack(store)
+    again = {**kept[1], "message": "made again"}
+    store.write(again)
+    expected = [again if record["id"] == again["id"] else record for record in kept]
+    assert store.read_all() == expected
+    assert pack(store).folded == 1
+    assert not files(store)
+    assert store.read_all() == expected
+
+
+def test_a_record_in_both_places_counts_once(store, kept):
+    written = files(store)
+    pack(store)
+    store.write(kept[0])
+    assert store.read_all() == kept
+    pack(store)
+    assert rows(store) == written
+
+
+def test_a_packed_store_makes_nothing_again_and_only_what_failed_on_request(tmp_path, beside_users_modules):
+    finished = []
+
+    class Counting(View):
+        def finished(self, sweep, cell, record):
+            finished.append(cell.id)
+
+    def sweep(targets, **options):
+        cells = plan(["toys:Normal"], ["toys:Moment"], targets, 1, 400, 100, 0, ["moment.fault=raises"])
+        return run(cells, store, LocalBackend(1, store.running), Counting(), **options)
+
+    store = Store(tmp_path, create=True)
+    first = sweep("0-1")
+    pack(store)
+    finished.clear()
+    assert sweep("0-1") == first
+    assert not finished
+    sweep("0-2")
+    assert len(finished) == len(files(store)) == 1
+    sweep("0-2", retry_failed=True)
+    assert len(finished) == 4
+    assert len(store.read_all()) == 3
+
+
+def test_a_running_sweep_is_not_packed(store):
+    with store.lock(), pytest.raises(UsageError, match="another avobench run is writing"):
+        pack(Store(store.path))
+    assert not store.table.exists()
+
+
+def test_nothing_to_pack_is_said(tmp_path):
+    with pytest.raises(StoreError, match="no records"):
+        pack(Store(tmp_path / "empty", create=True))
+
+
+def test_damaged_files_stay_and_are_named(store):
+    bad = sorted(store.records.iterdir())[0]
+    bad.write_bytes(bad.read_bytes()[:200])
+    packed = pack(store)
+    assert list(packed.damaged) == [bad]
+    assert list(files(store)) == [bad.name]
+    assert bad.name not in rows(store)
+
+
+def damage_a_row(store):
+    """Pack, and change one record in the table; the name of its file and what the row holds now."""
+    name = sorted(files(store))[1]
+    pack(store)
+    edited = rows(store)[name].replace(b'"squared_error": ', b'"squared_error": 1')
+    write_rows(
+        store.table, [Row(file, (edited if file == name else text).decode()) for file, text in rows(store).items()]
+    )
+    return name, edited
+
+
+def test_a_damaged_row_is_named_set_aside_and_kept_until_its_cell_is_made_again(store, kept):
+    name, edited = damage_a_row(store)
+    row = store.table / name
+    sound, damaged = store.read()
+    assert len(sound) == len(kept) - 1
+    assert list(damaged) == [row]
+    with pytest.warns(DamagedRecord, match=name):
+        assert store.read_all() == sound
+    assert list(pack(store).damaged) == [row]
+    assert rows(store)[name] == edited
+    for _ in range(2):  # the second time after a run that was stopped
+        assert store.set_aside(row) == store.path / "damaged" / name
+    assert (store.path / "damaged" / name).read_bytes() == edited
+    store.write(next(record for record in kept if file_name(record) == name))
+    assert store.read() == (kept, {})
+    assert pack(store).damaged == {}
+    assert store.read() == (kept, {})
+
+
+def test_bytes_changed_anywhere_in_the_table_are_noticed_and_nothing_is_lost(store, kept, beside_users_modules):
+    pack(store)
+    whole = store.table.read_bytes()
+    moments = random.Random(0)
+    for _ in range(150):
+        content = bytearray(whole)
+        place = moments.randrange(len(whole))
+        content[place] ^= 1 << moments.randrange(8)
+        store.table.write_bytes(content)
+        sound, damaged = store.read()
+        assert all(record in kept for record in sound)
+        assert damaged or sound == kept  # what is only a column for other readers, or padding
+    store.table.write_bytes(whole[: len(whole) // 2])
+    cells = plan(["toys:Normal"], ["toys:Moment"], "0", 1, 400, 100, 0, [])
+    for refused in (pack, lambda store: run(cells, store, LocalBackend(1, store.running), View())):
+        with pytest.raises(StoreError, match="cannot be read"):
+            refused(store)
+    assert store.table.read_bytes() == whole[: len(whole) // 2]
+
+
+def test_damage_in_one_part_of_the_table_leaves_the_rest(tmp_path):
+    store, copies = Store(tmp_path, create=True), []
+    record = REFERENCE.read_all()[0]
+    for number in range(2 * ROWS_A_GROUP):
+        copies.append(_with_repetition(record, number))
+        store.write(copies[-1])
+    pack(store)
+    content = bytearray(store.table.read_bytes())
+    place = content.index(b"repetition", len(content) // 2) // 4  # well within the first group
+    content[place : place + 50] = bytes(50)
+    store.table.write_bytes(content)
+    sound, damaged = store.read()
+    assert len(sound) == ROWS_A_GROUP
+    assert f"{ROWS_A_GROUP} of {2 * ROWS_A_GROUP} rows can be read" in damaged[store.table]
+
+
+@pytest.mark.parametrize("name", ["/precious.json", "../precious.json", "..", "", "a/b.json"])
+def test_a_row_whose_name_leads_elsewhere_is_damage_of_the_table(store, name):
+    content = next(iter(files(store).values())).decode()
+    write_rows(store.table, [Row(name, content)])
+    sound, damaged = store.read()
+    assert sound == Store(store.path).read()[0]
+    assert list(damaged) == [store.table]
+    with pytest.raises(StoreError, match="would not lie in"):
+        pack(store)
+
+
+def _with_repetition(record, number):
+    record = {**record, "repetition": number}
+    return {**record, "id": identity_hash({name: record[name] for name in IDENTITY if name in record})}
+
+
+def test_a_table_that_is_not_read_back_as_written_replaces_nothing(store, monkeypatch):
+    written = files(store)
+    monkeypatch.setattr("avobench.bench.store.packed.read_rows", lambda path: iter([Row("x", "y")]))
+    with pytest.raises(StoreError, match="could not be packed"):
+        pack(store)
+    assert files(store) == written
+    assert not store.table.exists()
+    assert not list(store.path.glob(".*.tmp"))
+
+
+def whole(store, written):
+    """Check that every record is there, whole, in a file or the table, and that nothing else looks like one."""
+    assert store.read() == ([decode_record(written[name]) for name in sorted(written)], {})
+    found = files(store)
+    assert all(written[name] == content for name, content in found.items())
+    if store.table.exists():
+        assert all(written[name] == content for name, content in rows(store).items())
+
+
+def killed(target, *arguments, after=None):
+    """Start a process, kill it after so many seconds, if any, and tell whether it ended by the kill."""
+    process = FORKSERVER.Process(target=target, args=arguments)
+    process.start()
+    if after is not None:
+        time.sleep(after)
+        process.kill()
+    process.join()
+    return process.exitcode == -9
+
+
+def test_killed_at_every_operation_on_files_nothing_is_lost(store, tmp_path):
+    written, number = files(store), 0
+    while True:
+        copy = Store(Path(shutil.copytree(store.path, tmp_path / str(number))))
+        ended = killed(pack_killed_at, copy.path, number)
+        whole(copy, written)
+        if not ended:
+            break
+        pack(copy)
+        whole(copy, written)
+        assert not files(copy)
+        assert not list(copy.path.glob("**/.*.tmp"))
+        number += 1
+    assert number > len(written) + 3  # within the write of the table, before and at its place, and at every file
+
+
+def test_killed_at_random_moments_nothing_is_lost(store, tmp_path):
+    written, moments, ended = files(store), random.Random(0), 0
+    start = time.monotonic()
+    killed(pack_calmly, shutil.copytree(store.path, tmp_path / "calm"))
+    took = time.monotonic() - start
+    for number in range(24):
+        copy = Store(Path(shutil.copytree(store.path, tmp_path / str(number))))
+        ended += killed(pack_calmly, copy.path, after=moments.uniform(0, took))
+        whole(copy, written)
+        pack(copy)
+        whole(copy, written)
+    assert ended >= 6
+
+
+def test_a_reader_beside_the_packing_sees_every_record(store, kept):
+    process = FORKSERVER.Process(target=pack_calmly, args=(store.path,))
+    process.start()
+    reads = 0
+    while process.is_alive():
+        assert store.read() == (kept, {})
+        reads += 1
+    assert process.exitcode == 0
+    assert reads
+    assert not files(store)

@@ -1,0 +1,166 @@
+"""Records on disk: whole or not at all, damage noticed, schema kept."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from avobench.bench.cells.trial import execute
+from avobench.bench.processes.local import LocalBackend
+from avobench.bench.store.store import DamagedRecord, Store
+from avobench.bench.sweep.plan import plan
+from avobench.bench.sweep.runner import View, run
+from avobench.tasks.errors import StoreError, UsageError
+
+
+def records(methods=("toys:Moment",), budget=400, settings=(), targets="0-1"):
+    cells = plan(["toys:Normal"], list(methods), targets, 1, budget, 100, 0, list(settings))
+    return [execute(cell) for cell in cells]
+
+
+@pytest.fixture
+def store(tmp_path):
+    return Store(tmp_path / "results", create=True)
+
+
+def test_what_is_written_is_read(store):
+    written = records()
+    for record in written:
+        store.write(record)
+    assert Store(store.path).read_all() == written
+
+
+def test_one_line_of_pandas_reads_a_store(store):
+    for record in records():
+        store.write(record)
+    frame = pd.DataFrame(json.loads(path.read_text()) for path in store.records.glob("*.json"))
+    assert set(frame["target"]) == {0, 1}
+    assert frame["squared_error"].dtype == float
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda text: text[: len(text) // 2], "truncated"),
+        (lambda text: "", "truncated"),
+        (lambda text: "[1, 2]", "truncated or not a record"),
+        (lambda text: text.replace('"status": "ok"', '"status": "OK"'), "checksum"),
+        (lambda text: text.replace('"schema_version": 1', '"schema_version": 99'), "schema version 99"),
+    ],
+)
+def test_a_damaged_record_is_named_and_set_aside_whole(store, damage, message):
+    good, bad = (store.write(record) for record in records())
+    bad.write_text(damage(bad.read_text()))
+    sound, damaged = store.read()
+    assert len(sound) == 1
+    assert list(damaged) == [bad]
+    assert message in damaged[bad]
+    with pytest.warns(DamagedRecord, match=bad.name):
+        assert store.read_all() == sound
+    content = bad.read_text()
+    assert store.set_aside(bad).read_text() == content
+    assert store.read_all() == sound
+    bad.write_text(content)
+    assert store.set_aside(bad).name.endswith(".json.1")  # never over another file
+    assert good.exists()
+
+
+def test_a_record_that_makes_no_sense_is_damaged_though_its_checksum_is_right(store):
+    good, bad = records()
+    store.write(good)
+    path = store.write({**bad, "squared_error": -1.0})
+    sound, damaged = store.read()
+    assert sound == [good]
+    assert "makes no sense: squared_error" in damaged[path]
+
+
+def test_a_store_without_a_sound_record_says_so(store):
+    store.write(records()[0]).write_text("{")
+    with pytest.warns(DamagedRecord), pytest.raises(StoreError, match="no sound records"):
+        store.read_all()
+
+
+def test_a_record_that_cannot_be_opened_does_not_block_the_others(store, monkeypatch):
+    good, bad = (store.write(record) for record in records())
+    read = Path.read_bytes
+
+    def failing(path):
+        if path == bad:
+            raise PermissionError(13, "Permission denied")
+        return read(path)
+
+    monkeypatch.setattr(Path, "read_bytes", failing)
+    sound, damaged = store.read()
+    assert [record["target"] for record in sound] == [0]
+    assert damaged == {bad: "cannot be read: Permission denied"}
+    assert good.exists()
+
+
+@pytest.mark.parametrize("name", ["../../x", "/tmp/x", "..", "a/b", "", "a\0b"])
+def test_a_record_is_written_nowhere_but_in_the_store(store, name):
+    before = sorted(store.path.parent.rglob("*"))
+    for kind in ("task", "method"):
+        with pytest.raises(UsageError, match=f"name of a {kind} must be"):
+            store.write({**records()[0], kind: name})
+    assert sorted(store.path.parent.rglob("*")) == before
+
+
+def test_a_name_that_leads_elsewhere_is_told_before_anything_is_made(store):
+    cells = plan(["toys:Normal"], ["toys:Moment"], "0-1", 1, 400, 100, 0, [])
+    cells[1].identity["task"] = "../../x"  # as a file of a model could say
+    backend = LocalBackend(1, store.running)
+    with pytest.raises(UsageError, match=r"name of a task must be .* got '\.\./\.\./x'"):
+        run(cells, store, backend, View())
+    assert [path.name for path in store.path.rglob("*.json")] == ["store.json"]
+
+
+def test_a_copy_of_a_record_is_not_counted_twice(store):
+    path = store.write(records()[0])
+    copy = path.with_name(path.name.replace("t00", "t05"))
+    copy.write_bytes(path.read_bytes())
+    sound, damaged = store.read()
+    assert len(sound) == 1
+    assert "is a copy of" in damaged[copy]
+
+
+def test_a_store_whose_making_was_killed_is_finished_by_the_next(tmp_path):
+    (tmp_path / "new").mkdir()
+    (tmp_path / "new" / ".abc.tmp").write_text("{")
+    Store(tmp_path / "new", create=True).write(records()[0])
+    assert len(Store(tmp_path / "new").read_all()) == 1
+
+
+def test_folders_that_cannot_be_a_store_are_refused_in_one_line(tmp_path):
+    file = tmp_path / "file"
+    file.write_text("")
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "thesis.tex").write_text("precious")
+    newer = tmp_path / "newer"
+    newer.mkdir()
+    (newer / "store.json").write_text(json.dumps({"schema": "avobench-records", "version": 99}))
+    broken = tmp_path / "broken"
+    broken.mkdir()
+    (broken / "store.json").write_text("{")
+    for path, message in [
+        (file, "is a file"),
+        (other, "holds other files"),
+        (newer, "'version': 99"),
+        (broken, "not readable as JSON"),
+        (Path("/proc/avobench"), "cannot be used"),
+        (file / "below", "cannot be used"),
+    ]:
+        with pytest.raises(UsageError, match=message):
+            Store(path, create=True)
+    with pytest.raises(UsageError, match="there is no results folder"):
+        Store(tmp_path / "nowhere")
+    assert not (tmp_path / "nowhere").exists()
+    assert [path.name for path in other.iterdir()] == ["thesis.tex"]
+
+
+def test_one_sweep_at_a_time(store):
+    with store.lock(), pytest.raises(UsageError, match="another avobench run"):
+        Store(store.path).lock().__enter__()
+    with store.lock():
+        pass

@@ -1,0 +1,27 @@
+"""Records as a table: a row a cell, unlike ones apart."""
+
+from avobench.bench.cells.trial import execute
+from avobench.bench.store.table import labels, to_frame
+from avobench.bench.sweep.plan import plan
+
+
+def records(budget=400, settings=()):
+    cells = plan(["toys:Normal"], ["toys:Moment"], "0-1", 1, budget, 100, 0, list(settings))
+    return [execute(cell) for cell in cells]
+
+
+def test_the_table_has_a_row_a_cell_and_the_promised_columns():
+    frame = to_frame([*records(), *records(settings=["moment.fault=raises"])])
+    assert len(frame) == 4
+    promised = "task method target repetition seed status message theta_true_0 theta_hat_0 squared_error floor"
+    promised += " num_observations budget simulations_used simulator_seconds method_seconds"
+    assert set(promised.split()) <= set(frame)
+    assert frame.loc[frame["status"] != "ok", ["theta_hat_0", "squared_error"]].isna().all(axis=None)
+
+
+def test_like_named_methods_of_other_settings_are_never_pooled():
+    mixed = [*records(), *records(settings=["moment.steps=2"]), *records(budget=800)]
+    tasks, methods = labels(mixed)
+    assert methods == ["moment steps=4"] * 2 + ["moment steps=2"] * 2 + ["moment steps=4"] * 2
+    assert tasks == ["normal budget=400"] * 4 + ["normal budget=800"] * 2
+    assert labels(records()) == (["normal"] * 2, ["moment"] * 2)

@@ -1,0 +1,229 @@
+"""The sweep: the same numbers however it is run, and nothing finished is ever lost."""
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from avobench.bench.processes.local import LocalBackend
+from avobench.bench.store.store import Store
+from avobench.bench.sweep.plan import plan
+from avobench.bench.sweep.runner import View, run
+from avobench.tasks.errors import StoreError
+
+HERE = Path(__file__).parents[2] / "users"
+TIMED = ("observation_seconds", "simulator_seconds", "method_seconds", "harness_seconds", "peak_memory_mib", "started")
+
+
+class Notes(View):
+    def __init__(self):
+        self.notes, self.order = [], []
+
+    def note(self, line):
+        self.notes.append(line)
+
+    def finished(self, sweep, cell, record):
+        self.order.append(cell.id)
+
+
+def sweep(path, *, methods=("toys:Moment",), targets="0-3", repetitions=1, jobs=1, settings=(), **options):
+    cells = plan(["toys:Normal"], list(methods), targets, repetitions, 400, 100, 0, list(settings))
+    view, store = Notes(), Store(path, create=True)
+    return run(cells, store, LocalBackend(jobs, store.running), view, **options), view
+
+
+def results(records):
+    """Records without what a clock or a meter says."""
+    return [{name: value for name, value in record.items() if name not in TIMED} for record in records]
+
+
+def test_one_worker_or_two_give_the_same_records_bit_for_bit(tmp_path):
+    one, _ = sweep(tmp_path / "one", jobs=1)
+    two, _ = sweep(tmp_path / "two", jobs=2)
+    assert results(one) == results(two)
+    assert results(Store(tmp_path / "one").read_all()) == results(Store(tmp_path / "two").read_all())  # traces too
+
+
+def test_the_real_methods_too_do_not_depend_on_the_number_of_workers(tmp_path):
+    settings = ["avo-paper.hidden=[8]", "abc-smc.population_size=10", "abc-smc.events_per_theta=16"]
+    settings += ["bolfi.events_per_theta=64", "bolfi.num_trace_points=2"]
+    methods = ["avo-paper", "abc-smc", "bolfi"]
+    cells = plan(["weinberg", "alignment"], methods, "0", 1, 1280, 500, 0, settings)
+    stores = [Store(tmp_path / name, create=True) for name in ("one", "two")]
+    one, two = (run(cells, store, LocalBackend(j, store.running), Notes()) for j, store in enumerate(stores, 1))
+    assert [record["status"] for record in one] == ["ok"] * 6
+    assert len(two) == 6
+    assert results(stores[0].read_all()) == results(stores[1].read_all())
+
+
+def test_a_second_run_does_only_what_is_missing(tmp_path):
+    first, _ = sweep(tmp_path, targets="0-1")
+    second, view = sweep(tmp_path, targets="0-3")
+    assert len(view.order) == 2
+    assert second[:2] == first
+    third, view = sweep(tmp_path, targets="0-3")
+    assert view.order == []
+    assert third == second
+
+
+def test_cells_are_finished_in_the_planned_order_with_one_worker(tmp_path):
+    cells = plan(["toys:Normal"], ["toys:Moment"], "3,1,2", 2, 400, 100, 0, [])
+    _, view = sweep(tmp_path, targets="3,1,2", repetitions=2)
+    assert view.order == [cell.id for cell in cells]
+
+
+def test_a_failed_cell_does_not_stop_the_sweep_and_is_tried_again_only_on_request(tmp_path):
+    records, _ = sweep(tmp_path, settings=["moment.fault=raises"])
+    assert [record["status"] for record in records] == ["method_error"] * 4
+    _, view = sweep(tmp_path, settings=["moment.fault=raises"])
+    assert view.order == []
+    _, view = sweep(tmp_path, settings=["moment.fault=raises"], retry_failed=True)
+    assert len(view.order) == 4
+
+
+def test_a_failure_without_a_message_does_not_stop_the_sweep(avobench, tmp_path):
+    arguments = ["run", "--task", "toys:Normal", "--method", "toys:Moment", "--targets", "0-1", "--budget", 400]
+    arguments += ["--observations", 100, "--jobs", 1, "--results", tmp_path / "r", "--set", "moment.fault=quiet"]
+    code, out, err = avobench(*arguments)
+    assert code == 1
+    assert "0 of 2 cells ok" in out
+    assert err.count("budget_exhausted: no message") == 2
+
+
+def test_a_worker_that_dies_costs_its_own_cell_only(tmp_path):
+    records, view = sweep(tmp_path, methods=("toys:Moment", "toys:Dying"), targets="0-1", jobs=2)
+    assert [record["status"] for record in records] == ["ok", "crashed"] * 2
+    assert records[1]["message"].startswith("the process was ended by SIGKILL")
+    assert records[1]["message"].endswith("(2 times)")
+    assert any(note.endswith("begun again when all else is done") for note in view.notes)
+    assert not any((tmp_path / "running").iterdir())
+
+
+def test_damaged_records_are_set_aside_and_made_again(tmp_path):
+    first, _ = sweep(tmp_path)
+    damaged = sorted((tmp_path / "records").iterdir())[1]
+    damaged.write_text(damaged.read_text()[:100])
+    second, view = sweep(tmp_path)
+    assert results(second) == results(first)
+    assert len(view.order) == 1
+    assert "set aside" in view.notes[0]
+    assert [path.name for path in (tmp_path / "damaged").iterdir()] == [damaged.name]
+
+
+def test_a_record_that_the_disk_does_not_give_is_never_made_again(tmp_path, monkeypatch):
+    sweep(tmp_path)
+    refused = sorted((tmp_path / "records").iterdir())[1]
+    content, read = refused.read_bytes(), Path.read_bytes
+
+    def fails(path):
+        if path == refused:
+            raise OSError(5, "Input/output error")
+        return read(path)
+
+    monkeypatch.setattr(Path, "read_bytes", fails)
+    with pytest.raises(StoreError, match=r"cannot be read: Input/output error; look at the disk"):
+        sweep(tmp_path)
+    monkeypatch.undo()
+    assert refused.read_bytes() == content
+    assert not (tmp_path / "damaged").exists()
+
+
+def test_a_folder_that_cannot_be_listed_is_not_an_empty_one(tmp_path, monkeypatch):
+    first, _ = sweep(tmp_path)
+    scandir = os.scandir
+
+    def fails(path="."):
+        if Path(path) == tmp_path / "records":
+            raise PermissionError(13, "Permission denied")
+        return scandir(path)
+
+    monkeypatch.setattr(os, "scandir", fails)
+    with pytest.raises(StoreError, match="cannot be listed: Permission denied"):
+        sweep(tmp_path)
+    monkeypatch.undo()
+    again, view = sweep(tmp_path)
+    assert (again, view.order) == (first, [])
+
+
+COMMAND = [sys.executable, "-m", "avobench", "run", "--task", "toys:Normal", "--method", "toys:Moment"]
+COMMAND += ["--budget", "400", "--observations", "100", "--repetitions", "4", "--jobs", "2"]
+COMMAND += ["--set", "moment.pause=0.02"]
+
+
+def start(path):
+    """The sweep of 60 cells in a process group of its own."""
+    return subprocess.Popen(
+        [*COMMAND, "--results", str(path)],
+        cwd=HERE,
+        start_new_session=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+
+
+def gone(group, seconds=20):
+    """Whether a process group ends in time; a dead process stays in its group until the system has reaped it."""
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.1)
+    return False
+
+
+def test_killed_twenty_times_at_random_moments_nothing_finished_is_lost(tmp_path):
+    """SIGKILL to the sweep alone: its orphaned workers must end too, and never touch the store."""
+    store, seen, moments = tmp_path / "killed", {}, random.Random(0)
+    for _ in range(20):
+        process = start(store)
+        deadline = time.monotonic() + 60
+        known = len(list(store.glob("records/*.json")))
+        # up to the kill, wait for work to be under way: a random number of new records, then a random moment
+        new = moments.randrange(3)
+        while len(list(store.glob("records/*.json"))) < known + new and process.poll() is None:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        time.sleep(moments.uniform(0, 0.1))
+        process.kill()
+        process.communicate()
+        for path in store.glob("records/*.json"):
+            content = path.read_text()
+            json.loads(content)  # whole
+            assert seen.setdefault(path.name, content) == content
+        assert set(seen) == {path.name for path in store.glob("records/*.json")}
+    assert subprocess.run([*COMMAND, "--results", str(store)], cwd=HERE, capture_output=True).returncode == 0
+    assert all((store / "records" / name).read_text() == content for name, content in seen.items())
+    assert (
+        subprocess.run([*COMMAND, "--results", str(tmp_path / "calm")], cwd=HERE, capture_output=True).returncode == 0
+    )
+    assert results(Store(store).read_all()) == results(Store(tmp_path / "calm").read_all())
+    assert not list(store.glob("records/.*"))
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_sweep_says_so_in_one_line_and_leaves_no_process(tmp_path, number):
+    process = start(tmp_path)
+    while not list(tmp_path.glob("records/*.json")):
+        assert process.poll() is None
+        time.sleep(0.02)
+    if number == signal.SIGINT:
+        os.killpg(process.pid, number)  # as a terminal does on Ctrl-C
+    else:
+        process.send_signal(number)
+    _, error = process.communicate(timeout=30)
+    assert process.returncode == 130
+    last = error.decode().strip().splitlines()
+    assert last[-1].startswith("avobench: stopped; ")
+    assert "Traceback" not in error.decode()
+    assert gone(process.pid)
+    sound, damaged = Store(tmp_path).read()
+    assert sound
+    assert not damaged

@@ -1,0 +1,113 @@
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from pydantic.errors import PydanticSchemaGenerationError
+
+from avobench.bench.plugins import registry
+from avobench.diagnosis.report.model_file import describe, kept
+from avobench.effects import Effect, Parameter
+from avobench.effects.catalogue import catalogue, chosen
+from avobench.effects.model import Model
+from avobench.tasks.alignment import Alignment
+from avobench.tasks.carl import Carl
+from avobench.tasks.errors import UsageError
+from avobench.tasks.poisson import Poisson
+from avobench.tasks.weinberg import Weinberg
+
+
+@pytest.mark.parametrize("task", [Poisson(), Weinberg(), Carl(), Alignment()], ids=lambda task: task.name)
+def test_a_model_file_keeps_what_the_data_decided_of_an_effect(task, tmp_path):
+    if task.event_shape:
+        x = np.zeros((400, 32 * 32), bool)
+        x[:, :40] = x[:, 64:94] = True  # rows, some cells of which are dead, or alone alive
+    else:
+        x = task.simulate(
+            np.tile(np.mean([task.prior.low, task.prior.high], axis=0), (2000, 1)), np.random.default_rng(0)
+        )
+        x[:1200] = np.round(x[:1200], 1)  # of which some effects read steps and limits
+    for effect in catalogue(task):
+        if effect.feature not in (None, 0, "all"):
+            continue
+        for shape in effect.adapted(x).shapes():
+            model = Model(task, (shape,))
+            fit = SimpleNamespace(model=model, params=model.from_cube(np.full(model.dim, 0.5)))
+            path = tmp_path / "model.json"
+            path.write_text(describe(fit, np.full(model.dim, 0.1), task.name, {}).model_dump_json())
+            assert registry.read_model(str(path)).model.effects == (shape,)
+
+
+@pytest.mark.parametrize("name", ["truncation", "censoring", "analysis_window"])
+def test_a_model_file_keeps_where_the_data_end(name, tmp_path):
+    task = Weinberg()
+    x = task.simulate(np.tile(task.prior.center, (9000, 1)), np.random.default_rng(0))
+    x = np.minimum(x[x[:, 0] > -0.7], 0.8) if name == "censoring" else x[np.abs(x[:, 0]) < 0.7]
+    adapted = chosen(catalogue(task), [name], task.name)[0].adapted(x)
+    assert adapted != adapted.adapted(np.random.default_rng(0).standard_normal((9000, 1)))  # that shows no ends
+    for shape in adapted.shapes():
+        model = Model(task, (shape,))
+        fit = SimpleNamespace(model=model, params=model.from_cube(np.full(model.dim, 0.5)))
+        path = tmp_path / "model.json"
+        path.write_text(describe(fit, np.full(model.dim, 0.1), task.name, {}).model_dump_json())
+        assert registry.read_model(str(path)).model.effects == (shape,)
+
+
+def test_a_model_file_of_an_effect_that_does_not_exist_is_refused(tmp_path):
+    path, model = tmp_path / "model.json", Model(Poisson(), (catalogue(Poisson())[0],))
+    content = describe(SimpleNamespace(model=model, params=model.low), model.high, "poisson", {})
+    for change in ({"shape": "round"}, {"name": "gremlins"}, {"settings": {"colour": "red"}}):
+        effects = [content.effects[0].model_copy(update=change)]
+        path.write_text(content.model_copy(update={"effects": effects}).model_dump_json())
+        with pytest.raises(UsageError, match="does not apply to poisson"):
+            registry.build("task", str(path), {})
+
+
+def test_the_model_of_a_model_makes_the_events_that_were_fitted(tmp_path):
+    """An effect that was found later comes after all of the model before, and one may be found again."""
+    task, at = Weinberg(), [45.5, 1.0]
+    for name, phi in (("quantisation", [0.3]), ("resolution", [0.2]), ("resolution", [0.1])):
+        effect = next(effect for effect in catalogue(task) if effect.name == name)
+        model, at = Model(task, (effect,)), [*at, *phi, *(p.high for p in effect.parameters[1:])]
+        fit = SimpleNamespace(model=model, params=np.array(at))
+        path = tmp_path / "model.json"
+        path.write_text(describe(fit, np.full(model.dim, 0.1), "weinberg", {}).model_dump_json())
+        task = registry.read_model(str(path))
+    assert len(set(task.parameter_names)) == len(at)
+    fitted, kept = (each.simulate(np.tile(at, (500, 1)), np.random.default_rng(0)) for each in (model, task))
+    np.testing.assert_array_equal(fitted, kept)
+    assert len(np.unique(kept)) == 500
+
+
+def test_a_file_that_is_no_model_is_refused(tmp_path):
+    path = tmp_path / "model.json"
+    path.write_text("{}")
+    with pytest.raises(UsageError, match="is not a model"):
+        registry.build("task", str(path), {})
+
+
+class Own(Effect):
+    """A user's effect that does what it is told."""
+
+    name = "own"
+    parameters = (Parameter("strength", 0, 1, 0, "1"),)
+
+    def __init__(self, events):
+        self.events = events
+
+    def apply(self, simulate, theta, phi, rng):
+        return self.events(simulate(theta, rng))
+
+
+@dataclass(frozen=True)
+class Table(Own):
+    """Of an unusual type, as a user's field may be."""
+
+    table: np.ndarray = field(default_factory=lambda: np.zeros(3))
+
+
+def test_a_file_keeps_what_follows_the_data_or_says_that_it_cannot(monkeypatch):
+    monkeypatch.setattr(registry, "effect", lambda source: Table())
+    assert kept(Table(), Poisson(), "mod:Table", Table()).settings == {}
+    with pytest.raises(PydanticSchemaGenerationError, match="ndarray"):
+        kept(Table(np.ones(3)), Poisson(), "mod:Table", Table())

@@ -1,0 +1,246 @@
+import json
+
+import numpy as np
+import pytest
+from measurements import with_effect
+
+from avobench.api.diagnosis import require_events
+from avobench.bench.plugins import registry
+from avobench.diagnosis import Diagnosis, diagnose
+from avobench.diagnosis.effort import Effort
+from avobench.diagnosis.report.model_file import describe
+from avobench.diagnosis.report.quoted import scaled_std
+from avobench.diagnosis.schema import Verdict
+from avobench.effects import Effect, Parameter
+from avobench.effects.catalogue import catalogue
+from avobench.effects.counts.after_pulses import AfterPulses
+from avobench.effects.model_file import AugmentedTask
+from avobench.effects.theta.mixture import Mixture
+from avobench.tasks.errors import UsageError
+from avobench.tasks.function import task as task_of
+from avobench.tasks.poisson import Poisson
+from avobench.tasks.weinberg import Weinberg
+
+RUTHERFORD_GEIGER = (57, 203, 383, 525, 532, 408, 273, 139, 45, 27, 10, 4, 0, 1, 1)
+"""Intervals with 0, 1, ... alpha particles: E. Rutherford, H. Geiger, Phil. Mag. 20 (1910) 698."""
+
+
+HORSE_KICKS = (109, 65, 22, 3, 1)
+"""Corps-years with 0, 1, ... deaths: L. von Bortkiewicz, Das Gesetz der kleinen Zahlen (1898)."""
+
+
+CLAIMS = (103704, 14075, 1766, 255, 45, 6, 2)
+"""Drivers with 0, 1, ... accidents in a year: H. Buehlmann, Mathematical Methods in Risk Theory (1970)."""
+
+
+ALIKE = (Mixture, AfterPulses)
+"""Effects that on counts do much the same as overdispersion (docs/add-an-effect.md)."""
+
+
+def counts(table):
+    return np.repeat(np.arange(len(table)), table)[:, None]
+
+
+@pytest.mark.parametrize("table", [RUTHERFORD_GEIGER, HORSE_KICKS])
+def test_nothing_is_missing_in_counts_that_are_poisson(table):
+    x = counts(table)
+    diagnosis = diagnose(Poisson(), x, alpha=0.01).diagnosis
+    assert diagnosis.verdict == Verdict.NOTHING
+    assert diagnosis.effects == diagnosis.candidates == diagnosis.regions == []
+    rate = diagnosis.theta_before["log_rate"]
+    assert rate.value == pytest.approx(np.log(x.mean()), abs=4 * rate.std)  # fitted without a quarter of the events
+    rows = [row.name for row in diagnosis.identifiability]
+    assert sorted(rows) == sorted({e.name for e in catalogue(Poisson())})  # one of each family
+
+
+def test_drivers_differ_in_how_careful_they_are():
+    diagnosis = diagnose(Poisson(), counts(CLAIMS)).diagnosis
+    assert diagnosis.verdict in (Verdict.NAMED, Verdict.REDUCED)  # the shape that is added need not be the closest
+    (found,) = diagnosis.effects
+    assert found.name == "overdispersion"
+    assert found.parameters["variance"].value == pytest.approx(1.0, abs=0.3)  # 1.00 by the method of moments
+
+
+def test_500_angles_behind_an_acceptance():
+    """Not in a shape of the catalogue: a logistic loss beyond |cos| = 0.85."""
+    task, rng = Weinberg(), np.random.default_rng(0)
+    x = task.simulate(np.tile([45.0, 1.0], (2000, 1)), rng)
+    seen = x[rng.random(len(x)) < 1 / (1 + np.exp((np.abs(x[:, 0]) - 0.85) / 0.03))][:500]
+    diagnosis = diagnose(task, seen).diagnosis
+    assert diagnosis.p_value_before < 1e-6
+    (found,) = [each for each in diagnosis.probabilities if each.name == "edge_acceptance"]  # a scale does it as well
+    assert found.feature == "cos_angle"
+    assert found.probability > diagnosis.outside
+    assert all(len(model.effects) == 1 for model in diagnosis.models)
+
+
+def test_angles_within_a_fiducial_cut_of_unequal_ends():
+    """Nothing is left beyond the ends, so that theta alone is far off, and a scale beside an offset is as sharp."""
+    task, rng = Weinberg(), np.random.default_rng(0)
+    x = task.simulate(np.tile([45.0, 1.0], (4000, 1)), rng)
+    seen = x[(x[:, 0] > -0.7) & (x[:, 0] < 0.9)][:2000]
+    chosen = [e for e in catalogue(task) if e.name in ("edge_acceptance", "offset", "scale", "dead_region")]
+    diagnosis = diagnose(task, seen, effects=chosen).diagnosis
+    (found,) = diagnosis.effects
+    assert found.name == "edge_acceptance"
+    ends = {name: parameter.value for name, parameter in found.parameters.items()}
+    if found.shape == "analysis_window":  # another class of the same family, with other parameters
+        ends = {side: ends["centre"] + sign * ends["width"] / 2 for side, sign in (("low", -1), ("high", 1))}
+    assert ends["low"] == pytest.approx(-0.7, abs=0.02)
+    assert ends["high"] == pytest.approx(0.9, abs=0.02)
+    assert diagnosis.verdict == Verdict.NAMED
+
+
+def test_counts_of_which_the_zeros_are_not_recorded():
+    x = np.random.default_rng(0).poisson(2.0, 6000)
+    chosen = [e for e in catalogue(Poisson()) if e.name in ("threshold_loss", "zero_inflation", "inefficiency")]
+    diagnosis = diagnose(Poisson(), x[x > 0][:4000, None], effects=chosen).diagnosis
+    (found,) = diagnosis.effects
+    assert found.name == "threshold_loss"
+    assert diagnosis.verdict == Verdict.NAMED
+    log_rate = diagnosis.theta_after["log_rate"]
+    assert log_rate.value == pytest.approx(np.log(2), abs=3 * log_rate.std)
+
+
+@pytest.fixture(scope="module")
+def named():
+    x = with_effect(Poisson(), "overdispersion", [2.5], [0.08], 8000)
+    return x, diagnose(
+        Poisson(), x, effects=[effect for effect in catalogue(Poisson()) if not isinstance(effect, ALIKE)]
+    )
+
+
+def test_a_seed_finds_the_same_again_with_any_number_of_processes_and_counts_the_same(named):
+    x, diagnosis = named[0], named[1].diagnosis
+    effects = [effect for effect in catalogue(Poisson()) if not isinstance(effect, ALIKE)]
+    again = diagnose(Poisson(), x, effects=effects, jobs=2).diagnosis
+    assert again.model_dump(exclude={"seconds"}) == diagnosis.model_dump(exclude={"seconds"})
+
+
+def test_a_few_events_that_the_simulator_cannot_make_are_a_disagreement():
+    x = Weinberg().simulate(np.tile([45.0, 1.0], (2000, 1)), np.random.default_rng(0))
+    x[:30, 0] = np.random.default_rng(1).uniform(-3, -1.5, 30)
+    diagnosis = diagnose(Weinberg(), x, max_effects=0).diagnosis
+    assert diagnosis.gates["summary"].p_value < 1e-6
+    assert diagnosis.verdict == Verdict.UNEXPLAINED
+
+
+def test_an_effect_on_one_of_several_counts_an_event_is_named_with_it():
+    def pair(theta, rng):
+        return rng.poisson(np.exp(theta[:, [0, 0]]))
+
+    rng, two = np.random.default_rng(0), task_of(pair, prior={"log_rate": (0, 3)})
+    x = two.simulate(np.full((3000, 1), 1.5), rng)
+    x[rng.random(3000) < 0.15, 1] = 0
+    effects = [effect for effect in catalogue(two) if effect.name in ("zero_inflation", "dead_time")]
+    found = diagnose(two, x, effects=effects, max_effects=1).diagnosis
+    assert [(effect.name, effect.feature) for effect in found.effects] == [("zero_inflation", "x2")]
+
+
+def test_a_clear_effect_is_named_and_its_size_found(named):
+    diagnosis, pictures = named[1].diagnosis, named[1].pictures
+    assert diagnosis.verdict == Verdict.NAMED
+    (found,) = diagnosis.effects
+    assert (found.name, found.feature) == ("overdispersion", None)
+    variance = found.parameters["variance"]
+    assert variance.value == pytest.approx(0.08, abs=max(4 * variance.std, 0.015))
+    assert diagnosis.gap_after.value < 2 < diagnosis.gap_before.value
+    assert diagnosis.p_value_after > 0.05 > diagnosis.p_value_before
+    assert diagnosis.candidates[0].score == 0
+    assert {region.kind for region in diagnosis.regions} == {"excess", "deficit"}
+    assert len(pictures.spectra[0].edges) == len(pictures.spectra[0].measured) + 1
+
+
+def test_a_diagnosis_is_valid_json(named):
+    diagnosis = named[1].diagnosis
+    text = json.dumps(diagnosis.model_dump(mode="json"), allow_nan=False)
+    assert Diagnosis.model_validate_json(text).model_dump() == diagnosis.model_dump()
+
+
+def test_the_new_model_is_a_task_that_finds_nothing_missing(named, tmp_path):
+    x, result = named
+    path = tmp_path / "model.json"
+    path.write_text(describe(result.fit, scaled_std(result.fit), "poisson", {}).model_dump_json())
+    task = registry.build("task", str(path), {})
+    assert isinstance(task, AugmentedTask)
+    assert task.name == "poisson-overdispersion"
+    assert task.parameter_names[:2] == ("log_rate", "overdispersion_variance")
+    shape = result.fit.params[2:]  # whatever shape of it fits best: all have this variance
+    theta = np.tile([2.5, 0.08, *shape], (20_000, 1))
+    y = task.simulate(theta, np.random.default_rng(1))
+    assert y.var() == pytest.approx(np.exp(2.5) + 0.08 * np.exp(5.0), rel=0.05)
+    with pytest.raises(ValueError, match="outside the support"):
+        task.simulate(np.array([[2.5, -1.0, *shape]]), np.random.default_rng(1))
+    assert diagnose(task, x, effects=[]).diagnosis.verdict == Verdict.NOTHING
+
+
+def test_a_dead_region_is_found_where_it_is():
+    x = with_effect(Weinberg(), "dead_region", [45.5, 1.0], [0.8, 0.3, 0.15], 8000)
+    diagnosis = diagnose(Weinberg(), x, max_effects=1).diagnosis
+    assert diagnosis.effects[0].name == "dead_region"
+    deficit = next(region for region in diagnosis.regions if region.kind == "deficit")
+    assert deficit.low < 0.3 < deficit.high
+    assert diagnosis.effects[0].feature == "cos_angle"
+
+
+@pytest.mark.parametrize(("count", "events"), [(2, 1000), (4, 300)])
+def test_counts_that_are_all_alike_are_those_of_a_counter_that_is_blind_for_most_of_the_time(
+    count, events, monkeypatch
+):
+    """A dead time of nearly so large a part of the window, at a high rate: all measured events are in one bin."""
+    monkeypatch.setattr("avobench.diagnosis.run.effort_for", lambda *_: Effort().scaled(0.1))
+    # All at one limit describes such counts as well, and so does a low rate above a threshold.
+    chosen = [e for e in catalogue(Poisson()) if e.name not in ("censoring", "truncation", "threshold_loss")]
+    found = diagnose(Poisson(), np.full((events, 1), count), effects=chosen).diagnosis
+    assert found.probabilities[0].name == "dead_time"
+    assert found.p_value_before < 1e-6
+
+
+def test_pairs_of_counts_that_theta_nearly_makes_up_for_are_found():
+    rng = np.random.default_rng(1)
+    x = rng.poisson(np.exp(3.84), (10_000, 1))
+    x += rng.binomial(x, 0.23)
+    # A rate that scatters describes such counts exactly as well: see `paper.tables.indistinguishable`.
+    diagnosis = diagnose(Poisson(), x).diagnosis
+    (found,) = diagnosis.effects
+    assert found.name in ("double_counting", "overdispersion")
+    assert diagnosis.verdict == Verdict.NAMED
+
+
+def test_an_effect_that_is_not_in_the_catalogue_is_not_made_up():
+    x = with_effect(Poisson(), "overdispersion", [2.5], [0.08], 8000)
+    wrong = [e for e in catalogue(Poisson()) if e.name in ("dead_time", "inefficiency")]
+    result = diagnose(Poisson(), x, effects=wrong)
+    assert result.diagnosis.verdict == Verdict.UNEXPLAINED
+    assert result.correction.weights.mean() == pytest.approx(1)
+
+
+@pytest.mark.parametrize(("arguments", "message"), [({"alpha": 2.0}, "alpha must lie"), ({"fit": "magic"}, "magic")])
+def test_impossible_requests_are_refused(arguments, message):
+    with pytest.raises(UsageError, match=message):
+        diagnose(Poisson(), counts(HORSE_KICKS), **arguments)
+
+
+class Own(Effect):
+    """A user's effect that does what it is told."""
+
+    name = "own"
+    parameters = (Parameter("strength", 0, 1, 0, "1"),)
+
+    def __init__(self, events):
+        self.events = events
+
+    def apply(self, simulate, theta, phi, rng):
+        return self.events(simulate(theta, rng))
+
+
+def test_an_effect_of_the_users_is_tried_before_anything_is_fitted():
+    require_events(Own(lambda x: x), Weinberg())
+    with pytest.raises(UsageError, match="effect own cannot be used, it raised ZeroDivisionError"):
+        require_events(Own(lambda x: 1 / 0), Weinberg())
+    with pytest.raises(UsageError, match=r"effect own makes events of shape \(50,\), not \(50, 1\)"):
+        require_events(Own(lambda x: x[:, 0]), Weinberg())
+    with pytest.raises(UsageError, match="must make finite events of float64, and makes float64: "):
+        require_events(Own(lambda x: x * np.nan), Weinberg())
+    with pytest.raises(UsageError, match="must make finite events of int64, and makes float64: "):
+        require_events(Own(lambda x: x / 2), Poisson())

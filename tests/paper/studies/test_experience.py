@@ -1,0 +1,53 @@
+"""Examples of what effects look like, and what is learnt from them."""
+
+import numpy as np
+import pytest
+
+from avobench.challenge.shapes import SERIES
+from avobench.tasks.errors import UsageError
+from paper.studies import experience
+from paper.studies.experience import Examples, examples, of_kind, trained
+
+
+@pytest.fixture
+def few(monkeypatch):
+    """Three shapes of the first series, one pair, and few events."""
+    known = {kind: shapes[:3] for kind, shapes in SERIES[1].items()}
+    monkeypatch.setattr(experience, "SERIES", {1: known})
+    monkeypatch.setattr(experience, "OWN", 0)
+    monkeypatch.setattr(experience, "TWO", 1)
+    monkeypatch.setattr(experience, "NUM_EVENTS", (3000, 3001))
+    return known
+
+
+def test_examples_are_those_of_their_seed_with_their_families(few):
+    one, again, other = (examples("poissons", 3, np.random.default_rng(seed), (1,)) for seed in (0, 0, 1))
+    np.testing.assert_array_equal(one.portraits, again.portraits)
+    assert one.portraits.shape[1] == other.portraits.shape[1]
+    assert len(one.portraits) != len(other.portraits) or not np.array_equal(one.portraits, other.portraits)
+    assert set(one.families.ravel()) <= {shape.name for shape in few["counts"]}
+    assert len(one.before(1).portraits) == 0
+    assert len(one.before(2).portraits) == len(one.portraits)
+
+
+def test_what_was_kept_is_not_made_again_and_what_is_missing_is_told(few, tmp_path, monkeypatch):
+    monkeypatch.setattr(experience, "LEARNT_FROM", ("poissons",))
+    made = examples("poissons", 2, np.random.default_rng(0), (1,))
+    made.write(tmp_path / "poissons.npz")
+    before = (tmp_path / "poissons.npz").read_bytes()
+    assert experience.made("poissons", 0, tmp_path).read_bytes() == before
+    kept = of_kind("count", tmp_path)
+    np.testing.assert_array_equal(kept.portraits, made.portraits)
+    np.testing.assert_array_equal(kept.families, made.families)
+    (tmp_path / "poissons.npz").unlink()
+    with pytest.raises(UsageError, match=r"there is no .*poissons\.npz: `python -m avobench\.studies\.experience"):
+        of_kind("count", tmp_path)
+
+
+def test_networks_know_again_what_they_have_seen():
+    rng = np.random.default_rng(0)
+    names = np.array(["a", "b", "c"] * 100)
+    portraits = rng.normal(size=(300, 8)) + 4 * (names[:, None] == np.array(["a", "b", "c", *"defgh"]))
+    families, networks = trained(Examples(portraits.astype(np.float32), np.stack([names, names], 1), np.ones(300, int)))
+    assert families == ["a", "b", "c"]
+    assert len(networks) == experience.NETWORKS

@@ -1,0 +1,76 @@
+"""Met and not met, from records whose errors are known."""
+
+import numpy as np
+import pytest
+
+from avobench.bench.store.store import Store
+from avobench.reports.quantities import efficient_median
+from paper.tables.targets import table
+
+
+def measured(records):
+    return table(records).set_index(["task", "quantity"])
+
+
+def test_numbers_and_verdicts_follow_from_the_records(benchmark):
+    rows = measured(benchmark)
+    ratios = [record["squared_error"] / record["floor"] for record in benchmark if record["task"] == "carl"][:6]
+    own = rows.loc[("carl", "inefficiency")]
+    assert own["avo"] == pytest.approx(np.median(ratios) / efficient_median((0.1, 0.9)))
+    assert own["verdict"] == "met"
+    assert own["bolfi"] == pytest.approx(own["avo"] * 100)  # ten times the offset
+    assert rows.loc[("carl", "worst run / floor"), "avo"] == pytest.approx(max(ratios))
+    won = rows.loc[[("carl", "against the rivals"), ("poisson", "against the rivals")], "verdict"]
+    assert (won == "met, p = 0.0156").all()  # six of six targets: 1 / 2^6
+    low, high = (float(end) for end in own["95 %"].strip("[]").split(", "))
+    assert low <= own["avo"] * 1.01
+    assert own["avo"] <= high * 1.01
+    assert own["bolfi mean"] == pytest.approx(own["bolfi"])  # the mean of these records is their estimate
+
+
+def test_a_limit_counts_on_both_sides(make_record):
+    floor = make_record("alignment", "avo", 0, 0.0)["floor"]
+    for inefficiency, verdict in ((2.49, "met"), (2.51, "not met")):
+        offset = np.sqrt(inefficiency * efficient_median((1.0,)) * floor)
+        row = measured([make_record("alignment", "avo", 0, offset)]).loc[("alignment", "inefficiency")]
+        assert (row["avo"], row["verdict"]) == (pytest.approx(inefficiency), verdict)
+
+
+def test_the_ideal_of_weinberg_is_taken_on_the_same_targets(make_record):
+    from avobench.tasks.weinberg import Weinberg
+
+    task, records = Weinberg(), []
+    for target, true in enumerate(task.targets()):
+        record = make_record("weinberg", "avo", target, 0.0)
+        record["theta_hat"] = task.posterior_mean(task.asymmetry(true[None]))[0].tolist()
+        records.append(record | {"squared_error": float(((record["theta_hat"] - true) ** 2).sum())})
+    rows = measured(records)
+    assert rows.loc[("weinberg", "mean error / ideal"), "avo"] == pytest.approx(1)
+
+
+def test_it_must_be_ahead_of_the_rivals_posterior_means_too(benchmark):
+    """Exact means: nearer than any estimate, so that one is behind whatever the modes are."""
+    exact = [
+        {**r, "mean": r["theta_true"], "spread_of": "posterior"} if r["method"] in ("bolfi", "abc-smc") else r
+        for r in benchmark
+    ]
+    row = measured(exact).loc[("carl", "against the rivals")]
+    assert row["abc-smc mean"] == 0
+    assert row["verdict"].startswith("not met, p = ")
+
+
+def test_a_failed_run_cannot_meet(make_record):
+    rows = measured([make_record("poisson", "avo", 0, 1e-6), make_record("poisson", "avo", 1, None)])
+    assert rows.loc[("poisson", "worst run / floor"), "verdict"] == "not met"
+    assert rows.loc[("poisson", "against the rivals"), "verdict"] == "no records"
+    assert rows.loc[("carl", "inefficiency"), "verdict"] == "no records"
+
+
+def test_the_command_prints_them(avobench, benchmark, tmp_path):
+    store = Store(tmp_path / "results", create=True)
+    for record in benchmark:
+        store.write(record)
+    code, out, err = avobench("status", "--targets", "--results", store.path)
+    assert code == 0, err
+    assert out.count(" met") + out.count("not met") >= 9
+    assert "ahead of all" in out
