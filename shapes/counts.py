@@ -1,0 +1,5 @@
+"""Shapes of counts."""
+
+from shapes.primitives import Library
+
+COUNTS = Library("counts")
