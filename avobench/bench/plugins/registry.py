@@ -77,7 +77,7 @@ def load(kind: str, spec: str) -> Any:
     """
     if is_model(kind, spec):
         return AugmentedTask
-    found = _import(kind, spec) if ":" in spec else _registered(kind, spec)
+    found = imported(kind, spec) if ":" in spec else _registered(kind, spec)
     base = BASES[kind]
     if not (isinstance(found, base) or (inspect.isclass(found) and issubclass(found, base))):
         raise UsageError(f"'{spec}' is not a subclass of avobench.{kind}s.{base.__name__}, nor an instance of one")
@@ -275,8 +275,11 @@ def _registered(kind: str, name: str) -> Any:
     return blamed(next(point for point in _points(kind) if point.name == name).load, f"{kind} '{name}'")
 
 
-def _import(kind: str, spec: str) -> Any:
-    """What a module or a file holds by that name. `my_module:MyTask` is looked for beside the user first."""
+def imported(kind: str, spec: str) -> Any:
+    """What a module or a file holds by the name of `spec`; `my_module:MyTask` is looked for beside the user first.
+
+    Raises UsageError in one line.
+    """
     place, _, name = spec.rpartition(":")
     module_name = place
     if place.endswith(".py"):
