@@ -79,13 +79,17 @@ class Library:
         return self._declare(family, 2, measure, options)
 
     def keep(self, family: str, **options: Any) -> Callable:
-        """An event is kept with probability f(x, at, by, rng), (n,) or (n, 1); another one replaces what is lost."""
+        """An event is kept with probability f(x, at, by, rng), and another one replaces what is lost.
+
+        It is (n,), or (n, k) of k features, which lose events independently: their product counts.
+        """
 
         def measure(f, simulate, theta, at, by, rng):
             x = simulate(theta, rng)
             lost = np.arange(len(x))
             for _ in range(MAX_ROUNDS):
-                kept = np.reshape(f(at.read(x[lost]), at, by, rng), -1)
+                kept = np.asarray(f(at.read(x[lost]), at, by, rng))
+                kept = kept.prod(axis=1) if kept.ndim == 2 else np.reshape(kept, -1)
                 lost = lost[rng.random(len(lost)) >= kept]
                 if not len(lost):
                     return x
