@@ -164,6 +164,24 @@ class Library:
 
         return self._declare(family, 1, measure, options)
 
+    def rate(self, family: str, **options: Any) -> Callable:
+        """The rate of counts is multiplied by f(n, at, by, rng), (n,) or (n, 1).
+
+        An event is thinned, or events from the same theta are added to it, of which the last is thinned.
+        """
+
+        def measure(f, simulate, theta, at, by, rng):
+            factor = np.reshape(np.maximum(f(len(theta), at, by, rng), 0), (-1, 1))
+            x = simulate(theta, rng)
+            total = rng.binomial(x.astype(np.int64), np.minimum(factor, 1))
+            for whole in range(1, int(np.ceil(factor.max(initial=0)))):
+                rows = np.flatnonzero(factor > whole)
+                more = simulate(theta[rows], rng).astype(np.int64)
+                total[rows] += rng.binomial(more, np.minimum(factor[rows] - whole, 1))
+            return total.astype(x.dtype)
+
+        return self._declare(family, 1, measure, options)
+
     def overlay(self, family: str, **options: Any) -> Callable:
         """A second event from the same theta acts on the first: f(x, other, at, by, rng)."""
 
