@@ -191,15 +191,34 @@ class Library:
 
         return self._declare(family, 2, measure, options)
 
+    def pile(self, family: str, **options: Any) -> Callable:
+        """Hits of further events are added, f(theta, at, by, rng) -> (event, place, share).
+
+        Each of m further events is made at its place (m, p), kept within the simulator's support. A share of its hits,
+        (m,) or the same for all, is seen in the event of the index (m,).
+        """
+
+        def measure(f, simulate, theta, at, by, rng):
+            x, box = simulate(theta, rng), at.task.support
+            event, place, share = f(theta, at, by, rng)
+            further = at.read(simulate(np.clip(place, box.low, box.high), rng))
+            share = np.broadcast_to(share, len(event))[:, None, None]
+            which, row, column = np.nonzero(further & (rng.random(further.shape, dtype=np.float32) < share))
+            hits = at.read(x)
+            hits[event[which], row, column] = True
+            return at.write(x, hits)
+
+        return self._declare(family, 4, measure, options)
+
     def particles(self, family: str, **options: Any) -> Callable:
-        """Particles are changed before they reach the detector: f(particles, theta, time, at, by) -> particles.
+        """Particles are changed before they reach the detector: f(particles, theta, time, by, rng) -> particles.
 
         `theta` (n, 1) and the `time` of the run (n,) are those of the events that the particles belong to.
         """
 
         def measure(f, simulate, theta, at, by, rng):
             time = run_time(len(theta))[:, 0]
-            return at.task.simulate(theta, rng, lambda each, rows: f(each, theta[rows], time[rows], at, by))
+            return at.task.simulate(theta, rng, lambda each, rows: f(each, theta[rows], time[rows], by, rng))
 
         there = options.pop("suits", None) or (lambda place: True)
         options["suits"] = lambda place: place.task.generates == "particles" and there(place)
