@@ -210,6 +210,21 @@ class Library:
 
         return self._declare(family, 4, measure, options)
 
+    def respond(self, family: str, **options: Any) -> Callable:
+        """Features respond to the others of the event: f(x, every, at, by, rng).
+
+        `every` (n, d) are all features of the event, in standard deviations from their means.
+        """
+
+        def measure(f, simulate, theta, at, by, rng):
+            x = simulate(theta, rng)
+            every = (x - at.reference.mean(axis=0)) / at.reference.std(axis=0)
+            return at.write(x, f(at.read(x), every, at, by, rng))
+
+        there = options.pop("suits", None) or (lambda place: True)
+        options["suits"] = lambda place: place.task.num_features > 1 and there(place)
+        return self._declare(family, 2, measure, options)
+
     def particles(self, family: str, **options: Any) -> Callable:
         """Particles are changed before they reach the detector: f(particles, theta, time, by, rng) -> particles.
 
