@@ -189,10 +189,16 @@ def scattered_levels(x, at, by, rng):
 # Losses of one half of the range.
 
 
-@SELECTION.keep("forward_backward_acceptance", on="any", strength=(0.02, 0.95), width=log(0.01, 0.375), side=SIDE)
+@SELECTION.keep("forward_backward_acceptance", strength=(0.02, 0.95), width=log(0.01, 0.25), side=SIDE)
 def weak_half(x, at, by, rng):
     """One half of the detector misses a share of its events, and the passage to the other half is washed out."""
     return 1 - by.strength * expit(by.side * x / by.width)
+
+
+@SELECTION.keep("forward_backward_acceptance", on="any", strength=(0.02, 0.6), width=(0.4, 1.5), side=SIDE)
+def fading_side(x, at, by, rng):
+    """The efficiency falls from one end of the range to the other, most steeply in the middle."""
+    return 1 - by.strength * expit(4 * by.side * x / by.width)
 
 
 @SELECTION.keep("forward_backward_acceptance", on="any", strength=(0.02, 0.6), width=(0.02, 0.15), side=SIDE)
@@ -463,7 +469,7 @@ def flipped_bits(x, at, by, rng):
 
 @SELECTION.map("outliers", on="any", suits=unbounded, stage=4, strength=(0.0004, 0.04))
 def decimal_slip(x, at, by, rng):
-    """The decimal point of a few values is typed one place too far to the right, which makes them ten times too large."""
+    """The decimal point of a few values is typed one place too far right, so that they are ten times too large."""
     return changed(x, 10 * x + 9 * at.centre / at.half_range, by.strength, rng)
 
 
