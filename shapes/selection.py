@@ -1,4 +1,7 @@
-"""Shapes of real features that lose events or add events and values of another origin."""
+"""Shapes of real features that lose events or add events and values of another origin.
+
+Settings that are lengths or places are given in half ranges, and angles in radians.
+"""
 
 from collections.abc import Callable
 
@@ -33,11 +36,6 @@ def angle(x: NDArray) -> NDArray[np.float64]:
 def cotangent(x: NDArray) -> NDArray[np.float64]:
     """Where a track crosses a cylinder of radius one, along its axis."""
     return x / np.sqrt(np.maximum(1 - x**2, 1e-12))
-
-
-def limit(at: Place, share: float, side: float) -> NDArray[np.float64]:
-    """The value that a share of the events exceeds, (k,), if features are multiplied by the side."""
-    return side * at.quantile(1 - share if side > 0 else share)
 
 
 def size(n: int, at: Place) -> tuple[int, int]:
@@ -117,7 +115,7 @@ def slant_absorption(x, at, by, rng):
 
 @SELECTION.keep("edge_acceptance", suits=cosine, strength=(0.05, 3.0), length=(1.0, 2.5))
 def short_lever_arm(x, at, by, rng):
-    """A track at a small angle leaves the barrel through its end, and the fewer layers it crosses the rarer it is."""
+    """A track at a small angle leaves the barrel through its end, and with fewer layers it is more rarely found."""
     return np.minimum(by.length / np.maximum(np.abs(cotangent(x)), 1e-9), 1) ** by.strength
 
 
@@ -138,7 +136,8 @@ def collimator_jaw(x, at, by, rng):
 @SELECTION.keep("edge_acceptance", strength=(0.001, 0.3), spared=(0, 0.2), side=SIDE)
 def preselected_sample(x, at, by, rng):
     """A filter loses the events beyond a limit on one side, except for a few that pass through a parallel channel."""
-    return np.where(by.side * x > limit(at, by.strength, by.side), by.spared, 1.0)
+    limit = at.quantile(1 - by.strength if by.side > 0 else by.strength)
+    return np.where(by.side * (x - limit) > 0, by.spared, 1.0)
 
 
 @SELECTION.keep("edge_acceptance", suits=unbounded, strength=(0.1, 1.0), depth=(0.1, 0.4), side=SIDE)
@@ -149,14 +148,14 @@ def leaking_edge(x, at, by, rng):
 
 @SELECTION.keep("edge_acceptance", strength=(0.01, 0.6), haze=(0.05, 0.2), side=SIDE)
 def horizon_extinction(x, at, by, rng):
-    """Light from near the horizon, at one end of the range, crosses much air, whose mass haze keeps finite."""
+    """Light from near the horizon, at one end of the range, crosses more air than other light and is absorbed in it."""
     height = np.clip((1 + by.side * x) / 2, 0, 1)
     return np.exp(-by.strength * ((1 + by.haze) / (height + by.haze) - 1))
 
 
 @SELECTION.keep("edge_acceptance", strength=(0.01, 0.4), side=SIDE)
 def horizon(x, at, by, rng):
-    """One end of the range is at the horizon, where light is absorbed by the inverse sine of its altitude in air."""
+    """One end of the range is at the horizon, and light is absorbed in an air mass of one over the sine of its altitude."""
     altitude = np.pi / 4 * np.clip(1 - by.side * x, 0.03, 2)
     return np.exp(-by.strength * (1 / np.sin(altitude) - 1))
 
@@ -175,7 +174,7 @@ def turn_on(x, at, by, rng):
 
 @SELECTION.keep("edge_acceptance", suits=unbounded, strength=(0.03, 0.4), steepness=(4.0, 12.0))
 def hill_trigger(x, at, by, rng):
-    """The trigger sees part of the signal, and passes few small values and nearly all large ones, with a soft rise."""
+    """The trigger sees part of the signal, and so passes few small values and nearly all large ones, with a gradual rise."""
     half = np.maximum(at.quantile(by.strength) + 1, 0.02)
     return 1 / (1 + (half / np.maximum(x + 1, 1e-3)) ** by.steepness)
 
