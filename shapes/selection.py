@@ -155,7 +155,7 @@ def horizon_extinction(x, at, by, rng):
 
 @SELECTION.keep("edge_acceptance", strength=(0.01, 0.4), side=SIDE)
 def horizon(x, at, by, rng):
-    """One end of the range is at the horizon, and light is absorbed in an air mass of one over the sine of its altitude."""
+    """One end of the range is at the horizon, and light crosses an air mass of one over the sine of its altitude."""
     altitude = np.pi / 4 * np.clip(1 - by.side * x, 0.03, 2)
     return np.exp(-by.strength * (1 / np.sin(altitude) - 1))
 
@@ -174,7 +174,7 @@ def turn_on(x, at, by, rng):
 
 @SELECTION.keep("edge_acceptance", suits=unbounded, strength=(0.03, 0.4), steepness=(4.0, 12.0))
 def hill_trigger(x, at, by, rng):
-    """The trigger sees part of the signal, and so passes few small values and nearly all large ones, with a gradual rise."""
+    """The trigger sees part of the signal, so few small values and nearly all large ones pass, with a gradual rise."""
     half = np.maximum(at.quantile(by.strength) + 1, 0.02)
     return 1 / (1 + (half / np.maximum(x + 1, 1e-3)) ** by.steepness)
 
