@@ -9,12 +9,12 @@ from shapes.primitives import Library, either, log, run_time
 COUNTS = Library("counts")
 
 
-def thinned(x, chance, rng: np.random.Generator) -> NDArray[np.int64]:
+def thinned(x: NDArray, chance: NDArray | float, rng: np.random.Generator) -> NDArray[np.int64]:
     """How many of the counts remain when each is kept with a probability that broadcasts to them: (n, 1) -> (n, 1)."""
     return rng.binomial(x.astype(np.int64), chance)
 
 
-def arrivals(x, rng: np.random.Generator) -> NDArray[np.float64]:
+def arrivals(x: NDArray, rng: np.random.Generator) -> NDArray[np.float64]:
     """When the counts of an interval [0, 1] arrive, in order, and times far beyond it after these: (n, 1) -> (n, k)."""
     index = np.arange(int(x.max(initial=0)))
     return np.sort(np.where(index < x, rng.random((len(x), len(index))), 1e3 * (1 + index)), axis=1)
@@ -197,10 +197,11 @@ def pulser_sweep(n, at, by, rng):
     return rng.poisson(highest * (1 - np.cos(rng.uniform(0, np.pi, (n, 1)))) / 2)
 
 
-@COUNTS.replace("flat_background", strength=(0.002, 0.2), largest=(3.0, 9.0))
+@COUNTS.replace("flat_background", strength=(0.002, 0.2), least=(0.0, 0.2), largest=(3.0, 9.0))
 def air_showers(n, at, by, rng):
     """Some events are air showers, of which there are as many in each octave of the number of counts."""
-    return np.floor((by.largest * at.mean + 1) ** rng.random((n, 1)))
+    least, largest = np.maximum(by.least * at.mean, 1), by.largest * at.mean + 1
+    return np.floor(least * (largest / least) ** rng.random((n, 1)))
 
 
 @COUNTS.replace("flat_background", strength=(0.002, 0.15), length=(1.2, 2.5))
@@ -317,7 +318,7 @@ def outages(x, at, by, rng):
 
 @COUNTS.flip("zero_inflation", strength=(0.002, 0.2), dark=log(0.01, 0.6))
 def leaky_shutter(x, at, by, rng):
-    """A shutter before the counter is closed in some events, which hold a few dark counts or none."""
+    """The shutter is closed in some events, which then hold a few dark counts or none."""
     return rng.poisson(by.dark, x.shape)
 
 
@@ -453,7 +454,7 @@ def most_sensitive_comparator(x, at, by, rng):
 
 @COUNTS.keep("threshold_loss", strength=(0.02, 0.6), width=(0.15, 0.6))
 def any_pulse_trigger(x, at, by, rng):
-    """A share of the triggers waits for pulses beyond a number, each of which it may miss, so that few do not do."""
+    """A share of the triggers waits for a pulse beyond a number and may miss each, so that events with few are lost."""
     more = np.maximum(x - at.quantile(0.02), 0)
     return 1 - by.strength * np.exp(-more / (by.width * np.sqrt(at.mean)))
 
@@ -503,17 +504,18 @@ def overflow_discarded(x, at, by, rng):
     return (x <= limits).mean(axis=1)
 
 
-@COUNTS.keep("truncation", strength=(0.005, 0.6), spread=(0.05, 0.8))
+@COUNTS.keep("truncation", strength=(0.005, 0.6), spread=(0.05, 1.0))
 def shared_buffer(x, at, by, rng):
     """An event that does not fit into the buffer is dropped, and any part of a few places may be taken already."""
     above = x - at.quantile(1 - by.strength)
     return np.clip(1 - above / (by.spread * np.sqrt(at.mean)), 0, 1)
 
 
-@COUNTS.keep("truncation", strength=(0.001, 0.35), words=log(0.1, 1.5))
+@COUNTS.keep("truncation", strength=(0.001, 0.35), words=log(0.02, 0.25))
 def record_length(x, at, by, rng):
     """A record that is longer than the format allows is lost, and it holds a few other words whose number varies."""
-    return stats.poisson.cdf(at.quantile(1 - by.strength) + round(by.words) - x, by.words)
+    words = by.words * at.mean
+    return stats.poisson.cdf(at.quantile(1 - by.strength) + np.rint(words) - x, words)
 
 
 @COUNTS.keep("truncation", strength=(0.002, 0.3), rest=(0.05, 0.5))
@@ -735,10 +737,11 @@ def rounded_by_hand(x, at, by, rng):
 
 @COUNTS.map("quantisation", stage=4, strength=(0.02, 0.9), fall=(1, 2))
 def round_numbers(x, at, by, rng):
-    """People like to write down a round number that is close to the count, and few numbers are round at high counts."""
+    """Counts are written down as a round number that is close, and round numbers are sparser at high counts."""
     unit = np.select([x < 40, x < 200, x < 500], [5, 10, 20], 50)
     near = unit * np.rint(x / unit)
-    return np.where(rng.random(x.shape) < by.strength * (1 - by.fall * np.abs(x - near) / unit), near, x)
+    chance = by.strength * (1 - by.fall * np.abs(x - near) / unit)
+    return np.where((near > 0) & (rng.random(x.shape) < chance), near, x)
 
 
 @COUNTS.map("quantisation", stage=4, strength=(0.02, 0.8))
