@@ -8,7 +8,7 @@ from scipy.special import expit, ndtr
 
 from avobench.challenge.shape import Place
 from shapes.primitives import Library, either, log, run_time
-from shapes.selection import SIDE, angle, cosine, cotangent, limit, unbounded
+from shapes.selection import SIDE, angle, cosine, cotangent, unbounded
 
 RESPONSE = Library("continuous")
 
@@ -50,6 +50,11 @@ def size(x: NDArray, at: Place) -> NDArray[np.float64]:
 def mistaken(x: NDArray, chance: NDArray, at: Place, rng: np.random.Generator) -> NDArray[np.float64]:
     """Values that get the other sign with this chance."""
     return np.where(rng.random(x.shape) < chance, 2 * zero(at) - x, x)
+
+
+def limit(at: Place, share: float, side: float) -> NDArray[np.float64]:
+    """The value that a share of the events exceeds, (k,), where features are multiplied by the side."""
+    return side * at.quantile(1 - share if side > 0 else share)
 
 
 def clipped(x: NDArray, at: Place) -> NDArray[np.float64]:
@@ -137,14 +142,14 @@ def ageing_sensor(x, at, by, rng):
     return x + width * rng.laplace(scale=np.sqrt(0.5), size=x.shape)
 
 
-@RESPONSE.map("resolution", strength=(0.03, 1.0), quality=(1.0, 2.0))
+@RESPONSE.map("resolution", strength=(0.02, 1.2), quality=(1.0, 2.0))
 def uneven_quality(x, at, by, rng):
     """Each value, or the angle of a cosine, has a Gaussian error whose variance differs from event to event."""
     variance = rng.gamma(by.quality, 1 / by.quality, x.shape)
     return moved(x, by.strength * np.sqrt(variance) * rng.standard_normal(x.shape), at)
 
 
-@RESPONSE.map("resolution", strength=(0.05, 1.8))
+@RESPONSE.map("resolution", strength=(0.03, 1.8))
 def long_drift(x, at, by, rng):
     """Charge spreads as it drifts to the readout at the middle, so values far from the middle are smeared most."""
     return moved(x, by.strength * np.sqrt(np.minimum(np.abs(x), 1)) * rng.standard_normal(x.shape), at)
@@ -203,7 +208,7 @@ def displaced_vertex(x, at, by, rng):
     return along / np.hypot(1, along)
 
 
-@RESPONSE.map("offset", on="any", strength=either(0.005, 1.0, log=True), since=(0.5, 1.0))
+@RESPONSE.map("offset", on="any", strength=either(0.005, 1.2, log=True), since=(0.5, 1.0))
 def stale_survey(x, at, by, rng):
     """A detector was moved during the run, and all values that were measured since are shifted by the same amount."""
     return x + by.strength * at.spread * (run_time(len(x)) > 1 - by.since)
@@ -216,7 +221,7 @@ def knocked_survey(x, at, by, rng):
     return x + by.strength * at.spread * np.where(time < by.knock, 0, np.where(time < by.mended, 1, 0.5))
 
 
-@RESPONSE.map("offset", on="any", strength=either(0.01, 1.0, log=True), warming=log(0.02, 0.5))
+@RESPONSE.map("offset", on="any", strength=either(0.007, 1.0, log=True), warming=log(0.02, 0.5))
 def warm_up(x, at, by, rng):
     """The zero drifts away while the electronics warm up, and then stays where it has come to."""
     return x - by.strength * at.spread * np.expm1(-run_time(len(x)) / by.warming)
@@ -317,6 +322,13 @@ def field_map(x, at, by, rng):
 def stiff_tracks(x, at, by, rng):
     """The sign is told from a curvature that is small for large values, so theirs is mistaken most often."""
     return mistaken(x, by.strength * (by.floor + (1 - by.floor) * size(x, at) ** by.power), at, rng)
+
+
+@RESPONSE.map("charge_misid", suits=unbounded, strength=(0.01, 0.4), middle=(-0.25, 0.25))
+def mirrored_tracks(x, at, by, rng):
+    """The side of the middle on which a value lies is mistaken, and more often so the farther it is from there."""
+    wrong = rng.random(x.shape) < np.minimum(by.strength * (0.3 + 0.7 * (x - by.middle) ** 2), 0.5)
+    return np.where(wrong, 2 * by.middle - x, x)
 
 
 @RESPONSE.map("charge_misid", suits=signed, strength=(0.28, 3.0))
@@ -485,12 +497,12 @@ def companding(x, at, by, rng):
     return clipped(by.core * np.sinh(by.strength * np.rint(np.arcsinh(x / by.core) / by.strength)), at)
 
 
-@RESPONSE.map("quantisation", stage=4, on="any", strength=(0.01, 0.5))
+@RESPONSE.map("quantisation", stage=4, on="any", strength=(0.01, 0.8), core=log(0.01, 1.0))
 def short_mantissa(x, at, by, rng):
     """Values are stored by the logarithm of their size in few bits, so that steps grow in proportion to the value."""
-    step, value = np.log1p(by.strength), x - zero(at)
-    code = np.rint(np.log(np.maximum(np.abs(value) / at.spread, 1e-12)) / step)
-    return clipped(zero(at) + np.sign(value) * at.spread * np.exp(step * code), at)
+    core = by.core * at.spread
+    code = np.rint(np.arcsinh((x - zero(at)) / core) / by.strength)
+    return clipped(zero(at) + core * np.sinh(by.strength * code), at)
 
 
 @RESPONSE.map("quantisation", stage=4, on="any", strength=(0.005, 0.9), step=log(0.1, 0.9))
@@ -525,7 +537,7 @@ def protractor(x, at, by, rng):
     return np.where(rng.random(x.shape) < by.strength, mark, x)
 
 
-@RESPONSE.map("quantisation", stage=4, strength=(0.03, 2.0), sharing=(0.05, 0.6))
+@RESPONSE.map("quantisation", stage=4, strength=(0.03, 2.0), sharing=(0.05, 0.85))
 def wire_pitch(x, at, by, rng):
     """A position is that of the wire that fired, or halfway between two if both fire, which those midway make do."""
     pitch = by.strength * at.spread
@@ -544,14 +556,14 @@ def cell_centres(x, at, by, rng):
 # The scale ends.
 
 
-@RESPONSE.map("saturation", on="any", strength=(0.005, 0.4), room=log(0.02, 0.4), side=SIDE)
+@RESPONSE.map("saturation", on="any", strength=(0.005, 0.45), room=log(0.02, 0.4), side=SIDE)
 def soft_saturation(x, at, by, rng):
     """Beyond a knee, which a share of the events exceeds, the response bends over towards a limit it never reaches."""
     over = np.maximum(by.side * x - limit(at, by.strength, by.side), 0)
     return x - by.side * (over + by.room * np.expm1(-over / by.room))
 
 
-@RESPONSE.map("saturation", strength=(0.03, 20.0), level=(0.0, 0.5), side=SIDE)
+@RESPONSE.map("saturation", strength=(0.03, 30.0), level=(0.0, 0.8), side=SIDE)
 def soft_limit(x, at, by, rng):
     """Above a certain level the output of an amplifier grows only as the logarithm of its input."""
     over = np.maximum(by.side * x - by.level, 0)
@@ -672,17 +684,24 @@ def leakage_behind_edge(x, every, at, by, rng):
     return (x + 1) * (1 - by.strength * expit((driver(every, at, by) - by.edge) / 0.2)) - 1
 
 
-@RESPONSE.respond("conditional_response", strength=either(0.006, 0.6, log=True), other=OTHER)
+@RESPONSE.respond("conditional_response", strength=either(0.004, 0.6, log=True), other=OTHER)
 def bent_field(x, every, at, by, rng):
     """A feature is displaced by an amount that grows as the square of another one, up to a limit."""
     return x + by.strength * at.spread * np.minimum(driver(every, at, by) ** 2, 6)
 
 
-@RESPONSE.respond("conditional_response", strength=either(0.015, 0.35, log=True), other=OTHER)
+@RESPONSE.respond("conditional_response", strength=either(0.02, 0.35, log=True), other=OTHER)
 def gas_gain(x, every, at, by, rng):
     """The gain grows exponentially with another feature, such as a temperature, so that deviations are stretched."""
     mean = (at.mean - at.centre) / at.half_range
     return mean + (x - mean) * np.exp(by.strength * np.clip(driver(every, at, by), -3, 3))
+
+
+@RESPONSE.respond("conditional_response", strength=either(0.015, 0.3, log=True), other=OTHER)
+def hall_probe(x, every, at, by, rng):
+    """The gain of a sensor is proportional to its temperature, another feature, so that deviations are stretched."""
+    mean = (at.mean - at.centre) / at.half_range
+    return x + (x - mean) * by.strength * np.clip(driver(every, at, by), -2.5, 2.5)
 
 
 @RESPONSE.respond(
