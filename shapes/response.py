@@ -563,7 +563,7 @@ def soft_saturation(x, at, by, rng):
     return x - by.side * (over + by.room * np.expm1(-over / by.room))
 
 
-@RESPONSE.map("saturation", strength=(0.03, 30.0), level=(0.0, 0.8), side=SIDE)
+@RESPONSE.map("saturation", strength=(0.03, 30.0), level=(0.0, 0.9), side=SIDE)
 def soft_limit(x, at, by, rng):
     """Above a certain level the output of an amplifier grows only as the logarithm of its input."""
     over = np.maximum(by.side * x - by.level, 0)
