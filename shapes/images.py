@@ -309,8 +309,7 @@ def discharge(x, at, by, rng):
 @IMAGES.add("noisy_cells", strength=(0.0005, 0.1), row=(0.1, 0.9), column=(0, 1), slope=either(0.3, 1.5))
 def noisy_scratch(x, at, by, rng):
     """A scratch runs across the sensor, and the cells along it draw current and fire now and then."""
-    length = x.shape[2] / 4 * np.hypot(1, by.slope)
-    return fires(x, by.strength * scratch(at, by, np.arctan(by.slope), length)[0], rng)
+    return fires(x, by.strength * scratch(at, by, np.arctan(by.slope), x.shape[2] / 4)[0], rng)
 
 
 @IMAGES.mask("inefficiency", strength=(0.003, 0.3), unevenness=(0, 0.7), waves=(1, 4), oblique=(0, 2), phase=(0, 1))
@@ -608,7 +607,7 @@ def sector_majority(x, at, by, rng):
 def opposite_sectors(x, at, by, rng):
     """The trigger wants enough hits in both of two opposite halves of the detector."""
     halves = np.stack([number(half) for half in np.split(x, 2, axis=2)])
-    return -np.expm1(-((halves / by.strength) ** by.sharpness)).prod(axis=0)
+    return (-np.expm1(-((halves / by.strength) ** by.sharpness))).prod(axis=0)
 
 
 @IMAGES.thin("threshold", stage=3, strength=(0.01, 1), pairs=(0, 0.5))
