@@ -81,7 +81,7 @@ def signals(every: NDArray, at: Place) -> NDArray[np.float64]:
 
 
 def direction(at: Place, turn: float) -> NDArray[np.float64]:
-    """The direction in which parameters vary, in widths of the prior: that of one, or a random one of all, (p,)."""
+    """The direction in which the parameter of the place varies, or all together, as a width of the prior: (p,)."""
     names = at.task.parameter_names
     if at.feature in names:
         return (np.array(names) == at.feature) * at.task.prior.width
@@ -539,7 +539,7 @@ def protractor(x, at, by, rng):
 
 @RESPONSE.map("quantisation", stage=4, strength=(0.03, 2.0), sharing=(0.05, 0.85))
 def wire_pitch(x, at, by, rng):
-    """A position is that of the wire that fired, or halfway between two if both fire, which those midway make do."""
+    """A position is that of the wire that fired, or halfway between two wires if a particle between them fires both."""
     pitch = by.strength * at.spread
     midway = np.floor(x / pitch) + 0.5
     both = np.abs(x / pitch - midway) < by.sharing / 2
