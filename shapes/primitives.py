@@ -79,13 +79,17 @@ class Library:
         return self._declare(family, 2, measure, options)
 
     def keep(self, family: str, **options: Any) -> Callable:
-        """An event is kept with probability f(x, at, by, rng), (n,) or (n, 1); another one replaces what is lost."""
+        """An event is kept with probability f(x, at, by, rng), and another one replaces what is lost.
+
+        It is (n,), or (n, k) of k features, which lose events independently: their product counts.
+        """
 
         def measure(f, simulate, theta, at, by, rng):
             x = simulate(theta, rng)
             lost = np.arange(len(x))
             for _ in range(MAX_ROUNDS):
-                kept = np.reshape(f(at.read(x[lost]), at, by, rng), -1)
+                kept = np.asarray(f(at.read(x[lost]), at, by, rng))
+                kept = kept.prod(axis=1) if kept.ndim == 2 else np.reshape(kept, -1)
                 lost = lost[rng.random(len(lost)) >= kept]
                 if not len(lost):
                     return x
@@ -160,6 +164,24 @@ class Library:
 
         return self._declare(family, 1, measure, options)
 
+    def rate(self, family: str, **options: Any) -> Callable:
+        """The rate of counts is multiplied by f(n, at, by, rng), (n,) or (n, 1).
+
+        An event is thinned, or events from the same theta are added to it, of which the last is thinned.
+        """
+
+        def measure(f, simulate, theta, at, by, rng):
+            factor = np.reshape(np.maximum(f(len(theta), at, by, rng), 0), (-1, 1))
+            x = simulate(theta, rng)
+            total = rng.binomial(x.astype(np.int64), np.minimum(factor, 1))
+            for whole in range(1, int(np.ceil(factor.max(initial=0)))):
+                rows = np.flatnonzero(factor > whole)
+                more = simulate(theta[rows], rng).astype(np.int64)
+                total[rows] += rng.binomial(more, np.minimum(factor[rows] - whole, 1))
+            return total.astype(x.dtype)
+
+        return self._declare(family, 1, measure, options)
+
     def overlay(self, family: str, **options: Any) -> Callable:
         """A second event from the same theta acts on the first: f(x, other, at, by, rng)."""
 
@@ -169,15 +191,49 @@ class Library:
 
         return self._declare(family, 2, measure, options)
 
+    def pile(self, family: str, **options: Any) -> Callable:
+        """Hits of further events are added, f(theta, at, by, rng) -> (event, place, share).
+
+        Each of m further events is made at its place (m, p), kept within the simulator's support. A share of its hits,
+        (m,) or the same for all, is seen in the event of the index (m,).
+        """
+
+        def measure(f, simulate, theta, at, by, rng):
+            x, box = simulate(theta, rng), at.task.support
+            event, place, share = f(theta, at, by, rng)
+            further = at.read(simulate(np.clip(place, box.low, box.high), rng))
+            share = np.broadcast_to(share, len(event))[:, None, None]
+            which, row, column = np.nonzero(further & (rng.random(further.shape, dtype=np.float32) < share))
+            hits = at.read(x)
+            hits[event[which], row, column] = True
+            return at.write(x, hits)
+
+        return self._declare(family, 4, measure, options)
+
+    def respond(self, family: str, **options: Any) -> Callable:
+        """Features respond to the others of the event: f(x, every, at, by, rng).
+
+        `every` (n, d) are all features of the event, in standard deviations from their means.
+        """
+
+        def measure(f, simulate, theta, at, by, rng):
+            x = simulate(theta, rng)
+            every = (x - at.reference.mean(axis=0)) / at.reference.std(axis=0)
+            return at.write(x, f(at.read(x), every, at, by, rng))
+
+        there = options.pop("suits", None) or (lambda place: True)
+        options["suits"] = lambda place: place.task.num_features > 1 and there(place)
+        return self._declare(family, 2, measure, options)
+
     def particles(self, family: str, **options: Any) -> Callable:
-        """Particles are changed before they reach the detector: f(particles, theta, time, at, by) -> particles.
+        """Particles are changed before they reach the detector: f(particles, theta, time, by, rng) -> particles.
 
         `theta` (n, 1) and the `time` of the run (n,) are those of the events that the particles belong to.
         """
 
         def measure(f, simulate, theta, at, by, rng):
             time = run_time(len(theta))[:, 0]
-            return at.task.simulate(theta, rng, lambda each, rows: f(each, theta[rows], time[rows], at, by))
+            return at.task.simulate(theta, rng, lambda each, rows: f(each, theta[rows], time[rows], by, rng))
 
         there = options.pop("suits", None) or (lambda place: True)
         options["suits"] = lambda place: place.task.generates == "particles" and there(place)
