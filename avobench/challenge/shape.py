@@ -102,12 +102,12 @@ class Place:
             return y.reshape(x.shape).astype(x.dtype)
         changed = x.copy()
         if self.kind == "counts":
-            y = np.maximum(np.rint(y), 0)
+            z = np.maximum(np.rint(y), 0)
         else:
-            y = self.centre + self.half_range * y
+            z = self.centre + self.half_range * y
             if self.cosine:
-                y = np.where(np.abs(y) > 1, np.abs((y - 1) % 4 - 2) - 1, y)
-        changed[:, self.columns] = y
+                z = np.where(np.abs(z) > 1, np.abs((z - 1) % 4 - 2) - 1, z)
+        changed[:, self.columns] = np.where(y == self.read(x), x[:, self.columns], z)  # to the last bit where it stays
         return changed
 
 

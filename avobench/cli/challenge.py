@@ -25,9 +25,7 @@ def challenge() -> None:
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="New folder for data and answers.")
 @click.option("--events", "num_events", type=int, default=50_000, show_default=True, help="Events of each data set.")
 @click.option("--kinds", default=None, metavar="A,B", help="Of none, own, foreign, two, withheld.  [all]")
-@click.option(
-    "--shapes", default=None, metavar="MODULE:NAME", help="Foreign shapes, such as shapes:SEEN in a clone."
-)
+@click.option("--shapes", default=None, metavar="MODULE:NAME", help="Foreign shapes, such as shapes:SEEN in a clone.")
 @TRUST
 def make(
     task: str,

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from avobench.challenge.shapes import Place
-from avobench.challenge.shapes.first import tracker
+from avobench.challenge.shape import Injection, Place
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.effects.pool import Pool
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
+from shapes.images import rocking_frame, wandering_beam
 
 N = 2_000
 
@@ -55,8 +55,9 @@ def images(task, name, theta, phi, shape=None):
 @pytest.mark.parametrize(
     ("shape", "settings", "phi"),
     [
-        (tracker.TiltedDetector, {"strength": 0.2, "azimuth": 0.9 + np.pi / 2}, [0.2, 0.9]),  # that of the axis
-        (tracker.MovedBeam, {"strength": 0.8, "azimuth": -0.4}, [0.8 / 3.2, -0.4]),
+        # The azimuth of a shape is in turns, and that of a tilt is the axis's.
+        (rocking_frame, {"strength": 0.2, "azimuth": 0.9 / (2 * np.pi) + 0.25, "rock": 0, "cycles": 5}, [0.2, 0.9]),
+        (wandering_beam, {"strength": 0.8, "azimuth": -0.4 / (2 * np.pi), "wander": 0}, [0.8 / 3.2, -0.4]),
     ],
 )
 def test_a_tracker_out_of_place_is_what_the_challenge_makes_of_it(theta, shape, settings, phi):
@@ -64,8 +65,8 @@ def test_a_tracker_out_of_place_is_what_the_challenge_makes_of_it(theta, shape, 
     task = Alignment()
     where = Place(task, None, np.zeros((1, 1024), np.uint8))
     at = np.full((N, 1), theta)
-    expected = shape(where, **settings).measure(task.simulate, at, np.random.default_rng(3))
-    found = images(task, shape.name, theta, phi)
+    expected = Injection(shape, where, settings).measure(task.simulate, at, np.random.default_rng(3))
+    found = images(task, shape.family, theta, phi)
     assert (found != expected).sum() <= 2
     assert (found != task.simulate(at, np.random.default_rng(3))).any(axis=1).mean() > 0.9
 
