@@ -238,7 +238,8 @@ def dead_board(x, at, by, rng):
 @IMAGES.thin("dead_cells", strength=(0.006, 0.3), pattern=(0, 1e6))
 def upset_masks(x, at, by, rng):
     """Radiation flips bits that mask cells, always the same ones, and the later an event is, the more are missing."""
-    upset = np.random.default_rng(int(by.pattern)).exponential(1 / by.strength, at.task.event_shape)
+    share = (cells(at, at.task.num_features, by.pattern) + 0.5) / at.task.num_features
+    upset = -np.log1p(-share).reshape(at.task.event_shape) / by.strength
     return per_image(x, rng.random(len(x))) < upset
 
 

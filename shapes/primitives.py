@@ -201,6 +201,8 @@ class Library:
         def measure(f, simulate, theta, at, by, rng):
             x, box = simulate(theta, rng), at.task.support
             event, place, share = f(theta, at, by, rng)
+            if not len(event):
+                return x
             further = at.read(simulate(np.clip(place, box.low, box.high), rng))
             share = np.broadcast_to(share, len(event))[:, None, None]
             which, row, column = np.nonzero(further & (rng.random(further.shape, dtype=np.float32) < share))
@@ -233,6 +235,8 @@ class Library:
 
         def measure(f, simulate, theta, at, by, rng):
             time = run_time(len(theta))[:, 0]
+            if not len(theta):
+                return simulate(theta, rng)
             return at.task.simulate(theta, rng, lambda each, rows: f(each, theta[rows], time[rows], by, rng))
 
         there = options.pop("suits", None) or (lambda place: True)
