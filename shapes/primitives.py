@@ -1,4 +1,4 @@
-"""The ten things that can be done to events, from which every hidden shape is declared.
+"""The few things that can be done to events, from which every hidden shape is declared.
 
 A `Library` holds the shapes of one kind of events. Each of its methods is a decorator: it takes the family of the
 catalogue that a shape belongs to and the ranges of its settings, and turns a function into a shape. The function's name
