@@ -35,14 +35,14 @@ quick: venv  ## all tasks and methods on 3 targets at a tenth of the budget, int
 	$(BIN)/avobench run $(METHODS) $(QUICK) --results results/quick --figure reports/quick
 
 figures: venv  ## draw the committed records into docs/figures, and write docs/reproduction.md and docs/real-data.md
-	$(BIN)/avobench figure benchmark weinberg efficiency cost coverage --results results/reference --out docs/figures
-	$(BIN)/avobench figure poisson alignment detector dimension misspecification --out docs/figures
+	$(BIN)/avobench figure benchmark efficiency cost coverage --results results/reference --out docs/figures
+	$(BIN)/python -m paper.figures poisson alignment detector weinberg dimension misspecification --out docs/figures
 	$(BIN)/python -m paper.figures.reliability_diagram docs/figures results/challenge/sealed-*.jsonl
 	$(BIN)/python -m paper.claims.reproduction --out docs/reproduction.md
 	$(BIN)/python -m paper.tables.real --out docs/real-data.md
 
 studies: venv  ## the paper's single experiments, the ablation and the studies beyond it into results/, as far as they lack
-	for study in poisson detector summary alignment ablation dimension fresh misspecification real; do $(BIN)/avobench study $$study || exit 1; done
+	for study in poisson detector summary alignment ablation dimension fresh misspecification real; do $(BIN)/python -m paper.study $$study || exit 1; done
 
 bench-speed: venv  ## side by side: simulators against bare NumPy and Pythia, BOLFI's fast process against ELFI's own
 	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.simulators

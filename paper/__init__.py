@@ -1,1 +1,3 @@
-"""What avobench says of the paper and of itself: studies, claims, tables, figures and speed. Run from a clone."""
+"""The paper: its claims, the studies behind them, tables, figures and timings; `make` runs them from a clone."""
+
+import avobench.__main__  # noqa: F401  one thread a process, set before NumPy is loaded, as the command has it

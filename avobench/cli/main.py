@@ -19,7 +19,6 @@ from avobench.cli.pack import pack
 from avobench.cli.records import export, status
 from avobench.cli.reports import figure, report
 from avobench.cli.run import run
-from avobench.cli.study import study
 from avobench.tasks.errors import AvobenchError, UsageError
 
 
@@ -33,7 +32,7 @@ def cli(state: State, debug: bool, in_process: bool) -> None:
     state.debug, state.in_process = debug, in_process
 
 
-COMMANDS = (list_, infer, run, status, export, pack, check, study, figure, report, diagnose, challenge, effects)
+COMMANDS = (list_, infer, run, status, export, pack, check, figure, report, diagnose, challenge, effects)
 
 for command in COMMANDS:
     cli.add_command(command)
@@ -45,15 +44,15 @@ SURROUNDINGS |= {errno.EISDIR, errno.ENOTDIR, errno.EEXIST, errno.ENAMETOOLONG, 
 """Faults of a disk, of what was named on it, or of what somebody did to its folders while the command ran."""
 
 
-def main() -> None:
-    """Run the command line; whatever goes wrong is one line on standard error."""
+def main(command: click.Command = cli) -> None:
+    """Run a command line, that of avobench by default; whatever goes wrong is one line on standard error."""
     given = sys.argv[1:]
     anywhere = [flag for flag in ANYWHERE if flag in given]
     arguments = [*anywhere, *(argument for argument in given if argument not in ANYWHERE)]
     state = State()
     signal.signal(signal.SIGINT, state.interrupt)
     try:
-        sys.exit(naming_damaged(lambda: cli.main(arguments, standalone_mode=False, obj=state)))
+        sys.exit(naming_damaged(lambda: command.main(arguments, standalone_mode=False, obj=state)))
     except (KeyboardInterrupt, click.Abort):
         _stop(state)
     except click.exceptions.NoArgsIsHelpError as error:

@@ -15,16 +15,9 @@ from avobench.tasks.errors import UsageError
 
 @click.command()
 @RESULTS
-@click.option("--targets", is_flag=True, help="Show instead whether avo is where it should be, beside the others.")
-def status(results: Path, targets: bool) -> None:
+def status(results: Path) -> None:
     """Summarise the records of a results folder, and name failed cells and damaged files."""
-    store = Store(results)
-    if targets:
-        from paper.tables.targets import format_table  # here, because it takes a second to load
-
-        click.echo(format_table(store.read_all()))
-        return
-    records = store.read_all(traces=False)
+    records = Store(results).read_all(traces=False)
     click.echo(listing.status_table(records))
     for record in records:
         if record["status"] != Status.OK:

@@ -7,44 +7,31 @@ import click
 from avobench.bench.store.files import require_folder, write_file
 from avobench.bench.store.store import Store
 from avobench.cli.options import RESULTS
-from avobench.reports.figures import FIGURES, FOLDERS, draw, records_for
+from avobench.reports.figures import FIGURES, TRACED, draw
 
 OUT = click.option("--out", type=click.Path(path_type=Path), default=Path("reports"), show_default=True, help="Folder.")
 
 
 @click.command("figure")
 @click.argument("names", nargs=-1, required=True, type=click.Choice(FIGURES), metavar=f"{{{'|'.join(FIGURES)}}}...")
-@click.option(
-    "--results",
-    type=click.Path(path_type=Path),
-    default=None,
-    help="Folder of the records.  [results/local; the study's own for what a study has made]",
-)
+@RESULTS
 @OUT
-def figure(names: tuple[str, ...], results: Path | None, out: Path) -> None:
+def figure(names: tuple[str, ...], results: Path, out: Path) -> None:
     """Draw figures from records: each as .pdf, .png and, with the numbers drawn, .csv."""
     require_folder(out)
+    store = Store(results)
     for name in names:
-        store = Store(results or FOLDERS.get(name, Path("results/local")))
-        for path in draw(name, records_for(name, store), out):
+        for path in draw(name, store.read_all(traces=name in TRACED), out):
             click.echo(path)
 
 
 @click.command("report")
 @RESULTS
-@click.option(
-    "--studies",
-    type=click.Path(path_type=Path),
-    default=None,
-    help="Folder of the studies, for the paper's figures and claims.  [results/studies where there is one]",
-)
 @OUT
-def report(results: Path, studies: Path | None, out: Path) -> None:
+def report(results: Path, out: Path) -> None:
     """Write one page with everything, index.html: it needs no network and no other file."""
     from avobench.reports.page import render  # here, because it takes seconds to load
 
     require_folder(out)
-    default = Path("results/studies")
-    page = render(results, default if studies is None and default.exists() else studies)
-    write_file(out / "index.html", page.encode())
+    write_file(out / "index.html", render(results).encode())
     click.echo(out / "index.html")

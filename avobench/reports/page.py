@@ -4,7 +4,6 @@ import json
 import tempfile
 from collections.abc import Callable, Iterator
 from functools import partial
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -15,42 +14,28 @@ from avobench.bench.store.store import Store
 from avobench.bench.store.table import labels, to_frame
 from avobench.reports import html
 from avobench.reports.benchmark import numbers
-from avobench.reports.figures import STUDY_FIGURES, draw, records_for
+from avobench.reports.figures import draw
 from avobench.reports.quantities import comparable
-from avobench.reports.style import TASK_ORDER
-from paper.claims.benchmark_claims import PRESETS
-from paper.claims.reproduction import CLAIMS, gather
-from paper.studies.paper import DETECTOR_FILE
-from paper.tables.targets import METHOD, RIVALS
-from paper.tables.targets import table as targets_table
 
 CAPTIONS = {
-    "benchmark": "Squared error of each method on each task (the paper's Figure 4). Boxes show quartiles, whiskers the "
+    "benchmark": "Squared error of each method on each task. Boxes show quartiles, whiskers the "
     "extremes, points the cells; the dashed line is the median floor over the targets, the band spans their floors.",
-    "weinberg": "Weinberg (the paper's Figure 5): the observed events, as points, and the density at each method's "
-    "estimate, as lines, for the first targets.",
     "efficiency": "Squared error of the estimate after so many simulations: median and quartiles over the cells, from "
     "where all of them have an estimate. The dashed line is the floor with as many simulations.",
     "cost": "Wall time that a cell takes, simulator and method together, against its squared error. Small "
     "marks are cells, large ones medians; the dashed line is the median floor.",
-    "poisson": "The paper's Figure 1: an unknown Poisson mean with and without a penalty on the proposal's entropy; "
-    "each line is a run.",
-    "alignment": "The paper's Figure 3: the detector's offset at 1 mm, found by avo-paper; each line is a run.",
-    "detector": "The paper's Figure 2: average response of the detector and single events, at offsets of 0 and 1 mm.",
 }
-
-
 MOST_CELLS = 2000
 """Rows of the table of cells: a browser sorts and filters so many at once, and the page stays below some megabytes."""
 
 
-def render(results: Path, studies: Path | None) -> str:
-    """The page on the records in the folder `results`, and in `studies` where that is given.
+def render(results: Path) -> str:
+    """The page on the records in the folder `results`.
 
-    A figure or a table that cannot be made is a sentence in its place. Raises UsageError or StoreError when a folder
+    A figure or a table that cannot be made is a sentence in its place. Raises UsageError or StoreError when the folder
     cannot be read.
     """
-    store, examples = Store(results), None if studies is None else Store(studies)
+    store = Store(results)
     records = store.read_all()
     frame = to_frame(records)
     failed = int((~frame["status"].isin(ESTIMATED)).sum())
@@ -65,44 +50,22 @@ def render(results: Path, studies: Path | None) -> str:
         title=f"records in {results}",
         facts=facts,
         lead="Squared errors are in the parameters' raw units; the floor is what the best estimator could expect.",
-        figures=[html.made(name, make) for name, make in _figures(records, examples)],
-        tables=[html.made(name, make) for name, make in _tables(store, records, studies)],
+        figures=[html.made(name, partial(_picture, name, records)) for name in CAPTIONS],
+        tables=[html.made(name, make) for name, make in _tables(store, records)],
     )
 
 
-def _figures(records: list[dict[str, Any]], studies: Store | None) -> Iterator[tuple[str, Callable[[], html.Picture]]]:
-    """The figures that the records are there for, each with what draws it."""
-    has_weinberg = any(record["task"] == "weinberg" for record in records)
-    for name in CAPTIONS:
-        if name not in STUDY_FIGURES and (name != "weinberg" or has_weinberg):
-            yield name, partial(_picture, name, lambda: records)
-    if studies is not None:
-        tasks = {record["task"] for record in studies.read_sound()}
-        there = {name: f"{name}-example" in tasks for name in ("poisson", "alignment")}
-        there["detector"] = (studies.path / DETECTOR_FILE).exists()
-        for name in STUDY_FIGURES:
-            if there[name]:
-                yield name, partial(_picture, name, partial(records_for, name, studies))
-
-
-def _picture(name: str, records: Callable[[], list[dict[str, Any]]]) -> html.Picture:
+def _picture(name: str, records: list[dict[str, Any]]) -> html.Picture:
     with tempfile.TemporaryDirectory() as folder:
-        _, png, csv = draw(name, records(), Path(folder))
+        _, png, csv = draw(name, records, Path(folder))
         return html.Picture(name, CAPTIONS[name], png.read_bytes(), html.address("text/csv", csv.read_bytes()))
 
 
-def _tables(
-    store: Store, records: list[dict[str, Any]], studies: Path | None
-) -> Iterator[tuple[str, Callable[[], html.Table]]]:
+def _tables(store: Store, records: list[dict[str, Any]]) -> Iterator[tuple[str, Callable[[], html.Table]]]:
     """The tables that the records are there for, each with what makes it."""
     frame = to_frame(records)
     frame["task"], frame["method"] = labels(records)
     yield "summary", partial(_summary, frame)
-    if METHOD in set(frame["method"]):
-        yield "targets", partial(_targets, records)
-    wanted = product(TASK_ORDER, (PRESETS[0], *RIVALS))
-    if studies is not None and {*wanted} <= {*zip(frame["task"], frame["method"], strict=True)}:
-        yield "claims", partial(_claims, store.path, studies)
     yield "cells", partial(_cells, frame)
     yield "settings", partial(_settings, records)
     sweeps = store.sweeps()
@@ -114,20 +77,6 @@ def _summary(frame: pd.DataFrame) -> html.Table:
     compared = pd.concat([comparable(cells) for _, cells in frame.groupby("task", sort=False)])
     text = "Over the targets that all methods of a task have; what the box plots show."
     return _table("summary", "Summary", text, numbers(compared))
-
-
-def _targets(records: list[dict[str, Any]]) -> html.Table:
-    text = "What avo should reach, beside what was measured of every method. Inefficiency is the median ratio of "
-    text += "squared error to floor over that of an efficient estimator: 1 is the best possible."
-    return _table("targets", "Targets of avo", text, targets_table(records))
-
-
-def _claims(results: Path, studies: Path) -> html.Table:
-    evidence = gather(results, studies)
-    found = [(claim.title, claim.where, claim.find(evidence)) for claim in CLAIMS]
-    rows = [(title, where, finding.verdict, finding.reading) for title, where, finding in found]
-    text = "What holds of the paper; docs/reproduction.md has the numbers."
-    return _table("claims", "Claims", text, pd.DataFrame(rows, columns=["claim", "where", "verdict", "criterion"]))
 
 
 def _cells(frame: pd.DataFrame) -> html.Table:

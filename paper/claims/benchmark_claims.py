@@ -94,7 +94,7 @@ def summary_limits(evidence: Evidence) -> Finding:
     for method in RIVALS:
         better = [r for r in evidence.study if (r["task"], r["method"]) == ("alignment-rows", method)]
         if not better:
-            raise StoreError("there are no such records; `avobench study summary` makes them")
+            raise StoreError("there are no such records; `python -m paper.study summary` makes them")
         rows_cells = labelled(better)
         image_cells = by_method[method][by_method[method]["target"].isin(rows_cells["target"])]
         for statistic, cells in (("average image", image_cells), ("row sums", rows_cells)):
@@ -296,7 +296,7 @@ CLAIMS = (
         "On alignment a generic summary statistic limits ABC-SMC and BOLFI",
         "Section 4.3",
         "The average image as summary statistic leads to a sub-optimal estimator; a better one would improve both.",
-        (BENCHMARK[0], "avobench study summary"),
+        (BENCHMARK[0], "python -m paper.study summary"),
         summary_limits,
     ),
     Claim(
@@ -331,7 +331,7 @@ CLAIMS = (
         "On weinberg all methods fit the observed distribution",
         "Appendix B.2, Figure 5",
         "However far their parameters are from theta*, the estimates of all three methods describe the data.",
-        (BENCHMARK[0], "avobench figure weinberg --results results/reference"),
+        (BENCHMARK[0], "python -m paper.figures weinberg --results results/reference"),
         weinberg_fits,
     ),
 )

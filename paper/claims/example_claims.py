@@ -182,8 +182,8 @@ def alignment_bump(evidence: Evidence) -> Finding:
     return Finding(f"seen in {seen} of {len(numbers)} runs", reading, numbers)
 
 
-EXAMPLE = ("avobench study poisson", "avobench figure poisson")
-OFFSET = ("avobench study alignment", "avobench figure alignment")
+EXAMPLE = ("python -m paper.study poisson", "python -m paper.figures poisson")
+OFFSET = ("python -m paper.study alignment", "python -m paper.figures alignment")
 CLAIMS = (
     Claim(
         "Both proposals concentrate around log 7",
@@ -221,7 +221,7 @@ CLAIMS = (
         "An offset of 1 shifts the average response by about a cell",
         "Section 4.2, Figure 2",
         "theta = 1 shifts tracks by roughly a pixel; the average responses hardly differ, single events are sparse.",
-        ("avobench study detector", "avobench figure detector"),
+        ("python -m paper.study detector", "python -m paper.figures detector"),
         detector_difference,
     ),
     Claim(

@@ -27,7 +27,7 @@ def chosen(records: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """The records of the study `alignment`, by repetition; raises StoreError when there are none."""
     found = [record for record in records if record["task"] == "alignment-example" and record["status"] == Status.OK]
     if not found:
-        raise StoreError("there are no such records; `avobench study alignment` makes them")
+        raise StoreError("there are no such records; `python -m paper.study alignment` makes them")
     return sorted(found, key=lambda record: record["repetition"])
 
 

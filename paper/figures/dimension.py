@@ -1,6 +1,6 @@
-"""Inefficiency and seconds against the number of parameters: `avobench figure dimension`.
+"""Inefficiency and seconds against the number of parameters: `python -m paper.figures dimension`.
 
-`python -m paper.figures.dimension` prints the table, from the records of `avobench study dimension`.
+`python -m paper.figures.dimension` prints the table, from the records of `python -m paper.study dimension`.
 """
 
 from pathlib import Path
@@ -72,7 +72,7 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
     """
     found = table(records)
     if found.empty:
-        raise StoreError("there is no record of the tasks of this study: run `avobench study dimension` first")
+        raise StoreError("there is no record of the tasks of this study: run `python -m paper.study dimension` first")
     with matplotlib.rc_context(STYLE):
         return save(_figure(found), found, folder, "dimension")
 

@@ -1,6 +1,6 @@
-"""The width of AVO's proposal against a hidden effect, beside the diagnosis: `avobench figure misspecification`.
+"""The width of AVO's proposal against a hidden effect, beside the diagnosis: figure and table.
 
-`python -m paper.figures.misspecification` prints the table, from the record of `avobench study misspecification`.
+`python -m paper.figures.misspecification` prints the table, from what `python -m paper.study misspecification` made.
 """
 
 from pathlib import Path

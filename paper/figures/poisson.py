@@ -33,7 +33,7 @@ def chosen(records: list[dict[str, Any]], gamma: float, entropy_gradient: str = 
     found = [record for record in records if record["task"] == "poisson-example" and record["status"] == Status.OK]
     found = [record for record in found if wanted.items() <= record["method_settings"].items()]
     if not found:
-        raise StoreError(f"there are no such records with gamma = {gamma:g}; `avobench study poisson` makes them")
+        raise StoreError(f"there are no records with gamma = {gamma:g}; `python -m paper.study poisson` makes them")
     return sorted(found, key=lambda record: record["repetition"])
 
 

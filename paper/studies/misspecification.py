@@ -83,8 +83,10 @@ def read(folder: Path) -> dict[str, Any]:
     """The record of the study in a results folder. Raises StoreError when it is missing or damaged."""
     path = folder / FILE
     if not path.exists():
-        raise StoreError(f"there is no {path}; `avobench study misspecification --results {folder}` makes it")
+        raise StoreError(f"there is no {path}; `python -m paper.study misspecification --results {folder}` makes it")
     try:
         return decode(path.read_bytes())
     except ValueError as error:
-        raise StoreError(f"{path} {error}; delete it, and `avobench study misspecification` makes it again") from error
+        raise StoreError(
+            f"{path} {error}; delete it; `python -m paper.study misspecification` makes it again"
+        ) from error

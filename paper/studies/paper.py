@@ -188,8 +188,8 @@ def read_detector(folder: Path) -> dict[str, Any]:
     """The record of the study `detector` in a results folder. Raises StoreError when it is missing or damaged."""
     path = folder / DETECTOR_FILE
     if not path.exists():
-        raise StoreError(f"there is no {path}; `avobench study detector --results {folder}` makes it")
+        raise StoreError(f"there is no {path}; `python -m paper.study detector --results {folder}` makes it")
     try:
         return decode(path.read_bytes())
     except ValueError as error:
-        raise StoreError(f"{path} {error}; delete it, and `avobench study detector` makes it again") from error
+        raise StoreError(f"{path} {error}; delete it, and `python -m paper.study detector` makes it again") from error

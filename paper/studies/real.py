@@ -131,7 +131,7 @@ def read(folder: Path = FOLDER) -> list[dict[str, Any]]:
     """The records of a results folder, by name. Raises StoreError when there are none or one is damaged."""
     paths = sorted(folder.glob("*.json"))
     if not paths:
-        raise StoreError(f"there are no records in {folder}; `avobench study real --results {folder}` makes them")
+        raise StoreError(f"no records in {folder}; `python -m paper.study real --results {folder}` makes them")
     return [read_one(path) for path in paths]
 
 
@@ -140,4 +140,4 @@ def read_one(path: Path) -> dict[str, Any]:
     try:
         return decode(path.read_bytes())
     except ValueError as error:
-        raise StoreError(f"{path} {error}; delete it, and `avobench study real` makes it again") from error
+        raise StoreError(f"{path} {error}; delete it, and `python -m paper.study real` makes it again") from error

@@ -1,4 +1,4 @@
-"""How good plain Algorithm 1 can be: `avobench study sensitivity`.
+"""How good plain Algorithm 1 can be: `python -m paper.study sensitivity`.
 
 `avo-paper`, without replay and polish, with other values of what the paper prints, on development targets: first lambda
 on either reading of R1 with all else as printed, then one setting at a time around a faster run, then combinations of

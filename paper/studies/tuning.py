@@ -1,4 +1,4 @@
-"""The settings of the rivals at their best, chosen on development targets: `avobench study tuning`.
+"""The settings of the rivals at their best, chosen on development targets: `python -m paper.study tuning`.
 
 Each candidate is run on the same targets, which are not the benchmark's; `paper.tables.tuning` prints the table
 from which `abc-smc-tuned` and `bolfi-tuned` have their defaults.

@@ -1,4 +1,4 @@
-"""What each difference between `avo` and `avo-paper` is worth, from the records of `avobench study ablation`.
+"""What each difference between `avo` and `avo-paper` is worth, from the records of `python -m paper.study ablation`.
 
 `python -m paper.tables.ablation` prints, for avo as it is and with each difference undone, the inefficiency on
 every task and, in brackets, the largest ratio of squared error to floor. All rows have the study's targets and

@@ -1,8 +1,8 @@
 """What `avo` and `smm` do on targets that nothing was chosen on: `python -m paper.tables.fresh`.
 
-A row a task and method, from the records of `avobench study fresh`. `mean / floor` is the mean squared error over the
-mean floor, on weinberg over the ideal posterior mean's; below 1 is chance. `astray` counts runs above 100 floors, and
-of these those that the method vouched for. The last columns are coverage, as in `avobench.reports.coverage`.
+A row a task and method, from the records of `python -m paper.study fresh`. `mean / floor` is the mean squared error
+over the mean floor, on weinberg over the ideal posterior mean's; below 1 is chance. `astray` counts runs above 100
+floors, and of these those that the method vouched for. The last columns are coverage (`avobench.reports.coverage`).
 """
 
 from collections.abc import Iterator

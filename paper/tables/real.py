@@ -1,6 +1,6 @@
 """What the diagnosis says of real data, beside what is known: `python -m paper.tables.real`.
 
-It prints the table, from the records of `avobench study real`; with `--out` it writes docs/real-data.md.
+It prints the table, from the records of `python -m paper.study real`; with `--out` it writes docs/real-data.md.
 """
 
 import textwrap
@@ -90,7 +90,7 @@ INTRODUCTION = """\
 Where a [diagnosis](diagnosis.md) is tried on simulated data, whoever hides an effect may think like whoever wrote the
 catalogue. Each of these data sets was measured, and the literature knows what a simple simulator of it lacks, or that
 it lacks nothing. The answers were written into `examples/real/expected.json`, and committed, before any diagnosis of
-them was made. `avobench study real` diagnoses them all, and this page is what
+them was made. `python -m paper.study real` diagnoses them all, and this page is what
 
 ```
 python -m paper.tables.real --out docs/real-data.md

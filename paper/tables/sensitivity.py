@@ -1,4 +1,4 @@
-"""What plain Algorithm 1 came to with each candidate of `avobench study sensitivity`, on development targets.
+"""What plain Algorithm 1 came to with each candidate of `python -m paper.study sensitivity`, on development targets.
 
 `python -m paper.tables.sensitivity` prints a row a candidate: the inefficiency on every task, the geometric mean
 over tasks, by which one is chosen, the largest share of a run in which the proposal stood exactly still, and seconds a

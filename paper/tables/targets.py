@@ -1,4 +1,4 @@
-"""The targets of `avo`, each with what was measured: `avobench status --targets`."""
+"""The targets of `avo`, each with what was measured: `python -m paper.tables targets`."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

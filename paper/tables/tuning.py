@@ -1,4 +1,4 @@
-"""What each candidate for a rival's settings came to on development targets, by `avobench study tuning`.
+"""What each candidate for a rival's settings came to on development targets, by `python -m paper.study tuning`.
 
 `python -m paper.tables.tuning` prints the inefficiency of every candidate on every task (on weinberg of c, the one
 quantity that the events determine), the geometric mean over tasks, by which one is chosen, and its seconds a cell.

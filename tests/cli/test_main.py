@@ -121,7 +121,6 @@ def test_a_damaged_record_is_named_by_every_reader(avobench, results, tmp_path):
     damaged.write_text(damaged.read_text().replace("normal", "norml"))
     for arguments, expected in (
         (["status"], "normal"),
-        (["status", "--targets"], "no records"),  # of the paper's tasks
         (["export", "--format", "csv", "--out", tmp_path / "t.csv"], "1 rows in"),
         (["figure", "benchmark", "cost", "--out", tmp_path], "benchmark.csv"),
         (["report", "--out", tmp_path], "index.html"),
@@ -143,7 +142,6 @@ def test_a_damaged_record_is_named_by_every_reader(avobench, results, tmp_path):
 def test_a_packed_folder_is_read_as_before_by_every_command(avobench, results, tmp_path):
     readers = [
         ["status"],
-        ["status", "--targets"],
         ["export", "--format", "csv", "--out", tmp_path / "t.csv"],
         ["figure", "benchmark", "cost", "efficiency", "--out", tmp_path],
         ["report", "--out", tmp_path],

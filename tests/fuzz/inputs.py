@@ -165,7 +165,7 @@ LINES = {
         "--task model.json --method toys:Moment --targets 0 --budget 400 --observations 100 --results fresh --seed 0",
         "--task poisson --method toys:Moment --set moment.steps=2 --targets 0 --budget 400 --observations 100",
     ),
-    "status": ("--results store", "--results store --targets"),
+    "status": ("--results store",),
     "export": ("--results store --format csv --out table.csv",),
     "pack": ("--results store",),
     "report": ("--results store --out page",),
@@ -176,11 +176,10 @@ LINES = {
     "challenge solve": ("challenge --alpha 0.05 --trust",),
     "diagnose": ("--task poisson --data x.npy --out answer --seed 0 --alpha 0.05 --max-effects 1",),
     "effects draw": ("--task poisson --out drawn",),
-    "study": ("poisson --results fresh --jobs 1",),
 }
 """Sound command lines, on what `CommandLines` puts into the folder."""
 UNKNOWN = ("--no-such-option", "-Q")
-SLOW = ("challenge solve", "diagnose", "effects draw", "study")
+SLOW = ("challenge solve", "diagnose", "effects draw")
 """Commands that would work for long if their line were right: of these, lines that must be refused only."""
 POSITIVE = ("--budget", "--observations", "--repetitions", "--jobs", "-j", "--cases", "--events", "--group")
 POSITIVE += ("--time-limit", "--memory-limit", "--simulations")

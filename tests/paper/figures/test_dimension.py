@@ -54,7 +54,7 @@ def test_the_detector_with_three_parameters_has_a_row_of_its_own(records):
 
 
 def test_without_a_record_of_the_study_there_is_no_figure(records, tmp_path):
-    with pytest.raises(StoreError, match="avobench study dimension"):
+    with pytest.raises(StoreError, match="study dimension"):
         dimension.draw([{**records[0], "task": "poisson"}], tmp_path)
 
 

@@ -40,7 +40,7 @@ def test_what_was_kept_is_not_made_again_and_what_is_missing_is_told(few, tmp_pa
     np.testing.assert_array_equal(kept.portraits, made.portraits)
     np.testing.assert_array_equal(kept.families, made.families)
     (tmp_path / "poissons.npz").unlink()
-    with pytest.raises(UsageError, match=r"there is no .*poissons\.npz: `python -m avobench\.studies\.experience"):
+    with pytest.raises(UsageError, match=r"there is no .*poissons\.npz"):
         of_kind("count", tmp_path)
 
 

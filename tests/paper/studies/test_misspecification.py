@@ -43,5 +43,5 @@ def test_an_interrupted_study_makes_only_what_is_lacking_and_a_damaged_file_is_n
     path.write_bytes(path.read_bytes().replace(b"width", b"widht"))
     with pytest.raises(StoreError, match="was changed after it was written"):
         study.read(tmp_path)
-    with pytest.raises(StoreError, match="avobench study misspecification"):
+    with pytest.raises(StoreError, match="study misspecification"):
         study.read(tmp_path / "nowhere")

@@ -8,6 +8,7 @@ from avobench.bench.store.store import Store
 from avobench.methods.proposal import TruncatedGaussian
 from avobench.tasks.errors import StoreError
 from paper.studies import paper as study
+from paper.study import study as command
 
 
 @pytest.mark.parametrize(("name", "iterations", "runs"), [("poisson", 3000, 20), ("alignment", 5000, 2)])
@@ -69,23 +70,23 @@ def test_the_detectors_response_is_made_once(tmp_path, monkeypatch):
 
 
 def test_a_damaged_or_missing_response_is_told(tmp_path):
-    with pytest.raises(StoreError, match="avobench study detector"):
+    with pytest.raises(StoreError, match="study detector"):
         study.read_detector(tmp_path)
     (tmp_path / study.DETECTOR_FILE).write_text("{}")
     with pytest.raises(StoreError, match="truncated"):
         study.read_detector(tmp_path)
 
 
-def test_the_command_makes_what_lacks(avobench, tmp_path, monkeypatch):
+def test_the_command_makes_what_lacks(run, tmp_path, monkeypatch):
     spec = "paper.studies.paper:PoissonExample"
     cells = [Cell(spec, {}, "avo-paper", {"hidden": [4], "schedule": "shared"}, 0, n, 64, 100, 0) for n in range(2)]
     monkeypatch.setattr(study, "cells", lambda name, seed: cells)
     for _ in range(2):
-        code, out, err = avobench("study", "poisson", "--results", tmp_path / "s", "-j", 1)
+        code, out, err = run(command, "poisson", "--results", tmp_path / "s", "-j", 1)
         assert code == 0, err
         assert "poisson-example" in out
     assert len(Store(tmp_path / "s").sweeps()) == 1
-    assert avobench("study", "poisson", "--results", tmp_path / "s", "-j", 0)[0] == 2
+    assert run(command, "poisson", "--results", tmp_path / "s", "-j", 0)[0] == 2
     cells += [Cell(spec, {}, "avo-paper", {"hidden": [4]}, 0, 0, 10, 100, 0)]  # less than one iteration
-    code, out, err = avobench("study", "poisson", "--results", tmp_path / "s", "-j", 1)
+    code, out, err = run(command, "poisson", "--results", tmp_path / "s", "-j", 1)
     assert (code, "1 of 3 cells failed" in err) == (1, True), err

@@ -128,7 +128,7 @@ def test_a_record_is_made_once_and_again_when_the_answer_changes(horse_kicks, tm
 def test_what_is_missing_or_damaged_is_told_in_one_line(horse_kicks, tmp_path):
     with pytest.raises(UsageError, match="clone of the repository"):
         study.real(tmp_path, examples=tmp_path / "nowhere")
-    with pytest.raises(StoreError, match="avobench study real"):
+    with pytest.raises(StoreError, match="study real"):
         study.read(tmp_path / "nowhere")
     (tmp_path / "a.json").write_text("{}")
     with pytest.raises(StoreError, match="delete it"):

@@ -1,4 +1,4 @@
-"""`avobench study`: one of the paper's single experiments, or the ablation."""
+"""`python -m paper.study NAME` carries out one of the paper's single experiments, or a study beyond it."""
 
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from avobench.bench.store.store import Store
 from avobench.bench.sweep.runner import run
 from avobench.cli import listing
 from avobench.cli.isolated import State
+from avobench.cli.main import main
 from avobench.cli.progress import ProgressView
 from avobench.tasks.errors import AvobenchError, UsageError
 from paper.studies import dimension, fresh, misspecification, paper, real, sensitivity, tuning
@@ -95,3 +96,7 @@ def study(state: State, name: str, results: Path | None, seed: int, jobs: int | 
     failed = [record for record in records if record["status"] not in ESTIMATED]
     if failed:
         raise AvobenchError(f"{len(failed)} of {len(records)} cells failed, the first with {reason(failed[0])}")
+
+
+if __name__ == "__main__":
+    main(study)
