@@ -119,9 +119,8 @@ class Model:
         if len(columns):
             low, high = self.low[columns], self.high[columns]
             params[..., columns] = low * (high / low) ** u[..., columns]
-            # rounding may leave the bounds, which a simulator need not bear
-            np.clip(params, self.low, self.high, out=params)
-        return params
+        # Rounding may leave the bounds, which a simulator need not bear: 0.3 + 1 * (0.9 - 0.3) is more than 0.9.
+        return np.clip(params, self.low, self.high)
 
     def to_cube(self, params: NDArray[np.float64]) -> NDArray[np.float64]:
         """The inverse of `from_cube`."""

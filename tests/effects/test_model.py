@@ -2,7 +2,10 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+import avobench
 from avobench.challenge.shape import Injection, Place
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
@@ -119,3 +122,14 @@ def test_a_task_that_generates_first_need_not_let_its_particles_be_altered():
     pool = Pool(Plain(task), 50, np.random.default_rng(0))
     np.testing.assert_array_equal(pool.fresh(at, np.random.default_rng(1)), task.simulate(at, np.random.default_rng(1)))
     assert pool(at, np.random.default_rng(1)).shape == (20, 1024)
+
+
+HUNDREDTHS = st.integers(-300, 300)
+
+
+@given(HUNDREDTHS, st.integers(1, 300), st.floats(0, 1))
+def test_no_parameter_leaves_its_bounds_by_rounding(low, width, u):
+    prior = {"a": (low / 100, (low + width) / 100)}
+    model = Model(avobench.task(lambda theta, rng: theta[:, 0] + rng.normal(size=len(theta)), prior=prior, name="toy"))
+    params = model.from_cube(np.array([[0.0], [u], [1.0]]))
+    assert model.task.support.contains(params).all()
