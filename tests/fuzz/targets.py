@@ -19,11 +19,11 @@ import numpy as np
 from hypothesis import strategies as st
 from sound_records import sound_records
 
-from avobench.bench.cells.status import Status
 from avobench.bench.events import read_events
 from avobench.bench.plugins import registry
 from avobench.bench.store.packed import Row, read_rows, write_rows
 from avobench.bench.store.record import IDENTITY, encode, file_name, identity_hash
+from avobench.bench.store.status import Status
 from avobench.bench.store.store import Store
 from avobench.bench.store.table import to_frame
 from avobench.cli import main as cli

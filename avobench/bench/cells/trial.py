@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.estimates import require_recordable
-from avobench.bench.cells.status import Status
+from avobench.bench.cells.memory import peak_memory_mib, reset_peak_memory
 from avobench.bench.cells.streams import observe, stream
 from avobench.bench.plugins import registry
-from avobench.bench.processes.memory import peak_memory_mib, reset_peak_memory
 from avobench.bench.store.record import SCHEMA_VERSION
+from avobench.bench.store.status import Status
 from avobench.bench.store.versions import versions
 from avobench.methods import Estimate, Problem
 from avobench.tasks import Task

@@ -11,11 +11,11 @@ import numpy as np
 
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.status import Status
 from avobench.bench.cells.streams import observe, stream
 from avobench.bench.cells.trial import execute, execute_together
 from avobench.bench.conformance.promises import BrokenPromise, Round, expect, recordable, state_kept
 from avobench.bench.plugins import registry
+from avobench.bench.store.status import Status
 from avobench.methods import Method
 from avobench.methods.problem import Problem
 from avobench.tasks.errors import SimulatorError

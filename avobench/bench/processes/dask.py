@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.status import Status
 from avobench.bench.cells.trial import blank_record, execute
 from avobench.bench.processes.contract import Backend
+from avobench.bench.store.status import Status
 from avobench.bench.store.versions import versions
 from avobench.tasks.errors import AvobenchError, UsageError
 

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.status import Status
 from avobench.bench.cells.trial import blank_record, execute, execute_together, told
 from avobench.bench.processes.apart import Call, Limits, here, outcomes
 from avobench.bench.processes.contract import Backend
 from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.status import Status
 from avobench.tasks.errors import ProcessEnded, StoreError
 
 HEARTBEAT_SECONDS = 1.0

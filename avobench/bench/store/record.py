@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from avobench.bench.cells.status import ESTIMATED, LOST, Status
+from avobench.bench.store.status import ESTIMATED, LOST, Status
 from avobench.tasks.errors import UsageError
 
 SCHEMA_VERSION = 1

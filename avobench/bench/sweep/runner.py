@@ -10,8 +10,8 @@ from datetime import UTC, datetime
 from typing import Any
 
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.status import Status
 from avobench.bench.processes.contract import Backend
+from avobench.bench.store.status import Status
 from avobench.bench.store.store import UNREAD, Store
 from avobench.bench.store.versions import versions
 from avobench.tasks.errors import StoreError

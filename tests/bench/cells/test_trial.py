@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from avobench.bench.cells.status import Status
 from avobench.bench.cells.streams import observe
 from avobench.bench.cells.trial import blank_record, execute
 from avobench.bench.store.record import check
+from avobench.bench.store.status import Status
 from avobench.bench.store.versions import versions
 from avobench.bench.sweep.plan import plan
 

@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sound_records import sound_records
 
-from avobench.bench.cells.status import ESTIMATED, LOST, Status
 from avobench.bench.store.record import (
     IDENTITY,
     Record,
@@ -19,6 +18,7 @@ from avobench.bench.store.record import (
     file_name,
     identity_hash,
 )
+from avobench.bench.store.status import ESTIMATED, LOST, Status
 from avobench.bench.store.store import Store
 from avobench.tasks.errors import UsageError
 
