@@ -246,7 +246,12 @@ class Store:
         Raises StoreError when they cannot be deleted.
         """
         try:
-            for leftover in [*self.path.glob(".*.tmp"), *self.records.glob(".*.tmp"), *self.running.glob("*")]:
+            for leftover in [
+                *self.path.glob(".*.tmp"),
+                *self.path.glob(".writer.*"),
+                *self.records.glob(".*.tmp"),
+                *self.running.glob("*"),
+            ]:
                 leftover.unlink(missing_ok=True)  # the workers of a killed run may still be ending
         except OSError as error:
             raise StoreError(f"{self.path} could not be tidied up: {error.strerror or error}") from error

@@ -314,7 +314,7 @@ def _typed(code):
     text = "\n".join(
         [
             "import linecache, avobench",
-            "from avobench.bench import registry",
+            "from avobench.bench.plugins import registry",
             f"code = {code!r}",
             "linecache.cache['<cell 1>'] = (len(code), None, code.splitlines(True), '<cell 1>')",
             "exec(compile(code, '<cell 1>', 'exec'))",
