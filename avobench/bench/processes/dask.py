@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.trial import blank_record, execute
-from avobench.bench.processes.contract import Backend
+from avobench.bench.processes.contract import ATTEMPTS, Backend, heartbeat
 from avobench.bench.store.status import Status
 from avobench.bench.store.versions import versions
 from avobench.tasks.errors import AvobenchError, UsageError
@@ -27,12 +27,8 @@ CONNECT_SECONDS = 5
 """For the scheduler to answer: on a network that works it takes milliseconds, and a user should not wait long."""
 WORKERS_SECONDS = 10
 """For the first worker to be there; one that is started together with the sweep needs a few seconds."""
-HEARTBEAT_SECONDS = 1.0
-"""How often a cell tells how far it is: as often as the display is drawn."""
 LOOK_SECONDS = 0.05
 """Between two looks for what has ended, where nothing had: cells take seconds."""
-ATTEMPTS = 2
-"""How often a cell may lose its worker before it is recorded as crashed, where the scheduler gives up on it so soon."""
 TOPIC = "avobench"
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -192,16 +188,5 @@ def _work(cell: Cell, wanted: dict[str, Any], debug: bool) -> dict[str, Any]:
     require_equal(worker.address, facts(worker), wanted)
     if dataclasses.replace(cell).identity != cell.identity:  # made anew from what is installed here
         raise UsageError(f"the worker at {worker.address} has another version of {cell.task} or {cell.method}")
-    last = 0.0
-
-    def heartbeat(used: int) -> None:
-        nonlocal last
-        if time.monotonic() - last >= HEARTBEAT_SECONDS:
-            last = time.monotonic()
-            tell(used / cell.budget)
-
-    def tell(share: float) -> None:
-        worker.log_event(TOPIC, {"id": cell.id, "share": share, "worker": worker.address})
-
-    tell(0)
-    return execute(cell, heartbeat, debug)
+    topic = {"id": cell.id, "worker": worker.address}
+    return execute(cell, heartbeat(cell, lambda share: worker.log_event(TOPIC, {**topic, "share": share})), debug)

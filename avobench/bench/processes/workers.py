@@ -11,7 +11,6 @@ from avobench.bench.processes.apart import Limits
 from avobench.bench.processes.contract import Backend
 from avobench.bench.processes.dask import DaskBackend
 from avobench.bench.processes.local import LIMITS, LocalBackend
-from avobench.bench.processes.together import TogetherBackend
 from avobench.tasks.errors import UsageError
 
 
@@ -61,10 +60,15 @@ class Workers:
         """
         if self.scheduler is not None:
             return DaskBackend(self.scheduler, debug=debug)
-        options = {"limits": self.limits, "in_process": self.in_process, "debug": debug}
-        if self.backend == "together":
-            return TogetherBackend(self.processes, marks, self.group, **options)
-        return LocalBackend(self.processes, marks, **options)
+        return LocalBackend(
+            self.processes,
+            marks,
+            together=self.backend == "together",
+            most=self.group,
+            limits=self.limits,
+            in_process=self.in_process,
+            debug=debug,
+        )
 
     @property
     def processes(self) -> int:

@@ -4,7 +4,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from avobench.bench.store.atomic import sync_folder
+from avobench.bench.store.files import sync_folder
 from avobench.bench.store.packed import Row, Unreadable, read_rows, write_rows
 from avobench.bench.store.store import Store
 from avobench.tasks.errors import StoreError

@@ -16,7 +16,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.files import write_atomically
 from avobench.bench.store.record import Record, decode_record
 
 SCHEMA = {"schema": "avobench-packed-records", "version": "1"}

@@ -14,8 +14,8 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
-from avobench.bench.store.atomic import within, write_atomically
 from avobench.bench.store.claim import claim
+from avobench.bench.store.files import within, write_atomically
 from avobench.bench.store.packed import Unreadable, read_rows
 from avobench.bench.store.record import SCHEMA_VERSION, decode_record, encode, file_name
 from avobench.tasks.errors import StoreError, UsageError

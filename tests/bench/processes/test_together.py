@@ -12,7 +12,6 @@ import pytest
 
 from avobench.bench.cells.trial import execute
 from avobench.bench.processes.local import LocalBackend
-from avobench.bench.processes.together import TogetherBackend
 from avobench.bench.store.status import Status
 from avobench.bench.store.store import Store
 from avobench.bench.sweep.plan import plan
@@ -44,7 +43,9 @@ def toys(*settings, task="Normal", methods=("Lockstep",), targets="0-3", repetit
 def together(path, cells, jobs=1, most=None):
     """Records with traces in the planned order, and what was noted."""
     store, view = Store(path, create=True), Notes()
-    order = [record["id"] for record in run(cells, store, TogetherBackend(jobs, store.running, most), view)]
+    order = [
+        record["id"] for record in run(cells, store, LocalBackend(jobs, store.running, together=True, most=most), view)
+    ]
     return sorted(store.read_all(), key=lambda record: order.index(record["id"])), view
 
 
@@ -82,7 +83,7 @@ def test_each_cell_has_its_share_of_the_time_and_together_they_have_all_of_it(tm
 
 def test_pieces_are_of_one_task_and_method_and_the_rest_follows_one_by_one(tmp_path):
     cells = plan(["toys:Normal", "toys:Cliff"], ["toys:Moment", "toys:Lockstep"], "0-2", 1, 400, 100, 0, [])
-    pieces = TogetherBackend(1, tmp_path).pieces(cells)
+    pieces = LocalBackend(1, tmp_path, together=True).pieces(cells)
     assert [len(piece) for piece in pieces] == [3, 3, 1, 1, 1, 1, 1, 1]
     assert [[cell.target for cell in piece] for piece in pieces[:2]] == [[0, 1, 2]] * 2
     assert [piece[0].label.split(" target")[0] for piece in pieces[:3]] == [
@@ -91,11 +92,11 @@ def test_pieces_are_of_one_task_and_method_and_the_rest_follows_one_by_one(tmp_p
         "normal moment",
     ]
     assert sorted(cell.id for piece in pieces for cell in piece) == sorted(cell.id for cell in cells)
-    assert [len(piece) for piece in TogetherBackend(1, tmp_path, 2).pieces(cells)][:2] == [2, 2]
+    assert [len(piece) for piece in LocalBackend(1, tmp_path, together=True, most=2).pieces(cells)][:2] == [2, 2]
 
 
 def test_settings_and_budgets_are_not_mixed(tmp_path):
-    pieces = TogetherBackend(1, tmp_path).pieces([*toys(), *toys("steps=2"), *toys(budget=800)])
+    pieces = LocalBackend(1, tmp_path, together=True).pieces([*toys(), *toys("steps=2"), *toys(budget=800)])
     assert [len(piece) for piece in pieces] == [8, 8, 8]
 
 
