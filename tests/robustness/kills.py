@@ -152,7 +152,7 @@ class Solve(Subject):
 
     name = "challenge solve"
     phases = ("before the first case", "within cases", "within the write of a result", "after the last")
-    cases = 3
+    cases = 2
 
     def __init__(self) -> None:
         self._made: Path | None = None

@@ -97,7 +97,6 @@ def far(cells, cluster, store, view=None):
 
 def test_a_killed_worker_costs_its_cell_a_retry_and_every_record_is_that_of_this_machine(cluster, tmp_path):
     cells = toys(pause=0.3)
-    cells += plan(["weinberg"], ["avo-paper"], "0", 1, 1280, 500, 0, ["avo-paper.hidden=[8]"])
     workers = [cluster.worker(), cluster.worker()]
     cluster.wait_for(2)
 

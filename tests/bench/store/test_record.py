@@ -27,7 +27,7 @@ EXAMPLE = Store(ROOT / "results" / "bolfi-gpy").read_all()[0]
 ok_records = sound_records([Status.OK])
 known_records = sound_records([status for status in Status if status not in LOST])
 negative = st.floats(max_value=0, exclude_max=True, allow_infinity=False)
-patient = settings(deadline=None, max_examples=60)
+patient = settings(deadline=None, max_examples=25)
 lists = ("theta_true", "theta_hat", "mean", "std", "parameter_names")
 
 
