@@ -13,9 +13,9 @@ from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.trial import blank_record, execute, execute_together, told
 from avobench.bench.processes.apart import Call, Limits, here, outcomes
 from avobench.bench.processes.contract import ATTEMPTS, Backend, heartbeat
-from avobench.bench.store.files import write_atomically
+from avobench.bench.store.files import store_errors, write_atomically
 from avobench.bench.store.status import Status
-from avobench.tasks.errors import ProcessEnded, StoreError
+from avobench.tasks.errors import ProcessEnded
 
 LIMITS = Limits(seconds=6 * 3600, mib=8192)
 """What a cell may take. The longest of the committed records took 21 minutes, the largest 3.3 GiB."""
@@ -62,10 +62,8 @@ class LocalBackend(Backend):
         return self._jobs
 
     def records(self, cells: list[Cell], note: Callable[[str], None]) -> Iterator[dict[str, Any]]:
-        try:
+        with store_errors(f"{self._marks} cannot be made"):
             self._marks.mkdir(exist_ok=True)
-        except OSError as error:
-            raise StoreError(f"{self._marks} cannot be made: {error.strerror or error}") from error
         deaths: dict[str, int] = {}
         work, jobs = self.pieces(cells), self._jobs
         while work:

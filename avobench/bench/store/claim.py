@@ -27,7 +27,7 @@ def claim(path: Path) -> Iterator[None]:
 
     The claim of a process of this machine that is no more is taken over at once. One from elsewhere that seems to be
     abandoned is watched for STALE_SECONDS before, as the clocks of two machines may differ. Raises UsageError when
-    another process writes, OSError when the file cannot be made.
+    another process writes, or when the file cannot be made.
     """
     lease = SoftFileLease(path, lease_duration=STALE_SECONDS, heartbeat_interval=BEAT_SECONDS)
     try:
@@ -35,6 +35,8 @@ def claim(path: Path) -> Iterator[None]:
     except Timeout as error:
         who = "" if (owner := lease.owner) is None else f" (process {owner.pid} on {owner.hostname})"
         raise UsageError(f"another avobench run{who} is writing to {path.parent}; wait for it or stop it") from error
+    except OSError as error:
+        raise UsageError(f"{path.parent} cannot be locked for writing: {error.strerror or error}") from error
     try:
         yield
     finally:

@@ -2,7 +2,8 @@
 
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from avobench.tasks.errors import StoreError, UsageError
@@ -40,10 +41,17 @@ def write_atomically(path: Path, content: bytes, check: Callable[[Path], None] |
 
 def write_file(path: Path, content: bytes) -> None:
     """Write `content` to `path`, whole or not at all. Raises StoreError when the disk does not take it."""
-    try:
+    with store_errors(f"{path} could not be written"):
         write_atomically(path, content)
+
+
+@contextmanager
+def store_errors(what: str) -> Iterator[None]:
+    """What the disk refuses within the block is raised as a StoreError, which says what could not be done and why."""
+    try:
+        yield
     except OSError as error:
-        raise StoreError(f"{path} could not be written: {error.strerror or error}") from error
+        raise StoreError(f"{what}: {error.strerror or error}") from error
 
 
 def sync_folder(folder: Path) -> None:

@@ -28,6 +28,8 @@ IDENTITY = (
     *("theta_true", "target", "repetition", "budget", "num_observations", "seed"),
 )
 """The fields that determine a result, as far as a record has them; `id` is their hash."""
+SECONDS = ("observation_seconds", "simulator_seconds", "method_seconds", "harness_seconds")
+"""The fields that share out the time which a cell took."""
 
 Count = Annotated[int, Field(ge=0, lt=2**63)]
 """A whole number that a table of 64-bit integers holds."""

@@ -11,6 +11,8 @@ from typing import Any
 
 from avobench.bench.cells.cell import Cell
 from avobench.bench.processes.contract import Backend
+from avobench.bench.store.files import store_errors
+from avobench.bench.store.record import SECONDS
 from avobench.bench.store.status import Status
 from avobench.bench.store.store import UNREAD, Store
 from avobench.bench.store.versions import versions
@@ -59,8 +61,8 @@ class Sweep:
 
 
 def seconds(record: dict[str, Any]) -> float:
-    """What a cell took, all in all."""
-    return sum(record[f"{part}_seconds"] for part in ("observation", "simulator", "method", "harness"))
+    """The time that a cell took, all in all."""
+    return sum(record[name] for name in SECONDS)
 
 
 class View:
@@ -86,7 +88,7 @@ def run(
     next run goes on from there. Raises UsageError for names that no file can have, StoreError when the table of packed
     records is damaged, or when the disk does not give or take what it should.
     """
-    with store.lock(), _disk(store):
+    with store.lock(), store_errors(f"the results folder {store.path} cannot be used"):
         store.remove_leftovers()
         wanted = {cell.id: cell for cell in cells}
         for cell in cells:
@@ -123,15 +125,6 @@ def run(
 
 def _brief(record: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in record.items() if name != "trace"}
-
-
-@contextmanager
-def _disk(store: Store) -> Iterator[None]:
-    """What the disk refuses to the sweep or its backend, such as marks of running cells, is told as that."""
-    try:
-        yield
-    except OSError as error:
-        raise StoreError(f"the results folder {store.path} cannot be used: {error.strerror or error}") from error
 
 
 @contextmanager
