@@ -145,8 +145,7 @@ def test_a_packed_folder_is_read_as_before_by_every_command(avobench, results, t
         ["status"],
         ["status", "--targets"],
         ["export", "--format", "csv", "--out", tmp_path / "t.csv"],
-        ["figure", "benchmark", "cost", "efficiency", "--out", tmp_path],
-        ["report", "--out", tmp_path],
+        ["figure", "benchmark", "--out", tmp_path],
     ]
 
     def read():

@@ -93,7 +93,7 @@ class Target(ABC):
 
     @contextlib.contextmanager
     def _alone(self) -> Iterator[None]:
-        """In the folder, with its modules first on the path, and not for ever."""
+        """The block runs in the folder, with its modules first on the path, and not for ever."""
         before, modules = Path.cwd(), set(sys.modules)
         plant(self.folder)
         os.chdir(self.folder)
@@ -111,7 +111,7 @@ class Target(ABC):
 
 
 class CommandLines(Target):
-    """Of every command, in a folder with a few files that they may take; `-Q` and the like must be refused."""
+    """Lines of every command, in a folder with a few files that they may take; `-Q` and the like must be refused."""
 
     name = "command lines"
 

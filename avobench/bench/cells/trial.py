@@ -61,9 +61,9 @@ class Trial:
         self.estimate: object = None
         self.failure: BaseException | None = None
         self.method_seconds = 0.0
-        """In the method outside of the simulator."""
+        """The seconds in the method outside of the simulator."""
         self.remark = ""
-        """Added to the message of the estimate."""
+        """A remark that is added to the message of the estimate."""
         self._floors: dict[str, float | None] = {}
         with self.failing():
             self._floors = _floors(self._task, cell)
@@ -157,7 +157,7 @@ def execute_together(
 
 
 def told(error: BaseException) -> str:
-    """What went wrong, for a record or a line to the user."""
+    """The message of an error, for a record or a line to the user."""
     if isinstance(error, AvobenchError):
         return str(error)
     if type(error).__name__ == "OutOfMemoryError":  # PyTorch's, whose message goes on about its allocator

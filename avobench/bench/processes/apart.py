@@ -52,9 +52,9 @@ class Limits:
     """What a call may take in its process; no limit where None. Processes that it starts itself are not counted."""
 
     seconds: float | None = None
-    """By the clock on the wall, the loading of packages included."""
+    """The limit of time by the clock on the wall, the loading of packages included."""
     mib: float | None = None
-    """Resident memory, in MiB."""
+    """The limit of resident memory, in MiB."""
 
     def times(self, n: int) -> "Limits":
         """The limits of n pieces of work at once."""
@@ -75,7 +75,7 @@ class Fault(Exception):
 
 
 class _Trace(Exception):
-    """Where an exception was raised in another process."""
+    """The traceback of an exception that was raised in another process."""
 
 
 def apart(call: Call) -> Any:
@@ -166,7 +166,7 @@ class _Process:
             self.pipe.send((call.function, call.arguments))
 
     def outcome(self) -> tuple[Any] | None:
-        """What became of the call, in a tuple of one; None while it is under way."""
+        """The outcome of the call, in a tuple of one; None while it is under way."""
         if self.pipe.poll():
             try:
                 kind, value, trace = self.pipe.recv()
@@ -195,7 +195,7 @@ class _Process:
         return ProcessEnded("crashed", f"the process ended itself, with exit code {code}")
 
     def _over(self) -> ProcessEnded | None:
-        """How the process exceeds its limits; None where it does not."""
+        """The limit that the process exceeds; None where it exceeds none."""
         seconds, mib = self._limits.seconds, self._limits.mib
         if seconds is not None and time.monotonic() - self._began > seconds:
             return ProcessEnded("timed_out", f"ended after {seconds:g} s, the limit of time")

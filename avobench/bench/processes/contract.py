@@ -1,4 +1,4 @@
-"""Where cells are carried out: what a sweep asks of it, and how a cell tells how far it is."""
+"""A backend carries out cells for a sweep, and a cell tells it by a heartbeat how far it is."""
 
 import time
 from abc import ABC, abstractmethod
@@ -25,7 +25,7 @@ class Backend(ABC):
     @property
     @abstractmethod
     def workers(self) -> int:
-        """How many cells are carried out at a time."""
+        """The number of cells that are carried out at a time."""
 
     @abstractmethod
     def records(self, cells: list[Cell], note: Callable[[str], None]) -> Iterator[dict[str, Any]]:

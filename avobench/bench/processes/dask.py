@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from distributed import Client, Future, Worker, as_completed
 
 CONNECT_SECONDS = 5
-"""For the scheduler to answer: on a network that works it takes milliseconds, and a user should not wait long."""
+"""The scheduler must answer within this: a network that works takes milliseconds, and a user should not wait long."""
 WORKERS_SECONDS = 10
-"""For the first worker to be there; one that is started together with the sweep needs a few seconds."""
+"""The first worker must be there within this; one that is started together with the sweep needs a few seconds."""
 LOOK_SECONDS = 0.05
-"""Between two looks for what has ended, where nothing had: cells take seconds."""
+"""The pause between two looks for what has ended, where nothing had: cells take seconds."""
 TOPIC = "avobench"
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -152,7 +152,7 @@ def _connected(scheduler: str) -> "Client":
 
 
 def facts(dask_worker: "Worker | None" = None) -> dict[str, Any]:
-    """What must be the same wherever cells are carried out, so that the results are. Dask fills in `dask_worker`."""
+    """The facts that must be the same wherever cells are carried out, so that results are. Dask gives `dask_worker`."""
     threads = 1 if dask_worker is None else dask_worker.state.nthreads
     found = {name: version for name, version in versions().items() if name != "commit"}
     return found | {"source": source()} | {name: os.environ.get(name) for name in THREADS} | {"threads": threads}

@@ -122,7 +122,7 @@ class LocalBackend(Backend):
 
 
 def label(piece: Piece) -> str:
-    """What a piece of work is, for a line to the user."""
+    """The name of a piece of work in a line to the user."""
     first, n = piece[0], len(piece)
     return first.label if n == 1 else f"{first.identity['task']} {first.identity['method']}, {n} cells together"
 

@@ -1,4 +1,4 @@
-"""Which workers carry out a sweep, as a user asks for them."""
+"""The workers that carry out a sweep, as a user asks for them."""
 
 import math
 from dataclasses import dataclass
@@ -72,10 +72,10 @@ class Workers:
 
     @property
     def processes(self) -> int:
-        """Of this machine."""
+        """The number of processes of this machine."""
         return 1 if self.in_process else self.jobs or joblib.cpu_count()
 
     @property
     def limits(self) -> Limits:
-        """Of a cell in a process of this machine."""
+        """The limits of a cell in a process of this machine."""
         return Limits(self.time_limit or LIMITS.seconds, self.memory_limit or LIMITS.mib)

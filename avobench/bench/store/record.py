@@ -1,4 +1,4 @@
-"""What a record is: its fields, what makes sense in them, and its form as a line of JSON with a checksum.
+"""A record: its fields, what makes sense in them, and its form as a line of JSON with a checksum.
 
 `python -m avobench.bench.store.record` prints the table of the fields in docs/records.md.
 """
@@ -17,11 +17,11 @@ from avobench.bench.store.status import ESTIMATED, LOST, Status
 from avobench.tasks.errors import UsageError
 
 SCHEMA_VERSION = 1
-"""Of records; raised when a field changes its meaning."""
+"""The version of the schema is raised when a field changes its meaning."""
 NAME = r"[A-Za-z0-9][A-Za-z0-9.-]*"
-"""A task's or method's name: part of a file's name, so nothing in it may lead to another folder."""
+"""The name of a task or method is part of a file's name, so nothing in it may lead to another folder."""
 TOLERANCE = 1e-12
-"""Relative; a sum over many parameters depends on its order, by about 1e-16 a term."""
+"""A relative difference: a sum over many parameters depends on its order, by about 1e-16 a term."""
 IDENTITY = (
     *("task", "task_version", "task_settings", "task_source_sha256"),
     *("method", "method_version", "method_settings", "method_source_sha256"),
@@ -228,7 +228,7 @@ def identity_hash(identity: dict[str, Any]) -> str:
 
 
 def file_name(record: dict[str, Any]) -> str:
-    """Where a record is kept: what it is of, in words, and its id. Raises UsageError for a name that is no name."""
+    """The name of the file of a record, from its cell and its id. Raises UsageError for a name that is none."""
     for kind in ("task", "method"):
         if not re.fullmatch(NAME, record[kind]):
             raise UsageError(f"the name of a {kind} must be letters, digits, dots and dashes, got '{record[kind]}'")

@@ -19,7 +19,7 @@ from avobench.bench.store.versions import versions
 from avobench.tasks.errors import StoreError
 
 TICK_SECONDS = 1.0
-"""How often the display is drawn anew."""
+"""The display is drawn anew this often."""
 
 
 @dataclass
@@ -40,7 +40,7 @@ class Sweep:
         return [cell for cell in self.cells if cell.id not in self.done]
 
     def seconds_left(self) -> tuple[float, bool]:
-        """Expected time to the end, and whether every pending method has a finished cell to judge from.
+        """The expected time to the end, and whether every pending method has a finished cell to judge from.
 
         A pending cell is expected to take as long as finished cells of its task and method did, else of its method;
         one of a method that has none yet counts as nothing.
@@ -66,16 +66,16 @@ def seconds(record: dict[str, Any]) -> float:
 
 
 class View:
-    """What shows a sweep; all methods are called from one process, `tick` from a thread of its own."""
+    """A display of a sweep. All its methods are called from one process, `tick` from a thread of its own."""
 
     def note(self, line: str) -> None:
-        """Something that the user should know, in a line."""
+        """Show the user a line."""
 
     def finished(self, sweep: Sweep, cell: Cell, record: dict[str, Any]) -> None:
-        """A cell was finished and its record written."""
+        """Show that a cell was finished and its record written."""
 
     def tick(self, sweep: Sweep) -> None:
-        """Called every second."""
+        """Show how far the sweep is; this is called every second."""
 
 
 def run(

@@ -237,8 +237,3 @@ def test_avo_trains_all_targets_at_once_on_a_gpu(avobench, tmp_path):
     for first, second in by_target.values():
         error = np.sqrt(first["floor"])
         assert abs(first["theta_hat"][0] - second["theta_hat"][0]) < 5 * error
-
-
-def test_a_backend_of_single_cells_is_as_it_was(tmp_path):
-    cells = toys(targets="0-1", repetitions=1)
-    assert LocalBackend(1, tmp_path).pieces(cells) == [(cells[0],), (cells[1],)]
