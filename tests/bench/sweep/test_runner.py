@@ -30,10 +30,12 @@ class Notes(View):
         self.order.append(cell.id)
 
 
-def sweep(path, *, methods=("toys:Moment",), targets="0-3", repetitions=1, jobs=1, settings=(), **options):
+def sweep(path, *, methods=("toys:Moment",), targets="0-3", repetitions=1, jobs=None, settings=(), **options):
+    """The records of a sweep of so many processes, or in this one, and what was said."""
     cells = plan(["toys:Normal"], list(methods), targets, repetitions, 400, 100, 0, list(settings))
     view, store = Notes(), Store(path, create=True)
-    return run(cells, store, LocalBackend(jobs, store.running), view, **options), view
+    backend = LocalBackend(jobs or 1, store.running, in_process=jobs is None)
+    return run(cells, store, backend, view, **options), view
 
 
 def results(records):
@@ -52,8 +54,8 @@ def test_the_real_methods_too_do_not_depend_on_the_number_of_workers(tmp_path):
     settings = ["avo-paper.hidden=[8]", "abc-smc.population_size=10", "abc-smc.events_per_theta=16"]
     settings += ["bolfi.events_per_theta=64", "bolfi.num_trace_points=2"]
     methods = ["avo-paper", "abc-smc", "bolfi"]
-    cells = plan(["weinberg"], methods, "0", 1, 640, 300, 0, settings)
-    cells += plan(["alignment"], methods[:1], "0", 1, 640, 300, 0, settings[:1])
+    cells = plan(["weinberg"], methods, "0", 1, 768, 300, 0, settings)
+    cells += plan(["alignment"], methods[:1], "0", 1, 768, 300, 0, settings[:1])
     stores = [Store(tmp_path / name, create=True) for name in ("one", "two")]
     one, two = (run(cells, store, LocalBackend(j, store.running), Notes()) for j, store in enumerate(stores, 1))
     assert [record["status"] for record in one] == ["ok"] * 4
@@ -88,7 +90,7 @@ def test_a_failed_cell_does_not_stop_the_sweep_and_is_tried_again_only_on_reques
 
 def test_a_failure_without_a_message_does_not_stop_the_sweep(avobench, tmp_path):
     arguments = ["run", "--task", "toys:Normal", "--method", "toys:Moment", "--targets", "0-1", "--budget", 400]
-    arguments += ["--observations", 100, "--jobs", 1, "--results", tmp_path / "r", "--set", "moment.fault=quiet"]
+    arguments += ["--observations", 100, "--in-process", "--results", tmp_path / "r", "--set", "moment.fault=quiet"]
     code, out, err = avobench(*arguments)
     assert code == 1
     assert "0 of 2 cells ok" in out
