@@ -40,7 +40,7 @@ def toys(*settings, task="Normal", methods=("Lockstep",), targets="0-3", repetit
     return plan([f"toys:{task}"], specs, targets, repetitions, budget, 100, 0, settings)
 
 
-def together(path, cells, jobs=1, most=None):
+def together(path, cells, jobs=None, most=None):
     """Records with traces in the planned order, and what was noted."""
     store, view = Store(path, create=True), Notes()
     order = [
@@ -63,7 +63,7 @@ def assert_as_single(records, cells, atol):
         np.testing.assert_allclose(numbers(record), numbers(single), rtol=0, atol=atol)
 
 
-@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize("jobs", [None, 2])
 def test_records_are_those_of_single_cells(tmp_path, jobs):
     cells = toys()
     records, view = together(tmp_path, cells, jobs)

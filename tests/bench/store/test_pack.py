@@ -117,7 +117,7 @@ def test_a_packed_store_makes_nothing_again_and_only_what_failed_on_request(tmp_
 
     def sweep(targets, **options):
         cells = plan(["toys:Normal"], ["toys:Moment"], targets, 1, 400, 100, 0, ["moment.fault=raises"])
-        return run(cells, store, LocalBackend(1, store.running), Counting(), **options)
+        return run(cells, store, LocalBackend(1, store.running, in_process=True), Counting(), **options)
 
     store = Store(tmp_path, create=True)
     first = sweep("0-1")
@@ -196,7 +196,7 @@ def test_bytes_changed_anywhere_in_the_table_are_noticed_and_nothing_is_lost(sto
         assert damaged or sound == kept  # what is only a column for other readers, or padding
     store.table.write_bytes(whole[: len(whole) // 2])
     cells = plan(["toys:Normal"], ["toys:Moment"], "0", 1, 400, 100, 0, [])
-    for refused in (pack, lambda store: run(cells, store, LocalBackend(1, store.running), View())):
+    for refused in (pack, lambda store: run(cells, store, LocalBackend(1, store.running, in_process=True), View())):
         with pytest.raises(StoreError, match="cannot be read"):
             refused(store)
     assert store.table.read_bytes() == whole[: len(whole) // 2]
