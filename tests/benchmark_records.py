@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.status import Status
+from avobench.bench.store.status import Status
 from avobench.bench.cells.trial import blank_record
 from avobench.bench.store.record import identity_hash
 

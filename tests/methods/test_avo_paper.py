@@ -7,9 +7,9 @@ import pytest
 import torch
 
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.status import reason
 from avobench.bench.cells.trial import execute
 from avobench.bench.plugins import registry
+from avobench.bench.store.status import reason
 from avobench.methods.avo_paper import (
     AvoPaper,
     baseline,

@@ -230,7 +230,7 @@ def test_specs_are_made_absolute_as_far_as_they_are_paths(file, monkeypatch):
 
 
 def identity_of(folder, text, name="First", kind="task"):
-    """Of a class in a file with this text, of which there is a new one each time."""
+    """The identity of a class in a new file with this text."""
     path = folder / f"variant_{len(list(folder.iterdir()))}.py"
     path.write_text(text)
     spec = f"{path}:{name}"
@@ -314,7 +314,7 @@ def _typed(code):
     text = "\n".join(
         [
             "import linecache, avobench",
-            "from avobench.bench import registry",
+            "from avobench.bench.plugins import registry",
             f"code = {code!r}",
             "linecache.cache['<cell 1>'] = (len(code), None, code.splitlines(True), '<cell 1>')",
             "exec(compile(code, '<cell 1>', 'exec'))",
@@ -350,7 +350,7 @@ def test_our_own_names_are_those_of_the_classes(kind):
 
 
 def test_a_task_of_a_function_that_no_module_knows_has_no_name_but_settings():
-    """As at a prompt, where a function has no source either: its class alone would not make it again."""
+    """So it is at a prompt, where a function has no source either: its class alone would not make it again."""
     scope = {}
     exec("def simulate(theta, rng):\n    return rng.exponential(theta[:, 0])", scope)
     decay = task(scope["simulate"], prior={"lifetime": (1, 4)})

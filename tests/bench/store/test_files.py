@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from avobench.bench.store.atomic import within, write_atomically
+from avobench.bench.store.files import within, write_atomically
 from avobench.tasks.errors import UsageError
 
 

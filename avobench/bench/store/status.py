@@ -1,4 +1,4 @@
-"""How a cell ends: the outcomes that there are, each with a sentence, and the reason of a failure."""
+"""The outcomes that a cell may have, each with a sentence, and the reason of a failure."""
 
 from enum import StrEnum
 from typing import Any

@@ -1,4 +1,4 @@
-"""How much memory a process took at most."""
+"""The most memory that a process took."""
 
 from contextlib import suppress
 from pathlib import Path
