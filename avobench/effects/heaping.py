@@ -63,7 +63,6 @@ class Heaping(Family):
     position = 33
     choices = 1
     STRENGTH = Parameter("share", 0, 1, 0, "1")
-    SHAPES: ClassVar = {"heaped": (), "heaped_near": (Parameter("reach", 0.03, 1, None, "steps"),)}
     sentence: ClassVar = "Round numbers are preferred: values near them are recorded as these."
     source: ClassVar = "D. F. Heitjan, D. B. Rubin, J. Am. Stat. Assoc. 85 (1990) 304"
 
@@ -77,10 +76,9 @@ class Heaping(Family):
             entries.append(cls(feature=feature, columns=columns, steps=(FINEST * widest, widest)))
         return entries
 
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        unit = "counts" if self.whole else OF_FEATURE
-        return (self.STRENGTH, Parameter("step", *self.steps, None, unit), *self.SHAPES[self.shape])
+    def variants(self):
+        step = Parameter("step", *self.steps, None, "counts" if self.whole else OF_FEATURE)
+        return {"heaped": (step,), "heaped_near": (step, Parameter("reach", 0.03, 1, None, "steps"))}
 
     def shown(self, x: NDArray) -> Heaps:
         """The heaps of measured events x (N, d) that stand out most, of all features that it acts on."""

@@ -1,4 +1,4 @@
-"""Quantisation: a value is recorded in steps, or as the middle of the bin that it falls in."""
+"""Effects of how a value is recorded: in steps, cut at the end of the scale, or as a value that stands for others."""
 
 from dataclasses import dataclass, replace
 
@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.effects.continuous.comb import Comb
+from avobench.effects.continuous.ends import SIDES, Spike, spikes
 from avobench.effects.continuous.feature import KNOWN, REPEATED, Change
 from avobench.effects.contract import Parameter
 
@@ -44,9 +45,7 @@ class Quantisation(Change):
     position = 12
     sentence = "Values are recorded in coarse steps, as by a converter of few bits."
     source = "W. R. Leo, Techniques for Nuclear and Particle Physics Experiments, 2nd ed. (1994), Section 14.9"
-
-    def strength(self) -> Parameter:
-        return Parameter("fraction", 0, 1, 0, "1")
+    STRENGTH = Parameter("fraction", 0, 1, 0, "1")
 
     def variants(self):
         plain, angle = (self._step(in_angle) for in_angle in (False, True))
@@ -167,3 +166,159 @@ def _chain(levels: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np
         at_0[k] = 2 * levels[k + 1] - at_0[k + 1]
     sign = np.where((np.arange(len(at_0)) - middle) % 2, -1, 1)
     return at_0, sign * (levels[middle + 1] - levels[middle])
+
+
+ENDS = {"above": (False, True), "both": (True, True), "below": (True, False)}
+"""By shape: whether values are cut at the lower and at the upper end."""
+COMPRESSION = {"soft": 8, "knee": 50, "knee_below": 50}
+"""By shape: the largest compression, in half ranges a limit."""
+KNEE = Parameter("knee", 0, 1, None, "of half the range")
+BOUNCE = Parameter("bounce", 0.01, 0.5, None, "of half the range")
+
+
+@dataclass(frozen=True)
+class Saturation(Change):
+    """A share of the values ends at a limit on one side or both; or all bend, or those beyond a knee on one side.
+
+    In the shape `rebound` those beyond a limit on either side come back from it a little, as a needle from its stop.
+    """
+
+    shape: str = "above"
+    limits: tuple[float, float] | None = None
+    """Those that the data show below and above, in half ranges from the centre; 0 for none."""
+    stage = 4
+    name = "saturation"
+    position = 13
+    sentence = "Large values are cut at the end of the scale."
+    source = "W. R. Leo, Techniques for Nuclear and Particle Physics Experiments, 2nd ed. (1994), Section 14.1"
+
+    def strength(self) -> Parameter:
+        if self.shape in COMPRESSION:
+            return Parameter("compression", 0, COMPRESSION[self.shape], 0, "half ranges a limit")
+        return Parameter("fraction", 0, 1, 0, "1")
+
+    def variants(self):
+        bent = {
+            "soft": (),
+            "knee": (KNEE,),
+            "knee_below": (KNEE,),
+            "rebound": (Parameter("limit", 0.1, 1, None, "of half the range"), BOUNCE),
+        }
+        return {shape: (self._limit(shape),) for shape in ENDS} | bent
+
+    def _limit(self, shape: str) -> Parameter:
+        shown = [limit for limit, cut in zip(self.limits or (0, 0), ENDS[shape], strict=True) if cut and limit > 0]
+        at = float(np.mean(shown)) if shown else 0
+        low, high = (1 - KNOWN) * at, (1 + KNOWN) * at
+        return Parameter("limit", *((low, high) if at else (0.1, 1)), None, "of half the range")
+
+    def adapted(self, x):
+        adapted = super().adapted(x)
+        shown = [self._shown(x[:, j], adapted.ranges[j]) for j in self.columns]
+        if self.feature == "all":  # each has its own limits: where they are shown, they end its range
+            spans = [
+                replace(span, low=low if np.isfinite(low) else span.low, high=high if np.isfinite(high) else span.high)
+                for span, (low, high) in zip(adapted.ranges, shown, strict=True)
+            ]
+            adapted = replace(adapted, ranges=tuple(spans))
+        units = np.abs([adapted.ranges[j].unit(np.array(ends)) for j, ends in zip(self.columns, shown, strict=True)])
+        return replace(adapted, limits=tuple(np.where(np.isfinite(units), units, 0).max(axis=0).tolist()))
+
+    def _shown(self, column, span) -> tuple[float, float]:
+        """The value below the middle of the range, and the one above, at which most events are; NaN if none repeat."""
+        values, counts = np.unique(column, return_counts=True)
+        repeated = counts >= REPEATED
+        found = [float("nan")] * 2
+        for side, own in enumerate((repeated & (values < span.centre), repeated & (values > span.centre))):
+            if own.any():
+                found[side] = float(values[own][counts[own].argmax()])
+        return found[0], found[1]
+
+    def changed(self, x, span, phi, rng):
+        u = span.unit(x)
+        if self.shape == "soft":
+            return span.centre + span.half * u / np.sqrt(1 + (phi[:, 0] * u) ** 2)
+        if self.shape in ("knee", "knee_below"):
+            sign = 1 if self.shape == "knee" else -1
+            beyond = np.maximum(sign * u - phi[:, 1], 0)
+            return span.centre + span.half * (u - sign * (beyond - beyond / (1 + phi[:, 0] * beyond)))
+        below, above = ENDS["both" if self.shape == "rebound" else self.shape]
+        low = -phi[:, 1] if below else -np.inf
+        high = phi[:, 1] if above else np.inf
+        cut = ((u < low) | (u > high)) & (rng.random(len(x)) < phi[:, 0])
+        end = np.clip(u, low, high)
+        if self.shape == "rebound":
+            end = np.clip(end - np.sign(u) * phi[:, 2] * rng.standard_exponential(len(x)), low, high)
+        return np.where(cut, span.centre + span.half * end, x)
+
+
+@dataclass(frozen=True)
+class Censoring(Change):
+    """Values beyond a limit are recorded as one value: the limit itself, or what stands for such values.
+
+    It is tried where the data have a spike, which tells the value, and, if they end sharply beside it, the limit. With
+    the spike at the limit another shape of `saturation` has a parameter less. In the shapes `two_limits` a share of the
+    events has the outer of two limits, as where two converters take turns; the data show both as spikes.
+    """
+
+    shape: str = "censored_below"
+    spikes: tuple[float | None, float | None] = (None, None)
+    """Values at which the data gather, of what lies below and above a limit."""
+    limits: tuple[float | None, float | None] = (None, None)
+    """Those that the data show."""
+    two: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
+    """Two spikes at the lower end, and two at the upper, the inner one first; none where the data show no two."""
+    stage = 4
+    on_all = False
+    name = "saturation"
+    position = 22
+    sentence = "Values beyond a limit are recorded as one value, as where nothing smaller can be measured."
+    source = "A. C. Cohen, Truncated and Censored Samples (1991), Chapter 1"
+    STRENGTH = Parameter("fraction", 0, 1, 0, "1")
+
+    def variants(self):
+        one = {
+            f"censored_{side}": (self._known("limit", limit), self._known("value", spike))
+            for side, limit, spike in zip(SIDES, self.limits, self.spikes, strict=True)
+        }
+        outer = Parameter("outer", 0, 1, None, "of the events")
+        return one | {f"two_limits_{side}": (outer,) for side, two in zip(SIDES, self.two, strict=True) if two}
+
+    def _known(self, name: str, at: float | None) -> Parameter:
+        low, high = (self.low, self.high) if at is None else (at - KNOWN * self.half, at + KNOWN * self.half)
+        return Parameter(name, low, high, None, "of the feature")
+
+    @property
+    def above(self) -> bool:
+        return self.shape.endswith("above")
+
+    def adapted(self, x):
+        """With the spikes and limits that the data show; the range stays, since they do not tell what lies beyond."""
+        column = x[:, self.feature]
+        shown = [Spike.shown(column, side) for side in SIDES]
+        middle, found = np.median(column), spikes(column)
+        low, high = found[found < middle], found[found > middle]
+        return replace(
+            self,
+            spikes=tuple(spike and spike.value for spike in shown),
+            limits=tuple(spike and spike.limit for spike in shown),
+            two=(tuple(low[::-1].tolist()) if len(low) == 2 else (), tuple(high.tolist()) if len(high) == 2 else ()),
+        )
+
+    def guess(self, x):
+        """Nothing where the data have no spike."""
+        adapted = self if self.spikes != (None, None) or any(self.two) else self.adapted(x)
+        if self.shape.startswith("two_limits"):
+            return None
+        return np.empty((0, 3)) if adapted.spikes[self.above] is None else None
+
+    def changed(self, x, span, phi, rng):
+        recorded = rng.random(len(x)) < phi[:, 0]
+        if self.shape.startswith("two_limits"):
+            inner, outer = self.two[self.above]
+            limit = np.where(rng.random(len(x)) < phi[:, 1], outer, inner)
+            value = limit
+        else:
+            limit, value = phi[:, 1], phi[:, 2]
+        beyond = x > limit if self.above else x < limit
+        return np.where(beyond & recorded, value, x)

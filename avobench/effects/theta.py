@@ -1,4 +1,4 @@
-"""Spread: a parameter of the simulator is not the same in every event."""
+"""Effects that act through the parameters of a simulator, whatever its events are."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from avobench.effects.contract import Family, Parameter
+from avobench.effects.contract import Effect, Family, Parameter
 
 WIDEST = 0.3
 """Of the prior's width: about the standard deviation of values that spread over all of it."""
@@ -78,9 +78,8 @@ class Spread(Family):
             for j, (name, support, widest, unit) in enumerate(described)
         ]
 
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        return (Parameter("width", 0, self.widest, 0, self.parameter_unit, soft=True),)
+    def strength(self) -> Parameter:
+        return Parameter("width", 0, self.widest, 0, self.parameter_unit, soft=True)
 
     def apply(self, simulate, theta, phi, rng):
         low, high = self.support
@@ -88,3 +87,59 @@ class Spread(Family):
         drawn = DRAWN[self.shape](theta[:, self.column], width, low, high, rng)
         theta[:, self.column] = np.clip(drawn, low, high)
         return simulate(theta, rng)
+
+
+MOST = 3
+"""Parameters in which the second population may differ at once: a grid over more of them would be too coarse."""
+BEYOND = 0.5
+"""Of the prior's width, how far outside of it the second population may lie: it need not be what was expected."""
+
+
+@dataclass(frozen=True)
+class Mixture(Effect):
+    """A share of the events is simulated at another theta.
+
+    It differs in all parameters of the task, or, where there are more than MOST, in the one that `feature` names.
+    Beyond a half the two populations only swap their names.
+    """
+
+    feature: str | None = None
+    columns: tuple[int, ...] = ()
+    """Of the parameters in theta."""
+    others: tuple[Parameter, ...] = ()
+    """What they are in the second population."""
+
+    stage = 1
+    name = "mixture"
+    domains = ("counts", "continuous", "images")
+    odds = 0.25
+    position = 31
+    sentence: ClassVar = "Some events come from a second population: the same simulator at other parameters."
+    source: ClassVar = "K. Pearson, Phil. Trans. R. Soc. A 185 (1894) 71"
+
+    @classmethod
+    def entries(cls, site):
+        """One, or one a parameter where there are more than MOST."""
+        task = site.task
+        low = np.maximum(task.prior.low - BEYOND * task.prior.width, task.support.low)
+        high = np.minimum(task.prior.high + BEYOND * task.prior.width, task.support.high)
+        others = tuple(
+            Parameter(f"other_{name}", float(a), float(b), None, unit)
+            for name, a, b, unit in zip(task.parameter_names, low, high, task.parameter_units, strict=True)
+        )
+        if len(others) <= MOST:
+            return [cls(None, tuple(range(len(others))), others)]
+        return [cls(task.parameter_names[j], (j,), (other,)) for j, other in enumerate(others)]
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        return (Parameter("share", 0, 0.5, 0, "1"), *self.others)
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
+        if len(rows):
+            other = theta[rows]
+            other[:, self.columns] = phi[rows, 1:]
+            x[rows] = simulate(other, rng)
+        return x
