@@ -15,7 +15,7 @@ from avobench.tasks.errors import UsageError
 __all__ = ["catalogue", "chosen", "domain", "families", "of_domain"]
 
 GROUP = "avobench.effects"
-"""Of entry points. The name of one is its domain, a dot, and what it is: `counts.dead_time`. Of a family of several
+"""The group of entry points of effects. The name of one is its domain, a dot, and what it is: `counts.dead_time`. Of a family of several
 classes each has one of its own: `continuous.truncation` has the name `edge_acceptance`."""
 
 
@@ -78,5 +78,5 @@ def chosen(effects: Iterable[Effect], names: Iterable[str], task: str) -> list[E
 
 
 def _names(effect: Effect) -> list[str]:
-    """That of its family, and those of its class."""
+    """The name of its family, and those of the entry points of its class."""
     return [effect.name, *(point.rpartition(".")[2] for point, own in families().items() if own is type(effect))]

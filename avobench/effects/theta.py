@@ -9,9 +9,9 @@ from scipy.special import ndtr, ndtri
 from avobench.effects.contract import Effect, Family, Parameter
 
 WIDEST = 0.3
-"""Of the prior's width: about the standard deviation of values that spread over all of it."""
+"""Largest spread in the prior's width: about the standard deviation of values that spread over all of it."""
 LEAST = 1e-9
-"""Of the support's width: the standard deviation at the null value, which no event shows."""
+"""Spread at the null value in the support's width, which no event shows."""
 
 
 def _gaussian(at, width, low, high, rng):
@@ -32,7 +32,7 @@ def _two_values(at, width, low, high, rng):
 
 
 DRAWN = {"gaussian": _gaussian, "uniform": _uniform, "two_values": _two_values}
-"""By shape: a parameter's values (n,) around `at` (n,) with the standard deviation `width` (n,), where the support from
+"""A parameter's values (n,), by shape, around `at` (n,) with the standard deviation `width` (n,), where the support from
 `low` to `high` does not cut them off."""
 
 
@@ -47,10 +47,10 @@ class Spread(Family):
     shape: str = "gaussian"
     feature: str = ""
     column: int = 0
-    """Of the parameter in theta."""
+    """Column of the parameter in theta."""
     support: tuple[float, float] = (0.0, 1.0)
     widest: float = WIDEST
-    """Of the standard deviation."""
+    """The largest standard deviation."""
     parameter_unit: str = "1"
 
     stage = 1
@@ -92,7 +92,7 @@ class Spread(Family):
 MOST = 3
 """Parameters in which the second population may differ at once: a grid over more of them would be too coarse."""
 BEYOND = 0.5
-"""Of the prior's width, how far outside of it the second population may lie: it need not be what was expected."""
+"""How far outside the prior the second population may lie, in its widths: it need not be what was expected."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ class Mixture(Effect):
 
     feature: str | None = None
     columns: tuple[int, ...] = ()
-    """Of the parameters in theta."""
+    """Columns of the parameters in theta."""
     others: tuple[Parameter, ...] = ()
     """What they are in the second population."""
 

@@ -24,13 +24,14 @@ if TYPE_CHECKING:
     from elfi import BOLFI, Distance
 
 LATER = {"identifies": "unless default"}
-"""Of settings that came after the first records: at their defaults they change nothing, and are left out of these."""
+"""Metadata of settings that came after the first records. At their defaults they change nothing, so they are left out
+of what identifies a record."""
 LINEAR_BELOW = 0.01
-"""Distance below which its logarithm goes over into itself: a tenth of what the noise of 128 events leaves."""
+"""Distance below which its logarithm becomes linear: a tenth of what the noise of 128 events leaves."""
 MARGIN = 0.99
-"""Of the budget, with a growing number of events: rounding each to a whole number may exceed the mean."""
+"""Share of the budget that is planned where the number of events grows: each is rounded to a whole number."""
 SHARE_NEAREST = 0.3
-"""Of the evaluations, those of the smallest distances, on which the regression is made."""
+"""Share of the evaluations on which the regression is made, those of the smallest distances."""
 
 
 @dataclass(frozen=True)
@@ -67,16 +68,16 @@ class Bolfi(Method):
     """Let ELFI see theta in the unit box of the prior rather than in raw units. Its kernel has one length scale for all
     parameters, of prior mean a third of the span of all bounds together: 16 for weinberg, with ranges of 4 and 2."""
     num_trace_points: int = 20
-    """Evenly spaced from the first fit of the process to the end."""
+    """Number of trace points, evenly spaced from the first fit of the process to the end."""
     num_posterior_points: int = 4096
     """Points of a scrambled Sobol sequence in the prior box: where the search for the maximum starts, and the sample
     that is weighted by the posterior for its mean and standard deviation. A power of two."""
 
     log_distance: bool = field(default=False, metadata=LATER)
-    """Let the process be of the distance's logarithm: near the answer, where the distance is small, it tells more."""
+    """Model the logarithm of the distance, which tells more near the answer, where the distance is small."""
     growth: float = field(default=1.0, metadata=LATER)
-    """Events simulated for the last theta, in those for the first; between them it grows evenly on a logarithmic
-    scale."""
+    """Ratio of the events simulated for the last theta to those for the first; between them the number grows evenly on
+    a logarithmic scale."""
     regression: bool = field(default=False, metadata=LATER)
     """Take as estimate the posterior mean after a regression adjustment, on the evaluations of the smallest
     distances."""
@@ -147,7 +148,7 @@ class Bolfi(Method):
         return Estimate(trace[-1].theta, how, "posterior", mean, std, trace)
 
     def _num_evidence(self, budget: int) -> int:
-        """Evaluations that the budget holds."""
+        """The number of evaluations that the budget holds."""
         most = budget // self.events_per_theta
         if self.growth == 1:
             return most
@@ -160,7 +161,7 @@ class Bolfi(Method):
     def _bolfi(
         self, elfi, distance: "Distance", bounds: dict[str, tuple[float, float]], num_initial: int, seed: int
     ) -> "BOLFI":
-        """ELFI's inference of the distance, with the process that is asked for."""
+        """ELFI's inference with the process that is asked for."""
         settings = {"exploration_rate": self.exploration_rate, "seed": seed}
         parts = {}
         if self.surrogate == "fast":
@@ -201,7 +202,7 @@ def _distance(
 
 
 def _logarithm(distance: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of distances, but positive, as ELFI's process needs them."""
+    """The logarithm of distances, shifted to be positive, as ELFI's process needs them."""
     return np.log1p(distance / LINEAR_BELOW)
 
 

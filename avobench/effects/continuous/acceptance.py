@@ -22,22 +22,21 @@ one in a hundred of what is left."""
 WIDTH_BEGUN_AT = 0.1
 """Where a fit of the width of a soft turn-on begins."""
 OUTERMOST = 0.05
-"""Of half the range, at least as much is recorded on either side of a dead region: else it is an `edge_acceptance`."""
+"""Share of half the range that is recorded at least on either side of a dead region; else it is an edge acceptance."""
 NARROW = 0.01
 """The least width of a turn-on, in half ranges: to the data a narrower one is a sharp edge."""
 WIDE = 1.0
 """The largest: one width to either side of its middle is as much as the range."""
 FARTHEST = 0.8
-"""Of half the range, beyond the middle: how far in a turn-on may begin."""
+"""How far in a turn-on may begin: this share of half the range beyond the middle."""
 OUTSIDE = 0.25
-"""The same beyond the end: the range that the data show begins within a turn-on."""
+"""How far out a turn-on may begin, in half ranges beyond the end: the range that the data show begins within it."""
 BEYOND = 0.01
-"""Of half the range: how far the end, where a truncation is absent, lies beyond a limit that the data show, at least.
-"""
+"""Least distance, in half ranges, from a limit that the data show to the end at which a truncation is absent."""
 INSIDE = 0.05
-"""The same of how far within such a limit a fit may look for it."""
+"""How far within such a limit a fit may look for it, in half ranges."""
 CENTRES = 0.25
-"""Of half the range: how far from its middle the window of data that do not show it may lie."""
+"""How far from the middle of the range the window may lie, in half ranges, where the data do not show it."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +107,7 @@ HALVES = {
     "smooth": lambda u, phi: np.tanh(u / phi[:, 1]),
     "growing": lambda u, phi: (s := np.sign(phi[:, 0])) * (1 - 2 * np.clip(-s * u, 0, 1) ** phi[:, 1]),
 }
-"""By shape: to which side events at u (n,), in half ranges from the centre, belong, from -1 to 1."""
+"""The side to which events at u (n,), in half ranges from the centre, belong, from -1 to 1, by shape."""
 
 
 @dataclass(frozen=True)
@@ -137,7 +136,7 @@ class ForwardBackwardAcceptance(Acceptance):
 
 
 LOST = {"box": lambda distance: distance < 0.5, "dip": lambda distance: np.exp(-6 * distance**2)}
-"""By shape: the share that is lost at a distance (n,) from the middle, in widths."""
+"""The share that is lost at a distance (n,) from the middle, in widths, by shape."""
 
 
 @dataclass(frozen=True)
@@ -174,7 +173,7 @@ CURVES = {
     "exponential": lambda beyond, phi: -np.expm1(-np.maximum(beyond, 0) / phi[:, 2]),
     "rise": lambda beyond, phi: np.clip(beyond / phi[:, 1], 0, 1) ** phi[:, 2],
 }
-"""By shape: the efficiency, from 0 to 1, so far (n,) beyond where it begins, or of `erf` is half."""
+"""The efficiency, from 0 to 1, at a distance (n,) beyond where it begins, or for `erf` where it is half, by shape."""
 
 
 @dataclass(frozen=True)
@@ -229,7 +228,7 @@ class Truncation(Acceptance):
 
     shape: str = "truncated_below"
     limits: tuple[float | None, float | None] = (None, None)
-    """Those that the data show below and above."""
+    """The limits that the data show below and above."""
     on_all = False
     name = "edge_acceptance"
     position = 21
@@ -239,7 +238,7 @@ class Truncation(Acceptance):
 
     @property
     def limit(self) -> float | None:
-        """That of this shape, if the data show it."""
+        """The limit of this shape, if the data show it."""
         return self.limits[self.shape == "truncated_above"]
 
     def strength(self) -> Parameter:
@@ -251,11 +250,11 @@ class Truncation(Acceptance):
         return Parameter("limit", min(end, far), max(end, far), end, "of the feature")
 
     def adapted(self, x):
-        """With the limits that the data show; the range stays, since they do not tell what lies beyond."""
+        """Take the limits that the data show. The range stays, since the data do not tell what lies beyond."""
         return replace(self, limits=tuple(sharp_end(x[:, self.feature], side) for side in SIDES))
 
     def guess(self, x):
-        """Nothing where the data thin out."""
+        """There is no start where the data thin out."""
         limit = (self if self.limits != (None, None) else self.adapted(x)).limit
         return np.empty((0, 1)) if limit is None else np.array([[limit]])
 
@@ -284,7 +283,7 @@ class AnalysisWindow(Acceptance):
     source = "V. Blobel, in: Data Analysis in High Energy Physics, ed. O. Behnke et al. (2013), Chapter 6"
 
     def _place(self) -> tuple[float, float, float, float]:
-        """Of the window the least centre and the largest, the least width, and that with which it covers everything."""
+        """The least and the largest centre of the window, its least width, and the width that covers everything."""
         middle = (self.low + self.high) / 2
         if self.window is None:
             off = CENTRES * self.half
@@ -303,13 +302,13 @@ class AnalysisWindow(Acceptance):
         return {self.shape: (Parameter("centre", left, right, None, "of the feature"),)}
 
     def adapted(self, x):
-        """With the range of the data, if an end of it is sharp."""
+        """Take the range of the data as the window, if an end of it is sharp."""
         column = x[:, self.feature]
         sharp = any(sharp_end(column, side) is not None for side in SIDES)
         return replace(self, window=(float(column.min()), float(column.max())) if sharp else None)
 
     def guess(self, x):
-        """Nothing where the data thin out to both sides."""
+        """There is no start where the data thin out to both sides."""
         window = (self if self.window else self.adapted(x)).window
         return np.empty((0, 2)) if window is None else np.array([[window[1] - window[0], sum(window) / 2]])
 

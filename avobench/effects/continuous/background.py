@@ -43,7 +43,7 @@ NOISE = {
     "tail_below": lambda n, rng: _crystal_ball(n, rng),
     "tail_above": lambda n, rng: -_crystal_ball(n, rng),
 }
-"""By shape: distances (n,) from the centre, in widths."""
+"""Random distances (n,) from the centre, in widths, by shape."""
 
 TAIL = (1.0, 3.0)
 """Where the tail of a peak begins, in widths from its centre, and the power that it falls by."""

@@ -13,7 +13,7 @@ SOURCES = {
     "next": lambda x: np.roll(x, -1, axis=1),
     "neighbours": lambda x: np.roll(x, -1, axis=1) + np.roll(x, 1, axis=1),
 }
-"""By shape: what leaks into each feature, of events (n, d) -> (n, d). Other shapes name the feature that leaks."""
+"""What leaks into each feature, of events (n, d) -> (n, d), by shape. Other shapes name the feature that leaks."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Crosstalk(Change):
 
 
 FLOOR = 0.1
-"""Of the range of what acts, added to it in `walk`: signals begin at a threshold, not at nothing."""
+"""Share of the range of the acting feature that is added to it in `walk`: signals begin at a threshold, not at zero."""
 
 
 def _walk(u):
@@ -72,7 +72,7 @@ def _walk(u):
 
 
 SHIFTS = {"tanh": lambda u: np.tanh(3 * u), "walk": _walk, "quadratic": np.square}
-"""By shape: the shift (n,), in units of the strength, where what acts is u (n,), in half ranges from its centre.
+"""The shift (n,), in units of the strength, where the acting feature is u (n,), in half ranges from its centre.
 
 One that is linear is `crosstalk`. A walk is that of a leading edge: the smaller the signal, the later, by its inverse
 root."""
@@ -81,9 +81,9 @@ SMEARED = "smeared"
 GAIN = "gain"
 """The shape in which a feature is stretched about its centre, the more the larger what acts is."""
 BALANCED = "balanced"
-"""The same with no stretch where what acts is at its centre, and a shrinking below."""
+"""The shape of a gain without stretch where the acting feature is at its centre, and with a shrinking below."""
 STRETCH = 0.5
-"""Of a gain, at most, as of a wrong scale."""
+"""The largest stretch of a gain, as that of a wrong scale."""
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ class ConditionalResponse(FeatureEffect):
 
 
 MOST_PAIRS = 45
-"""Of up to ten features every pair is a shape; of more only neighbours are, for they may share a board or a module."""
+"""The pairs of ten features. With more features only neighbours are a shape, since they may share a board."""
 
 
 @dataclass(frozen=True)

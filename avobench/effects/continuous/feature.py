@@ -13,7 +13,7 @@ from avobench.effects.rejection import accepted
 from avobench.effects.site import Site
 
 REPEATED = 5
-"""So many equal values of a continuous feature are no chance."""
+"""Number of equal values of a continuous feature that are no chance."""
 KNOWN = 1e-9
 """Relative error of a step or a limit that is read off the data."""
 
@@ -39,7 +39,7 @@ class FeatureEffect(Family):
         return [cls(j, site.ranges) for j in features if not cls.of_positive or site.ranges[j].positive]
 
     def unit(self, parameter: Parameter, units: Sequence[str] = ()) -> str:
-        """That of the feature in place of `of the feature`, and of what range half is meant."""
+        """The unit of the feature in place of `of the feature`; for half a range also which range is meant."""
         if parameter.unit not in (OF_FEATURE, "of half the range"):
             return parameter.unit
         if self.feature == "all":

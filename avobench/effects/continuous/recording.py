@@ -11,9 +11,9 @@ from avobench.effects.continuous.feature import KNOWN, REPEATED, Change
 from avobench.effects.contract import Parameter
 
 LEAST_LEVELS = 4
-"""Fewer repeated values are no bins."""
+"""Least number of repeated values that may be the middles of bins."""
 MOST_LEVELS = 1000
-"""More repeated values are a fine rounding."""
+"""Largest number of such values: more are a fine rounding."""
 WITHIN = 5.0
 """Standard errors within which the step of a comb is known."""
 MOSTLY = 0.98
@@ -22,7 +22,7 @@ NOISIEST = 0.3
 """Noise of a comb in steps, at most: beyond, its steps run into one another."""
 
 ROUNDED = {"nearest": np.rint, "down": np.floor, "middle": lambda v: np.floor(v) + 0.5}
-"""By shape: values (n,) in steps, to those that are recorded."""
+"""From values (n,) in steps to those that are recorded, by shape."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Quantisation(Change):
 
     shape: str = "nearest"
     steps: tuple[float, float] | None = None
-    """Those that the data show, in the feature and in the angle; 0 for none."""
+    """The steps that the data show, in the feature and in the angle; 0 for none."""
     levels: tuple[float, ...] = ()
     """Values of one feature that repeat in the data: they may be the middles of bins, even or not."""
     combs: tuple[Comb, ...] = ()
@@ -100,7 +100,7 @@ class Quantisation(Change):
         return step if step < self.half else 0.0
 
     def guess(self, x):
-        """Nothing where no values repeat."""
+        """There is no start where no values repeat."""
         if self.shape.startswith("bins") or self.shape == "by_size":
             return None
         if self.shape.startswith("blurred"):
@@ -169,9 +169,9 @@ def _chain(levels: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np
 
 
 ENDS = {"above": (False, True), "both": (True, True), "below": (True, False)}
-"""By shape: whether values are cut at the lower and at the upper end."""
+"""Whether values are cut at the lower and at the upper end, by shape."""
 COMPRESSION = {"soft": 8, "knee": 50, "knee_below": 50}
-"""By shape: the largest compression, in half ranges a limit."""
+"""The largest compression, in half ranges a limit, by shape."""
 KNEE = Parameter("knee", 0, 1, None, "of half the range")
 BOUNCE = Parameter("bounce", 0.01, 0.5, None, "of half the range")
 
@@ -185,7 +185,7 @@ class Saturation(Change):
 
     shape: str = "above"
     limits: tuple[float, float] | None = None
-    """Those that the data show below and above, in half ranges from the centre; 0 for none."""
+    """The limits that the data show below and above, in half ranges from the centre; 0 for none."""
     stage = 4
     name = "saturation"
     position = 13
@@ -265,7 +265,7 @@ class Censoring(Change):
     spikes: tuple[float | None, float | None] = (None, None)
     """Values at which the data gather, of what lies below and above a limit."""
     limits: tuple[float | None, float | None] = (None, None)
-    """Those that the data show."""
+    """The limits that the data show."""
     two: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
     """Two spikes at the lower end, and two at the upper, the inner one first; none where the data show no two."""
     stage = 4
@@ -293,7 +293,7 @@ class Censoring(Change):
         return self.shape.endswith("above")
 
     def adapted(self, x):
-        """With the spikes and limits that the data show; the range stays, since they do not tell what lies beyond."""
+        """Take the spikes and limits that the data show. The range stays, since they do not tell what lies beyond."""
         column = x[:, self.feature]
         shown = [Spike.shown(column, side) for side in SIDES]
         middle, found = np.median(column), spikes(column)
@@ -306,7 +306,7 @@ class Censoring(Change):
         )
 
     def guess(self, x):
-        """Nothing where the data have no spike."""
+        """There is no start where the data have no spike."""
         adapted = self if self.spikes != (None, None) or any(self.two) else self.adapted(x)
         if self.shape.startswith("two_limits"):
             return None

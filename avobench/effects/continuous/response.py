@@ -10,13 +10,14 @@ from avobench.effects.contract import Parameter
 from avobench.effects.noise import skewed_noise
 
 TAIL_WIDTH = 3
-"""Of the tail, in widths of the core, in the shape `tails`."""
+"""Width of the tail, in widths of the core, in the shape `tails`: wide enough to be told from the core."""
 WIDEST_ANGLE = 1.5
-"""Of the smearing of an angle [rad]: beyond a right angle nothing of the value is left."""
+"""Largest smearing of an angle [rad]: beyond a right angle nothing of the value is left."""
 FARTHEST_OFFSET = 0.7
-"""Of half the range, or in rad of an angle: beyond, most values would lie where the simulator makes none."""
+"""Largest offset in half ranges, or of an angle in rad: beyond, most values would lie where the simulator makes none.
+"""
 TAIL_INDEX = 3
-"""Of the power that a radiative tail falls by: its mean is finite, its variance is not."""
+"""Power by which the density of a radiative tail falls: its mean is finite, its variance is not."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +152,7 @@ class Scale(Change):
 
 
 CAUCHY_SHARE = 0.3
-"""Of the width, the scale of a Cauchy error: about as many errors reach the width as Gaussian ones do."""
+"""Scale of a Cauchy error in units of the width: about as many errors reach the width as Gaussian ones do."""
 WIDTH = Parameter("width", 0.5, 20, None, "of half the range")
 ANGLE = Parameter("width", 0.3, 3, None, "rad")
 
@@ -162,7 +163,7 @@ ERRORS = {
     "above": lambda width, rng: width * rng.standard_exponential(len(width)),
     "below": lambda width, rng: -width * rng.standard_exponential(len(width)),
 }
-"""By shape: errors (n,) of widths (n,)."""
+"""Random errors (n,) of widths (n,), by shape."""
 TOGETHER = "together"
 """Ends the names of shapes in which a whole event is far off."""
 
@@ -210,7 +211,7 @@ LOSSES = {
     "exponential": lambda n, rng: rng.standard_exponential(n),
     "power": lambda n, rng: (TAIL_INDEX - 2) * rng.pareto(TAIL_INDEX - 1, n),
 }
-"""By shape: losses (n,) in units of their mean."""
+"""Random losses (n,) in units of their mean, by shape."""
 RADIATOR = "radiator"
 """The shape in which every value loses, as an electron does in matter: mostly next to nothing, and at times nearly all.
 """

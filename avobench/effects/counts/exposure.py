@@ -39,15 +39,15 @@ def exposed(
 
 
 LOWEST = 0.3
-"""Of two rates: below, it is a channel that is off now and then, another effect."""
+"""The lower of two rates at least: below, it is a channel that is off now and then, another effect."""
 HIGHEST = 1.8
-"""Of two rates: above, it is two events in one, another effect."""
+"""The higher of two rates at most: above, it is two events in one, another effect."""
 FALLEN = np.geomspace(1e-3, 8, 400)
 """Lifetimes over which a source may decay: from what changes no count to one that is used up."""
 VARIANCES = FALLEN / 2 / np.tanh(FALLEN / 2) - 1
 """Relative variances of its rate."""
 LEAST_VARIANCE = 1e-12
-"""At the null value: a scatter of 1e-6 of the rate, which changes no count."""
+"""Variance at the null value: a scatter of 1e-6 of the rate, which changes no count."""
 
 
 class Rates(NamedTuple):
@@ -101,7 +101,7 @@ RATES = {
     "decaying": Rates(1.0, (), _decaying),
     "flares": Rates(1.0, (Parameter("share", 0.01, 0.5, None, "1"),), _flares),
 }
-"""By shape."""
+"""Distributions of rates by shape."""
 
 
 @dataclass(frozen=True)

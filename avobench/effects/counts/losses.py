@@ -46,7 +46,7 @@ LOST = {
     "free_turn_on": lambda x, phi: _turn_on(phi[:, 0], x, phi[:, 1], phi[:, 2]),
 }
 LOST["suppressed"] = LOST["turn_on"]
-"""By shape: the chance that counts x (n,) are lost, phi (n, q) -> (n,)."""
+"""The chance that counts x (n,) are lost, phi (n, q) -> (n,), by shape."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class ThresholdLoss(CountEffect):
 
     shape: str = "step"
     highest: float = 100.0
-    """Of the threshold; beyond nearly all counts it would lose events whatever they hold."""
+    """Largest threshold: beyond nearly all counts it would lose events whatever they hold."""
 
     stage = 3
     name = "threshold_loss"
@@ -99,7 +99,7 @@ class Truncation(CountEffect):
     """
 
     limits: tuple[float, float] = (1.0, 100.0)
-    """Of the limit: below the median of the measured counts it would lose what was measured."""
+    """Bounds of the limit: below the median of the measured counts it would lose what was measured."""
 
     stage = 3
     name = "truncation"

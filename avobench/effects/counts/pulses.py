@@ -22,7 +22,7 @@ class DeadTime(CountEffect):
     shape: str = "non_paralysable"
 
     highest: float = 1.0
-    """Of tau; a counter hardly records more than 1 / tau counts."""
+    """Largest tau: a counter hardly records more than 1 / tau counts."""
 
     name = "dead_time"
     position = 3

@@ -50,7 +50,7 @@ NOISE = {
     "jumps": lambda n, rng: rng.choice([-1.0, 1.0], n),
     "hum": lambda n, rng: np.sqrt(2) * np.sin(2 * np.pi * rng.random(n)),
 }
-"""By shape: errors of standard deviation 1, of size n; others have the Gaussian one."""
+"""Random errors of standard deviation 1, of size n, by shape; other shapes have the Gaussian one."""
 
 
 @dataclass(frozen=True)
@@ -114,14 +114,14 @@ STEPS = {
     for to, added in ROUNDINGS.items()
     if step > 2 or to in ("down", "up")  # of two counts there is no middle
 }
-"""By shape: a step, and what is added."""
+"""A step, and what is added before and after, by shape."""
 BITS = {
     f"bit {bit} {at}": (1 << bit, at == "high")
     for bit in range(4)
     for at in ("low", "high")
     if (bit, at) != (0, "low")  # that is rounding down to even counts
 }
-"""By shape: a bit of the counter that sticks, and whether it is set."""
+"""A bit of the counter that sticks, and whether it is set, by shape."""
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,7 @@ class Quantisation(CountEffect):
     source: ClassVar = "G. F. Knoll, Radiation Detection and Measurement, 4th ed. (2010), Section 17.V"
 
     def guess(self, x):
-        """Nothing where the step is so wide that nearly all counts become the same: that is no rounding."""
+        """There is no start where the step is so wide that nearly all counts become the same: that is no rounding."""
         same = max(np.unique(self._rounded(x[:, j]), return_counts=True)[1].max() for j in self.columns)
         return np.empty((0, 1)) if same > ONE_VALUE * len(x) else None
 
@@ -161,7 +161,7 @@ class Quantisation(CountEffect):
 CLEAR = 5.0
 """Standard deviations by which the events at a limit stand out from those of the counts next to it."""
 SHARES = (0.98, 0.4, 0.1)
-"""That a fit may begin at: at one there is no slope to follow."""
+"""Shares at which a fit begins: at one there is no slope to follow."""
 LOWEST = 0.1
 """Share of the events that a limit above has below it, at least, and one below above it: most may be at the limit."""
 OUTERMOST = 3
@@ -178,9 +178,9 @@ class Censoring(CountEffect):
 
     shape: str = "above"
     least: tuple[float, float] = (1.0, 1.0)
-    """Of the measured counts: a limit above lies at the first or higher, one below at the second or lower."""
+    """Counts that bound the limit: one above lies at the first or higher, one below at the second or lower."""
     ends: tuple[float, float] = (0.0, 100.0)
-    """Of the measured counts."""
+    """The smallest and the largest of the measured counts."""
 
     stage = 4
     name = "censoring"

@@ -32,7 +32,7 @@ class DeadCells(ImageEffect):
         return replace(self, cells=tuple(odd_cells(x, self.grid, few=True).tolist()))
 
     def unit(self, parameter, units=()):
-        """That, and which cell it is."""
+        """The unit, and which cell is at fault where it is one."""
         cell = told(self.cells, self.grid)
         return f"of what {cell} records" if cell else parameter.unit
 
@@ -67,7 +67,7 @@ class NoisyCells(ImageEffect):
         return replace(self, cells=tuple(odd_cells(x, self.grid, few=False).tolist()))
 
     def unit(self, parameter, units=()):
-        """That, and which cell it is."""
+        """The unit, and which cell is at fault where it is one."""
         cell = told(self.cells, self.grid)
         return f"{parameter.unit}, by {cell}" if cell else parameter.unit
 
@@ -95,7 +95,7 @@ class Inefficiency(ImageEffect):
 
     @classmethod
     def entries(cls, site):
-        """Where the task generates particles, with the shape that knows their momenta."""
+        """One entry; where the task generates particles it has the shape that knows their momenta, too."""
         family = TrackInefficiency if site.task.generates == PARTICLES else cls
         return [family(site.task.event_shape)]
 
@@ -195,7 +195,7 @@ class Gain(ImageEffect):
         return replace(self, odd=tuple(odd_line(x, self.grid, axis) for axis in (0, 1)))
 
     def guess(self, x):
-        """Nothing where no line stands out."""
+        """There is no start where no line stands out."""
         return np.empty((0, 2)) if self.odd and self.odd[LINES.index(self.shape)] is None else None
 
     def apply(self, simulate, theta, phi, rng):

@@ -22,7 +22,7 @@ class ParticleEffect(ImageEffect):
 
     @classmethod
     def entries(cls, site):
-        """None where a task makes its images in one step."""
+        """One entry, and none where a task makes its images in one step."""
         return super().entries(site) if site.task.generates == PARTICLES else []
 
     def altered(
@@ -48,7 +48,7 @@ class TransverseOffset(ParticleEffect):
     """The interaction point is `shift` radii of the tracker away from its axis, towards an azimuth."""
 
     radius: float = 1.0
-    """Of the tracker [mm]."""
+    """Radius of the tracker [mm]."""
     name = "transverse_offset"
     position = 7
     sentence = "The collisions do not happen on the axis of the detector."
