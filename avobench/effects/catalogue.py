@@ -15,8 +15,9 @@ from avobench.tasks.errors import UsageError
 __all__ = ["catalogue", "chosen", "domain", "families", "of_domain"]
 
 GROUP = "avobench.effects"
-"""The group of entry points of effects. The name of one is its domain, a dot, and what it is: `counts.dead_time`. Of a family of several
-classes each has one of its own: `continuous.truncation` has the name `edge_acceptance`."""
+"""The group of entry points of effects. An entry point is named by its domain, a dot, and what it is, such as
+`counts.dead_time`. Where a family has several classes each has an entry point: that of `continuous.truncation` is of the
+family `edge_acceptance`."""
 
 
 @cache

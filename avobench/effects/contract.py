@@ -62,9 +62,9 @@ class Effect(ABC):
     shape: str = ""
     """Which of its shapes this is."""
     stage: int = 2
-    """Stage of the chain: 0 generated particles, which are altered before there is an event; 1 the source; 2 measurement;
-    3 selection; 4 what is added or read out; 5 a selection after everything else. Effects act in this order, and of one
-    stage in that of being added."""
+    """Stage of the chain: 0 generated particles, which are altered before there is an event; 1 the source;
+    2 measurement; 3 selection; 4 what is added or read out; 5 a selection after everything else. Effects act in this
+    order, and those of one stage in that of being added."""
     choices: int = 0
     """Shape parameters beyond `parameters` that choosing among its shapes amounts to, such as a step."""
     sentence: ClassVar[str]

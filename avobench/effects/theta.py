@@ -32,8 +32,8 @@ def _two_values(at, width, low, high, rng):
 
 
 DRAWN = {"gaussian": _gaussian, "uniform": _uniform, "two_values": _two_values}
-"""A parameter's values (n,), by shape, around `at` (n,) with the standard deviation `width` (n,), where the support from
-`low` to `high` does not cut them off."""
+"""Random values (n,) of a parameter around `at` (n,), by shape. Their standard deviation is `width` (n,) where the
+support from `low` to `high` does not cut them off."""
 
 
 @dataclass(frozen=True)
