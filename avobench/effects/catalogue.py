@@ -16,8 +16,8 @@ __all__ = ["catalogue", "chosen", "domain", "families", "of_domain"]
 
 GROUP = "avobench.effects"
 """The group of entry points of effects. An entry point is named by its domain, a dot, and what it is, such as
-`counts.dead_time`. Where a family has several classes each has an entry point: that of `continuous.truncation` is of the
-family `edge_acceptance`."""
+`counts.dead_time`. Each class of a family has its own: that of `continuous.truncation` is of the family
+`edge_acceptance`."""
 
 
 @cache
