@@ -17,15 +17,15 @@ CLEAR = 5.0
 APART = 4.5
 """Grains of the values in a step, at least: what is finer is rounding, another shape of it."""
 REPEATED = 5
-"""So many equal values of a real number are no chance."""
+"""Number of equal values of a real number that are no chance."""
 KNOWN = 1e-9
 """Relative error of a step that is read off the data."""
 FINEST = 0.01
-"""Of half the range, the finest step that is thought of."""
+"""The finest step that is considered, in half ranges: a finer one is rounding."""
 MOSTLY = 0.98
 """The largest share that a fit begins at: at one there is no slope to follow."""
 REACHES = (0.05, 0.15, 0.5)
-"""In steps, from which a fit begins."""
+"""Reaches, in steps, from which a fit begins."""
 
 
 class Heaps(NamedTuple):
@@ -33,9 +33,9 @@ class Heaps(NamedTuple):
 
     step: float
     share: float
-    """Of all values, so many are there beyond those that the values next to them let expect."""
+    """The share of all values that is there beyond what the values next to them let expect."""
     z: float
-    """In standard deviations."""
+    """Significance in standard deviations."""
 
 
 NONE = Heaps(0.0, 0.0, 0.0)
@@ -63,7 +63,6 @@ class Heaping(Family):
     position = 33
     choices = 1
     STRENGTH = Parameter("share", 0, 1, 0, "1")
-    SHAPES: ClassVar = {"heaped": (), "heaped_near": (Parameter("reach", 0.03, 1, None, "steps"),)}
     sentence: ClassVar = "Round numbers are preferred: values near them are recorded as these."
     source: ClassVar = "D. F. Heitjan, D. B. Rubin, J. Am. Stat. Assoc. 85 (1990) 304"
 
@@ -77,10 +76,9 @@ class Heaping(Family):
             entries.append(cls(feature=feature, columns=columns, steps=(FINEST * widest, widest)))
         return entries
 
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        unit = "counts" if self.whole else OF_FEATURE
-        return (self.STRENGTH, Parameter("step", *self.steps, None, unit), *self.SHAPES[self.shape])
+    def variants(self):
+        step = Parameter("step", *self.steps, None, "counts" if self.whole else OF_FEATURE)
+        return {"heaped": (step,), "heaped_near": (step, Parameter("reach", 0.03, 1, None, "steps"))}
 
     def shown(self, x: NDArray) -> Heaps:
         """The heaps of measured events x (N, d) that stand out most, of all features that it acts on."""
@@ -91,7 +89,7 @@ class Heaping(Family):
         return replace(self, steps=((1 - KNOWN) * step, (1 + KNOWN) * step) if step else self.steps)
 
     def guess(self, x):
-        """Nothing where no multiples stand out."""
+        """There is no start where no multiples stand out."""
         shown = self.shown(x)
         if not shown.step:
             return np.empty((0, len(self.parameters)))
@@ -153,7 +151,7 @@ def _steep(nearest: NDArray, away: NDArray, numbers: NDArray) -> float:
 
 
 def _steps(low: float, high: float, whole: bool) -> list[float]:
-    """Those from low to high, the largest first: of real numbers that are heaped, finer steps have the same heaps."""
+    """Steps from low to high, the largest first: real numbers that are heaped have the same heaps in finer steps."""
     if not 0 < low < high < np.inf:
         return []
     powers = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)

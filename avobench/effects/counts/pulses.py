@@ -1,4 +1,4 @@
-"""Dead time: after each pulse that it counts, a counter is blind for a while."""
+"""Effects by which pulses are counted more than once, or not at all: a dead time, double counts and afterpulses."""
 
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -22,7 +22,7 @@ class DeadTime(CountEffect):
     shape: str = "non_paralysable"
 
     highest: float = 1.0
-    """Of tau; a counter hardly records more than 1 / tau counts."""
+    """Largest tau: a counter hardly records more than 1 / tau counts."""
 
     name = "dead_time"
     position = 3
@@ -37,9 +37,8 @@ class DeadTime(CountEffect):
         "G. E. Albert, L. Nelson, Ann. Math. Stat. 24 (1953) 9"
     )
 
-    @property
-    def parameters(self):
-        return (Parameter("tau", 0, self.highest, 0, "of the window"), *self.SHAPES[self.shape])
+    def strength(self) -> Parameter:
+        return Parameter("tau", 0, self.highest, 0, "of the window")
 
     @property
     def overload(self) -> float:
@@ -90,3 +89,59 @@ def counted(
     back = np.empty_like(seen)
     back[order] = seen
     return back
+
+
+@dataclass(frozen=True)
+class DoubleCounting(CountEffect):
+    """Two events are taken for one (`merged`), an event is read twice (`repeated`), or single counts are (`pairs`)."""
+
+    shape: str = "merged"
+
+    name = "double_counting"
+    position = 6
+    STRENGTH = Parameter("fraction", 0, 1, 0, "1")
+    SHAPES: ClassVar = {"merged": (), "repeated": (), "pairs": ()}
+    sentence: ClassVar = "Some counts are counted twice, or two events are recorded as one."
+    source: ClassVar = (
+        "G. F. Knoll, Radiation Detection and Measurement, 4th ed. (2010), Section 4.VII; "
+        "pairs: C. D. Kemp, A. W. Kemp, Biometrika 52 (1965) 381"
+    )
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        if self.shape == "pairs":
+            x[:, self.columns] += rng.binomial(whole(x[:, self.columns]), phi[:, :1])
+            return x
+        twice = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
+        if len(twice):
+            again = x[twice] if self.shape == "repeated" else simulate(theta[twice], rng)
+            x[self.cells(twice)] += again[:, self.columns]
+        return x
+
+
+@dataclass(frozen=True)
+class AfterPulses(CountEffect):
+    """Each count triggers further ones, `triggered` of them in the mean of one generation.
+
+    In the shape `chain` it is followed by one with that chance, which may be followed by another: a geometric number.
+    In the shape `one_generation` it triggers a Poisson number of them, which trigger none. One at most is
+    the shape `pairs`, from which they are hardly told: so all are one family.
+    """
+
+    shape: str = "chain"
+
+    name = "double_counting"
+    position = 32
+    STRENGTH = Parameter("triggered", 0, 0.7, 0, "1")
+    SHAPES: ClassVar = {"chain": (), "one_generation": ()}
+    sentence: ClassVar = "Counts trigger false ones, as the afterpulses and the crosstalk of a photomultiplier do."
+    source: ClassVar = "S. Vinogradov, Nucl. Instrum. Methods A 695 (2012) 247"
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        n = whole(x[:, self.columns])
+        if self.shape == "one_generation":
+            x[:, self.columns] += rng.poisson(n * phi[:, :1])
+        else:  # of no count there is no chain, and NumPy draws of none
+            x[:, self.columns] += np.where(n > 0, rng.negative_binomial(np.maximum(n, 1), 1 - phi[:, :1]), 0)
+        return x

@@ -1,11 +1,21 @@
-from dataclasses import astuple
+"""The process against GPy and finite differences, and the acquisition against ELFI's."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import lsq_linear
+from scipy.stats import uniform
 
-from avobench.methods.gaussian_process import TOLERANCE, GaussianProcess, Hyperparameters, Posterior
+from avobench.methods import bolfi_surrogate
+from avobench.methods.bolfi_surrogate import (
+    TOLERANCE,
+    BatchedLCBSC,
+    GaussianProcess,
+    Hyperparameters,
+    Posterior,
+    minimise,
+)
 
 
 def log_uniform(low: float, high: float) -> st.SearchStrategy[float]:
@@ -40,7 +50,7 @@ def both(x: np.ndarray, y: np.ndarray):
 
 
 def set_both(stock, fast: GaussianProcess, hyperparameters: Hyperparameters) -> None:
-    stock.instance.param_array[:] = astuple(hyperparameters)
+    stock.instance.param_array[:] = hyperparameters
     stock.instance.trigger_update()
     fast.posterior = Posterior(fast.X, fast.Y[:, 0], hyperparameters)
 
@@ -83,13 +93,13 @@ def test_the_posterior_of_the_hyperparameters_agrees_with_gpy(hyperparameters, p
 
 def test_a_fit_from_the_same_start_is_as_good_as_gpys():
     gains = []
-    for seed in range(30):
+    for seed in range(16):
         stock, fast = both(*evidence(1 + seed % 2, 20 + 2 * seed, seed)[:2])
         stock.optimize()
         fast.optimize()
         gains.append(fast.log_posterior(fast.posterior)[0] + stock.instance.objective_function())
     # In the few that are not done after 50 steps, or have two maxima, rounding decides, in GPy as here.
-    assert np.quantile(gains, 0.1) > -1e-4
+    assert np.quantile(gains, 0.15) > -1e-4
 
 
 @settings(max_examples=40, deadline=None)
@@ -109,20 +119,21 @@ def test_derivatives_are_those_of_the_values(hyperparameters, p, n, seed):
         found = differences(lambda of, name=name: getattr(posterior.moments(of, 1), name + "_gradient"), at, step)
         assert hessian == pytest.approx(found, abs=1e-4 * (np.abs(hessian).max() + size / scale))
 
-    theta = np.log(astuple(hyperparameters))
+    theta = np.log(hyperparameters)
     _, gradient = posterior.log_likelihood()
     found = differences(lambda of: Posterior(x, y, Hyperparameters(*np.exp(of))).log_likelihood()[0], theta)
     assert gradient * np.exp(theta) == pytest.approx(found, rel=1e-3, abs=1e-3)
 
 
 @pytest.mark.parametrize("p", [1, 2, 5])
-def test_one_transposed_system_gives_the_hessian_that_p_squared_give(p):
+def test_one_transposed_system_gives_the_hessian_that_p_squared_give(p, monkeypatch):
     x, y, rng = evidence(p, 60, 3)
     posterior, at = Posterior(x, y, Hyperparameters(2.0, 0.4, 0.5, 0.01)), rng.uniform(size=(7, p))
-    direct, transposed, default = (posterior.moments(at, 2, direct=way) for way in (True, False, None))
-    assert transposed.variance_hessian == pytest.approx(direct.variance_hessian, rel=1e-9, abs=1e-9)
-    chosen = direct if p <= 2 else transposed  # records of two parameters depend on the last bit
-    assert (default.variance_hessian == chosen.variance_hessian).all()
+    hessians = []
+    for most in (0, 5):
+        monkeypatch.setattr(bolfi_surrogate, "DIRECT", most)
+        hessians.append(posterior.moments(at, 2).variance_hessian)
+    assert hessians[0] == pytest.approx(hessians[1], rel=1e-9, abs=1e-9)
 
 
 @settings(max_examples=40, deadline=None)
@@ -164,3 +175,75 @@ def test_the_kernel_is_kept_to_the_tolerance_where_its_rank_is_full():
 def test_refuses_distances_that_set_no_scale(y):
     with pytest.raises(ValueError, match="the Gaussian process needs"):
         GaussianProcess(["theta"], [(0, 1)]).update(np.array([[0.2], [0.8]]), np.array(y))
+
+
+class UnitBox:
+    """A prior as ELFI's acquisitions use it."""
+
+    def __init__(self, dim: int) -> None:
+        self.dim = dim
+
+    def rvs(self, size, random_state):
+        return uniform.rvs(size=(size, self.dim), random_state=random_state)
+
+
+def acquisition(p: int, seed: int, noise_var: float | None = None) -> BatchedLCBSC:
+    rng = np.random.default_rng(seed)
+    x = rng.uniform(size=(30, p))
+    process = GaussianProcess(["a", "b", "c"][:p], [(0.0, 1.0)] * p)
+    process.update(x, np.sqrt(((x - 0.3) ** 2).sum(1)) + rng.normal(0.1, 0.01, 30) ** 2, optimize=True)
+    return BatchedLCBSC(process, prior=UnitBox(p), noise_var=noise_var, seed=seed)
+
+
+@settings(max_examples=50, deadline=None)
+@given(p=st.integers(1, 4), seed=st.integers(0, 2**32 - 1))
+def test_finds_the_least_squares_in_a_box(p, seed):
+    rng = np.random.default_rng(seed)
+    a, b = rng.normal(size=(p + 2, p)), rng.normal(size=p + 2)
+    low, high = -rng.uniform(size=p), rng.uniform(size=p)
+
+    def function(x):
+        residual = x @ a.T - b
+        return (residual**2).sum(1) / 2, residual @ a, np.broadcast_to(a.T @ a, (len(x), p, p))
+
+    x, values = minimise(function, rng.uniform(low, high, (5, p)), low, high, 1000)
+    best = lsq_linear(a, b, (low, high), tol=1e-12)
+    assert values == pytest.approx(np.full(5, best.cost), rel=1e-6, abs=1e-9)
+    assert ((x >= low) & (x <= high)).all()
+
+
+def test_each_start_goes_to_its_own_minimum():
+    def function(x):
+        return np.cos(x[:, 0]), -np.sin(x), -np.cos(x)[:, :, None]
+
+    x, values = minimise(function, np.array([[2.5], [9.0], [6.0]]), np.array([0.0]), np.array([10.0]), 100)
+    assert x[:2, 0] == pytest.approx([np.pi, 3 * np.pi], abs=1e-6)
+    assert values == pytest.approx(-1)
+
+
+@pytest.mark.parametrize("p", [1, 2, 3])
+def test_the_bound_and_its_derivatives_are_elfis(p):
+    of, x = acquisition(p, 0), np.random.default_rng(1).uniform(size=(7, p))
+    value, gradient, hessian = of._bound(x, np.sqrt(of._beta(5)))
+    assert value == pytest.approx(of.evaluate(x, 5)[:, 0])
+    assert gradient == pytest.approx(of.evaluate_gradient(x, 5), rel=1e-6)
+    shifts = 1e-5 * np.eye(p)
+    found = [(of.evaluate_gradient(x + s, 5) - of.evaluate_gradient(x - s, 5)) / 2e-5 for s in shifts]
+    assert hessian == pytest.approx(np.stack(found, axis=-1), rel=1e-3, abs=1e-3)
+
+
+@pytest.mark.parametrize("p", [1, 2])
+def test_acquires_what_elfi_acquires_or_better(p):
+    for seed in range(5):
+        ours, stock = acquisition(p, seed), acquisition(p, seed)
+        theirs = super(BatchedLCBSC, stock).acquire(2, t=3)
+        x = ours.acquire(2, t=3)
+        assert x.shape == (2, p)
+        assert ours.evaluate(x, 3)[0] <= ours.evaluate(theirs, 3)[0] + 1e-6
+        assert (ours.random_state.uniform(size=3) == stock.random_state.uniform(size=3)).all()
+
+
+def test_noise_stays_in_the_box():
+    x = acquisition(2, 0, noise_var=1.0).acquire(50, t=0)
+    assert ((x >= 0) & (x <= 1)).all()
+    assert x.std(axis=0) == pytest.approx(0.29, abs=0.1)  # a broad Gaussian cut to the box is nearly uniform
