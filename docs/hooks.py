@@ -1,4 +1,4 @@
-"""Hooks of MkDocs: files from outside docs/, the pictures of effects, formulas as MathML, no page that needs a network."""
+"""Hooks of MkDocs: files from outside docs/, pictures of effects, formulas as MathML, no page that needs a network."""
 
 import re
 from pathlib import Path

@@ -19,9 +19,9 @@ RESOLUTION = 70
 INTRODUCTION = """\
 # Gallery
 
-Ten measured data sets, each with a simple simulator of it. The literature knows what each simulator lacks, or that it lacks
-nothing. Each picture is what `avobench.diagnose(task, measured).plot()` draws, and each title leads to the file, which one can
-run. [Real data](real-data.md) has the sources, the numbers and how each answer was judged."""
+Ten measured data sets, each with a simple simulator. The literature knows what each simulator lacks, or that it lacks
+nothing. The pictures are what `avobench.diagnose(task, measured).plot()` draws; the gap is 1 where nothing is missing.
+[Real data](real-data.md) has the sources, the numbers, and how each answer was judged."""
 
 
 def page(records: list[dict[str, Any]]) -> str:

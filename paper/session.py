@@ -1,9 +1,9 @@
 """Pages whose Python is run and whose output stands below it: `python -m paper.session docs/tutorial.md`.
 
 The fenced `python` blocks of a page are run in order, in one namespace and from the folder of the page. What a block
-prints is written into the fenced `text` block that directly follows it, which is made or removed as needed. Pictures are
-saved by the code itself, with a path such as figures/tutorial_1.png. A block below the comment `<!-- not run -->` is left
-alone.
+prints is written into the fenced `text` block that directly follows it, which is made or removed as needed. The code
+itself saves its pictures, with a path such as figures/tutorial_1.png. A block that directly follows the comment
+`<!-- not run -->` is left alone.
 """
 
 import contextlib

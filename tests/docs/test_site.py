@@ -1,4 +1,4 @@
-"""What the site adds to its pages, that no link is dead, and, where `make docs` has built it, what a browser makes of it."""
+"""What the site adds to its pages, that no link is dead, and what a browser makes of the site if it has been built."""
 
 import importlib.util
 import re
