@@ -1,6 +1,7 @@
 """The page of pictures of real data: `python -m paper.gallery` diagnoses them, draws, and writes docs/gallery.md."""
 
 import importlib
+import textwrap
 from pathlib import Path
 from typing import Any
 
@@ -13,49 +14,42 @@ from paper.studies.real import EXAMPLES, read
 from paper.tables.real import judged
 
 PAGE = Path("docs/gallery.md")
-PICTURES = Path("docs/figures/gallery")
 RESOLUTION = 70
-"""Dots per inch of a picture, which then takes less than 60 kB."""
+"""Dots per inch, with which each picture takes less than 60 kB."""
 INTRODUCTION = """\
 # Gallery
 
 Ten measured data sets, each with a simple simulator. The literature knows what each simulator lacks, or that it lacks
-nothing. The pictures are what `avobench.diagnose(task, measured).plot()` draws; the gap is 1 where nothing is missing.
-[Real data](real-data.md) has the sources, the numbers, and how each answer was judged."""
+nothing. The pictures are what `avobench.diagnose(task, measured).plot()` draws. [Real data](real-data.md) has the
+sources, the numbers, and how each answer was judged."""
 
 
 def page(records: list[dict[str, Any]]) -> str:
     """The page as Markdown, from the records of the study of real data with one seed."""
     sections = [INTRODUCTION]
     for record in records:
-        name, expected = record["name"], record["expected"]
-        title, picture = name.replace("_", " ").capitalize(), PICTURES.relative_to(PAGE.parent) / f"{name}.png"
-        sections += [
-            f"## {title}",
-            f"Measured: {expected['measured']}. The simulator lacks {expected['lacks']}. "
-            f"The diagnosis said: {answer(record['diagnosis'])} ({judged(expected, record['diagnosis'])}). "
-            f"[Its file](../{EXAMPLES}/{name}.py).",
-            f"![{title}: measured and simulated events]({picture})",
-        ]
+        name, expected, diagnosis = record["name"], record["expected"], record["diagnosis"]
+        title = name.replace("_", " ").capitalize()
+        about = f"Measured: {expected['measured']}. The simulator lacks {expected['lacks']}. "
+        about += f"The diagnosis said: {answer(diagnosis)}, which is {judged(expected, diagnosis)}. "
+        about = textwrap.fill(f"{about}[The file](../{EXAMPLES}/{name}.py).", 120, break_on_hyphens=False)
+        sections += [f"## {title}", about, f"![Measured and simulated events: {title}](figures/gallery/{name}.png)"]
     return "\n\n".join(sections) + "\n"
 
 
 def answer(diagnosis: dict[str, Any]) -> str:
     """The verdict, with the effects that were named and those that the data do not tell from them."""
-    named = [
-        f"`{effect['name']}`" + "".join(f" or `{tie['name']}`" for tie in effect["tied_with"])
-        for effect in diagnosis["effects"]
-    ]
+    named = [" or ".join(f"`{e['name']}`" for e in (effect, *effect["tied_with"])) for effect in diagnosis["effects"]]
     return ": ".join([diagnosis["verdict"], *([" and ".join(named)] if named else [])])
 
 
 def main() -> None:
+    """Draw all pictures and write the page."""
     matplotlib.use("Agg")  # draws without a window
-    PICTURES.mkdir(exist_ok=True)
     for path in sorted(EXAMPLES.glob("*.py")):
         example = importlib.import_module(user_files.module_name(path))
         figure = avobench.diagnose(example.task, example.measured).plot()
-        figure.savefig(PICTURES / f"{path.stem}.png", dpi=RESOLUTION)
+        figure.savefig(PAGE.parent / "figures" / "gallery" / f"{path.stem}.png", dpi=RESOLUTION)
     write_file(PAGE, page(read()).encode())
 
 
