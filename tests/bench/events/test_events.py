@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import binom
 
-from avobench.bench.events import _outside, check_events, num_repeated, read_events, read_timed, with_times
+from avobench.bench.events import check_events, read_events, read_timed, with_times
+from avobench.bench.events.checks import _outside, num_repeated
 from avobench.tasks.carl import Carl
 from avobench.tasks.errors import SimulatorError, UsageError
 from avobench.tasks.function import task as task_of
@@ -43,7 +44,7 @@ def write(path, x, names):
 def test_every_format_gives_back_the_events(tmp_path, suffix, task):
     x = simulate(task)
     source = write(tmp_path / f"events.{suffix}", x, [f"b{i}" for i in range(x.shape[1])])
-    read = read_events(source)
+    read = np.asarray(read_events(source))
     np.testing.assert_allclose(read, x, rtol=1e-15)
     assert np.issubdtype(read.dtype, np.integer) == np.issubdtype(x.dtype, np.integer)
 
@@ -95,12 +96,13 @@ def test_pickled_files_are_refused_and_run_nothing(tmp_path):
     ("name", "content", "message"),
     [
         ("missing.npy", None, "there is no file"),
-        ("events.txt", b"1 2", "events are read from"),
+        ("events.doc", b"1 2", "events are read from"),
         ("events.npy", b"", "cannot be read"),
         ("events.npz", b"PK\x03\x04broken", "cannot be read"),
         ("events.parquet", b"PAR1", "cannot be read"),
-        ("events.csv", b"", "cannot be read"),
-        ("events.csv", b"a,b\n1,x\n", "'b' does not hold one real number"),
+        ("events.csv", b"", "holds nothing"),
+        ("events.csv", b"\xff\xfe1", "not a text in UTF-8"),
+        ("events.csv", b"a,b\n\n1,x\n", "'b' does not hold one real number an event: line 3 has 'x'"),
         ("events.root", b"root", "needs the name of a tree"),
     ],
 )

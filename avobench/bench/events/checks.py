@@ -1,14 +1,10 @@
-"""Measured events from a file of any common format, and what may be wrong with them."""
-
-import math
-import re
-from collections.abc import Callable, Sequence
-from pathlib import Path
+"""What may be wrong with measured events, told before anything is inferred from them."""
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
+from avobench.bench.events.files import seconds
 from avobench.tasks import Task
 from avobench.tasks.checked import checked_events
 from avobench.tasks.errors import UsageError
@@ -33,162 +29,25 @@ MANY_REPEATS = 0.01
 """Share of repeated events above which it is worth a warning."""
 
 
-def read_events(path: str, columns: Sequence[str] | None = None) -> NDArray:
-    """The events of a file: `read_timed` without a time."""
-    return read_timed(path, columns)[0]
-
-
-def read_timed(
-    path: str, columns: Sequence[str] | None = None, time: str | None = None
-) -> tuple[NDArray, NDArray | None]:
-    """The events of a .npy, .npz, .csv or .parquet file, or of a tree `file.root:tree`: (n, d), one row an event.
-
-    `columns` chooses columns, branches, or arrays of a .npz, in this order; without it all are read. A one-dimensional
-    array is one feature; what has more than two dimensions, such as images, is flattened row by row. Also the column
-    `time` (n,), if one is named, which is then none of the events'; dates become seconds. Raises UsageError for what
-    cannot be read as numbers, and for pickled content, which could run code.
-    """
-    file, _, tree = path.rpartition(":") if re.search(r"\.root:[^:]+$", path) else (path, "", "")
-    if not Path(file).is_file():
-        raise UsageError(f"there is no file {file}")
-    suffix = Path(file).suffix
-    if suffix == ".root" and not tree:
-        raise UsageError(f"a ROOT file needs the name of a tree: {file}:TREE")
-    if suffix not in (".npy", *_READERS):
-        raise UsageError(f"{file}: events are read from .npy, .npz, .csv, .parquet, or .root:TREE")
-    if (columns or time) and suffix == ".npy":
-        raise UsageError(f"{file}: the columns of a .npy file have no names to choose from")
-    try:
-        when = None
-        if suffix == ".npy":
-            x = np.load(file, allow_pickle=False)
-        else:
-            wanted = [*(name for name in columns if name != time), *([time] if time else [])] if columns else None
-            arrays = _READERS[suffix](file, tree, wanted)
-            if time is not None:
-                _chosen(file, list(arrays), [time])
-                when = _seconds(arrays.pop(time), f"{file}: '{time}'")
-                _chosen(file, list(arrays), None)
-            if suffix == ".npz" and len(arrays) == 1:
-                (x,) = arrays.values()
-            elif suffix == ".npz" and columns is None:
-                raise UsageError(f"{file} holds several arrays, choose by --columns: {', '.join(arrays)}")
-            else:
-                x = _stack(file, arrays)
-    except UsageError:
-        raise
-    except Exception as error:  # every reader has its own exceptions, and a damaged file may raise any
-        if "allow_pickle" in str(error):
-            raise UsageError(f"{file} is no plain array; it may hold pickled objects, which could run code") from error
-        raise UsageError(f"{file} cannot be read: {type(error).__name__}: {error}") from error
-    if x.dtype == bool:
-        x = x.astype(np.uint8)
-    if not (np.issubdtype(x.dtype, np.integer) or np.issubdtype(x.dtype, np.floating)):
-        raise UsageError(f"{file} holds {x.dtype} instead of real numbers")
-    if x.ndim == 0:
-        raise UsageError(f"{file} holds a single number")
-    if when is not None and len(when) != len(x):
-        raise UsageError(f"{file}: the columns differ in length")
-    return x.reshape(len(x), math.prod(x.shape[1:])), when
-
-
-def _read_npz(file: str, tree: str, columns: list[str] | None) -> dict[str, NDArray]:
-    with np.load(file, allow_pickle=False) as arrays:
-        return {name: arrays[name] for name in _chosen(file, arrays.files, columns)}
-
-
-def _read_csv(file: str, tree: str, columns: list[str] | None) -> dict[str, NDArray]:
-    first = pd.read_csv(file, header=None, nrows=1, dtype=str).iloc[0]
-    empty = first.isna() | first.str.strip().str.lower().isin(("nan", ""))
-    named = pd.to_numeric(first[~empty], errors="coerce").isna().any()
-    frame = pd.read_csv(file, header=0 if named else None)
-    if columns and not named:
-        raise UsageError(f"{file} has no line of column names to choose from")
-    return _frame(file, frame, columns)
-
-
-def _read_parquet(file: str, tree: str, columns: list[str] | None) -> dict[str, NDArray]:
-    return _frame(file, pd.read_parquet(file), columns)
-
-
-def _read_root(file: str, tree: str, columns: list[str] | None) -> dict[str, NDArray]:
-    try:
-        import uproot
-    except ModuleNotFoundError as error:
-        raise UsageError("ROOT files need uproot, which is not installed: pip install 'avobench[root]'") from error
-    with uproot.open(file) as opened:
-        trees = [
-            name.partition(";")[0] for name, kind in opened.classnames().items() if kind in ("TTree", "ROOT::RNTuple")
-        ]
-        if tree not in trees:
-            raise UsageError(f"{file} has no tree '{tree}'; it has: {', '.join(dict.fromkeys(trees)) or 'none'}")
-        names = _chosen(file, opened[tree].keys(), columns)
-        arrays = opened[tree].arrays(names, library="np")
-    return {name: arrays[name] for name in names}  # uproot has an order of its own
-
-
-_READERS: dict[str, Callable[[str, str, list[str] | None], dict[str, NDArray]]] = {
-    ".npz": _read_npz,
-    ".csv": _read_csv,
-    ".parquet": _read_parquet,
-    ".root": _read_root,
-}
-
-
-def _frame(file: str, frame: pd.DataFrame, columns: list[str] | None) -> dict[str, NDArray]:
-    frame = frame[_chosen(file, list(frame.columns), columns)]
-    return {str(name): values.to_numpy() for name, values in frame.items()}
-
-
-def _chosen(file: str, names: list, columns: list[str] | None) -> list:
-    missing = [name for name in columns or [] if name not in names]
-    if missing:
-        raise UsageError(f"{file} has no {', '.join(missing)}; it has: {', '.join(map(str, names))}")
-    if not names:
-        raise UsageError(f"{file} holds nothing")
-    return names if columns is None else columns
-
-
-def _stack(file: str, arrays: dict[str, NDArray]) -> NDArray:
-    """One-dimensional arrays of numbers side by side: (n, d)."""
-    for name, values in arrays.items():
-        if values.ndim != 1 or values.dtype.kind not in "biuf":
-            raise UsageError(f"{file}: '{name}' does not hold one real number an event")
-    if len({len(values) for values in arrays.values()}) > 1:
-        raise UsageError(f"{file}: the columns differ in length")
-    return np.stack(list(arrays.values()), axis=1)
-
-
-def _seconds(time: NDArray, what: str) -> NDArray[np.float64]:
-    """Times (n,) as numbers: dates as seconds since 1970, of UTC where they name no zone; NaN where one is missing."""
-    if time.ndim == 1 and time.dtype.kind in "biuf":
-        return time.astype(float)
-    try:
-        dates = pd.to_datetime(pd.Series(time), format="ISO8601", utc=True)
-    except (TypeError, ValueError) as error:
-        raise UsageError(f"{what} holds neither a number nor a date such as 2012-07-04T09:00 for each event") from error
-    return ((dates - pd.Timestamp(0, tz="UTC")) / pd.Timedelta(seconds=1)).to_numpy(float)
-
-
 def check_events(
     task: Task, x: ArrayLike, *, drop_invalid: bool = False, diagnosis: bool = True
 ) -> tuple[NDArray, list[str]]:
     """The events (n, d), or (n,) of one number each, as an array (n, d) of the task's type, and warnings.
 
-    Raises UsageError where an inference would be meaningless: no numbers, another number of columns, rows that are not
-    finite (unless `drop_invalid` drops them), fractions for counts, none at all, numbers beyond 2^53, or a feature of
-    which most values lie far from all that the simulator makes. A `diagnosis` also takes neither fewer than MIN_EVENTS
-    nor a feature of which all values are alike. Real numbers that happen to be whole are taken: rounding is an effect.
+    Where a table of events and the task both name their columns, the names say which is which. Raises UsageError where
+    an inference would be meaningless: no numbers, another number of columns, rows that are not finite (unless
+    `drop_invalid` drops them), fractions for counts, none at all, numbers beyond 2^53, or a feature of which most
+    values lie far from all that the simulator makes. A `diagnosis` also takes neither fewer than MIN_EVENTS nor a
+    feature of which all values are alike. Real numbers that happen to be whole are taken: rounding is an effect.
     Raises SimulatorError for a task whose simulator does not make what it declares.
     """
-    x = np.asarray(x)
+    x, warnings = by_name(task, x)
     x = x[:, None] if x.ndim == 1 else x
     if x.dtype.kind not in "biuf":
         raise UsageError(f"events must be real numbers, got {x.dtype}")
     if x.ndim != 2 or x.shape[1] != task.num_features:
         got = x.shape[1] if x.ndim == 2 else f"an array of shape {x.shape}"
         raise UsageError(f"an event of {task.name} has {task.num_features} columns, the data have {got}")
-    warnings = []
     void = ~np.isfinite(x).any(axis=0)
     if len(x) and void.any() and not task.event_shape:
         names = ", ".join(name for name, each in zip(task.labels, void, strict=True) if each)
@@ -226,6 +85,37 @@ def check_events(
     return _cast(task, x), warnings
 
 
+def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
+    """The columns of events in the order of the features of `task`, as an array, and what is to be said of it.
+
+    Raises UsageError where a table has some of the features and lacks others, or more columns than there are features
+    and none of their names, and for a column that holds no numbers.
+    """
+    if not isinstance(x, pd.DataFrame):
+        return np.asarray(x), []
+    names, wanted = [str(name) for name in x.columns], list(task.feature_names)
+    told = []
+    if wanted and set(wanted) <= set(names):
+        extra = [name for name in names if name not in wanted]
+        told = [f"{', '.join(extra)} is no feature of {task.name} and was left out"] if extra else []
+        x = x.set_axis(names, axis=1)[wanted]
+    elif wanted and set(wanted) & set(names):
+        missing = [name for name in wanted if name not in names]
+        raise UsageError(f"the data have no {', '.join(missing)}; they have: {', '.join(names)}")
+    elif len(names) != task.num_features:
+        raise UsageError(
+            f"an event of {task.name} has {task.num_features} features, {', '.join(task.labels)}, and the data have "
+            f"{len(names)} columns: {', '.join(names)}; choose by name which are meant"
+        )
+    elif wanted and any(not isinstance(name, int) for name in x.columns):
+        told = [f"the columns {', '.join(names)} are taken as {', '.join(wanted)}, in this order"]
+    for name, column in x.items():
+        if not pd.api.types.is_numeric_dtype(column) or pd.api.types.is_complex_dtype(column):
+            raise UsageError(f"the column {name} holds {column.dtype} instead of real numbers")
+    kinds = {pd.api.types.is_float_dtype(column) or column.hasnans for _, column in x.items()}
+    return x.to_numpy(float if kinds == {True} or len(kinds) > 1 else None), told
+
+
 def num_repeated(x: NDArray) -> int:
     """How many events (n, d) repeat an earlier one: by a number of 64 bits for each, which takes the least memory."""
     if len(x) == 0:
@@ -246,18 +136,19 @@ def with_times(
     Times are numbers or dates. Raises UsageError for others, for times that are not one an event, not finite, or all
     alike.
     """
-    x, time = np.asarray(x), np.asarray(time)
+    x, time = x if isinstance(x, pd.DataFrame) else np.asarray(x), np.asarray(time)
     if time.shape != x.shape[:1]:
         raise UsageError(f"times must be one number for each of {len(x)} events, got {time.dtype} {time.shape}")
-    time, warnings = _seconds(time, "time"), []
+    time, warnings = seconds(time, "time"), []
     keep = np.isfinite(time)
     if not keep.all():
         count = f"{(~keep).sum()} of {len(time)} times are NaN or infinite"
         if not drop_invalid:
             raise UsageError(f"{count}; mend them, or drop them with --drop-invalid")
         warnings.append(f"{count}, and their events were dropped")
-    if drop_invalid and x.dtype.kind == "f":
-        keep &= np.isfinite(x.reshape(len(x), -1)).all(axis=1)
+    values = np.asarray(x)
+    if drop_invalid and values.dtype.kind == "f":
+        keep &= np.isfinite(values.reshape(len(x), -1)).all(axis=1)
     if len(np.unique(time[keep])) < 2:
         raise UsageError("all times are alike: they say nothing of the order")
     return x[keep], time[keep], warnings
