@@ -13,7 +13,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.files import write_atomically
 
 BLOCK = re.compile(r"(^<!-- printed by: (.+?) -->\n\s*```\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"(^<!-- (?:code|text) of: (.+?) -->\n```(?:python)?\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)

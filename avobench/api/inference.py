@@ -47,7 +47,7 @@ class Inference:
 
     @property
     def std(self) -> dict[str, float]:
-        """By name of the parameter: the standard error where the method knows it, else the spread of `spread_of`."""
+        """The standard errors by name of the parameter where the method knows them, else the spread of `spread_of`."""
         return dict(zip(self.task.parameter_names, self._spread.tolist(), strict=True))
 
     @property

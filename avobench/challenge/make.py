@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from avobench.bench.plugins import registry
-from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.files import write_atomically
 from avobench.challenge.hide import hide
 from avobench.challenge.shape import Shape
 from avobench.tasks.contract import stable_hash

@@ -96,7 +96,7 @@ def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bo
 
     FOLDER may also be a file that --records wrote: one line of JSON a case, its answer and its diagnosis.
     """
-    from avobench.bench.store.atomic import write_atomically
+    from avobench.bench.store.files import write_atomically
     from avobench.challenge.records import read_records
     from avobench.challenge.records import records as records_of
     from avobench.challenge.score import score as score_all

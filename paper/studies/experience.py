@@ -21,7 +21,7 @@ from sklearn.neural_network import MLPClassifier
 from sklearn.preprocessing import StandardScaler
 
 from avobench.bench.plugins import registry
-from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.files import write_atomically
 from avobench.challenge.hide import NUM_REFERENCE, OwnShape
 from avobench.challenge.shape import Injection, Place, Shape
 from avobench.diagnosis import experience

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.streams import stream
-from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.files import write_atomically
 from avobench.bench.store.record import SCHEMA_VERSION, decode, encode
 from avobench.bench.store.versions import versions
 from avobench.tasks.alignment import CHUNK, NUM_COLUMNS, NUM_ROWS, Alignment

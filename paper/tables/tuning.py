@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import gmean
 
-from avobench.bench.cells.status import ESTIMATED
+from avobench.bench.store.status import ESTIMATED
 from avobench.bench.store.store import Store
 from avobench.reports.quantities import efficient_median
 from paper.studies.development import TASKS

@@ -6,7 +6,7 @@ from scipy.stats import norm, poisson
 
 from avobench.bench.conformance import effects as suite
 from avobench.effects.catalogue import catalogue, chosen, of_domain
-from avobench.effects.counts.overdispersion import RATES
+from avobench.effects.counts.exposure import RATES
 from avobench.effects.model import Model
 from avobench.tasks.function import task
 from avobench.tasks.poisson import Poisson

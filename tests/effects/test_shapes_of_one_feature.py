@@ -7,24 +7,17 @@ from hypothesis import strategies as st
 from scipy.stats import beta, crystalball, expon, kstest, lomax, norm
 
 from avobench.effects.catalogue import catalogue
-from avobench.effects.continuous.analysis_window import AnalysisWindow
-from avobench.effects.continuous.censoring import Censoring
-from avobench.effects.continuous.charge_misid import ChargeMisid
-from avobench.effects.continuous.dead_region import DeadRegion
+from avobench.effects.continuous.acceptance import (
+    AnalysisWindow,
+    DeadRegion,
+    ForwardBackwardAcceptance,
+    Truncation,
+    TurnOn,
+)
+from avobench.effects.continuous.background import FlatBackground, PeakBackground, SecondExponential
 from avobench.effects.continuous.ends import sharp_end
-from avobench.effects.continuous.flat_background import FlatBackground
-from avobench.effects.continuous.forward_backward_acceptance import ForwardBackwardAcceptance
-from avobench.effects.continuous.offset import Offset
-from avobench.effects.continuous.outliers import Outliers
-from avobench.effects.continuous.peak_background import PeakBackground
-from avobench.effects.continuous.quantisation import Quantisation
-from avobench.effects.continuous.radiative_tail import RadiativeTail
-from avobench.effects.continuous.resolution import Resolution
-from avobench.effects.continuous.saturation import Saturation
-from avobench.effects.continuous.scale import Scale
-from avobench.effects.continuous.second_exponential import SecondExponential
-from avobench.effects.continuous.truncation import Truncation
-from avobench.effects.continuous.turn_on import TurnOn
+from avobench.effects.continuous.recording import Censoring, Quantisation, Saturation
+from avobench.effects.continuous.response import ChargeMisid, Offset, Outliers, RadiativeTail, Resolution, Scale
 from avobench.effects.model import Model
 from avobench.effects.ranges import Range
 from avobench.tasks.carl import Carl

@@ -5,8 +5,7 @@ import pytest
 
 from avobench.effects.catalogue import catalogue
 from avobench.effects.contract import Effect
-from avobench.effects.images.dead_cells import DeadCells
-from avobench.effects.images.noisy_cells import NoisyCells
+from avobench.effects.images.cells import DeadCells, NoisyCells
 from avobench.tasks.carl import Carl
 
 

@@ -49,7 +49,7 @@ class MeteredSimulator:
 
     @property
     def seconds(self) -> float:
-        """Spent in the simulator so far."""
+        """The seconds spent in the simulator so far."""
         return self._seconds
 
     def __call__(self, theta: ArrayLike) -> NDArray:

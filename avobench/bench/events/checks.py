@@ -10,23 +10,23 @@ from avobench.tasks.checked import checked_events
 from avobench.tasks.errors import UsageError
 
 MIN_EVENTS = 200
-"""That a diagnosis needs: fewer fill no bins in which an effect could be told from another."""
+"""A diagnosis needs so many: fewer fill no bins in which an effect could be told from another."""
 LARGEST = 2.0**53
-"""Beyond it double precision does not tell a whole number from the next."""
+"""Double precision does not tell a whole number beyond this from the next."""
 FAR = 100
-"""Widths of what the simulator makes, from where on no value of it is near: what lies there is another quantity."""
+"""A value that lies so many widths of what the simulator makes outside of it is another quantity."""
 ALIKE = 1e-12
-"""Of the width of what the simulator makes: values that differ by less lie at one place in it, for lack of digits."""
+"""Values that differ by less than this share of the width of what the simulator makes lie at one place in it."""
 NUM_REFERENCE = 20_000
-"""Simulated events that tell which values the simulator can make; a tenth of it for images."""
+"""So many simulated events tell which values the simulator can make; a tenth of it does for images."""
 TAIL = 0.001
-"""Share of the simulated values beyond which a tail is looked at."""
+"""A tail is what lies beyond all but this share of the simulated values."""
 BY_CHANCE = 0.01
-"""Probability that the largest of all measured values lies beyond the range though the simulator made it."""
+"""The probability that the largest of all measured values lies beyond the range though the simulator made it."""
 PRIME = 0x9E3779B97F4A7C15
-"""By which the features of an event are told apart where one number stands for it: 2^64 over the golden ratio."""
+"""A factor that tells the features of an event apart where one number stands for it: 2^64 over the golden ratio."""
 MANY_REPEATS = 0.01
-"""Share of repeated events above which it is worth a warning."""
+"""A larger share of repeated events is worth a warning."""
 
 
 def check_events(
@@ -117,7 +117,7 @@ def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
 
 
 def num_repeated(x: NDArray) -> int:
-    """How many events (n, d) repeat an earlier one: by a number of 64 bits for each, which takes the least memory."""
+    """The number of events (n, d) that repeat an earlier one. A hash of 64 bits stands for each, to save memory."""
     if len(x) == 0:
         return 0
     key = np.zeros(len(x), np.uint64)
@@ -163,7 +163,7 @@ def _check_for_diagnosis(task: Task, x: NDArray) -> None:
 
 
 def _cast(task: Task, x: NDArray) -> NDArray:
-    """In the task's type, or a wider one where that does not hold the values."""
+    """The events in the task's type, or a wider one where that does not hold the values."""
     dtype = np.dtype(task.dtype)
     if np.issubdtype(dtype, np.integer) and not np.iinfo(dtype).min <= x.min() <= x.max() <= np.iinfo(dtype).max:
         dtype = np.dtype(np.int64)

@@ -206,7 +206,7 @@ FAMILIES = {
 @pytest.mark.parametrize("name", FAMILIES)
 @pytest.mark.parametrize("at", [1.0, 2.5, 4.0])
 def test_what_the_simulator_made_does_not_lie_outside_of_where_it_makes_events(name, at):
-    """Of ten sets at a theta in the middle, or at an end, of the prior; each may be told once in a hundred times."""
+    """Ten sets are made at a theta in or at an end of the prior; each may be told once in a hundred times."""
     made = task_of(FAMILIES[name], prior={"theta": (1, 4)}, name=name)
     rng = np.random.default_rng(7)
     told = sum(bool(_outside(made, made.simulate(np.full((100_000, 1), at), rng))) for _ in range(10))

@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from avobench.bench.cells.status import Status
 from avobench.bench.cells.trial import blank_record
 from avobench.bench.plugins import registry
+from avobench.bench.store.status import Status
 from avobench.methods.avo_paper import AvoPlain
 from paper.studies.sensitivity import CANDIDATES, TASKS, candidate, cells
 from paper.tables.sensitivity import table

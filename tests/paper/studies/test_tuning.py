@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from avobench.bench.cells.status import Status
 from avobench.bench.cells.trial import blank_record
 from avobench.bench.plugins import registry
+from avobench.bench.store.status import Status
 from avobench.methods.abc_smc import AbcSmc, AbcSmcTuned
 from avobench.methods.bolfi import Bolfi, BolfiTuned
 from avobench.reports.quantities import efficient_median

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from avobench.bench.cells.status import Status
 from avobench.bench.cells.trial import blank_record
+from avobench.bench.store.status import Status
 from avobench.bench.store.store import Store
 from paper.studies.paper import ABLATION_TASKS, ABLATIONS, ablation, cells
 from paper.tables.ablation import table
