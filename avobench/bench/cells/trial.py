@@ -72,8 +72,10 @@ class Trial:
         with self.failing():
             self._floors = _floors(self._task, cell)
             settings = json.dumps(cell.task_settings, sort_keys=True)
+            # An amortised method shares its simulated summaries among all targets, so these have one reference.
+            reference = _observed(cell.task, settings, 0, cell.num_observations, cell.seed) if not own else None
             self._x_observed = _observed(cell.task, settings, cell.target, cell.num_observations, cell.seed)
-            self.problem = pose(self._task, self._x_observed.copy(), self.simulate)
+            self.problem = pose(self._task, self._x_observed.copy(), self.simulate, reference)
         self._observation_seconds = time.perf_counter() - start
 
     @contextmanager

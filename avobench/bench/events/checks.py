@@ -1,13 +1,17 @@
-"""What may be wrong with measured events, told before anything is inferred from them."""
+"""What may be wrong with measured events, or with the simulator, told before anything is inferred from them."""
+
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
+from scipy.stats import ks_2samp
 
 from avobench.bench.events.files import seconds
 from avobench.tasks import Task
 from avobench.tasks.checked import checked_events
-from avobench.tasks.errors import UsageError
+from avobench.tasks.errors import SimulatorError, UsageError
 
 MIN_EVENTS = 200
 """A diagnosis needs so many: fewer fill no bins in which an effect could be told from another."""
@@ -19,8 +23,14 @@ ALIKE = 1e-12
 """Values that differ by less than this share of the width of what the simulator makes lie at one place in it."""
 NUM_REFERENCE = 20_000
 """So many simulated events tell which values the simulator can make; a tenth of it does for images."""
+LEAST_REFERENCE = 100
+"""Fewer simulated events do not tell which values the simulator can make."""
+SHARE = 20
+"""The checks take one in so many of the simulated events that are allowed, at most."""
+CERTAIN = 1e-9
+"""A p-value below this is no chance, in whatever many runs of an honest simulator."""
 TAIL = 0.001
-"""A tail is what lies beyond all but this share of the simulated values."""
+"""A tail is what lies beyond all but this share of the simulated values, and beyond ten of them at least."""
 BY_CHANCE = 0.01
 """The probability that the largest of all measured values lies beyond the range though the simulator made it."""
 PRIME = 0x9E3779B97F4A7C15
@@ -29,8 +39,18 @@ MANY_REPEATS = 0.01
 """A larger share of repeated events is worth a warning."""
 
 
+Simulate = Callable[[NDArray[np.float64], np.random.Generator], NDArray]
+"""A simulator whose events may be counted: theta (n, p), rng -> (n, d)."""
+
+
 def check_events(
-    task: Task, x: ArrayLike, *, drop_invalid: bool = False, diagnosis: bool = True
+    task: Task,
+    x: ArrayLike,
+    *,
+    drop_invalid: bool = False,
+    diagnosis: bool = True,
+    simulate: Simulate | None = None,
+    limit: int | None = None,
 ) -> tuple[NDArray, list[str]]:
     """The events (n, d), or (n,) of one number each, as an array (n, d) of the task's type, and warnings.
 
@@ -39,7 +59,10 @@ def check_events(
     `drop_invalid` drops them), fractions for counts, none at all, numbers beyond 2^53, or a feature of which most
     values lie far from all that the simulator makes. A `diagnosis` also takes neither fewer than MIN_EVENTS nor a
     feature of which all values are alike. Real numbers that happen to be whole are taken: rounding is an effect.
-    Raises SimulatorError for a task whose simulator does not make what it declares.
+    Raises SimulatorError for a task whose simulator does not make what it declares, or breaks the contract.
+
+    `simulate` stands for the task's simulator where its events are counted. Of `limit` events one in SHARE is
+    simulated at most, and none where this is too few; a warning then says so.
     """
     x, warnings = by_name(task, x)
     x = x[:, None] if x.ndim == 1 else x
@@ -72,7 +95,17 @@ def check_events(
         names = [name for name, some in zip(task.labels, fractions.any(axis=0), strict=True) if some]
         what = "" if counts.all() else f" of {', '.join(names)}"
         raise UsageError(f"{task.name} makes whole numbers{what}, {broken} of {len(x)} rows hold fractions")
-    warnings += _outside(task, x, diagnosis)
+    num_reference = NUM_REFERENCE // (10 if task.event_shape else 1)
+    if limit is not None:
+        num_reference = min(num_reference, limit // SHARE)
+    if num_reference >= LEAST_REFERENCE:
+        made = reference(task, simulate or partial(checked_events, task), num_reference)
+        warnings += _outside(task, x, made, diagnosis)
+    else:
+        warnings.append(
+            f"the events were not compared with what the simulator makes: {SHARE * LEAST_REFERENCE} simulated events "
+            "would allow it"
+        )
     if diagnosis:
         _check_for_diagnosis(task, x)
     if task.event_shape or set(task.kinds_of_features) != {"count"}:
@@ -170,18 +203,43 @@ def _cast(task: Task, x: NDArray) -> NDArray:
     return x.astype(dtype)
 
 
-def _outside(task: Task, x: NDArray, diagnosis: bool = True) -> list[str]:
-    """A sentence for each feature with values where the simulator makes none, whatever theta of its prior.
+def reference(task: Task, simulate: Simulate, num_events: int) -> NDArray:
+    """Events over the prior and at its ends, (num_events, d), which show that the simulator keeps its contract.
 
-    The features of an image are taken together. Raises UsageError where most values lie FAR outside, or, for a
-    `diagnosis`, where those of one side differ and those of the other do not; SimulatorError where the simulator fails.
+    They are made by two calls with the same parameters but for the first row, which is at either end of the prior. So
+    the rest of them may be neither the same events, as of a seed within the simulator, nor of another distribution, as
+    where one row's parameters serve all. Raises SimulatorError for these.
     """
     rng = np.random.default_rng(0)
-    theta = task.prior.sample(NUM_REFERENCE // (10 if task.event_shape else 1), rng)
+    theta = task.prior.sample(num_events // 2, rng)
     # Where theta is at an end of the prior there are values that few others make: each coordinate is there for a third.
     end = rng.integers(-1, 2, theta.shape)
     theta = np.where(end == 0, theta, np.where(end < 0, task.prior.low, task.prior.high))
-    simulated = checked_events(task, theta, rng)
+    halves = []
+    for first in (task.prior.low, task.prior.high):
+        theta[0] = first
+        halves.append(simulate(theta, rng))
+    one, other = (half[1:] for half in halves)
+    if np.array_equal(one, other) and len(np.unique(one, axis=0)) > 1:
+        raise SimulatorError(
+            f"the simulator of {task.name} makes the same events in each call; take all randomness from the generator "
+            "that it is given"
+        )
+    pairs = [(one.sum(axis=1), other.sum(axis=1))] if task.event_shape else zip(one.T, other.T, strict=True)
+    if any(ks_2samp(a, b, method="asymp").pvalue < CERTAIN for a, b in pairs):
+        raise SimulatorError(
+            f"the events of {task.name} depend on the parameters of the first row; each row of theta must make its own "
+            "event"
+        )
+    return np.concatenate(halves)
+
+
+def _outside(task: Task, x: NDArray, simulated: NDArray, diagnosis: bool = True) -> list[str]:
+    """A sentence for each feature with values where the `simulated` events (m, d) have none.
+
+    The features of an image are taken together. Raises UsageError where most values lie FAR outside, or, for a
+    `diagnosis`, where those of one side differ and those of the other do not.
+    """
     if task.event_shape:
         features = [("cells", simulated.ravel(), x.ravel())]
     else:
@@ -221,8 +279,9 @@ def _reach(made: NDArray, n: int) -> tuple[float, float]:
     by the same again each time that as many times more values are drawn, at most: that is how a power falls, and all
     others fall faster. Where values crowd at an end, as a cosine does at 1, the factor is 1, and the range ends there.
     """
-    low, near_low, middle, near_high, high = (float(q) for q in np.quantile(made, [0, TAIL, 0.5, 1 - TAIL, 1]))
-    again = max(np.log(n / BY_CHANCE / len(made)) / np.log(TAIL * len(made)), 0)
+    tail = max(TAIL, 10 / len(made))
+    low, near_low, middle, near_high, high = (float(q) for q in np.quantile(made, [0, tail, 0.5, 1 - tail, 1]))
+    again = max(np.log(n / BY_CHANCE / len(made)) / np.log(tail * len(made)), 0)
     ends = []
     for near, end in ((near_low, low), (near_high, high)):
         grown = (end - middle) / (near - middle) if near != middle else 1.0
