@@ -78,7 +78,7 @@ def test_what_cannot_be_inferred_is_said_in_a_line(task, x, options, said):
 def test_the_command_prints_and_keeps_the_same(avobench, tmp_path, found):
     np.save(tmp_path / "x.npy", EVENTS)
     code, out, err = avobench(
-        *("infer", "--task", "poisson", "--data", tmp_path / "x.npy", "--method", "abc-smc", "--budget", 40_000),
+        *("infer", "--task", "poisson", "--data", tmp_path / "x.npy", "--method", "abc-smc", "--budget", 42_000),
         *("--set", "abc-smc.population_size=50", "--out", tmp_path / "found.json"),
     )
     assert (code, err) == (0, "")
