@@ -183,6 +183,10 @@ class Task(ABC):
     def summary(self, x: NDArray) -> NDArray[np.float64]:
         """The summary statistic of a set of events, for the methods that need one: (n, d) -> (k,)."""
 
+    def with_reference(self, x: NDArray) -> "Task":
+        """This task with a summary that suits events like x (n, d); itself where its summary is fixed."""
+        return self
+
     @abstractmethod
     def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
         """Expected squared error, in raw units summed over parameters, of the best estimator at theta (p,).

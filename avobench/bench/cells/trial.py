@@ -17,6 +17,7 @@ from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.estimates import require_recordable
 from avobench.bench.cells.memory import peak_memory_mib, reset_peak_memory
+from avobench.bench.cells.state import put_back
 from avobench.bench.cells.streams import observe, stream
 from avobench.bench.plugins import registry
 from avobench.bench.store.record import SCHEMA_VERSION, SECONDS, Record
@@ -36,7 +37,10 @@ STATUS_OF = {
 
 @lru_cache(maxsize=1)
 def _observed(task: str, settings: str, target: int, num_observations: int, seed: int) -> NDArray:
-    """The observed events of a task by name and settings, in JSON; kept, as the next cell often has the same."""
+    """The observed events of a task by name and settings, in JSON; kept, as the next cell often has the same.
+
+    No method is given this array, since it could change it: a read-only array can still be written to by PyTorch.
+    """
     return observe(registry.build("task", task, json.loads(settings)), target, num_observations, seed)
 
 
@@ -68,8 +72,10 @@ class Trial:
         with self.failing():
             self._floors = _floors(self._task, cell)
             settings = json.dumps(cell.task_settings, sort_keys=True)
-            x_observed = _observed(cell.task, settings, cell.target, cell.num_observations, cell.seed)
-            self.problem = pose(self._task, x_observed, self.simulate)
+            # An amortised method shares its simulated summaries among all targets, so these have one reference.
+            reference = _observed(cell.task, settings, 0, cell.num_observations, cell.seed) if not own else None
+            self._x_observed = _observed(cell.task, settings, cell.target, cell.num_observations, cell.seed)
+            self.problem = pose(self._task, self._x_observed.copy(), self.simulate, reference)
         self._observation_seconds = time.perf_counter() - start
 
     @contextmanager
@@ -88,6 +94,8 @@ class Trial:
         scored, status, message = {}, Status.OK, ""
         if self.failure is None:
             with self.failing():
+                if not np.array_equal(self.problem.x_observed, self._x_observed):
+                    raise InvalidEstimate("the method changed the observed events; let it work on a copy")
                 require_recordable(self.estimate, self.problem, self.simulate.used)
                 scored = _scored(self.estimate, self._task, self.cell)
                 message = "; ".join(filter(None, (self.estimate.message, self.remark, self.estimate.doubt)))
@@ -121,12 +129,13 @@ def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bo
     Only KeyboardInterrupt leaves this function. With `debug` the traceback of a failure goes to standard error.
     """
     reset_peak_memory()
-    trial = Trial(cell, progress, debug)
-    if trial.problem is not None:
-        start = time.perf_counter()
-        with trial.failing():
-            trial.estimate = trial.method.infer(trial.problem, trial.rng)
-        trial.method_seconds = time.perf_counter() - start - trial.simulate.seconds
+    with put_back():
+        trial = Trial(cell, progress, debug)
+        if trial.problem is not None:
+            start = time.perf_counter()
+            with trial.failing():
+                trial.estimate = trial.method.infer(trial.problem, trial.rng)
+            trial.method_seconds = time.perf_counter() - start - trial.simulate.seconds
     return trial.record()
 
 
@@ -144,7 +153,10 @@ def execute_together(
     posed = [trial for trial in trials if trial.problem is not None]
     if posed:
         start = time.perf_counter()
-        estimates = posed[0].method.infer_together([trial.problem for trial in posed], [trial.rng for trial in posed])
+        with put_back():
+            estimates = posed[0].method.infer_together(
+                [trial.problem for trial in posed], [trial.rng for trial in posed]
+            )
         seconds = time.perf_counter() - start - sum(trial.simulate.seconds for trial in posed)
         if not isinstance(estimates, list) or len(estimates) != len(posed):
             raise InvalidEstimate(

@@ -1,6 +1,7 @@
 """Files that are written whole or not at all, at places that a name cannot lead out of, and folders that take them."""
 
 import os
+import stat
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -40,7 +41,13 @@ def write_atomically(path: Path, content: bytes, check: Callable[[Path], None] |
 
 
 def write_file(path: Path, content: bytes) -> None:
-    """Write `content` to `path`, whole or not at all. Raises StoreError when the disk does not take it."""
+    """Write `content` to `path`, whole or not at all. Raises StoreError when the disk does not take it.
+
+    Raises UsageError for a place in a results folder, whose records it might overwrite.
+    """
+    for folder in path.resolve().parents[:2]:
+        if (folder / "store.json").exists():
+            raise UsageError(f"{path} lies in the results folder {folder}; choose a file outside of it")
     with store_errors(f"{path} could not be written"):
         write_atomically(path, content)
 
@@ -69,6 +76,20 @@ def within(folder: Path, name: str) -> Path:
     if path.parent != folder or path.name in ("", ".", "..") or "\0" in name or "\\" in name:
         raise UsageError(f"a file named '{name}' would not lie in {folder}; names must not contain a path")
     return path
+
+
+def not_plain(path: Path) -> str:
+    """Why what is at `path` is no plain file or folder; empty where it is one, or where there is nothing.
+
+    What came from elsewhere may hold a link that leads to a user's own files, or a pipe that nobody writes to.
+    """
+    try:
+        mode = path.lstat().st_mode
+    except FileNotFoundError:
+        return ""
+    if stat.S_ISLNK(mode):
+        return f"is a link to {os.readlink(path)}"
+    return "" if stat.S_ISREG(mode) or stat.S_ISDIR(mode) else "is neither a file nor a folder"
 
 
 def require_folder(path: Path, *, make: bool = True) -> None:

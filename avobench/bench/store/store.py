@@ -15,7 +15,7 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from avobench.bench.store.claim import claim
-from avobench.bench.store.files import store_errors, within, write_atomically
+from avobench.bench.store.files import not_plain, store_errors, within, write_atomically
 from avobench.bench.store.packed import Unreadable, read_rows
 from avobench.bench.store.record import SCHEMA_VERSION, decode_record, encode, file_name
 from avobench.tasks.errors import StoreError, UsageError
@@ -24,6 +24,8 @@ SCHEMA = {"schema": "avobench-records", "version": SCHEMA_VERSION}
 UNREAD = "cannot be read"
 """How the fault of a file begins that the disk does not give: what it holds may be sound, and is never made again."""
 
+NAMES = ("store.json", "records", "records.parquet", "running", "damaged", "sweeps.jsonl", ".lock", ".writer")
+"""What a store uses in its folder, none of which may be a link: a folder from elsewhere could lead out by it."""
 NO_LOCKS = (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP)
 """What a file system says that has no locks."""
 
@@ -65,6 +67,9 @@ class Store:
         if path.exists() and not path.is_dir():
             raise UsageError(f"the results folder {path} is a file; choose a folder with --results")
         try:
+            for name in NAMES:
+                if why := not_plain(path / name):
+                    raise UsageError(f"{path / name} {why}; a results folder holds plain files and folders alone")
             if not marker.exists():
                 if path.exists() and any(not inside.name.startswith(".") for inside in path.iterdir()):
                     raise UsageError(f"{path} holds other files and no store.json; choose an empty or new folder")
@@ -102,6 +107,8 @@ class Store:
     def write(self, record: dict[str, Any]) -> Path:
         """Write one record, whole or not at all. Raises StoreError when the disk does not take it, or as `place`."""
         path = self.place(record)
+        if why := not_plain(path):
+            raise StoreError(f"{path} {why}; remove it")
         if not (self.path / "store.json").exists():
             raise StoreError(f"the results folder {self.path} was removed while it was in use, and its records with it")
         with store_errors(f"a record could not be written to {self.records}"):
@@ -118,14 +125,17 @@ class Store:
         Raises StoreError when the disk does not take it.
         """
         path = self.path / "sweeps.jsonl"
-        with store_errors(f"{path} could not be written"), path.open("a") as file:
-            file.write(json.dumps(entry) + "\n")
+        with store_errors(f"{path} could not be written"), path.open("a+b") as file:
+            torn = file.tell() > 0 and (file.seek(-1, os.SEEK_END), file.read(1))[1] != b"\n"
+            file.write(b"\n" * torn + json.dumps(entry).encode() + b"\n")
 
     def sweeps(self) -> list[dict[str, Any]]:
-        """The lines of `sweeps.jsonl`, oldest first; a last line cut short by a crash is left out."""
-        path = self.path / "sweeps.jsonl"
-        lines = path.read_text().splitlines(keepends=True) if path.exists() else []
-        return [json.loads(line) for line in lines if line.endswith("\n")]
+        """The lines of `sweeps.jsonl`, oldest first, without those that a crash cut short."""
+        path, sweeps = self.path / "sweeps.jsonl", []
+        for line in path.read_text(errors="replace").splitlines() if path.exists() else []:
+            with suppress(ValueError, RecursionError):
+                sweeps.append(json.loads(line))
+        return [sweep for sweep in sweeps if isinstance(sweep, dict)]
 
     def entries(self) -> Iterator[Entry]:
         """What is kept, one entry a cell: files first, then the rows of the table; last a table not all readable.
@@ -135,6 +145,8 @@ class Store:
         seen = set()
         for path in self._files():
             try:
+                if why := not_plain(path):
+                    raise OSError(why)
                 content = path.read_bytes()
             except FileNotFoundError:
                 continue

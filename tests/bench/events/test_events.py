@@ -1,6 +1,7 @@
 """Reading measured events, and what is told about bad ones."""
 
 import warnings
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -10,8 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import binom
 
-from avobench.bench.events import _outside, check_events, num_repeated, read_events, read_timed, with_times
+from avobench.bench.events import check_events, read_events, read_timed, with_times
+from avobench.bench.events.checks import NUM_REFERENCE, _outside, num_repeated, reference
 from avobench.tasks.carl import Carl
+from avobench.tasks.checked import checked_events
 from avobench.tasks.errors import SimulatorError, UsageError
 from avobench.tasks.function import task as task_of
 from avobench.tasks.poisson import Poisson
@@ -43,7 +46,7 @@ def write(path, x, names):
 def test_every_format_gives_back_the_events(tmp_path, suffix, task):
     x = simulate(task)
     source = write(tmp_path / f"events.{suffix}", x, [f"b{i}" for i in range(x.shape[1])])
-    read = read_events(source)
+    read = np.asarray(read_events(source))
     np.testing.assert_allclose(read, x, rtol=1e-15)
     assert np.issubdtype(read.dtype, np.integer) == np.issubdtype(x.dtype, np.integer)
 
@@ -95,12 +98,13 @@ def test_pickled_files_are_refused_and_run_nothing(tmp_path):
     ("name", "content", "message"),
     [
         ("missing.npy", None, "there is no file"),
-        ("events.txt", b"1 2", "events are read from"),
+        ("events.doc", b"1 2", "events are read from"),
         ("events.npy", b"", "cannot be read"),
         ("events.npz", b"PK\x03\x04broken", "cannot be read"),
         ("events.parquet", b"PAR1", "cannot be read"),
-        ("events.csv", b"", "cannot be read"),
-        ("events.csv", b"a,b\n1,x\n", "'b' does not hold one real number"),
+        ("events.csv", b"", "holds nothing"),
+        ("events.csv", b"\xff\xfe1", "not a text in UTF-8"),
+        ("events.csv", b"a,b\n\n1,x\n", "'b' does not hold one real number an event: line 3 has 'x'"),
         ("events.root", b"root", "needs the name of a tree"),
     ],
 )
@@ -207,7 +211,8 @@ def test_what_the_simulator_made_does_not_lie_outside_of_where_it_makes_events(n
     """Ten sets are made at a theta in or at an end of the prior; each may be told once in a hundred times."""
     made = task_of(FAMILIES[name], prior={"theta": (1, 4)}, name=name)
     rng = np.random.default_rng(7)
-    told = sum(bool(_outside(made, made.simulate(np.full((100_000, 1), at), rng))) for _ in range(10))
+    known = reference(made, partial(checked_events, made), NUM_REFERENCE)
+    told = sum(bool(_outside(made, made.simulate(np.full((100_000, 1), at), rng), known)) for _ in range(10))
     assert told <= binom.isf(1e-3, 10, 0.01)
 
 
@@ -292,12 +297,12 @@ class Declares(Weinberg):
 @pytest.mark.parametrize(
     ("made", "message"),
     [
-        (lambda x: np.c_[x, x], r"returned shape \(20000, 2\) where an array \(20000, 1\) was due"),
-        (lambda x: x[1:], r"returned shape \(19999, 1\)"),
-        (lambda x: x[:, 0], r"returned shape \(20000,\)"),
+        (lambda x: np.c_[x, x], r"returned shape \(10000, 2\) where an array \(10000, 1\) was due"),
+        (lambda x: x[1:], r"returned shape \(9999, 1\)"),
+        (lambda x: x[:, 0], r"returned shape \(10000,\)"),
         (lambda x: x.tolist(), "returned list where an array"),
         (lambda x: np.rint(x).astype(int), "returned int64 where float64 was due"),
-        (lambda x: x * np.nan, "returned NaN or infinity in 20000 of 20000 events"),
+        (lambda x: x * np.nan, "returned NaN or infinity in 10000 of 10000 events"),
         (lambda x: 1 / 0, "raised ZeroDivisionError"),
         (lambda x: np.full_like(x, 7), "makes 7 for every value of cos_angle; a diagnosis needs one that varies"),
     ],
@@ -364,3 +369,21 @@ def test_rows_without_a_time_or_without_values_go_together():
         with_times(x, time[:3])
     with pytest.raises(UsageError, match="all times are alike"):
         with_times(x, np.ones(4))
+
+
+BROKEN = {
+    "seeded": (lambda theta, rng: np.random.default_rng(1).normal(theta[:, 0]), "makes the same events in each call"),
+    "first row": (
+        lambda theta, rng: rng.normal(theta[0, 0], 1, len(theta)),
+        "depend on the parameters of the first row",
+    ),
+    "masked": (lambda theta, rng: np.ma.masked_less(rng.normal(theta[:, 0]), 0), "masked values"),
+    "complex": (lambda theta, rng: rng.normal(theta[:, 0]) + 1j, "complex numbers"),
+}
+
+
+@pytest.mark.parametrize("how", BROKEN)
+def test_a_simulator_that_breaks_the_contract_is_told_before_anything_is_inferred(how):
+    simulator, message = BROKEN[how]
+    with pytest.raises((SimulatorError, UsageError), match=message):
+        check_events(task_of(simulator, prior={"mean": (0, 3)}, name="toy"), np.random.default_rng(0).normal(1, 1, 300))
