@@ -14,7 +14,7 @@ from pathlib import Path
 
 import matplotlib
 
-from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.files import write_atomically
 
 BLOCK = re.compile(r"^```python\n(.*?)^```$(\n\n?```text\n.*?^```$)?", re.MULTILINE | re.DOTALL)
 NOT_RUN = "<!-- not run -->\n"
