@@ -19,7 +19,6 @@ from avobench.effects.ranges import Range, ranges
 from avobench.effects.rejection import DRAWN, accepted
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
-from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
 
@@ -107,11 +106,6 @@ def test_a_users_effect_on_counts_keeps_the_contract_whatever_other_events_are(m
     assert not any("alignment" in result.what for result in results)  # of its hits it makes other numbers
 
 
-def test_check_refuses_an_unknown_effect():
-    with pytest.raises(UsageError, match="no effect 'gremlins'"):
-        list(check.run("effect", "gremlins"))
-
-
 def test_parameter_refuses_a_null_outside_its_bounds():
     with pytest.raises(ValueError, match="outside its bounds"):
         Parameter("x", 0, 1, 2, "1")
@@ -157,15 +151,6 @@ def test_a_counter_that_receives_far_too_much_counts_nothing(pulses, tau, counte
         assert x.mean() == pytest.approx(pulses / (1 + pulses * tau), rel=0.01)
     else:
         assert (x == counted).all()
-
-
-@pytest.mark.parametrize("shape", ["gamma", "lognormal", "skewed", "drift", "uniform"])
-def test_overdispersion_adds_the_stated_variance(shape):
-    effect = effect_of(Poisson(), "overdispersion", shape)
-    phi = [0.04, 0.5][: len(effect.parameters)]
-    x = events(Poisson(), effect, np.log(20.0), phi)[:, 0]
-    assert x.mean() == pytest.approx(20, rel=0.01)
-    assert x.var() == pytest.approx(20 + 0.04 * 400, rel=0.06)
 
 
 @pytest.mark.parametrize("skewness", [-2.0, -0.3, 0.0, 1.2])
@@ -373,28 +358,6 @@ def test_steps_that_are_blurred_are_those_of_each_feature():
     null = shape.apply(lambda theta, rng: x.copy(), guess, np.tile([0.0, *guess[1:]], (len(x), 1)), rng)
     assert np.array_equal(null, x)
     assert "blurred" not in {s.shape for s in adapted.adapted(x).shapes()}
-
-
-@pytest.mark.parametrize(("compression", "knee"), [(0.0, 0.3), (4.0, 0.3), (50.0, 0.9)])
-def test_beyond_a_knee_the_response_bends_and_below_it_nothing_changes(compression, knee):
-    effect = effect_of(Weinberg(), "saturation", "knee")
-    x = np.linspace(-1, 1, 400)[:, None]
-    phi = np.tile([compression, knee], (400, 1))
-    y = effect.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(0))
-    below = x <= knee
-    assert (y[below] == x[below]).all()
-    assert (np.diff(y[:, 0]) > 0).all()
-    assert y[-1, 0] == pytest.approx(knee + (1 - knee) / (1 + compression * (1 - knee)))
-
-
-@given(low=st.floats(-5, -0.1), high=st.floats(0.1, 5), stretch=st.floats(-0.5, 0.5))
-def test_a_scale_that_grows_is_the_same_whatever_range_the_events_show(low, high, stretch):
-    effect = effect_of(Carl(), "scale", "cubic")
-    x = np.linspace(-6, 6, 50)
-    span, other = Range(low, high, False), Range(-2.0, 2.0, False)
-    same = stretch * (other.high / max(-low, high)) ** 2
-    phi, of_other = (np.full((len(x), 1), value) for value in (stretch, same))
-    np.testing.assert_allclose(effect.changed(x, span, phi, None), effect.changed(x, other, of_other, None))
 
 
 def test_outliers_in_the_angle_stay_within_the_range():
