@@ -22,17 +22,6 @@ from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
 
-COUNTS = (
-    "zero_inflation overdispersion dead_time threshold_loss flat_background double_counting readout_noise quantisation "
-    "pile_up inefficiency mixture truncation censoring"
-)
-CONTINUOUS = (
-    "resolution offset scale edge_acceptance forward_backward_acceptance flat_background peak_background dead_region "
-    "charge_misid outliers quantisation saturation spread mixture"
-)
-BETWEEN = "crosstalk conditional_response correlation"
-"""Where there are several features."""
-
 
 def effect_of(task, name, shape=None):
     effect = next(e for e in catalogue(task) if e.name == name)
@@ -42,16 +31,6 @@ def effect_of(task, name, shape=None):
 def events(task, effect, theta, phi, n=40_000, seed=0):
     rng = np.random.default_rng(seed)
     return effect.apply(task.simulate, np.tile(np.atleast_1d(theta), (n, 1)), np.tile(phi, (n, 1)), rng)
-
-
-def test_catalogue_has_the_promised_names():
-    assert list(dict.fromkeys(e.name for e in catalogue(Poisson()))) == COUNTS.split()
-    assert {e.name for e in catalogue(Weinberg())} == set(CONTINUOUS.split())
-    of_carl = catalogue(Carl())
-    assert {e.name for e in of_carl} == {*CONTINUOUS.split(), *BETWEEN.split()}
-    of_theta = 2 + 1  # two parameters, and both in a second population
-    of_each, on_all = 1, 1  # of which an entry a feature, and one on all, would mean nothing
-    assert len({e.key for e in of_carl}) == 13 * 6 + 5 * of_each + on_all + of_theta  # five features
 
 
 CHECKED = (
@@ -173,17 +152,7 @@ def test_accepted_events_follow_the_acceptance():
     assert x.mean() == pytest.approx(1 / np.sqrt(np.pi), abs=5 * 0.83 / np.sqrt(50_000))
 
 
-def test_an_acceptance_of_nothing_ends():
-    x = accepted(
-        lambda t, rng: rng.random((len(t), 1)),
-        np.zeros((200, 1)),
-        lambda x, rows: 0 * x[:, 0],
-        np.random.default_rng(0),
-    )
-    assert x.shape == (200, 1)
-
-
-@pytest.mark.parametrize("share", [0.1, 0.01])
+@pytest.mark.parametrize("share", [0.1, 0.01, 0.0])
 def test_one_recorded_event_in_ten_is_waited_for_and_what_is_rarer_costs_no_more(share):
     drawn = []
 
