@@ -6,6 +6,7 @@ from typing import ClassVar, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avobench.effects.continuous.feature import KNOWN, REPEATED
 from avobench.effects.contract import OF_FEATURE, Family, Parameter
 
 ROUND = (1.0, 2.0, 2.5, 5.0)
@@ -16,10 +17,6 @@ CLEAR = 5.0
 """Standard deviations by which multiples of a step stand out from the values next to them."""
 APART = 4.5
 """Grains of the values in a step, at least: what is finer is rounding, another shape of it."""
-REPEATED = 5
-"""Number of equal values of a real number that are no chance."""
-KNOWN = 1e-9
-"""Relative error of a step that is read off the data."""
 FINEST = 0.01
 """The finest step that is considered, in half ranges: a finer one is rounding."""
 MOSTLY = 0.98

@@ -68,7 +68,7 @@ class ModelFile(Strict):
     task_settings: dict[str, Any]
     effects: list[AddedEffect]
     parameters: list[Parameter]
-    """Those of the task, then those of each effect in turn."""
+    """The parameters of the task, then those of each effect in turn."""
 
 
 @dataclass(unsafe_hash=True)
@@ -139,7 +139,7 @@ class AugmentedTask(Task):
         return self.model.simulate(theta, rng)
 
     def summary(self, x: NDArray) -> NDArray[np.float64]:
-        """That of the task without effects."""
+        """The summary of the task without effects."""
         return self.model.task.summary(x)
 
     def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:

@@ -34,8 +34,7 @@ Function = Callable[[Array], tuple[Array, Array, Array]]
 TOLERANCE = 1e-13
 """Largest part of a point's prior variance that the low-rank kernel may miss at the evidence."""
 RELIABLE = 1e-6
-"""The same for pivots that are taken over. Below it only the largest is taken, since the rounding of a small pivot
-would spread."""
+"""Least pivot that is taken over, as a part of the prior variance: the rounding of a smaller one would spread."""
 DIRECT = 2
 """Number of parameters up to which the second derivatives are solved for one by one. The records of the benchmark were
 made so, and a last bit decides between equal minima; with more parameters it takes three to seven times as long."""
@@ -44,7 +43,7 @@ JITTER = 1e-8
 
 
 class Hyperparameters(NamedTuple):
-    """Of cov(y, y') = variance exp(-|x - x'|^2 / (2 lengthscale^2)) + bias + noise [same evaluation]."""
+    """Those of cov(y, y') = variance exp(-|x - x'|^2 / (2 lengthscale^2)) + bias + noise [same evaluation]."""
 
     variance: float
     lengthscale: float

@@ -27,12 +27,12 @@ from torch import Tensor
 from torch.nn import Sequential
 
 DECAY = 0.5
-"""Adam's, of the running mean of the gradient: less than the default, as is usual where two networks play against each
-other (Radford, Metz, Chintala 2016)."""
+"""Adam's decay rate of the mean gradient: less than the default, as is usual where two networks play against each other
+(Radford, Metz, Chintala 2016)."""
 DECAY_SQUARE = 0.99
-"""Adam's, of the running mean of its square: of about a hundred of the some 800 steps of a run."""
+"""Adam's decay rate of the mean square, which remembers about a hundred of the some 800 steps of a run."""
 EPS = 1e-8
-"""Adam's, PyTorch's default."""
+"""Adam's smallest denominator, PyTorch's default."""
 BLOCK = 1 << 15
 """Parameters updated at a time: the arrays of them take half a megabyte, which stays in the processor's cache."""
 
@@ -109,7 +109,7 @@ class FusedStep:
         self._adam()
 
     def _events_up(self, real: Tensor, synthetic: Tensor) -> Tensor:
-        """Through the networks: d of the observed and the simulated events (T, n + m, 1)."""
+        """Pass events up the networks, to d of the observed and the simulated ones (T, n + m, 1)."""
         layers, last = self.layers, self.last
         torch.cat([real, synthetic], dim=1, out=layers[0].x_events)
         for layer, above in zip(layers, [*layers[1:], last], strict=True):
@@ -120,13 +120,13 @@ class FusedStep:
         return torch.sigmoid(torch.baddbmm(last.bias, last.x_events, last.weight_t))
 
     def _cross_entropy(self, d: Tensor) -> None:
-        """Derivative of U_d in the logits."""
+        """Set the derivative of U_d in the logits."""
         (n, m), t_bar = self.sizes, self.last.z_bar_events
         torch.div(d, 2 * m, out=t_bar)
         torch.div(d[:, :n] - 1, 2 * n, out=t_bar[:, :n])
 
     def _penalty(self, d: Tensor) -> None:
-        """What R1 adds: from d of the observed events (T, n, 1) down the chain to G, and up again."""
+        """Add the derivative of R1: from d of the observed events (T, n, 1) down the chain to G, and up again."""
         (n, _), layers, last = self.sizes, self.layers, self.last
         first = d * (1 - d)  # derivatives of d in the logit
         second = first * (1 - 2 * d)
@@ -144,7 +144,7 @@ class FusedStep:
         last.u.copy_(first)
 
     def _events_down(self) -> None:
-        """From the derivatives in the logits to those in all parameters."""
+        """Pass the derivatives in the logits down to all parameters."""
         layers, last = self.layers, self.last
         t_bar = last.z_bar_events
         torch.bmm(last.z_bar_t, last.x, out=last.weight_grad)
@@ -160,7 +160,7 @@ class FusedStep:
             torch.sum(layer.z_bar_events, dim=1, out=layer.bias_grad)
 
     def _adam(self) -> None:
-        """Adam (Kingma, Ba 2015), with its corrections for having begun at zero."""
+        """Take a step of Adam (Kingma, Ba 2015), with its corrections for having begun at zero."""
         self.num_steps += 1
         rate = self.learning_rate / (1 - DECAY**self.num_steps)
         correction = 1.0 - DECAY_SQUARE**self.num_steps
@@ -171,7 +171,7 @@ class FusedStep:
 
     @torch.no_grad()
     def logits(self, x: Tensor) -> Tensor:
-        """Of events as the networks see them: (T, n, d) -> (T, n)."""
+        """The logits of events as the networks see them: (T, n, d) -> (T, n)."""
         *layers, last = self._layers(self.tensors)
         for weight, bias, slope in layers:
             x = torch.baddbmm(bias[:, None], x, weight.mT)

@@ -105,7 +105,7 @@ class _Fit(NamedTuple):
     """Simulated minus observed means as a polynomial in theta, of features with unit covariance."""
 
     gram: NDArray[np.float64]
-    """Of the terms (m, m); its inverse is the covariance of each feature's coefficients."""
+    """Gram matrix of the terms (m, m); its inverse is the covariance of each feature's coefficients."""
     coefficients: NDArray[np.float64]
     """(m, k)"""
 

@@ -129,7 +129,7 @@ class _Sums:
         return minimize(descent, theta, jac=True, bounds=[(0, 1)] * len(theta), method="L-BFGS-B", options=options).x
 
     def _sum(self, theta: "Tensor", rows: "Tensor", counts: "Tensor", backward: bool = False) -> float:
-        """At one theta (p,) in float64; with `backward` its gradient is added to that of theta."""
+        """The sum at one theta (p,) in float64; with `backward` its gradient is added to that of theta."""
         import torch
 
         total = 0.0

@@ -16,13 +16,13 @@ Simulate = Callable[[NDArray[np.float64], np.random.Generator], ArrayLike]
 """theta (n, p), a generator -> one event per row: (n, d), or (n,) where an event is one number."""
 
 NUM_BINS = 20
-"""Of each feature in the summary, as many as the benchmark's weinberg task has."""
+"""Bins of each feature in the summary, as many as the benchmark's weinberg task has."""
 NUM_REFERENCE = 4000
 """Events over the prior from which the bins of the summary are taken: 200 a bin."""
 
 
 NAME = r"[A-Za-z0-9][A-Za-z0-9.-]*"
-"""Of a task or method: it becomes a part of file names."""
+"""Names that a task or method may have: a name becomes a part of file names."""
 
 
 class FunctionTask(Task):

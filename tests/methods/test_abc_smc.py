@@ -1,11 +1,9 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from avobench.bench.plugins.registry import settings_of
-from avobench.methods.abc_smc import AbcSmc, AbcSmcTuned, _density_mode
-from avobench.tasks import Box, Task
+from avobench.methods.abc_smc import AbcSmc, AbcSmcTuned
+from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 from avobench.tasks.warped import Means20
 from gaussian import TRUTH, Constant, GaussianMean, gaussian_problem
@@ -38,7 +36,7 @@ def test_budget_is_spent_but_never_exceeded_and_every_event_is_accounted_for(bud
 
 def test_calibration_costs_one_population_and_the_first_generation_accepts_about_half():
     """What `min_simulations` rests on: N evaluations calibrate, 2 N are expected for the first generation."""
-    first = [infer(3500, seed=seed)[0].trace[0].simulations / (16 * 40) for seed in range(8)]
+    first = [infer(3500, seed=seed)[0].trace[0].simulations / (16 * 40) for seed in range(4)]
     assert min(first) >= 2
     assert np.mean(first) == pytest.approx(3, abs=0.5)
     assert METHOD.min_simulations(1) == 4 * 40 * 16
@@ -75,19 +73,3 @@ def test_settings_that_came_later_do_not_rename_old_records():
     assert settings_of(AbcSmc()) == {"population_size": 100, "events_per_theta": 128}
     assert settings_of(AbcSmc(growth=2.0))["growth"] == 2.0
     assert infer(method=AbcSmcTuned(events_per_theta=8))[0].how.endswith("after a regression adjustment")
-
-
-@settings(max_examples=25, deadline=None)
-@given(st.integers(0, 2**32), st.floats(-0.9, 0.9))
-def test_density_mode_is_the_highest_point_of_the_box(seed, center):
-    rng = np.random.default_rng(seed)
-    theta, weights = rng.normal(center, 0.3, (40, 1)), rng.dirichlet(np.ones(40))
-    inside = np.abs(theta[:, 0]) < 1
-    theta, weights = theta[inside], weights[inside] / weights[inside].sum()
-    mode = _density_mode(theta, weights, Box((-1,), (1,)))
-    grid = np.linspace(-1, 1, 2001)
-    spread = np.sqrt(np.cov(theta[:, 0], aweights=weights) * (weights @ weights) ** 0.4)  # Scott: n_eff^(-1/5)
-    density = (weights * np.exp(-((grid[:, None] - theta[:, 0]) ** 2) / (2 * spread**2))).sum(axis=1)
-    at_mode = (weights * np.exp(-((mode - theta[:, 0]) ** 2) / (2 * spread**2))).sum()
-    assert at_mode >= 0.98 * density.max()  # a second mode within 2 % may win the start among particles
-    assert -1 <= mode <= 1

@@ -14,7 +14,7 @@ from avobench.methods.product_posterior import posterior
 from avobench.tasks import Box
 from avobench.tasks.poisson import Poisson
 
-METHODS = [Nre(steps=300), Nle(steps=300), Npe(steps=500), Tsnpe(rounds=2, steps=500)]
+METHODS = [Nre(steps=300), Nle(steps=300), Npe(steps=300), Tsnpe(rounds=2, steps=200)]
 
 
 def problem(task, truth, budget, num_observed=5_000, seed=0):
@@ -52,7 +52,7 @@ def test_the_posterior_of_many_rows_is_the_exact_one():
 
 
 def test_an_amortised_network_is_the_same_for_every_target_and_its_records_say_so():
-    cells = [Cell("carl", {}, "nle", {"amortised": True, "steps": 20}, target, 0, 4_000, 500, 0) for target in (0, 1)]
+    cells = [Cell("carl", {}, "nle", {"amortised": True, "steps": 20}, target, 0, 4_000, 100, 0) for target in (0, 1)]
     together = execute_together(cells, [None, None])
     alone = [execute(cell) for cell in cells]
     for one, other in zip(together, alone, strict=True):
@@ -60,4 +60,4 @@ def test_an_amortised_network_is_the_same_for_every_target_and_its_records_say_s
         assert one["theta_hat"] == pytest.approx(other["theta_hat"], rel=1e-4)
         assert one["simulations_used"] == 4_000
         assert one["amortised"] is True
-    assert "amortised" not in execute(Cell("carl", {}, "nle", {"steps": 20}, 0, 0, 4_000, 500, 0))
+    assert "amortised" not in execute(Cell("carl", {}, "nle", {"steps": 20}, 0, 0, 4_000, 100, 0))

@@ -57,11 +57,6 @@ def test_the_summary_refuses_a_negative_count():
         TASK.summary(np.array([[-1]]))
 
 
-def test_the_summary_estimates_the_exact_probabilities():
-    x = events(np.full((40_000, 1), 1.0), 2, 1_000)
-    np.testing.assert_allclose(TASK.summary(x)[:10], stats.poisson.pmf(np.arange(10), np.exp(1)), atol=0.01)
-
-
 @pytest.mark.parametrize(("num_simulations", "two_samples"), [(None, False), (160, True)])
 def test_the_floor_is_the_error_that_the_best_estimator_makes(num_simulations, two_samples):
     """The maximum-likelihood estimate of theta, less the error of n simulated events where they are all one has."""

@@ -74,7 +74,7 @@ def _two_rates(variance, phi, rng):
 
 
 def _flares(variance, phi, rng):
-    """In a share w of the events the rate is higher, by an exponential amount."""
+    """The rate is higher by an exponential amount in a share w of the events."""
     w, s = phi[:, 1], np.sqrt(variance)
     mean = s / (np.sqrt(w * (2 - w)) - s * w)  # of that amount, beside the quiet rate
     return (1 + mean * rng.standard_exponential(len(phi)) * (rng.random(len(phi)) < w)) / (1 + w * mean)

@@ -11,7 +11,7 @@ from avobench.effects.rejection import accepted
 
 @dataclass(frozen=True)
 class PileUp(ImageEffect):
-    """To a share of the events another one is added."""
+    """Another event is added to a share of the events."""
 
     stage = 1
     name = "pile_up"

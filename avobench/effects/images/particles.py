@@ -57,7 +57,7 @@ class TransverseOffset(ParticleEffect):
 
     @classmethod
     def entries(cls, site):
-        """As of any effect on particles, with the radius of the task's tracker."""
+        """One entry, with the radius of the task's tracker."""
         return [replace(effect, radius=site.task.radius) for effect in super().entries(site)]
 
     def altered(self, particles, theta, phi, rng):
