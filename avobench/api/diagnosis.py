@@ -141,6 +141,12 @@ class Diagnosed:
         told = json.dumps(self.diagnosis.model_dump(mode="json"), indent=1)
         return [*paths, write_atomically(folder / "diagnosis.json", f"{told}\n".encode())]
 
+    def details(self) -> str:
+        """All that a screen of text holds: tests, probabilities, regions and notes beside what `print` shows."""
+        from avobench.reports.diagnosis.text import details
+
+        return details(self.diagnosis)
+
     def __str__(self) -> str:
         from avobench.reports.diagnosis.text import summary
 
@@ -164,10 +170,10 @@ class Diagnosed:
 
     def _content(self) -> "ModelFile":
         from avobench.diagnosis.report.model_file import describe
-        from avobench.diagnosis.report.quoted import scaled_std
+        from avobench.diagnosis.report.uncertainties import QuotedFit
 
         fit, theta = self.result.fit, self.diagnosis.theta_after or self.diagnosis.theta_before
-        std = scaled_std(fit)
+        std = QuotedFit(fit).std
         std[: fit.model.num_theta] = [value.std for value in theta.values()]
         return describe(fit, std, self.spec or self.task.name, self.own)
 

@@ -1,14 +1,34 @@
-"""How many events each part of a diagnosis simulates."""
+"""How many events each part of a diagnosis simulates, and how far it is with them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from avobench.diagnosis.settings import BUDGET, SEARCH
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
-COARSEST = 0.25
-"""Of the fits that go on, the least share of events: by fewer, all that they tell would be noise."""
+Progress = Callable[[str, int, int], None]
+"""Is told the phase, the simulated events so far, and about how many there will be."""
+
+
+class Phases:
+    """Tells `progress` the phase of a diagnosis with whatever a meter tells."""
+
+    def __init__(self, progress: Progress | None, total: int) -> None:
+        self.progress, self.phase, self.used, self.total = progress, "first fit", 0, total
+
+    def begin(self, phase: str, more: int = 0) -> None:
+        """A phase begins, for which `more` events are expected than for those before."""
+        self.phase = phase
+        self.total = max(self.total, self.used + more)
+        self(self.used)
+
+    def __call__(self, used: int) -> None:
+        self.used = used
+        if self.progress is not None:
+            self.progress(self.phase, used, max(used, self.total))
 
 
 @dataclass(frozen=True)
@@ -19,7 +39,7 @@ class Effort:
     """Of each round of the first fit, a measured one."""
     sharpen: float = 12
     """Where a p-value is at stake, a measured one: simulation then adds a tenth to the variance."""
-    known: float = 48
+    reference: float = 48
     """Of the model that candidates are added to, a measured one."""
     rounds_of_search: tuple[tuple[float, int], ...] = ((1, 7), (4, 4), (16, 2))
     """Of the fits that go on, a measured one, and steps of each."""
@@ -53,14 +73,22 @@ class Effort:
         """For a further effect: a quarter of the fits."""
         return replace(self, starts=self.starts // 4, begun=self.begun // 4)
 
+    @property
+    def gaps(self) -> int:
+        """Simulated events, at most, of the gaps before and after, and of those with each effect that was tried alone.
+
+        Those that the first search leaves, and the two that are tried again from where they are beside each other.
+        """
+        return BUDGET.gap * (2 * self.covariance + (SEARCH.most[0] + 2) * self.fit)
+
     def scaled(self, share: float) -> "Effort":
         """Less of everything, but not so little that fits fail."""
         return replace(
             self,
             rounds=self.rounds * share,
             sharpen=max(self.sharpen * share, 1),
-            known=max(self.known * share, 1),
-            rounds_of_search=tuple((n * max(share, COARSEST), steps) for n, steps in self.rounds_of_search),
+            reference=max(self.reference * share, 1),
+            rounds_of_search=tuple((n * max(share, BUDGET.coarsest), steps) for n, steps in self.rounds_of_search),
             few=max(int(self.few * share), 1000),
             least=max(int(self.least * share), 3000),
             fit=max(int(self.fit * share), 3000),
@@ -76,7 +104,7 @@ class Effort:
 IMAGES = Effort(
     rounds=2,
     sharpen=8,
-    known=12,
+    reference=12,
     rounds_of_search=((1, 6), (4, 2), (8, 1)),
     settle=(2,),
     least=8000,
@@ -90,30 +118,8 @@ IMAGES = Effort(
     begun=6,
 )
 """For images, which are slow to simulate and to summarise."""
-MANY = Effort(known=12, rounds_of_search=((1, 6), (4, 2), (12, 1)), screen=8000, starts=20, begun=8)
+MANY = Effort(reference=12, rounds_of_search=((1, 6), (4, 2), (12, 1)), screen=8000, starts=20, begun=8)
 """For several features, each of which has its own entries in the catalogue."""
-USUAL = {"counts": 54_000_000, "continuous": 42_000_000, "images": 1_500_000}
-"""Simulated events that a diagnosis of USUAL_EVENTS measured ones takes, by domain; a little more or less with what it
-finds."""
-USUAL_EVENTS = 50_000
-"""Measured ones, for which USUAL was counted: as many as a data set of `avobench challenge` has."""
-LEAST_SEARCH = 2_000_000
-"""Simulated events of a search for one effect at the least effort, of 3 000 counts or angles: with fewer it ends early.
-"""
-SEVERAL = 2
-"""Searches that are to fit into the events that are allowed, so that they seldom end early."""
-STEP = 0.8
-"""By which the effort is made less until it fits."""
-LEAST_SHARE = 1e-3
-"""Of the effort: below, all is at its least."""
-ROUNDS = 30
-"""Of the five fits of theta before a disagreement is believed, and of all gates: the most that were seen."""
-GATES = (20, 9)
-"""Events of two looks through the gates, a measured one: of each sharpening, and beside it."""
-GAP = 2
-"""Samples of simulated events that a gap takes: for its covariance, and for its scatter."""
-REFINED = 8
-"""Rounds of the fit of an effect that was chosen, at most."""
 
 
 def first(effort: Effort, task: Task, num_events: int) -> int:
@@ -122,19 +128,19 @@ def first(effort: Effort, task: Task, num_events: int) -> int:
         return int(max(effort.generated * num_events, effort.least)) + 2 * num_events
     points, events = effort.scan
     rounds = max(effort.least, effort.rounds * num_events)
-    gates = (GATES[0] * effort.sharpen + GATES[1]) * num_events
-    return int(9 * points * events * 1.1 + ROUNDS * rounds + gates) + GAP * effort.covariance
+    gates = (BUDGET.sharpening * effort.sharpen + BUDGET.tests) * num_events
+    return int(9 * points * events * 1.1 + BUDGET.rounds * rounds + gates) + BUDGET.gap * effort.covariance
 
 
 def addition(effort: Effort, num_events: int) -> int:
     """Simulated events, at most about, with which an effect that was chosen is fitted and the gates look again."""
     ratio, _ = effort.rounds_of_search[-2]
-    return int((REFINED * ratio + (GATES[0] * effort.sharpen + GATES[1]) / 2) * num_events)
+    return int((BUDGET.refined * ratio + (BUDGET.sharpening * effort.sharpen + BUDGET.tests) / 2) * num_events)
 
 
 def usual(domain: str, num_events: int) -> int:
     """Simulated events that a diagnosis of so many measured ones takes, about."""
-    return USUAL[domain] * max(num_events, Effort.few) // USUAL_EVENTS
+    return dict(BUDGET.usual)[domain] * max(num_events, Effort.few) // BUDGET.usual_events
 
 
 def effort_for(task: Task, domain: str, num_simulations: int | None, num_events: int = 0) -> Effort:
@@ -148,7 +154,7 @@ def effort_for(task: Task, domain: str, num_simulations: int | None, num_events:
     least = first(full.scaled(0), task, num_events)
     if num_simulations < least:
         raise UsageError(f"{num_simulations} simulated events are too few: the first fit and the gates need {least}")
-    share = float(np.clip((num_simulations - LEAST_SEARCH) / (SEVERAL * usual(domain, num_events)), 0, 1))
+    share = float(np.clip((num_simulations - BUDGET.least_search) / (BUDGET.several * usual(domain, num_events)), 0, 1))
     while first(full.scaled(share), task, num_events) > num_simulations:
-        share = share * STEP if share > LEAST_SHARE else 0.0
+        share = share * BUDGET.step if share > BUDGET.least_share else 0.0
     return full.scaled(share)

@@ -25,7 +25,7 @@ class Strict(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
 
-class Gate(Strict):
+class GateResult(Strict):
     """A test of the simulator against the measurement, theta fitted."""
 
     statistic: float
@@ -37,7 +37,7 @@ class Gate(Strict):
     """One if only a large statistic speaks against the model, two if a small one does as well."""
 
     @property
-    def divided(self) -> float:
+    def corrected(self) -> float:
         """The p-value over its share of alpha, which is compared with alpha itself."""
         return min(self.p_value / self.share, 1.0)
 
@@ -153,8 +153,8 @@ class Diagnosis(Strict):
     alpha: float
     p_value_before: float
     p_value_after: float | None
-    gates: dict[str, Gate]
-    gates_after: dict[str, Gate] | None = None
+    gates: dict[str, GateResult]
+    gates_after: dict[str, GateResult] | None = None
     """Those of the model with the effects; None where none was added."""
     gap_before: Gap
     gap_after: Gap | None

@@ -9,7 +9,7 @@ from avobench.bench.plugins import registry
 from avobench.diagnosis import Diagnosis, diagnose
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.report.model_file import describe
-from avobench.diagnosis.report.quoted import scaled_std
+from avobench.diagnosis.report.uncertainties import QuotedFit
 from avobench.diagnosis.schema import Verdict
 from avobench.effects import Effect, Parameter
 from avobench.effects.catalogue import catalogue
@@ -160,7 +160,7 @@ def test_a_diagnosis_is_valid_json(named):
 def test_the_new_model_is_a_task_that_finds_nothing_missing(named, tmp_path):
     x, result = named
     path = tmp_path / "model.json"
-    path.write_text(describe(result.fit, scaled_std(result.fit), "poisson", {}).model_dump_json())
+    path.write_text(describe(result.fit, QuotedFit(result.fit).std, "poisson", {}).model_dump_json())
     task = registry.build("task", str(path), {})
     assert isinstance(task, AugmentedTask)
     assert task.name == "poisson-overdispersion"

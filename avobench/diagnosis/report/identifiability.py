@@ -9,22 +9,16 @@ from scipy.stats import chi2, ncx2
 
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.search.screening import STRENGTHS, Sample
+from avobench.diagnosis.search.screening import Sample
+from avobench.diagnosis.settings import REPORT, SEARCH
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 
-POWER = 0.9
-"""With which the smallest strength is seen that the card quotes."""
-SHOWN = 3.0
-"""Times the scatter of the simulated events, from which a difference is one."""
-ALIKE = 0.95
-"""Correlation of what two effects leave after the fit, from which they are rivals."""
-
 
 def noncentrality(dof: int, alpha: float) -> float:
-    """That with which a chi-squared test at level alpha rejects with probability POWER."""
+    """That with which a chi-squared test at level alpha rejects with probability REPORT.power."""
     critical = chi2.isf(alpha, dof)
-    return float(brentq(lambda value: ncx2.sf(critical, dof, value) - POWER, 1e-3, 1e4 + 10 * dof))
+    return float(brentq(lambda value: ncx2.sf(critical, dof, value) - REPORT.power, 1e-3, 1e4 + 10 * dof))
 
 
 @dataclass(frozen=True)
@@ -35,7 +29,7 @@ class Row:
     retained: float | None
     """Share of its signal that is left when theta follows; None where it makes no difference that simulation shows."""
     minimum_detectable: float | None
-    """The smallest strength seen with probability POWER; None where none within its bounds is."""
+    """The smallest strength seen with probability REPORT.power; None where none within its bounds is."""
     theta_bias: NDArray[np.float64]
     """Of theta (p,) at that strength, if it is not noticed; empty without one."""
     rivals: tuple[Effect, ...] = ()
@@ -43,7 +37,7 @@ class Row:
 
 def card_events(effects: list[Effect], effort: Effort) -> int:
     """Simulated events that the card takes at most: for each effect, with it and without."""
-    return (2 * len(effects) + 1) * effort.card * len(STRENGTHS)
+    return (2 * len(effects) + 1) * effort.card * len(SEARCH.strengths)
 
 
 def card(
@@ -56,7 +50,7 @@ def card(
     `alpha` is the level of the summary gate.
     """
     need = noncentrality(max(fit.dof, 1), alpha) * (1 + fit.noise)
-    sample = Sample(fit, target, effort.card * len(STRENGTHS), rng)
+    sample = Sample(fit, target, effort.card * len(SEARCH.strengths), rng)
     there = {effect.key for effect in fit.model.effects}
     rows, left = [], []
     for effect in effects:
@@ -69,7 +63,7 @@ def card(
         return []
     alike = np.array(left) @ np.array(left).T
     return [
-        replace(row, rivals=tuple(r.effect for j, r in enumerate(rows) if j != i and alike[i, j] > ALIKE))
+        replace(row, rivals=tuple(r.effect for j, r in enumerate(rows) if j != i and alike[i, j] > REPORT.rivals))
         for i, row in enumerate(rows)
     ]
 
@@ -81,7 +75,7 @@ def _row(
     strength, *shape = effect.parameters
     side = strength.high if strength.high != strength.null else strength.low
     middle = [np.sqrt(p.low * p.high) if p.logarithmic else (p.low + p.high) / 2 for p in shape]
-    size = np.array(STRENGTHS) * abs(side - strength.null)
+    size = np.array(SEARCH.strengths) * abs(side - strength.null)
     points = np.column_stack(
         [strength.null + np.sign(side - strength.null) * size, *(np.full(len(size), m) for m in middle)]
     )
@@ -91,10 +85,10 @@ def _row(
     whole = (change**2).sum(axis=1) - scatter
     kept = (free**2).sum(axis=1) - scatter * fit.dof / target.rank
     i = len(size) - 1
-    if whole[i] <= SHOWN * scatter[i]:
+    if whole[i] <= REPORT.shown * scatter[i]:
         return Row(effect, None, None, np.empty(0)), np.zeros(target.rank)
     retained = float(np.clip(kept[i] / whole[i], 0, 1))
-    noisy = kept[i] <= SHOWN * scatter[i] * np.sqrt(2 / target.rank)
+    noisy = kept[i] <= REPORT.shown * scatter[i] * np.sqrt(2 / target.rank)
     direction = np.zeros(target.rank) if noisy else free[i] / np.linalg.norm(free[i])
     if noisy or kept[i] < need:
         return Row(effect, retained, None, np.empty(0)), direction

@@ -6,17 +6,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.diagnosis.summary.bins import bins_of
-from avobench.diagnosis.summary.contract import Summary
+from avobench.diagnosis.settings import SUMMARY
+from avobench.diagnosis.summary.bins import Summary, bins_of
 from avobench.diagnosis.summary.pixels import pixels_of
 from avobench.tasks import Task
-
-MIXED_IN = 0.1
-"""Share of the simulated events in the covariance: where nothing was measured, what was expected still counts."""
-LOOKED_AT = 500
-"""Events whose vectors are looked at, for what moving them adds to the noise."""
-RANK_TOLERANCE = 1e-7
-"""Share of the largest eigenvalue of a correlation matrix below which one is rounding: bins sum to one."""
 
 
 class Vectors(Protocol):
@@ -65,7 +58,7 @@ class Target:
         """
         share = self.summary.moved(before, after)
         went = np.flatnonzero(share)
-        some = went[:: max(len(went) // LOOKED_AT, 1)]
+        some = went[:: max(len(went) // SUMMARY.compared_moves, 1)]
         if not len(some) or self.rank == 0:
             return share
         before, after = (self.summary.project(x[some], self.whitening) for x in (before, after))
@@ -93,7 +86,7 @@ def _directions(cov: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[
     scale = np.sqrt(np.diag(cov)[seen])
     values, vectors = np.linalg.eigh(cov[np.ix_(seen, seen)] / np.outer(scale, scale))
     w[seen] = vectors / scale[:, None]
-    return np.where(values > RANK_TOLERANCE * values[-1], values, 0), w
+    return np.where(values > SUMMARY.rank_tolerance * values[-1], values, 0), w
 
 
 def summary_of(task: Task, x: NDArray, simulated: NDArray) -> Summary:
@@ -103,5 +96,5 @@ def summary_of(task: Task, x: NDArray, simulated: NDArray) -> Summary:
 
 def target_of(x: NDArray, summary: Summary, simulated: NDArray) -> Target:
     """What to fit to the measured events x (N, d), whitened with their covariance and a little of the simulated."""
-    cov = (1 - MIXED_IN) * summary.covariance(x) + MIXED_IN * summary.covariance(simulated)
+    cov = (1 - SUMMARY.mixed_in) * summary.covariance(x) + SUMMARY.mixed_in * summary.covariance(simulated)
     return Target.of(summary, summary.mean(x)[0], len(x), cov)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, MaxNLocator, NullFormatter, NullLocator, ScalarFormatter
 from numpy.typing import NDArray
 
-from avobench.diagnosis.report.pictures import Spectrum
+from avobench.diagnosis.report.result import Spectrum
 from avobench.diagnosis.schema import Region
 from avobench.reports.diagnosis.drawn import AFTER, BEFORE, HATCH, REGION, Drawn, sigma
 

@@ -10,10 +10,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from avobench.diagnosis.report.pictures import Maps, Pictures
-from avobench.diagnosis.schema import Diagnosis, FoundEffect, Named, Region
+from avobench.diagnosis.report.result import Maps, Pictures
+from avobench.diagnosis.schema import Diagnosis, FoundEffect, Region
 from avobench.reports.diagnosis.distribution import distribution
 from avobench.reports.diagnosis.drawn import AFTER, BEFORE, REGION, Drawn, sigma
+from avobench.reports.diagnosis.text import label
 from avobench.reports.style import PALETTE, STYLE
 from avobench.tasks import Task
 
@@ -42,11 +43,6 @@ def drawings(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> Iterator[t
         found.append(("candidates", partial(_candidates, diagnosis)))
     for name, drawing in found:
         yield name, matplotlib.rc_context(STYLE)(drawing)
-
-
-def label(effect: Named) -> str:
-    """`name` or `name of feature`."""
-    return effect.name if effect.feature is None else f"{effect.name} of {effect.feature}"
 
 
 def _maps(maps: Maps, regions: Sequence[Region]) -> Drawn:

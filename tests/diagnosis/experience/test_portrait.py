@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from avobench.diagnosis.experience.portrait import SHARES, STEPS, portrait
+from avobench.diagnosis.experience.recogniser import portrait
+from avobench.diagnosis.settings import RECOGNITION
 
 
 def events(n, d, seed=0, shift=0.0):
@@ -34,7 +35,7 @@ def test_portraits_of_several_features_have_one_length(d):
 
 
 def test_where_nothing_differs_bins_scatter_by_their_errors():
-    bins = len(SHARES) - 1
+    bins = len(RECOGNITION.shares) - 1
     pulls = np.array([portrait(events(2000, 1, k), events(4000, 1, 1000 + k), False)[:bins] for k in range(100)])
     # 5 events in the variance make little of bins that expect few
     assert 0.7 < pulls[:, 5:-5].var() < 1.05
@@ -44,9 +45,9 @@ def test_where_nothing_differs_bins_scatter_by_their_errors():
 def test_remainders_show_in_which_steps_counts_were_rounded():
     rng = np.random.default_rng(2)
     counts, simulated = rng.poisson(40, (5000, 1)), rng.poisson(40, (10_000, 1))
-    first = -6 - len(STEPS)  # before spikes and variances
+    first = -6 - len(RECOGNITION.steps)  # before spikes and variances
     remainders = portrait(5 * (counts // 5), simulated, True)[first:-6]
-    assert set(np.array(STEPS)[np.argsort(remainders)[-2:]]) == {5, 10}
+    assert set(np.array(RECOGNITION.steps)[np.argsort(remainders)[-2:]]) == {5, 10}
     assert portrait(counts, simulated, True)[first:-6].max() < 3
 
 

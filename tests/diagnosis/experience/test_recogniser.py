@@ -5,8 +5,9 @@ import pytest
 
 from avobench.bench.plugins import registry
 from avobench.diagnosis.effort import effort_for
-from avobench.diagnosis.experience.recogniser import LEAST, Recogniser, compressed, forward, kind_of, resemblance
+from avobench.diagnosis.experience.recogniser import Recogniser, compressed, forward, kind_of, resemblance
 from avobench.diagnosis.fit.null import fit_null
+from avobench.diagnosis.settings import RECOGNITION
 from avobench.effects.catalogue import catalogue, domain, of_domain
 from avobench.effects.model import Model
 from avobench.effects.pool import Counted
@@ -55,7 +56,7 @@ def test_what_is_plain_to_see_is_recognised(task, theta, name, share):
     task = named(task)
     like = resemblance(task, catalogue(task), *of_strength(task, theta, name, share))
     assert max(like, key=like.get) == name
-    assert sum(np.exp(each) - LEAST for each in like.values()) == pytest.approx(1)
+    assert sum(np.exp(each) - RECOGNITION.floor for each in like.values()) == pytest.approx(1)
 
 
 def test_only_families_that_may_be_missing_share_the_probability():
@@ -64,7 +65,7 @@ def test_only_families_that_may_be_missing_share_the_probability():
     few = [effect for effect in catalogue(task) if effect.name in ("dead_time", "pile_up")]
     like = resemblance(task, few, x, simulated)
     assert set(like) == {"dead_time", "pile_up"}
-    assert sum(np.exp(each) - LEAST for each in like.values()) == pytest.approx(1)
+    assert sum(np.exp(each) - RECOGNITION.floor for each in like.values()) == pytest.approx(1)
 
 
 def test_of_images_there_is_no_experience():

@@ -5,10 +5,10 @@ import pytest
 from measurements import LIGHT, measured
 
 from avobench.diagnosis.fit import surrogate as surrogate_module
-from avobench.diagnosis.fit.descent import minimise, refine
+from avobench.diagnosis.fit.descent import minimise, refine, sharpen
 from avobench.diagnosis.fit.null import fit_null
-from avobench.diagnosis.fit.sharpening import sharpen
 from avobench.diagnosis.fit.surrogate import Design, surrogate
+from avobench.diagnosis.settings import FIT
 from avobench.diagnosis.summary.bins import bins_of
 from avobench.diagnosis.summary.target import target_of
 from avobench.effects.catalogue import catalogue
@@ -50,7 +50,7 @@ def test_a_fit_goes_to_the_optimum_from_far_off_and_with_few_events(background, 
     base = fit.known(target, 400_000, np.random.default_rng(0))
     unit, half = model.to_cube(np.r_[fit.params, start]), [0.02, 0.03, 0.08]
     fits = [
-        refine(model, target, unit, half, np.random.default_rng(k), num_events=80_000, known=base) for k in range(3)
+        refine(model, target, unit, half, np.random.default_rng(k), num_events=80_000, reference=base) for k in range(3)
     ]
     for found in fits:
         assert (
@@ -76,13 +76,13 @@ def test_a_fit_of_hard_edges_goes_on_in_narrower_designs(monkeypatch):
     task, truth, start = Weinberg(), [45.0, 1.2, 0.08], [45.0, 1.2, 0.074]
     scale = next(effect for effect in catalogue(task) if effect.name == "scale")
     model = Model(task, (replace(scale, shape="linear"),))
-    gaps = {0: [], surrogate_module.NARROWER: []}
+    gaps = {0: [], FIT.narrower: []}
     for seed in range(4):
         x, rng = measured(model, truth, 60_000, seed)
         target = target_of(x, bins_of(x, model.simulate(np.tile(truth, (len(x), 1)), rng)), x)
         first = refine(model, target, model.to_cube(np.array(start)), 0.02, rng, num_events=30_000, max_rounds=1)
         for times, found in gaps.items():
-            monkeypatch.setattr(surrogate_module, "NARROWER", times)
+            monkeypatch.setattr(surrogate_module, "FIT", replace(FIT, narrower=times))
             fit = sharpen(first, target, np.random.default_rng(2), 150_000, rounds=10)
             found.append(fit.noiseless_q - fit.dof)
     never, narrowed = gaps.values()

@@ -1,7 +1,7 @@
 import numpy as np
 
+from avobench.diagnosis.fit.descent import settled
 from avobench.diagnosis.fit.fit import fit_at
-from avobench.diagnosis.fit.sharpening import settled
 from avobench.diagnosis.fit.surrogate import Design, surrogate
 from avobench.diagnosis.summary.bins import bins_of
 from avobench.diagnosis.summary.target import target_of

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from measurements import LIGHT
 
-from avobench.diagnosis.goodness_of_fit.cells import cell_gate
+from avobench.diagnosis.goodness_of_fit.gates import cell_gate
 
 
 @pytest.mark.parametrize("events", [200, 3000])

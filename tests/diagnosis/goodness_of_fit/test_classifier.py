@@ -4,8 +4,7 @@ from measurements import LIGHT, measured
 from scipy.stats import binom, kstest
 
 from avobench.diagnosis.fit.null import fit_null
-from avobench.diagnosis.goodness_of_fit.classifier import classifier_gate, features_of
-from avobench.diagnosis.goodness_of_fit.summary import summary_gate
+from avobench.diagnosis.goodness_of_fit.gates import classifier_gate, features_of, summary_gate
 from avobench.diagnosis.summary.bins import bins_of
 from avobench.diagnosis.summary.target import target_of
 from avobench.effects.model import Model

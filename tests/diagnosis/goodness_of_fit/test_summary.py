@@ -5,8 +5,8 @@ from scipy.stats import binom, kstest
 
 from avobench.diagnosis.fit.descent import refine
 from avobench.diagnosis.fit.null import fit_null
+from avobench.diagnosis.goodness_of_fit.gates import summary_gate
 from avobench.diagnosis.goodness_of_fit.regions import regions
-from avobench.diagnosis.goodness_of_fit.summary import summary_gate
 from avobench.diagnosis.summary.bins import bins_of
 from avobench.diagnosis.summary.target import target_of
 from avobench.effects.catalogue import catalogue
@@ -63,7 +63,7 @@ def test_where_theta_takes_up_all_there_is_nothing_disagrees_and_nowhere():
     gate, own, _ = summary_gate(fit, target, rng, LIGHT)
     assert own.dof == 0
     assert gate.p_value > 1e-3
-    assert regions(own, target, x, rng, 0.05, ()) == []
+    assert regions(own, target, target.summary.view(x).spans, rng, 0.05, ()) == []
 
 
 def test_where_nothing_is_expected_and_nothing_measured_a_fit_makes_nothing():

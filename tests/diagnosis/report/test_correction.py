@@ -5,7 +5,7 @@ from sklearn.ensemble import HistGradientBoostingClassifier
 from sklearn.metrics import roc_auc_score
 
 from avobench.diagnosis.fit.null import fit_null
-from avobench.diagnosis.report.correction import correction
+from avobench.diagnosis.goodness_of_fit.gates import correction
 from avobench.effects.model import Model
 from avobench.tasks.weinberg import Weinberg
 

@@ -5,8 +5,9 @@ from scipy.stats import binom
 
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.null import fit_null
-from avobench.diagnosis.goodness_of_fit.summary import summary_gate
-from avobench.diagnosis.report.identifiability import POWER, card
+from avobench.diagnosis.goodness_of_fit.gates import summary_gate
+from avobench.diagnosis.report.identifiability import card
+from avobench.diagnosis.settings import REPORT
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.tasks.poisson import Poisson
@@ -40,7 +41,7 @@ def test_the_smallest_strength_is_seen_with_the_power_that_the_card_says(rows):
     the strength, a quarter of the signal, it is plainly lower."""
     name, count = "zero_inflation", 40
     row = rows[name]
-    least = binom.ppf(5e-4, count, POWER)
+    least = binom.ppf(5e-4, count, REPORT.power)
     assert least <= seen(name, row.minimum_detectable, count)
     assert seen(name, row.minimum_detectable / 2, count) < least
 

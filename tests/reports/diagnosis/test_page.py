@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from avobench.diagnosis import Result
-from avobench.diagnosis.report.pictures import Maps, Pictures, Spectrum
+from avobench.diagnosis.report.result import Maps, Pictures, Spectrum
 from avobench.diagnosis.schema import Diagnosis, Region, Verdict
 from avobench.effects.model import Model
 from avobench.reports.diagnosis import write
@@ -214,7 +214,7 @@ def test_the_page_says_what_the_numbers_say():
     assert "0.055" in nothing[nothing.index("p / share") :]
     assert "Probability of being in the model" not in nothing
     ranked = render(task, diagnosis(task, probabilities=probable, outside=0.15), [], "title")
-    assert "Probability of being in the model: zero_inflation, 0.62; nothing in the catalogue, 0.15." in ranked
+    assert "Probability of being in the model: zero_inflation, 0.62; something outside the catalogue, 0.15." in ranked
     assert "The simulator lacks" not in ranked  # of two that are tied
 
 

@@ -6,18 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.diagnosis.fit.fit import IDENTIFIED, Fit
-from avobench.diagnosis.fit.sharpening import settled
+from avobench.diagnosis.fit.descent import settled
+from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.schema import Combination, EffectValue, FoundEffect, Named, Probable, ProbableModel, Value
 from avobench.diagnosis.search.posterior import OUTSIDE, Posterior
+from avobench.diagnosis.settings import FIT, REPORT
 from avobench.diagnosis.summary.target import Target
-
-ALLOWED = 4.0
-"""Chi-squared above the best up to which another shape is allowed: two standard errors."""
-TRIED = 4
-"""Other shapes that are fitted once more, at most."""
-MOVED_EVENTS = 50_000
-"""From which it is taken how far another theta is away."""
 
 
 @dataclass(frozen=True)
@@ -55,22 +49,22 @@ def ambiguity(
 
     def mean(fit: Fit) -> NDArray[np.float64]:
         params = np.concatenate([fit.params[:p], chosen.params[p:]])
-        x = model.simulate(np.tile(params, (MOVED_EVENTS, 1)), np.random.default_rng(seed))
+        x = model.simulate(np.tile(params, (REPORT.compared_events, 1)), np.random.default_rng(seed))
         return target.whiten(target.summary.mean(x)[0])
 
     def back(fit: Fit) -> NDArray[np.float64]:
         return known @ np.linalg.pinv(fit.jacobian[:, :p] @ known)
 
-    rivals = [fit for fit in rivals if worse(fit, chosen) < ALLOWED]
+    rivals = [fit for fit in rivals if worse(fit, chosen) < REPORT.allowed]
     if not rivals:
         return []
     here, along = mean(chosen), back(chosen)
     far = [np.abs(along @ (mean(fit) - here)).max() for fit in rivals]
     best = settle(chosen)
     here, along, moves = mean(best), back(best), []
-    for k in np.argsort(far)[::-1][:TRIED]:
+    for k in np.argsort(far)[::-1][: REPORT.refitted]:
         fit = settle(rivals[k])
-        if (by := worse(fit, best)) < ALLOWED:
+        if (by := worse(fit, best)) < REPORT.allowed:
             there = along @ fit.jacobian[:, :p]
             moves.append(Move(along @ (mean(fit) - here), by, there @ fit.point_covariance[:p, :p] @ there.T))
     return moves
@@ -91,56 +85,85 @@ def covering(std: NDArray[np.float64], directions: NDArray[np.float64], moves: S
     for move in moves:
         own = np.einsum("ik,ij,jk->k", directions, move.covariance, directions)
         own = np.sqrt(np.minimum(own, (directions**2).sum(axis=0) / 12))  # no more than the range alone gives
-        half.append(np.abs(move.theta @ directions) + own * np.sqrt(ALLOWED - move.worse))
+        half.append(np.abs(move.theta @ directions) + own * np.sqrt(REPORT.allowed - move.worse))
     return np.max(half, axis=0) / 2
 
 
-def scale(fit: Fit) -> float:
-    """By what errors are larger where the model does not describe the events."""
-    return float(np.sqrt(max(1.0, fit.q / max(fit.dof, 1))))
+@dataclass(frozen=True)
+class QuotedFit:
+    """A fit with the uncertainties that are quoted of it, larger where the model does not describe the events."""
 
+    fit: Fit
+    moves: Sequence[Move] = ()
+    """Where theta would be with other effects or shapes that the data allow."""
 
-def scaled_std(fit: Fit) -> NDArray[np.float64]:
-    """Standard errors (P,), larger where the model does not describe the events."""
-    return fit.std * scale(fit)
+    @property
+    def scale(self) -> float:
+        """By what errors are larger where the model does not describe the events."""
+        return float(np.sqrt(max(1.0, self.fit.q / max(self.fit.dof, 1))))
 
+    @property
+    def std(self) -> NDArray[np.float64]:
+        """Standard errors (P,) with the shapes that were fitted."""
+        return self.fit.std * self.scale
 
-def theta_values(fit: Fit, moves: Sequence[Move] = ()) -> dict[str, Value]:
-    p = fit.model.num_theta
-    width = (fit.model.high - fit.model.low)[:p]
-    std = covering(scaled_std(fit)[:p], np.diag(width), moves)
-    return {
-        name: Value(value=float(fit.params[i]), std=float(std[i]))
-        for i, name in enumerate(fit.model.task.parameter_names)
-    }
+    @property
+    def _width(self) -> NDArray[np.float64]:
+        """The range of theta (p,)."""
+        model = self.fit.model
+        return (model.high - model.low)[: model.num_theta]
 
+    @property
+    def theta(self) -> dict[str, Value]:
+        """The parameters of the task, with errors that cover the other shapes that the data allow."""
+        p, fit = self.fit.model.num_theta, self.fit
+        std = covering(self.std[:p], np.diag(self._width), self.moves)
+        return {
+            name: Value(value=float(fit.params[i]), std=float(std[i]))
+            for i, name in enumerate(fit.model.task.parameter_names)
+        }
 
-def identified(fit: Fit, moves: Sequence[Move] = ()) -> list[Combination]:
-    """The combinations of theta that the data determine, best known first; uncorrelated with each other.
+    @property
+    def identified(self) -> list[Combination]:
+        """The combinations of theta that the data determine, best known first; uncorrelated with each other.
 
-    Eigenvectors of the covariance of theta, the parameters of the effects being free, in units of theta's range. A
-    combination counts whose error is less than a fifth of what the range alone would give.
-    """
-    p, model = fit.model.num_theta, fit.model
-    width = (model.high - model.low)[:p]
-    variances, directions = _determined(fit)
-    std = scale(fit) * np.sqrt(variances)
-    std = covering(std, directions, moves)
-    return [
-        Combination(
-            coefficients=dict(zip(model.task.parameter_names, map(float, direction / width), strict=True)),
-            value=float(direction / width @ fit.params[:p]),
-            std=float(error),
+        Eigenvectors of the covariance of theta, the parameters of the effects being free, in units of theta's range. A
+        combination counts whose error is less than a fifth of what the range alone would give.
+        """
+        p, model, width = self.fit.model.num_theta, self.fit.model, self._width
+        variances, directions = _determined(self.fit)
+        std = covering(self.scale * np.sqrt(variances), directions, self.moves)
+        return [
+            Combination(
+                coefficients=dict(zip(model.task.parameter_names, map(float, direction / width), strict=True)),
+                value=float(direction / width @ self.fit.params[:p]),
+                std=float(error),
+            )
+            for error, direction in zip(std, directions.T, strict=True)
+        ]
+
+    def effect(self, k: int, posterior: Posterior, names: tuple[str, ...]) -> FoundEffect:
+        """The k-th effect of the model, with its parameters; `names` are those of the features."""
+        model, std = self.fit.model, self.std
+        effect, at = model.effects[k], model.columns(k).start
+        parameters = {
+            p.name: EffectValue(value=float(self.fit.params[i]), std=float(std[i]), null=p.null, unit=model.units[i])
+            for i, p in enumerate(effect.parameters, at)
+        }
+        return FoundEffect(
+            **named(effect.key, names).model_dump(),
+            shape=effect.shape,
+            parameters=parameters,
+            tied_with=[named(key, names) for key in posterior.rivals(k)],
+            probability=posterior.included[effect.key],
         )
-        for error, direction in zip(std, directions.T, strict=True)
-    ]
 
 
 def _determined(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The directions of theta in the unit cube that the data determine, with the variance along each: (k,), (p, k)."""
     p = fit.model.num_theta
     variances, directions = np.linalg.eigh(fit.point_covariance[:p, :p])
-    known = variances < 1 / IDENTIFIED**2 / 12
+    known = variances < 1 / FIT.identified**2 / 12
     return variances[known], directions[:, known]
 
 
@@ -148,24 +171,6 @@ def named(key: tuple, names: tuple[str, ...]) -> Named:
     """An effect by its key, its feature by its name."""
     name, feature = key
     return Named(name=name, feature=names[feature] if isinstance(feature, int) else feature)
-
-
-def found_effect(fit: Fit, k: int, posterior: Posterior, names: tuple[str, ...]) -> FoundEffect:
-    """The k-th effect of a fitted model."""
-    effect = fit.model.effects[k]
-    at = fit.model.num_theta + sum(len(e.parameters) for e in fit.model.effects[:k])
-    std, units = scaled_std(fit), fit.model.units
-    parameters = {
-        p.name: EffectValue(value=float(fit.params[i]), std=float(std[i]), null=p.null, unit=units[i])
-        for i, p in enumerate(effect.parameters, at)
-    }
-    return FoundEffect(
-        **named(effect.key, names).model_dump(),
-        shape=effect.shape,
-        parameters=parameters,
-        tied_with=[named(key, names) for key in posterior.rivals(k)],
-        probability=posterior.included[effect.key],
-    )
 
 
 def probabilities(posterior: Posterior, names: tuple[str, ...]) -> list[Probable]:
