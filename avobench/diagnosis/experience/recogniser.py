@@ -66,8 +66,8 @@ def _feature(
         -R.most_deviation,
         R.most_deviation,
     )
-    own = _of_counts(x, simulated, rng) if counts else _of_reals(x, simulated, at, (low, high))
-    marks = np.r_[pulls, ratios, equal, equal_ratios, moments, quantiles, np.log(n), own]
+    kind_marks = _of_counts(x, simulated, rng) if counts else _of_reals(x, simulated, at, (low, high))
+    marks = np.r_[pulls, ratios, equal, equal_ratios, moments, quantiles, np.log(n), kind_marks]
     return np.nan_to_num(marks, posinf=50, neginf=-50), _excess(pulls) + _excess(equal)
 
 
@@ -159,11 +159,11 @@ def _together(x: NDArray, simulated: NDArray, rng: np.random.Generator) -> NDArr
 
 def _cells(z: NDArray[np.float64], usual: NDArray[np.float64]) -> float:
     """By how much chi-squared of two features (n, 2), cut at quarters of their own, exceeds what (m, 2) let expect."""
-    ratio, found = len(z) / len(usual), []
+    ratio, tables = len(z) / len(usual), []
     for each in (z, usual):
         rows, columns = (np.searchsorted(np.quantile(side, R.quarters), side) for side in each.T)
-        found.append(np.bincount(4 * rows + columns, minlength=16))
-    number, expected = found[0], found[1] * ratio
+        tables.append(np.bincount(4 * rows + columns, minlength=16))
+    number, expected = tables[0], tables[1] * ratio
     return float(((number - expected) ** 2 / (expected * (1 + ratio) + R.added_variance)).sum() - 9)
 
 
@@ -215,9 +215,9 @@ class Recogniser:
     """(k,)"""
     networks: tuple[tuple[Layer, ...], ...]
 
-    def probabilities(self, seen: NDArray[np.float64]) -> dict[str, float]:
+    def probabilities(self, marks: NDArray[np.float64]) -> dict[str, float]:
         """Of each family, by a portrait (f,)."""
-        shares = [softmax(forward(layers, compressed(seen))) for layers in self.networks]
+        shares = [softmax(forward(layers, compressed(marks))) for layers in self.networks]
         return dict(zip(self.families, np.mean(shares, axis=0).tolist(), strict=True))
 
     @classmethod
@@ -232,9 +232,9 @@ class Recogniser:
         return cls(names, tuple(tuple(layers[end - size : end]) for end, size in zip(ends, sizes, strict=True)))
 
 
-def compressed(seen: NDArray[np.float64]) -> NDArray[np.float64]:
+def compressed(marks: NDArray[np.float64]) -> NDArray[np.float64]:
     """A portrait, or several, on the scale of networks: logarithms beyond 1, of either sign."""
-    return np.sign(seen) * np.log1p(np.abs(seen))
+    return np.sign(marks) * np.log1p(np.abs(marks))
 
 
 def forward(layers: Sequence[Layer], inputs: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -260,9 +260,11 @@ def resemblance(task: Task, effects: Sequence[Effect], x: NDArray, simulated: ND
     """
     if (kind := kind_of(task)) is None or (kind == "count" and simulated.mean() < RECOGNITION.least_count):
         return {}
-    seen = Recogniser.of(kind).probabilities(portrait(x[: RECOGNITION.portrait_events], simulated, kind == "count"))
+    probability = Recogniser.of(kind).probabilities(
+        portrait(x[: RECOGNITION.portrait_events], simulated, kind == "count")
+    )
     names = list(dict.fromkeys(effect.name for effect in effects))
-    known = [seen[name] for name in names if name in seen]
-    total = sum(known) or 1.0
-    share = [seen[name] / total if name in seen else 1 / max(len(known), 1) for name in names]
+    trained = [probability[name] for name in names if name in probability]
+    total = sum(trained) or 1.0
+    share = [probability[name] / total if name in probability else 1 / max(len(trained), 1) for name in names]
     return {name: float(np.log(each + RECOGNITION.floor)) for name, each in zip(names, share, strict=True)}

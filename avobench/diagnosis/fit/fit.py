@@ -70,8 +70,8 @@ class Fit:
         A direction counts only if its slope stands out of the simulation's noise.
         """
         back, values, by_chance, whole_range = self._directions
-        seen = (values > FIT.clear * by_chance) & (values * whole_range > FIT.identified**2)
-        return (back[seen].T * values[seen]) @ back[seen] / (1 + self.noise), int(seen.sum())
+        clear = (values > FIT.clear * by_chance) & (values * whole_range > FIT.identified**2)
+        return (back[clear].T * values[clear]) @ back[clear] / (1 + self.noise), int(clear.sum())
 
     @property
     def undecided(self) -> bool:

@@ -163,20 +163,20 @@ class ReferenceModel:
 
     def design(self, start: NDArray[np.float64], half: NDArray[np.float64]) -> Design:
         """A design for the larger model from `start` (P,): a box of half-widths `half` (P,), or what of it is known."""
-        p, known = self.model.dim, self.surrogate.design
-        inside = np.abs(known.to_t(start[:p])).max() < 1 - FIT.first_share
+        p, region = self.model.dim, self.surrogate.design
+        inside = np.abs(region.to_t(start[:p])).max() < 1 - FIT.first_share
         if not inside:
             return Design.box(start, half)
         axes = np.diag(half).astype(float)
-        lengths = np.abs(known.axes / half[:p, None]).max(axis=0)
-        axes[:p, :p] = known.axes * np.minimum(FIT.first_share, 1 / lengths)
+        lengths = np.abs(region.axes / half[:p, None]).max(axis=0)
+        axes[:p, :p] = region.axes * np.minimum(FIT.first_share, 1 / lengths)
         return Design(np.clip(start, 0, 1), axes)
 
     def within(self, design: Design) -> Design | None:
         """The design, narrowed to where this model is known; None where that leaves next to nothing."""
-        p, known = self.model.dim, self.surrogate.design
-        room = 1 + FIT.beyond - np.abs(known.to_t(design.centre[:p]))
-        extent = np.abs(np.linalg.inv(known.axes) @ design.axes[:p]) * len(design.axes)
+        p, region = self.model.dim, self.surrogate.design
+        room = 1 + FIT.beyond - np.abs(region.to_t(design.centre[:p]))
+        extent = np.abs(np.linalg.inv(region.axes) @ design.axes[:p]) * len(design.axes)
         factor = np.minimum((room[:, None] / np.maximum(extent, 1e-12)).min(axis=0), 1)
         return Design(design.centre, design.axes * factor) if factor.min() > FIT.least_room else None
 

@@ -138,21 +138,21 @@ def classifier_gate(fit: Fit, target: Target, x: NDArray, rng: np.random.Generat
     both statistics at once, and their mean is wider than it seems.
     """
     half = len(x) // 2
-    learn, judge = x[:half], x[half:]
+    training, test = x[:half], x[half:]
     at = np.tile(fit.params, (len(x), 1))
-    seen, model = features_of(target), fit.model
+    view, model = features_of(target), fit.model
     if isinstance(model.events, Pool):
         # The pool serves the expectation below; a classifier knows again the events that it learned from.
         model = replace(model, events=model.events.fresh)
-    score = Score(trained(seen(learn), seen(model.simulate(at[:half], rng)), int(rng.integers(2**31))), seen)
+    score = Score(trained(view(training), view(model.simulate(at[:half], rng)), int(rng.integers(2**31))), view)
     expected = surrogate(fit.model, score, fit.design, TEST.check_events * len(x), rng)
     at_fit, slope = expected.at(fit.point)
-    g = score.of(judge)
+    g = score.of(test)
     # Where theta moves if the summary of one event is added, in the directions that the data identify.
     inverse = np.linalg.pinv(fit.information[0] * (1 + fit.noise), hermitian=True)
     pull = np.sqrt(target.num_events) * (slope[:, 0] @ inverse @ fit.jacobian.T) @ target.whitening.T  # (K,)
     s = target.summary.project(x, pull)
-    share = len(judge) / len(x)
+    share = len(test) / len(x)
     influence = -(s - s.mean())
     influence[half:] += (g - g.mean()) / share
     simulation = expected.variance_at(fit.point) * g.var()
@@ -206,8 +206,8 @@ class Correction:
 def correction(fit: Fit, target: Target, x: NDArray, rng: np.random.Generator) -> Correction:
     """Odds of a classifier between measured events x (N, d) and as many simulated ones, for as many others."""
     simulated = fit.model.simulate(np.tile(fit.params, (2 * len(x), 1)), rng)
-    learn, use = simulated[: len(x)], simulated[len(x) :]
-    seen = features_of(target)
-    trees = trained(seen(x), seen(learn), int(rng.integers(2**31)))
-    odds = np.exp(np.clip(trees.decision_function(seen(use)), -10, 10))
-    return Correction(use, odds / odds.mean())
+    training, weighted = simulated[: len(x)], simulated[len(x) :]
+    view = features_of(target)
+    trees = trained(view(x), view(training), int(rng.integers(2**31)))
+    odds = np.exp(np.clip(trees.decision_function(view(weighted)), -10, 10))
+    return Correction(weighted, odds / odds.mean())

@@ -66,11 +66,11 @@ def null_moments(metric: Target, x: NDArray) -> tuple[float, float]:
     With whitened vectors z of covariance S, chi-squared of a mean of n has the variance 2 tr(S^2) plus that of |z|^2
     over n.
     """
-    own = metric.whitening.T @ metric.summary.covariance(x) @ metric.whitening
+    whitened = metric.whitening.T @ metric.summary.covariance(x) @ metric.whitening
     some = x[: TEST.scattered]
     z = metric.summary.moments(some, np.eye(len(some))) @ metric.whitening
     length = ((z - z.mean(axis=0)) ** 2).sum(axis=1)
-    mean = float(np.trace(own))
+    mean = float(np.trace(whitened))
     return mean, 2 * mean**2 / metric.rank + float(length.var()) / metric.num_events
 
 

@@ -70,25 +70,25 @@ def order(
     start, span = float(spread[rows[0]]), float(spread[rows[-1]] - spread[rows[0]])
     at = (spread[rows] - start) / span
     looks = 4 * (2 * len(features) + (along == "time")) + (along == "time")
-    found: list[tuple[Look, Series]] = []
+    findings: list[tuple[Look, Series]] = []
     for name, values in features.items():
         level = Series(name, "level", clipped(values[rows]), at, "its own unit")
-        seen, left = pursued(level, scores(values[rows]), alpha / looks)
-        found += [(look, level) for look in seen]
+        in_level, left = findings_of(level, scores(values[rows]), alpha / looks)
+        findings += [(look, level) for look in in_level]
         width = np.abs(left - np.median(left))
         told_apart = abs(scores(width) @ scores(left)) < ORDER.same_ranks * len(left)
-        if told_apart and all(look.kind != "clustering" for look in seen):
+        if told_apart and all(look.kind != "clustering" for look in in_level):
             spreads = Series(name, "spread", width / max(width.mean(), 1e-300), at, "of its mean")
-            found += [(look, spreads) for look in pursued(spreads, scores(width), alpha / looks)[0]]
+            findings += [(look, spreads) for look in findings_of(spreads, scores(width), alpha / looks)[0]]
     if along == "time":
         counts = np.histogram(at, max(min(len(at) // ORDER.in_interval, ORDER.most_bins), 2), (0, 1))[0].astype(float)
         middle = (np.arange(len(counts)) + 0.5) / len(counts)
         rate = Series(None, "rate", counts / counts.mean(), middle, "of the mean rate")
-        found += [(look, rate) for look in pursued(rate, scores(counts), alpha / looks)[0]]
+        findings += [(look, rate) for look in findings_of(rate, scores(counts), alpha / looks)[0]]
         if (look := bursts(counts)).p_value < alpha / looks:
-            found.append((look, rate))
-    found.sort(key=lambda each: (each[0].p_value, -each[0].gain))
-    return [told(look, series, along, start, span, looks) for look, series in found]
+            findings.append((look, rate))
+    findings.sort(key=lambda each: (each[0].p_value, -each[0].gain))
+    return [disorder(look, series, along, start, span, looks) for look, series in findings]
 
 
 def exchangeability(
@@ -108,11 +108,11 @@ def projections(x: NDArray, names: tuple[str, ...], image: tuple[int, ...]) -> d
         return dict(zip(names, x.T, strict=True)) if names else {None: x[:, 0]}
     hits = (x > 0).sum(axis=1)
     row, column = np.divmod(np.arange(x.shape[1]), int(np.prod(image[1:])))
-    found: dict[str | None, NDArray] = {"hits": hits}
+    projected: dict[str | None, NDArray] = {"hits": hits}
     for name, place in (("row", row), ("column", column)):
         mean = (x > 0) @ place / np.maximum(hits, 1)
-        found[name] = np.where(hits > 0, mean, np.median(mean[hits > 0]) if hits.any() else 0)
-    return found
+        projected[name] = np.where(hits > 0, mean, np.median(mean[hits > 0]) if hits.any() else 0)
+    return projected
 
 
 def scores(values: NDArray) -> NDArray[np.float64]:
@@ -127,28 +127,28 @@ def clipped(values: NDArray) -> NDArray[np.float64]:
     return np.clip(values.astype(float), *np.quantile(values, [ORDER.clipped, 1 - ORDER.clipped]))
 
 
-def pursued(series: Series, score: NDArray[np.float64], level: float) -> tuple[list[Look], NDArray[np.float64]]:
+def findings_of(series: Series, score: NDArray[np.float64], level: float) -> tuple[list[Look], NDArray[np.float64]]:
     """What is in a series at this level, and its values without it (n,): the surest first, then what is in the rest.
 
     A drift looks a little like a change point, and every other pair is alike too: what one explains does not count for
     another. Each kind is told once. After a clustering nothing is looked for, since events then depend on each other.
     """
-    found: list[Look] = []
+    findings: list[Look] = []
     values = series.values
     while True:
-        told = {look.kind for look in found}
-        looks = [look for look in looked(score, series.at) if look.kind not in told]
+        kinds = {look.kind for look in findings}
+        looks = [look for look in tests_of(score, series.at) if look.kind not in kinds]
         best = min(looks, key=lambda look: (look.p_value, -look.gain), default=None)
         if best is None or best.p_value >= level or not score.any():
-            return found, values
-        found.append(best)
+            return findings, values
+        findings.append(best)
         if best.shape is None:
-            return found, values
+            return findings, values
         values, score = without(values, best.shape), without(score, best.shape)
         score /= max(score.std(), 1e-12)
 
 
-def looked(s: NDArray[np.float64], at: NDArray[np.float64]) -> Iterator[Look]:
+def tests_of(s: NDArray[np.float64], at: NDArray[np.float64]) -> Iterator[Look]:
     """The four tests of scores s (n,) of mean 0 and variance 1 at positions (n,)."""
     yield drift(s)
     yield change_point(s, at)
@@ -249,7 +249,7 @@ def factors(values: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray[
     return np.linalg.solve(shape.T @ shape + 1e-12 * np.eye(shape.shape[1]), shape.T @ values)
 
 
-def told(look: Look, series: Series, along: Along, start: float, span: float, looks: int) -> Disorder:
+def disorder(look: Look, series: Series, along: Along, start: float, span: float, looks: int) -> Disorder:
     """A finding with its size in the units of the series, and with where it is in those of the order or the time."""
     where = look.at
     if look.kind == "change point":

@@ -37,8 +37,8 @@ def intervals(fit: Fit, target: Target, spans: list[Span]) -> Scan:
     whole = np.array(masks) @ target.cov @ target.whitening
     reading = whole @ fit.projector()
     length = np.linalg.norm(reading, axis=1)
-    seen = length > 1e-6 * np.linalg.norm(whole, axis=1).max()  # none where theta takes up all that there is
-    return Scan([r for r, s in zip(regions, seen, strict=True) if s], reading[seen] / length[seen, None])
+    free = length > 1e-6 * np.linalg.norm(whole, axis=1).max()  # none where theta takes up all that there is
+    return Scan([r for r, s in zip(regions, free, strict=True) if s], reading[free] / length[free, None])
 
 
 def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> list[tuple[float, float, int]]:
@@ -56,11 +56,11 @@ def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> li
     if not scan.regions:
         return []
     z = scan.reading @ fit.residual
-    found = []
+    strongest = []
     for i in (z.argmax(), z.argmin()):
         k, first, last = scan.regions[i]
-        found.append((float(spans[k].ends[first]), float(spans[k].ends[last + 1]), spans[k].feature))
-    return found
+        strongest.append((float(spans[k].ends[first]), float(spans[k].ends[last + 1]), spans[k].feature))
+    return strongest
 
 
 def significant(
@@ -76,14 +76,14 @@ def significant(
     draws = rng.standard_normal((TEST.draws, len(fit.residual))) @ fit.projector()
     highest = np.sort(np.abs(draws @ scan.reading.T).max(axis=1))
     p = (1 + TEST.draws - np.searchsorted(highest, np.abs(z))) / (1 + TEST.draws)
-    found: list[tuple[int, int, int, float, float]] = []
+    strongest: list[tuple[int, int, int, float, float]] = []
     for i in np.argsort(-np.abs(z)):
         k, first, last = scan.regions[i]
-        if p[i] > alpha or len(found) == TEST.regions:
+        if p[i] > alpha or len(strongest) == TEST.regions:
             break
-        if all(k != other or last < start or first > stop for other, start, stop, _, _ in found):
-            found.append((k, first, last, float(z[i]), float(p[i])))
-    return found
+        if all(k != other or last < start or first > stop for other, start, stop, _, _ in strongest):
+            strongest.append((k, first, last, float(z[i]), float(p[i])))
+    return strongest
 
 
 def regions(
@@ -93,7 +93,7 @@ def regions(
 
     `names` are those of the features, (d,), or none where there is nothing to choose from.
     """
-    found = significant(intervals(fit, target, spans), fit, rng, alpha)
+    strongest = significant(intervals(fit, target, spans), fit, rng, alpha)
 
     def named(feature: int | str) -> str | None:
         if isinstance(feature, str):
@@ -109,5 +109,5 @@ def regions(
             z=z,
             p_global=p,
         )
-        for k, first, last, z, p in found
+        for k, first, last, z, p in strongest
     ]

@@ -94,10 +94,10 @@ def _row(
         return Row(effect, retained, None, np.empty(0)), direction
     i = int(np.argmax(kept >= need))
     if i == 0 or kept[i - 1] <= 0:  # the signal grows as the square of the strength
-        found = size[i] * np.sqrt(need / kept[i])
+        size_needed = size[i] * np.sqrt(need / kept[i])
     else:
-        found = np.exp(np.interp(np.log(need), np.log(kept[i - 1 : i + 1]), np.log(size[i - 1 : i + 1])))
-    shift = fit.follow(change[i] * found / size[i])
+        size_needed = np.exp(np.interp(np.log(need), np.log(kept[i - 1 : i + 1]), np.log(size[i - 1 : i + 1])))
+    shift = fit.follow(change[i] * size_needed / size[i])
     bias = fit.model.from_cube(np.clip(fit.point + shift, 0, 1)) - fit.params
-    detectable = float(strength.null + np.sign(side - strength.null) * found)
+    detectable = float(strength.null + np.sign(side - strength.null) * size_needed)
     return Row(effect, retained, detectable, bias[: fit.model.num_theta]), direction

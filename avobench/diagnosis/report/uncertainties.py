@@ -36,7 +36,7 @@ def ambiguity(
     two values may mean nothing where they are not determined.
     """
     p, seed, model = last.model.num_theta, int(rng.integers(2**63)), chosen.model
-    known = _determined(last)[1]
+    determined = _determined(last)[1]
 
     def settle(fit: Fit) -> Fit:
         return settled(fit, target, rng, num_events, (1, 3))
@@ -53,7 +53,7 @@ def ambiguity(
         return target.whiten(target.summary.mean(x)[0])
 
     def back(fit: Fit) -> NDArray[np.float64]:
-        return known @ np.linalg.pinv(fit.jacobian[:, :p] @ known)
+        return determined @ np.linalg.pinv(fit.jacobian[:, :p] @ determined)
 
     rivals = [fit for fit in rivals if worse(fit, chosen) < REPORT.allowed]
     if not rivals:
@@ -83,9 +83,9 @@ def covering(std: NDArray[np.float64], directions: NDArray[np.float64], moves: S
     """
     half = [2 * std]
     for move in moves:
-        own = np.einsum("ik,ij,jk->k", directions, move.covariance, directions)
-        own = np.sqrt(np.minimum(own, (directions**2).sum(axis=0) / 12))  # no more than the range alone gives
-        half.append(np.abs(move.theta @ directions) + own * np.sqrt(REPORT.allowed - move.worse))
+        spread = np.einsum("ik,ij,jk->k", directions, move.covariance, directions)
+        spread = np.sqrt(np.minimum(spread, (directions**2).sum(axis=0) / 12))  # no more than the range alone gives
+        half.append(np.abs(move.theta @ directions) + spread * np.sqrt(REPORT.allowed - move.worse))
     return np.max(half, axis=0) / 2
 
 
@@ -163,8 +163,8 @@ def _determined(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The directions of theta in the unit cube that the data determine, with the variance along each: (k,), (p, k)."""
     p = fit.model.num_theta
     variances, directions = np.linalg.eigh(fit.point_covariance[:p, :p])
-    known = variances < 1 / FIT.identified**2 / 12
-    return variances[known], directions[:, known]
+    determined = variances < 1 / FIT.identified**2 / 12
+    return variances[determined], directions[:, determined]
 
 
 def named(key: tuple, names: tuple[str, ...]) -> Named:

@@ -70,10 +70,10 @@ class Candidates:
         starts, all_alone = [], not self.parent.effects and len(self.effects) <= SEARCH.of_one_feature
         for first in best_first[: SEARCH.looked_at * self.effort.starts]:
             look = closer(self.sample, first, self.rng)
-            own = starts_of(self.without, look)
+            of_shape = starts_of(self.without, look)
             if all_alone and not look.guessed and any(look.effect is effect for effect in self.effects):
-                own += hidden(self.sample, own[0], self.rng, self.effort)
-            starts += own
+                of_shape += hidden(self.sample, of_shape[0], self.rng, self.effort)
+            starts += of_shape
         return sorted(starts, key=lambda start: start.expected)
 
     def hopeful(self, starts: list[Start]) -> list[Start]:
@@ -81,10 +81,10 @@ class Candidates:
         kept: dict[tuple, list[Start]] = {}
         for start in starts:
             effect = start.model.effects[-1]
-            own = kept.setdefault((effect.key, effect.shape), [])
-            if start.expected < self.without.noiseless_q and len(own) < 2:
-                own.append(start)
-        first, second = ([own[k] for own in kept.values() if len(own) > k] for k in (0, 1))
+            of_shape = kept.setdefault((effect.key, effect.shape), [])
+            if start.expected < self.without.noiseless_q and len(of_shape) < 2:
+                of_shape.append(start)
+        first, second = ([of_shape[k] for of_shape in kept.values() if len(of_shape) > k] for k in (0, 1))
         return [*first[: self.effort.starts], *second[: self.effort.starts // 4]]
 
     def weighed(self, glances: list[Look], beside: float) -> list[Weighed]:
@@ -101,17 +101,17 @@ class Candidates:
         with meter.keeping(max(meter.remaining or 0, 0) // 2):
             begun = [fit for fit in self.work(begin, starts, self.effort.fit) if fit is not None]
         fits = distinct(sorted(begun, key=lambda fit: fit.noiseless_q))[: self.effort.begun]
-        found: list[Weighed] = []
+        ranked: list[Weighed] = []
         for (ratio, rounds), most in zip(self.effort.rounds_of_search, SEARCH.most, strict=True):
             events = int(ratio * max(self.target.num_events, self.effort.few))
             more = self.work(go_on, fits, events, rounds)
             if None in more:
                 break
-            settled = bool(found)  # a first fit may have far to go: the best of them stay, however far
-            found = sorted((Weighed.of(fit, self.like) for fit in more), key=worth)
-            found = (self.matter(found, beside) if settled else found)[:most]
-            fits = [one.fit for one in found]
-        return found or self.matter((Weighed.of(fit, self.like) for fit in fits), beside)[: SEARCH.most[0]]
+            settled = bool(ranked)  # a first fit may have far to go: the best of them stay, however far
+            ranked = sorted((Weighed.of(fit, self.like) for fit in more), key=worth)
+            ranked = (self.matter(ranked, beside) if settled else ranked)[:most]
+            fits = [one.fit for one in ranked]
+        return ranked or self.matter((Weighed.of(fit, self.like) for fit in fits), beside)[: SEARCH.most[0]]
 
     @cached_property
     def reference(self) -> ReferenceModel:
@@ -124,15 +124,15 @@ class Candidates:
         calls = [(one, self.reference, self.target, np.random.default_rng(seed), *how) for one in begun]
         return in_processes(self.jobs, self.without.model.events, fitting, calls)
 
-    def matter(self, found: Iterable[Weighed], beside: float) -> list[Weighed]:
+    def matter(self, ranked: Iterable[Weighed], beside: float) -> list[Weighed]:
         """Those that may matter beside the best of them, or beside another model, best first.
 
         The best few families stay, since further effects may be added to them.
         """
-        found = sorted(found, key=worth)
-        least = max([beside, *(one.evidence.at_least for one in found)]) - SCORE.indifferent
-        firsts = list({one.effects: one for one in reversed(found)}.values())[::-1][: SEARCH.parents]
-        return [one for one in found if one.evidence.at_most > least or any(one is first for first in firsts)]
+        ranked = sorted(ranked, key=worth)
+        least = max([beside, *(one.evidence.at_least for one in ranked)]) - SCORE.indifferent
+        firsts = list({one.effects: one for one in reversed(ranked)}.values())[::-1][: SEARCH.parents]
+        return [one for one in ranked if one.evidence.at_most > least or any(one is first for first in firsts)]
 
 
 def worth(one: Weighed) -> float:
@@ -165,8 +165,8 @@ def distinct(fits: list[Fit]) -> list[Fit]:
     """Of fits, best first, each once, and of each family the best SEARCH.shapes_kept."""
     kept: list[Fit] = []
     for fit in fits:
-        own = [one for one in kept if one.model.effects[-1].key == fit.model.effects[-1].key]
-        if len(own) < SEARCH.shapes_kept and not any(same(fit, one) for one in own):
+        of_shape = [one for one in kept if one.model.effects[-1].key == fit.model.effects[-1].key]
+        if len(of_shape) < SEARCH.shapes_kept and not any(same(fit, one) for one in of_shape):
             kept.append(fit)
     return kept
 

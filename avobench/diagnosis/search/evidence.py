@@ -70,13 +70,13 @@ class Unknown:
 
     def evidence(self, null: Fit) -> float:
         """Of it, from the fit of the simulator as it is."""
-        found, shares = [], np.geomspace(*SCORE.distortions)
+        evidences, shares = [], np.geomspace(*SCORE.distortions)
         for length in SCORE.lengths:
             alike = self.target.summary.alike(length)
             share = np.maximum(null.predicted, 0) + SCORE.anywhere * null.predicted.mean()
             values, vectors = np.linalg.eigh(self.whitened(share, alike, null.predicted))
-            found += [marginal(null, 1 + a**2 * np.maximum(values, 0), vectors).value for a in shares]
-        return float(logsumexp(found)) - np.log(len(found))
+            evidences += [marginal(null, 1 + a**2 * np.maximum(values, 0), vectors).value for a in shares]
+        return float(logsumexp(evidences)) - np.log(len(evidences))
 
 
 def evidence_of(fit: Fit) -> Evidence:

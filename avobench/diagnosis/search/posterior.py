@@ -32,23 +32,23 @@ class Posterior:
         shapes: dict[Names, dict[tuple, Weighed]] = {}
         for one in weighed:
             each = tuple(sorted((str(effect.key), effect.shape) for effect in one.fit.model.effects))
-            own = shapes.setdefault(one.effects, {})
-            if each not in own or own[each].evidence.at_least < one.evidence.at_least:
-                own[each] = one
+            best = shapes.setdefault(one.effects, {})
+            if each not in best or best[each].evidence.at_least < one.evidence.at_least:
+                best[each] = one
         prior = Prior.of(catalogue)
         to_explain = max((one.evidence.excess for one in shapes.get(frozenset(), {}).values()), default=0.0)
         logs = {OUTSIDE: (outside + np.log(SCORE.unknown)) / SCORE.temperature}
-        for names, own in shapes.items():
-            values = [tempered(one.evidence, to_explain) for one in own.values()]
+        for names, best in shapes.items():
+            values = [tempered(one.evidence, to_explain) for one in best.values()]
             logs[names] = float(logsumexp(values)) + prior.log(names) / SCORE.temperature
         logs |= pooled(
-            {each: (logs[each], next(iter(own.values())).resemblance) for each, own in shapes.items() if each}
+            {each: (logs[each], next(iter(best.values())).resemblance) for each, best in shapes.items() if each}
         )
         total = logsumexp(list(logs.values()))
         share = {names: (1 - SCORE.imitated) * np.exp(log - total) for names, log in logs.items()}
         share[OUTSIDE] += SCORE.imitated
         names = sorted(share, key=lambda each: -share[each])
-        fits = {each: sorted(own.values(), key=lambda one: -one.evidence.at_least) for each, own in shapes.items()}
+        fits = {each: sorted(best.values(), key=lambda one: -one.evidence.at_least) for each, best in shapes.items()}
         return cls({each: float(share[each]) for each in names}, fits)
 
     @property
@@ -97,17 +97,17 @@ class Posterior:
     @property
     def single(self) -> list[Weighed]:
         """The best fit with each effect alone, best first."""
-        fits = [own[0] for names, own in self.shapes.items() if len(names) == 1]
+        fits = [best[0] for names, best in self.shapes.items() if len(names) == 1]
         return sorted(fits, key=lambda one: -one.evidence.at_least)
 
     @property
     def included(self) -> dict[tuple, float]:
         """By effect: the probability that it is in the model; most probable first."""
-        found: dict[tuple, float] = {}
+        shares: dict[tuple, float] = {}
         for names, share in self.probability.items():
             for key in names - OUTSIDE:
-                found[key] = found.get(key, 0.0) + share
-        return dict(sorted(found.items(), key=lambda item: -item[1]))
+                shares[key] = shares.get(key, 0.0) + share
+        return dict(sorted(shares.items(), key=lambda item: -item[1]))
 
 
 def tempered(evidence: Evidence, to_explain: float) -> float:

@@ -35,14 +35,14 @@ def _counts(shape: Sequence[Parameter]) -> list[int]:
 
 def between(effect: Effect, points: NDArray[np.float64], share: float) -> NDArray[np.float64]:
     """Points (m, q) beside these (k, q), to both sides in each shape parameter, by a share of the grid's step."""
-    found = []
+    moved_points = []
     for j, (p, n) in enumerate(zip(effect.parameters[1:], _counts(effect.parameters[1:]), strict=True), start=1):
         for side in (share / n, -share / n):
             moved = points.copy()
             step = (p.high / p.low) ** side if p.logarithmic else side * (p.high - p.low)
             moved[:, j] = np.clip(moved[:, j] * step if p.logarithmic else moved[:, j] + step, p.low, p.high)
-            found.append(moved)
-    return np.concatenate([points, *found])
+            moved_points.append(moved)
+    return np.concatenate([points, *moved_points])
 
 
 def _spread(p: Parameter, n: int) -> NDArray[np.float64]:
@@ -245,8 +245,8 @@ def hidden(sample: Sample, start: Start, rng: np.random.Generator, effort: Effor
         change, scatter = sample.changes(effect, near, effort.screen // 4, rng)
         moves = (change - change @ of_theta @ of_theta.T, change)
         kept, whole = ((each**2).sum(axis=1) - scatter for each in moves)
-        seen = whole > 3 * scatter * np.sqrt(2 / target.rank)
-        if not (seen & (kept < SEARCH.absorbed * whole)).any():
+        visible = whole > 3 * scatter * np.sqrt(2 / target.rank)
+        if not (visible & (kept < SEARCH.absorbed * whole)).any():
             continue
         row, size, theta = [], (min(SEARCH.coarse_points**p, effort.scan[0] // 4), effort.scan[1]), fit.point
         for values in points:

@@ -79,13 +79,13 @@ def fixed(cov: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _directions(cov: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Combinations (K, k) that are uncorrelated, and their variances (k,), 0 where that is rounding."""
-    seen = np.flatnonzero(np.diag(cov) > 0)  # a cell of a pair may be empty
-    w = np.zeros((len(cov), len(seen)))
-    if not len(seen):
+    filled = np.flatnonzero(np.diag(cov) > 0)  # a cell of a pair may be empty
+    w = np.zeros((len(cov), len(filled)))
+    if not len(filled):
         return np.empty(0), w
-    scale = np.sqrt(np.diag(cov)[seen])
-    values, vectors = np.linalg.eigh(cov[np.ix_(seen, seen)] / np.outer(scale, scale))
-    w[seen] = vectors / scale[:, None]
+    scale = np.sqrt(np.diag(cov)[filled])
+    values, vectors = np.linalg.eigh(cov[np.ix_(filled, filled)] / np.outer(scale, scale))
+    w[filled] = vectors / scale[:, None]
     return np.where(values > SUMMARY.rank_tolerance * values[-1], values, 0), w
 
 

@@ -31,7 +31,7 @@ def background():
 def test_a_known_base_leaves_only_the_noise_of_what_the_effect_changes(background):
     model, fit, target = background
     rng = np.random.default_rng(0)
-    base = fit.known(target, 400_000, rng)
+    base = fit.reference(target, 400_000, rng)
     design = Design.box(model.to_cube(np.r_[fit.params, 0.03, 6.0]), np.array([1e-3, 0.01, 0.02]))
     ours = base.extended(model, target, base.within(design), 40_000, rng)
     plain = surrogate(model, target, design, 400_000, rng)
@@ -47,7 +47,7 @@ def test_a_known_base_leaves_only_the_noise_of_what_the_effect_changes(backgroun
 @pytest.mark.parametrize("start", [(0.02, 5.0), (0.12, 5.0)])
 def test_a_fit_goes_to_the_optimum_from_far_off_and_with_few_events(background, start):
     model, fit, target = background
-    base = fit.known(target, 400_000, np.random.default_rng(0))
+    base = fit.reference(target, 400_000, np.random.default_rng(0))
     unit, half = model.to_cube(np.r_[fit.params, start]), [0.02, 0.03, 0.08]
     fits = [
         refine(model, target, unit, half, np.random.default_rng(k), num_events=80_000, reference=base) for k in range(3)

@@ -96,7 +96,7 @@ def test_what_is_free_is_priced_alike_however_much_there_is_to_explain():
 
 def test_a_model_that_explains_nothing_is_no_better_than_the_simulator_as_it_is():
     found = told(500, weighed(-500, "zero_inflation", excess=500), outside=-70)
-    assert found.named is None
+    assert found.best is None
     assert found.outside > 0.99
 
 
@@ -104,18 +104,18 @@ def test_what_fits_may_be_an_imitation_and_that_is_no_reason_for_another_name():
     names = [name for name in EFFECTS if name not in ("zero_inflation", "overdispersion")][:6]
     found = told(500, *(weighed(0, name) for name in names), outside=-1000)
     assert found.outside == pytest.approx(SCORE.imitated)
-    assert found.named is not None
+    assert found.best is not None
     assert all(share < 3 * SCORE.imitated for share in found.included.values())
 
 
 def test_two_effects_must_explain_more_than_one():
     found = Posterior.of([weighed(-5, "dead_time"), weighed(-5, "dead_time", "pile_up")], -30, CATALOGUE)
-    assert len(found.named.effects) == 1
+    assert len(found.best.effects) == 1
 
 
 def test_nothing_is_named_where_it_is_more_probably_outside_the_catalogue():
     found = Posterior.of([weighed(-40, "zero_inflation")], -5, CATALOGUE)
-    assert found.named is None
+    assert found.best is None
     assert next(iter(found.probability)) == OUTSIDE
     assert found.outside > 0.99
 

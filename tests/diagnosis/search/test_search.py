@@ -43,7 +43,7 @@ def test_an_effect_that_the_catalogue_lacks_is_outside_it(zeros):
 
 def test_no_effect_is_tried_where_none_may_be_added(zeros):
     found = searched(zeros, max_effects=0)
-    assert found.named is None
+    assert found.best is None
     assert not found.included
 
 
