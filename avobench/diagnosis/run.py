@@ -14,7 +14,7 @@ from avobench.diagnosis.fit.null import Inferred, best_null, fit_null
 from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel, correction
 from avobench.diagnosis.goodness_of_fit.held_out import HeldOut
 from avobench.diagnosis.goodness_of_fit.order import exchangeability
-from avobench.diagnosis.report.identifiability import Row, card, card_events
+from avobench.diagnosis.report.identifiability import card, card_events
 from avobench.diagnosis.report.outcome import Outcome, notes_of
 from avobench.diagnosis.report.result import Result, assemble, pictures
 from avobench.diagnosis.report.uncertainties import QuotedFit, ambiguity
@@ -166,7 +166,7 @@ class Run:
 
     def report(self, outcome: Outcome, inferred: Inferred | None) -> Result:
         """The final fit, its uncertainties, where the events disagree, what they could not show, and figures."""
-        target, rng, effort, final, rows = self.target, self.rng, self.effort, outcome.final, list[Row]()
+        target, rng, effort, final, rows = self.target, self.rng, self.effort, outcome.final, []
         fit, moves, weights = final.fit, [], None
         with self.affordable("the last step of the fit"):
             fit = outcome.final_fit(target, rng, effort)

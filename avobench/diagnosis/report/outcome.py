@@ -12,8 +12,8 @@ from avobench.diagnosis.fit.null import Inferred
 from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel
 from avobench.diagnosis.goodness_of_fit.held_out import HeldOut
 from avobench.diagnosis.goodness_of_fit.regions import regions
-from avobench.diagnosis.schema import Gap, Region, Verdict
-from avobench.diagnosis.search.evidence import Weighed
+from avobench.diagnosis.report.uncertainties import named
+from avobench.diagnosis.schema import Candidate, Gap, Region, Verdict
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.settings import REPORT, TEST
 from avobench.diagnosis.summary.bins import View
@@ -35,8 +35,8 @@ class Outcome:
     alpha: float
     gap_before: Gap
     gap_after: Gap | None
-    candidates: list[tuple[Weighed, float]]
-    """The task with each of the effects that were tried on it alone, best first, and its gap."""
+    candidates: list[Candidate]
+    """The effects that were tried on the task alone, best first."""
     withdrawn: tuple[Effect, ...] = ()
     """Effects that the search had added, which the held-out events do not confirm."""
 
@@ -65,8 +65,16 @@ class Outcome:
             and not held_out.shrank(extended.efficient, null.efficient)
         ):
             withdrawn, extended, after = extended.fit.model.effects, None, None
-        single = posterior.single if posterior else []
-        candidates = [(each, held_out.gap(each.fit, rng, effort.fit).value) for each in single]
+        candidates, single = [], posterior.single if posterior else []
+        for each in single:
+            candidates.append(
+                Candidate(
+                    **named(each.fit.model.effects[0].key, each.fit.model.task.labels).model_dump(),
+                    score=single[0].evidence.at_least - each.evidence.at_least,
+                    p_value=each.fit.p_value,
+                    held_out_gap=held_out.gap(each.fit, rng, effort.fit).value,
+                )
+            )
         return cls(null, extended, posterior, alpha, before, after, candidates, withdrawn)
 
     @property

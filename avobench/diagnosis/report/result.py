@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.goodness_of_fit.gates import Correction
-from avobench.diagnosis.report.identifiability import Row
 from avobench.diagnosis.report.outcome import Outcome
-from avobench.diagnosis.report.uncertainties import QuotedFit, models, named, probabilities
-from avobench.diagnosis.schema import Candidate, Diagnosis, Identifiable, Region
+from avobench.diagnosis.report.uncertainties import QuotedFit, models, probabilities
+from avobench.diagnosis.schema import Diagnosis, Identifiable, Region
 from avobench.diagnosis.settings import REPORT
 from avobench.diagnosis.summary.bins import Span, View
 from avobench.diagnosis.summary.target import Target
@@ -109,7 +108,7 @@ class Result:
 
 
 def assemble(
-    task: Task, outcome: Outcome, final: QuotedFit, regions: list[Region], rows: list[Row], **facts: Any
+    task: Task, outcome: Outcome, final: QuotedFit, regions: list[Region], rows: list[Identifiable], **facts: Any
 ) -> Diagnosis:
     """The diagnosis as it is written to a file.
 
@@ -132,8 +131,8 @@ def assemble(
         "identified_after": None,
         "effects": [],
         "regions": [region.model_copy(update={"unit": units.get(region.feature, "1")}) for region in regions],
-        "candidates": _candidates(outcome, labels),
-        "identifiability": [_identifiable(row, task) for row in rows],
+        "candidates": outcome.candidates,
+        "identifiability": rows,
         "seconds": 0.0,
         "seed": 0,
         "versions": {name: version(name) for name in PACKAGES},
@@ -154,29 +153,3 @@ def assemble(
             "effects": sorted(effects, key=lambda effect: -effect.probability),
         }
     return Diagnosis(**fields, **facts)
-
-
-def _candidates(outcome: Outcome, labels: tuple[str, ...]) -> list[Candidate]:
-    """The effects that were tried on the task alone, best first."""
-    if not outcome.candidates:
-        return []
-    best = outcome.candidates[0][0].evidence.at_least
-    return [
-        Candidate(
-            **named(each.fit.model.effects[0].key, labels).model_dump(),
-            score=best - each.evidence.at_least,
-            p_value=each.fit.p_value,
-            held_out_gap=gap,
-        )
-        for each, gap in outcome.candidates
-    ]
-
-
-def _identifiable(row: Row, task: Task) -> Identifiable:
-    return Identifiable(
-        **named(row.effect.key, task.labels).model_dump(),
-        retained=row.retained,
-        minimum_detectable=row.minimum_detectable,
-        theta_bias=dict(zip(task.parameter_names, map(float, row.theta_bias), strict=False)),
-        rivals=[named(rival.key, task.labels) for rival in row.rivals],
-    )
