@@ -41,7 +41,7 @@ class Diagnosed:
     own: Mapping[str, tuple[str | None, Effect]] = field(default_factory=dict)
     """Effects of the user's own by name: how each is found again, and the effect as it is before it sees data."""
     spec: str | None = None
-    """How the task is found again; None where only this process knows it."""
+    """The name by which the task is loaded again; None where only this process has it."""
 
     @property
     def task(self) -> Task:
@@ -275,7 +275,7 @@ def diagnose(
 
 
 def _own(given: Effect | type[Effect] | str) -> tuple[str | None, Effect]:
-    """How an effect of the user's is found again, and the effect."""
+    """The name by which an effect of the user's is loaded again, and the effect."""
     if isinstance(given, str):
         return given, registry.effect(given)
     effect = given() if isinstance(given, type) else given

@@ -1,4 +1,4 @@
-"""How many events each part of a diagnosis simulates, and how far it is with them."""
+"""The number of events that each part of a diagnosis simulates, and its progress through them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
 Progress = Callable[[str, int, int], None]
-"""Is told the phase, the simulated events so far, and about how many there will be."""
+"""A function of the phase, the simulated events so far, and about how many there will be."""
 
 
 class Phases:
@@ -36,31 +36,31 @@ class Effort:
     """Numbers of simulated events. What is `a measured one` is multiplied by the number of measured events."""
 
     rounds: float = 3
-    """Of each round of the first fit, a measured one."""
+    """Events of each round of the first fit, a measured one."""
     sharpen: float = 12
-    """Where a p-value is at stake, a measured one: simulation then adds a tenth to the variance."""
+    """Events where a p-value is at stake, a measured one: simulation then adds a tenth to the variance."""
     reference: float = 48
-    """Of the model that candidates are added to, a measured one."""
+    """Events of the model that candidates are added to, a measured one."""
     rounds_of_search: tuple[tuple[float, int], ...] = ((1, 7), (4, 4), (16, 2))
-    """Of the fits that go on, a measured one, and steps of each."""
+    """Events of the fits that go on, a measured one, and the steps of each."""
     few: int = 10_000
-    """What fewer measured events count as in the last one: where simulation is cheap, its noise need not blur ties."""
+    """Measured events that fewer count as in the line above: where simulation is cheap, its noise need not blur ties."""
     settle: tuple[float, ...] = (3, 9)
-    """Times a sharpening, for the last step of a fit, and to tell what the data say nothing about."""
+    """Multiples of a sharpening, for the last step of a fit, and to tell what the data say nothing about."""
     least: int = 30_000
-    """Of a round, at least."""
+    """Events of a round, at least."""
     fit: int = 25_000
-    """Of each round of a candidate's first fit."""
+    """Events of each round of a candidate's first fit."""
     sample: int = 50_000
-    """From which effects are screened."""
+    """Events from which effects are screened."""
     generated: float = 10
-    """By a slow generator that is asked only once, a measured one."""
+    """Events of a slow generator that is asked only once, a measured one."""
     screen: int = 20_000
-    """For a screening grid; each of its points gets a fiftieth of it at least."""
+    """Events of a screening grid; each of its points gets a fiftieth of them at least."""
     card: int = 3_000
-    """For each strength on the identifiability card."""
+    """Events of each strength on the identifiability card."""
     covariance: int = 100_000
-    """For the covariance that a model predicts."""
+    """Events from which the covariance that a model predicts is taken."""
     scan: tuple[int, int] = (200, 300)
     """Points of each search for theta, and events at each."""
     starts: int = 45
@@ -70,7 +70,7 @@ class Effort:
 
     @property
     def beside(self) -> "Effort":
-        """For a further effect: a quarter of the fits."""
+        """The effort for a further effect: a quarter of the fits."""
         return replace(self, starts=self.starts // 4, begun=self.begun // 4)
 
     @property
@@ -82,7 +82,7 @@ class Effort:
         return BUDGET.gap * (2 * self.covariance + (SEARCH.most[0] + 2) * self.fit)
 
     def scaled(self, share: float) -> "Effort":
-        """Less of everything, but not so little that fits fail."""
+        """The effort with less of everything, but not so little that fits fail."""
         return replace(
             self,
             rounds=self.rounds * share,
@@ -117,9 +117,9 @@ IMAGES = Effort(
     starts=12,
     begun=6,
 )
-"""For images, which are slow to simulate and to summarise."""
+"""The effort for images, which are slow to simulate and to summarise."""
 MANY = Effort(reference=12, rounds_of_search=((1, 6), (4, 2), (12, 1)), screen=8000, starts=20, begun=8)
-"""For several features, each of which has its own entries in the catalogue."""
+"""The effort for several features, each of which has its entries in the catalogue."""
 
 
 def first(effort: Effort, task: Task, num_events: int) -> int:

@@ -90,7 +90,7 @@ class Run:
     num_events: int
     """Measured events, with those that are held out."""
     effects: list[Effect]
-    """Those that may be missing."""
+    """The effects that may be missing."""
     alpha: float
     effort: Effort
     rng: np.random.Generator

@@ -93,7 +93,7 @@ class TestSettings:
     shares: tuple[tuple[str, float], ...] = (("summary", 0.8), ("classifier", 0.2))
     """Each test's share of the false alarms: most effects show in the summary, so that it has most of them."""
     image_shares: tuple[tuple[str, float], ...] = (("summary", 0.6), ("cells", 0.2), ("classifier", 0.2))
-    """The same where events are images."""
+    """The shares where events are images."""
     hopeless: float = 1e-12
     """P-value below which no care in the fit helps a model."""
     trees: int = 60
@@ -212,7 +212,7 @@ class ScoreSettings:
     at least: its strength, and its place among all sets. At a temperature of 4 it is odds of 7. Chosen on development
     cases."""
     temperature: float = 4.0
-    """By which log prior and log evidence are divided: what the formulas leave out, and the scatter of simulation, make
+    """The divisor of log prior and log evidence: what the formulas leave out, and the scatter of simulation, make
     them too sure. Chosen on development cases."""
     distortions: tuple[float, float, int] = (0.003, 1, 12)
     """Shares by which something unknown distorts the simulation, from, to and how many: log-uniform, from what a
@@ -265,7 +265,7 @@ class RecognitionSettings:
     most_pull: float = 60.0
     """Standard deviations beyond which a bin tells no more."""
     most_deviation: float = 20.0
-    """The same of single values and moments."""
+    """Standard deviations at which single values and moments are clipped."""
     portrait_events: int = 50_000
     """Measured events of a portrait, at most: the networks were trained with no more."""
     simulated: int = 2
@@ -328,7 +328,7 @@ class BudgetSettings:
     several: int = 2
     """Searches that are to fit into the events that are allowed, so that they seldom end early."""
     step: float = 0.8
-    """By which the effort is made less until it fits."""
+    """The factor by which the effort is made less until it fits."""
     least_share: float = 1e-3
     """Share of the effort below which all is at its least."""
     rounds: int = 30

@@ -140,7 +140,7 @@ def _of_reals(
 
 
 def _together(x: NDArray, simulated: NDArray, rng: np.random.Generator) -> NDArray[np.float64]:
-    """How features (n, d) go together, beside simulated ones (m, d), as normal scores: the most that is to be seen."""
+    """Marks of how features (n, d) go together, beside simulated ones (m, d), as normal scores: the largest of each."""
     n, d = x.shape
     z, usual = (
         np.stack([_scores(each[:, j], simulated[:, j], rng) for j in range(d)], axis=1) for each in (x, simulated)
@@ -158,7 +158,7 @@ def _together(x: NDArray, simulated: NDArray, rng: np.random.Generator) -> NDArr
 
 
 def _cells(z: NDArray[np.float64], usual: NDArray[np.float64]) -> float:
-    """By how much chi-squared of two features (n, 2), cut at quarters of their own, exceeds what (m, 2) let expect."""
+    """The excess of chi-squared of two features (n, 2), each cut at its quarters, over what (m, 2) let expect."""
     ratio, tables = len(z) / len(usual), []
     for each in (z, usual):
         rows, columns = (np.searchsorted(np.quantile(side, R.quarters), side) for side in each.T)
@@ -182,7 +182,7 @@ def _place(x: NDArray, simulated: NDArray, rng: np.random.Generator) -> NDArray[
 
 
 def _scores(x: NDArray, simulated: NDArray, rng: np.random.Generator) -> NDArray[np.float64]:
-    """The same as quantiles of a standard normal distribution: (n,)."""
+    """The places of measured values as quantiles of a standard normal distribution: (n,)."""
     least = 0.5 / len(simulated)
     return ndtri(np.clip(_place(x, simulated, rng), least, 1 - least))
 
@@ -196,12 +196,12 @@ def _compared(
 
 
 def _excess(pulls: NDArray[np.float64]) -> float:
-    """By how many standard deviations the square of pulls (k,) is too large."""
+    """The excess of the square of pulls (k,), in standard deviations."""
     return float((pulls @ pulls - len(pulls)) / np.sqrt(2 * len(pulls)))
 
 
 Kind = Literal["count", "real", "reals"]
-"""Of events that there is experience with: one count, one real number, or several."""
+"""The kind of events that there is experience with: one count, one real number, or several."""
 
 Layer = tuple[NDArray[np.float64], NDArray[np.float64]]
 """Weights (a, b) and biases (b,)."""
@@ -216,7 +216,7 @@ class Recogniser:
     networks: tuple[tuple[Layer, ...], ...]
 
     def probabilities(self, marks: NDArray[np.float64]) -> dict[str, float]:
-        """Of each family, by a portrait (f,)."""
+        """The probability of each family, by a portrait (f,)."""
         shares = [softmax(forward(layers, compressed(marks))) for layers in self.networks]
         return dict(zip(self.families, np.mean(shares, axis=0).tolist(), strict=True))
 

@@ -122,16 +122,16 @@ def sharpen(
     rounds: int = FIT.sharpenings,
     reference: ReferenceModel | None = None,
 ) -> Fit:
-    """The same fit with many events in small designs around it."""
+    """Repeat a fit with many events in small designs around it."""
     num_events = fit.afforded(num_events)
     design = fit.next_design(ratio=max(num_events / fit.num_events, 1))
     return descend(fit.model, target, design, rng, num_events, rounds, reference)
 
 
 def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int, ratios: tuple[float, ...]) -> Fit:
-    """The same fit with one more step from many events, and more until it is plain which directions the data identify.
+    """Repeat a fit with one step from many events, and more until it is plain which directions the data identify.
 
-    The degrees of freedom that a fit takes up, and the errors that are quoted, hang on that. A step to the edge of its
+    The degrees of freedom that a fit takes up, and the errors of its parameters, hang on that. A step to the edge of its
     design, or one that promises much, only says where to look next: slopes at an edge are hardly known, and a promise
     may be none. It uses no `ReferenceModel`: a polynomial over so wide a design is not exact enough where the data say
     nearly nothing.

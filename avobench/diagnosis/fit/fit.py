@@ -27,15 +27,15 @@ class Fit:
     jacobian_noise: NDArray[np.float64]
     """What simulation adds to jacobian^T jacobian: (P, P)."""
     slope_error: float
-    """Of a slope by simulation, all summaries taken together, over the design: about sqrt(6 r N / n)."""
+    """The error of a slope by simulation, all summaries taken together, over the design: about sqrt(6 r N / n)."""
     noise: float
     """Variance that simulation adds, in units of that of the measurement."""
     predicted: NDArray[np.float64]
     """Simulated mean (K,)."""
     num_events: int
-    """Simulated for it."""
+    """The number of events that were simulated for it."""
     design: Design
-    """Of the surrogate that the fit was made with."""
+    """The design of the surrogate that the fit was made with."""
 
     @property
     def params(self) -> NDArray[np.float64]:
@@ -75,7 +75,7 @@ class Fit:
 
     @property
     def undecided(self) -> bool:
-        """Whether a direction may be identified, but its slope does not stand out of the simulation's noise."""
+        """True if a direction may be identified, but its slope does not stand out of the simulation's noise."""
         _, values, by_chance, whole_range = self._directions
         error = FIT.clear * by_chance
         return bool(((values < error) & ((values + error) * whole_range > FIT.identified**2)).any())
@@ -100,12 +100,12 @@ class Fit:
 
     @property
     def p_value(self) -> float:
-        """Of `q`, with one degree of freedom where as many parameters are fitted as there are bins."""
+        """The chi-squared p-value of `q`, with one degree of freedom at least."""
         return float(chi2.sf(self.q, max(self.dof, 1)))
 
     @cached_property
     def point_covariance(self) -> NDArray[np.float64]:
-        """Of the cube coordinates, (P, P); where the data say less than the range, that of the range."""
+        """The covariance of the cube coordinates (P, P); where the data say less than the range, that of the range."""
         values, vectors = np.linalg.eigh(self.information[0])
         return (vectors / np.maximum(values, 12)) @ vectors.T
 
@@ -150,7 +150,7 @@ class Fit:
         return int(num_events * min(1.0, FIT.dear * FIT.probed / max(events.used - before, 1)))
 
     def reference(self, target: Target, num_events: int, rng: np.random.Generator) -> ReferenceModel:
-        """The model, made known with so many events over a wide design around the fit."""
+        """The model with a surrogate by so many events over a wide design around the fit."""
         make = partial(surrogate, self.model, target, num_events=self.afforded(num_events), rng=rng)
         return ReferenceModel(self.model, quadratic(make, self.around(FIT.reference_sigmas), target))
 

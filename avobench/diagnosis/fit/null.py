@@ -20,7 +20,7 @@ from avobench.tasks.errors import UsageError
 
 @dataclass(frozen=True)
 class Inferred:
-    """What a registered method found for theta."""
+    """Theta as a registered method infers it, from which the fit of a diagnosis may begin."""
 
     method: str
     task: Task
@@ -29,7 +29,7 @@ class Inferred:
 
     @classmethod
     def by(cls, name: str, task: Task, x: NDArray, num_events: int | None, rng: np.random.Generator) -> "Inferred":
-        """From events x (N, d), with at most so many simulated ones, and FIT.method_events.
+        """Fit events x (N, d) by a registered method, with at most so many simulated ones, and its usual budget.
 
         Raises UsageError for an unknown method and for too few events.
         """
@@ -48,7 +48,7 @@ class Inferred:
         return model.to_cube(np.clip(self.estimate.theta, model.low, model.high))
 
     def note(self, fit: Fit) -> str:
-        """It beside a fit: a proposal much wider than the error warns that the model is wrong."""
+        """A note that compares it with a fit: a proposal much wider than the error warns that the model is wrong."""
         estimate = self.estimate
         each = zip(self.task.parameter_names, estimate.theta, estimate.std, fit.std, strict=False)
         parts = [

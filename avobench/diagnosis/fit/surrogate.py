@@ -45,7 +45,7 @@ class Surrogate:
     bend: NDArray[np.float64]
     """(K,), at the centre, from events that are spread minus from those there: noise, unless E[s] is no quadratic."""
     bend_variance: float
-    """In units of that of one event."""
+    """The variance of `bend` by simulation, in units of that of one event."""
 
     def noiseless_q_at_centre(self, target: Target) -> tuple[float, float]:
         """Q at the centre of the design, without what simulation adds on average, and its standard error."""
@@ -56,7 +56,7 @@ class Surrogate:
         return _without_noise(target, self.bend, self.bend_variance)
 
     def bends(self, target: Target) -> bool:
-        """Whether E[s] is plainly no quadratic over the design."""
+        """True if E[s] is plainly no quadratic over the design."""
         lack, error = self.lack(target)
         return lack > max(FIT.clear * error, FIT.bent * self.noiseless_q_at_centre(target)[0])
 
@@ -153,7 +153,7 @@ def quadratic(make: Callable[[Design], Surrogate], design: Design, target: Targe
 
 @dataclass(frozen=True)
 class ReferenceModel:
-    """A model that is well known around a fit, to which an effect is to be added.
+    """A fitted model with a precise surrogate around it, to which an effect is to be added.
 
     What the effect changes is seen event by event: only those that it changes add to the noise.
     """

@@ -52,9 +52,9 @@ def model_metric(
 ) -> tuple[Target, float]:
     """A measured mean (K,) of so many events in the metric that the fitted model itself predicts.
 
-    The model's own covariance, because that of few measured events is biased where they are fewest. Where it makes
-    none, but some were measured, they scatter as if it were to make one; by how many degrees of freedom that is more
-    than the model says comes second.
+    The covariance is the model's, because that of few measured events is biased where they are fewest. Where it makes
+    none, but some were measured, they scatter as if it were to make one; the second return value is the number of
+    degrees of freedom that this adds.
     """
     cov = summary.covariance(fit.model.simulate(np.tile(fit.params, (num_simulated, 1)), rng))
     lacking = np.maximum(1 / num_events - np.diag(cov), 0)
@@ -166,9 +166,9 @@ class ExtendedModel:
     """A fitted model, the task alone or with effects, and all tests of it."""
 
     fit: Fit
-    """In the metric of the target, in which models are compared."""
+    """The fit in the metric of the target, in which models are compared."""
     efficient: Fit
-    """In the metric that the model itself predicts, with more events: what is reported of a model that is right."""
+    """The fit in the metric that the model itself predicts, with more events; reported if the model is right."""
     gates: dict[str, GateResult]
 
     @classmethod
@@ -186,7 +186,7 @@ class ExtendedModel:
 
     @property
     def p_value(self) -> float:
-        """Of all tests together; 1 before any."""
+        """The p-value of all tests together; 1 before any."""
         return min([1.0, *(gate.p_value / gate.share for gate in self.gates.values())])
 
 

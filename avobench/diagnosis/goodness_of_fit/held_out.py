@@ -44,7 +44,7 @@ class HeldOut:
         return Gap(value=q / ndf, low=low / ndf, high=high / ndf)
 
     def shrank(self, new: Fit, old: Fit) -> bool:
-        """Whether the gap is smaller with one fit than with another, by more than chance brings about.
+        """True if the gap is smaller with one fit than with another, by more than chance brings about.
 
         Both are compared with the same events, whose scatter they share but for that along the difference d of the two:
         chi-squared differs by 2 |d| times a normal deviate more than it should, of variance 1 from these events and
@@ -75,7 +75,7 @@ def null_moments(metric: Target, x: NDArray) -> tuple[float, float]:
 
 
 def interval(q: float, mean: float, variance: float) -> tuple[float, float]:
-    """Where the expectation of a chi-squared may lie that was seen to be q: 95 %, by both tails.
+    """The 95 % interval, by both tails, of the expectation of a chi-squared that was measured to be q.
 
     Without a gap it has the `mean` and the `variance` given; a gap raises its mean by the noncentrality, and its
     variance by four times as much. In between it is a scaled chi-squared of the same two moments (P. B. Patnaik,

@@ -32,7 +32,7 @@ class Series:
     at: NDArray[np.float64]
     """Position of each, ascending, 0 at the first and 1 at the last at most: (n,)."""
     unit: str
-    """Of the values."""
+    """The unit of the values."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Look:
     shape: NDArray[np.float64] | None = None
     """What is there if it is true, but for factors (n, k)."""
     size: float = 0.0
-    """Where there is no shape, and its unit."""
+    """The size where there is no shape, and its unit."""
     unit: str = "correlation"
 
 
@@ -244,7 +244,7 @@ def without(values: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray[
 
 
 def factors(values: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray[np.float64]:
-    """By how much of each column of a shape (n, k) values (n,) are best described beside a constant: (k,)."""
+    """The factors (k,) of the columns of a shape (n, k) that describe values (n,) best beside a constant."""
     shape = shape - shape.mean(axis=0)
     return np.linalg.solve(shape.T @ shape + 1e-12 * np.eye(shape.shape[1]), shape.T @ values)
 

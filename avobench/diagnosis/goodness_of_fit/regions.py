@@ -1,4 +1,4 @@
-"""Where do simulation and measurement disagree? Intervals of each feature, with the look-elsewhere effect."""
+"""Intervals of each feature in which simulation and measurement disagree, with the look-elsewhere effect."""
 
 from dataclasses import dataclass
 
@@ -42,7 +42,7 @@ def intervals(fit: Fit, target: Target, spans: list[Span]) -> Scan:
 
 
 def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> list[tuple[float, float, int]]:
-    """Where a feature of simulated events x (n, d), or any if it is "all", disagrees most with measured ones.
+    """The intervals where a feature of simulated events x (n, d), or any if it is "all", disagrees most.
 
     The ends and the feature of the interval of the largest excess, and of the largest deficit; nothing for images, nor
     for an effect on a parameter of the task.

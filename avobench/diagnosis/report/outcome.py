@@ -29,9 +29,9 @@ class Outcome:
 
     null: ExtendedModel
     extended: ExtendedModel | None
-    """With the effects; None where none was added."""
+    """The model with the effects; None where none was added."""
     posterior: Posterior | None
-    """How probable which effects are; None where nothing disagrees."""
+    """The probabilities of sets of effects; None where nothing disagrees."""
     alpha: float
     gap_before: Gap
     gap_after: Gap | None
@@ -79,7 +79,7 @@ class Outcome:
 
     @property
     def disagree(self) -> bool:
-        """Whether the task alone was rejected."""
+        """True if the task alone was rejected."""
         return self.null.p_value < self.alpha
 
     @property
@@ -117,7 +117,7 @@ class Outcome:
         return self.final.efficient if self.effects else self.first
 
     def regions(self, task: Task, target: Target, view: View, rng: np.random.Generator) -> list[Region]:
-        """Where the task alone disagrees with the events that were fitted; nothing where it does not."""
+        """The intervals in which the task alone disagrees with the events that were fitted; none where it does not."""
         if not self.disagree:
             return []
         one_count = task.num_features == 1 and domain(task) == "counts"
@@ -125,7 +125,7 @@ class Outcome:
 
 
 def _describes(model: ExtendedModel, gap: Gap, alpha: float) -> bool:
-    """Whether a model agrees with the measurement, by the tests and, on held-out events, by the `gap`."""
+    """True if a model agrees with the measurement, by the tests and, on held-out events, by the `gap`."""
     return model.p_value >= TEST.rejected_share * alpha and gap.low <= 1
 
 

@@ -26,12 +26,12 @@ class Spectrum:
     edges: NDArray[np.float64]
     """(bins + 1,), from the smallest to the largest measured value at least."""
     measured: NDArray[np.float64]
-    """(bins,), as the next ones."""
+    """Shares of the events (bins,), as are the next ones."""
     error: NDArray[np.float64]
     """Standard error of the measured shares."""
     before: NDArray[np.float64]
     after: NDArray[np.float64] | None
-    """With the effects; None where none was added."""
+    """The shares with the effects; None where none was added."""
 
     def pulls(self, simulated: NDArray[np.float64]) -> NDArray[np.float64]:
         """(measured - simulated) / error: (bins,)."""
@@ -40,7 +40,7 @@ class Spectrum:
 
 @dataclass(frozen=True)
 class Maps:
-    """Of images: how often, or how strongly, each cell fires, on average. All (rows, columns)."""
+    """The mean of each cell of images, measured and simulated. All are (rows, columns)."""
 
     measured: NDArray[np.float64]
     error: NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""What is quoted of a fitted model: values, and errors that cover the other shapes which the data allow."""
+"""Values of a fitted model with uncertainties that cover the other shapes which the data allow."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,11 +19,11 @@ class Move:
     """Another effect, or another shape of it, that the data allow, and where theta would be with it."""
 
     theta: NDArray[np.float64]
-    """How far theta moves, in units of its range, along what the data determine of it: (p,)."""
+    """The shift of theta, in units of its range, along what the data determine of it: (p,)."""
     worse: float
-    """By how much chi-squared is worse, at least."""
+    """The least by which chi-squared is worse."""
     covariance: NDArray[np.float64]
-    """Of theta there, along the same: (p, p)."""
+    """The covariance of theta there, along the same: (p, p)."""
 
 
 def ambiguity(
@@ -71,7 +71,7 @@ def ambiguity(
 
 
 def shape_parameters(fit: Fit) -> int:
-    """What the effects of a fit have beside their strengths."""
+    """The number of parameters that the effects of a fit have beside their strengths."""
     return sum(len(effect.parameters) - 1 + effect.choices for effect in fit.model.effects)
 
 
@@ -95,11 +95,11 @@ class QuotedFit:
 
     fit: Fit
     moves: Sequence[Move] = ()
-    """Where theta would be with other effects or shapes that the data allow."""
+    """The shifts of theta with other effects or shapes that the data allow."""
 
     @property
     def scale(self) -> float:
-        """By what errors are larger where the model does not describe the events."""
+        """The factor on all errors, above 1 where the model does not describe the events."""
         return float(np.sqrt(max(1.0, self.fit.q / max(self.fit.dof, 1))))
 
     @property
@@ -174,7 +174,7 @@ def named(key: tuple, names: tuple[str, ...]) -> Named:
 
 
 def probabilities(posterior: Posterior, names: tuple[str, ...]) -> list[Probable]:
-    """Of every effect that was considered, to be in the model; most probable first."""
+    """The probability of every effect that was considered to be in the model; most probable first."""
     return [
         Probable(**named(key, names).model_dump(), probability=min(share, 1.0))
         for key, share in posterior.included.items()

@@ -20,7 +20,7 @@ class Span:
     feature: int | str
     """The column that they are of; of images rows, columns or hits."""
     start: int
-    """Where the first stands in the summary."""
+    """The position of the first one in the summary."""
     ends: NDArray[np.float64]
     """The ends of the bins, one more than there are."""
 
@@ -32,7 +32,7 @@ class View:
     spans: list[Span]
     """The features; of images rows and columns, counted from 0, and hits."""
     cells: NDArray[np.float64] | None = None
-    """Of images, the mean of each cell (rows, columns)."""
+    """The mean of each cell of images (rows, columns)."""
     cell_errors: NDArray[np.float64] | None = None
     """The standard error of each."""
 
@@ -62,7 +62,7 @@ class Summary(ABC):
 
     @abstractmethod
     def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
-        """About how far each event's vector went, as a variance in units of that of one event: (n, d) twice -> (n,)."""
+        """The rough change of each event's vector, as a variance in units of that of one event: (n, d) twice -> (n,)."""
 
     @abstractmethod
     def covariance(self, x: NDArray) -> NDArray[np.float64]:
@@ -74,7 +74,7 @@ class Summary(ABC):
 
     @abstractmethod
     def alike(self, length: float) -> NDArray[np.float64]:
-        """How alike parts of the vector are that lie close to each other: (K, K), 1 on the diagonal.
+        """The correlation of parts of the vector that lie close to each other: (K, K), 1 on the diagonal.
 
         Squared-exponential with `length` as a share of the range of a feature, told in bins; parts of different
         features have nothing in common.
@@ -116,12 +116,12 @@ class Bins(Summary):
 
     @cached_property
     def _fine(self) -> list[NDArray[np.intp]]:
-        """Of a bin between merged edges, which bin it lies in."""
+        """The bin that each bin between merged edges lies in."""
         return [_parts(e, merged) for e, merged in zip(self.edges, self._merged, strict=True)]
 
     @cached_property
     def _wide(self) -> list[NDArray[np.intp]]:
-        """The same for pairs."""
+        """The coarse bin that each bin between merged edges lies in."""
         return [_parts(e, merged) for e, merged in zip(self.coarse, self._merged, strict=False)]
 
     def indices(self, x: NDArray) -> NDArray[np.int32]:
@@ -174,12 +174,12 @@ class Bins(Summary):
 
 
 def _parts(edges: NDArray[np.float64], merged: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Of each bin between `merged` edges (k,), of which `edges` are some, the bin between `edges`: (k + 1,)."""
+    """The bin between `edges` of each bin between `merged` edges (k,), which have all of `edges`: (k + 1,)."""
     return np.r_[0, np.searchsorted(edges, merged, side="right")]
 
 
 def bin_of(column: NDArray, edges: NDArray[np.float64]) -> NDArray[np.intp]:
-    """How many inner edges lie at or below each value: (n,). Whole numbers are looked up in a table."""
+    """The number of inner edges at or below each value: (n,). Whole numbers are looked up in a table."""
     if len(edges) and np.can_cast(column.dtype, np.int64):
         low, high = int(np.ceil(edges[0])) - 1, int(np.floor(edges[-1])) + 1
         if high - low < len(column):

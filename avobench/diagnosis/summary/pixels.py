@@ -13,7 +13,7 @@ from avobench.diagnosis.summary.bins import Summary, View, close, closed, inner_
 
 @dataclass(frozen=True)
 class Pixels(Summary):
-    """Of images of `grid` rows and columns, flattened row by row; `fullness` are inner edges for the number of hits."""
+    """The summary of images of `grid` rows and columns, flattened by rows; `fullness` are inner edges for the hits."""
 
     grid: tuple[int, int]
     fullness: NDArray[np.float64]

@@ -19,7 +19,7 @@ class Vectors(Protocol):
         """weights^T s(x): (n, d), (n, b) -> (b, K)."""
 
     def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
-        """How far each event's vector went, as a variance in units of that of one event: (n, d) twice -> (n,)."""
+        """The change of each event's vector, as a variance in units of that of one event: (n, d) twice -> (n,)."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Target:
     """(K,)"""
     num_events: int
     cov: NDArray[np.float64]
-    """Of the summary of one event (K, K)."""
+    """The covariance of the summary of one event (K, K)."""
     whitening: NDArray[np.float64]
     """(K, r), whitening^T cov whitening = 1."""
 
@@ -44,7 +44,7 @@ class Target:
         return self.whitening.shape[1]
 
     def whiten(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
-        """In standard errors of the measured mean: (..., K) -> (..., r)."""
+        """A mean in standard errors of the measured one: (..., K) -> (..., r)."""
         return np.sqrt(self.num_events) * (mean @ self.whitening)
 
     def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -54,7 +54,7 @@ class Target:
     def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
         """How far each event's vector went, as a variance in units of that of one event: (n, d) twice -> (n,).
 
-        Which events go how far the summary says; how much that is where its covariance is 1, some of them.
+        The summary says which events change; how much that is where its covariance is 1 is taken from some of them.
         """
         share = self.summary.moved(before, after)
         went = np.flatnonzero(share)
@@ -95,6 +95,6 @@ def summary_of(task: Task, x: NDArray, simulated: NDArray) -> Summary:
 
 
 def target_of(x: NDArray, summary: Summary, simulated: NDArray) -> Target:
-    """What to fit to the measured events x (N, d), whitened with their covariance and a little of the simulated."""
+    """The target of measured events x (N, d), whitened with their covariance and a little of the simulated."""
     cov = (1 - SUMMARY.mixed_in) * summary.covariance(x) + SUMMARY.mixed_in * summary.covariance(simulated)
     return Target.of(summary, summary.mean(x)[0], len(x), cov)

@@ -27,7 +27,7 @@ MOST_ENLARGED = 2
 MOST_LABELS = 8
 """Regions beyond so many have no label, but stand in the table."""
 LABEL_WIDTH = 0.1
-"""Of the axis; labels that would be nearer to each other stand above each other."""
+"""Share of the axis; labels that would be nearer to each other stand above each other."""
 LEAST_PULLS = 4.0
 """The scale of pulls reaches at least so far."""
 LINEAR_PULLS = 5.0

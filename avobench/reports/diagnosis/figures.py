@@ -21,7 +21,7 @@ from avobench.tasks import Task
 FIGURE = re.compile(r"(maps|distribution-\d+|gap|theta|candidates)\.(pdf|png|csv)")
 """The file of a figure."""
 MOST_CANDIDATES = 20
-"""As many as a figure of a page's height holds; the table has all."""
+"""Candidates that a figure of a page's height holds; the table has all."""
 
 
 def draw(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> list[Drawn]:

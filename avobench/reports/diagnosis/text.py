@@ -78,7 +78,7 @@ def meaning(diagnosis: Diagnosis) -> str:
 
 
 def _lacking(diagnosis: Diagnosis) -> str:
-    """How far the data tell what is missing, by the effects that describe them alike."""
+    """The sentence about what is missing, by the number of effects that describe the data alike."""
     alike = [1 + len(effect.tied_with) for effect in diagnosis.effects]
     if max(alike) == 1:
         return f"The simulator lacks {' and '.join(map(label, diagnosis.effects))}."
