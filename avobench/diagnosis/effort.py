@@ -44,7 +44,7 @@ class Effort:
     rounds_of_search: tuple[tuple[float, int], ...] = ((1, 7), (4, 4), (16, 2))
     """Events of the fits that go on, a measured one, and the steps of each."""
     few: int = 10_000
-    """Measured events that fewer count as in the line above: where simulation is cheap, its noise need not blur ties."""
+    """Measured events that fewer count as in the line above: where simulation is cheap, its noise is made small."""
     settle: tuple[float, ...] = (3, 9)
     """Multiples of a sharpening, for the last step of a fit, and to tell what the data say nothing about."""
     least: int = 30_000

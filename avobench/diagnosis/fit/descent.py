@@ -131,8 +131,8 @@ def sharpen(
 def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int, ratios: tuple[float, ...]) -> Fit:
     """Repeat a fit with one step from many events, and more until it is plain which directions the data identify.
 
-    The degrees of freedom that a fit takes up, and the errors of its parameters, hang on that. A step to the edge of its
-    design, or one that promises much, only says where to look next: slopes at an edge are hardly known, and a promise
+    The degrees of freedom that a fit takes up, and the errors of its parameters, depend on it. A step to the edge of
+    a design, or one that promises much, only says where to look next: slopes at an edge are hardly known, and a promise
     may be none. It uses no `ReferenceModel`: a polynomial over so wide a design is not exact enough where the data say
     nearly nothing.
     """

@@ -62,7 +62,7 @@ class Summary(ABC):
 
     @abstractmethod
     def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
-        """The rough change of each event's vector, as a variance in units of that of one event: (n, d) twice -> (n,)."""
+        """The rough change of each event's vector, as a variance in units of that of an event: (n, d) twice -> (n,)."""
 
     @abstractmethod
     def covariance(self, x: NDArray) -> NDArray[np.float64]:
