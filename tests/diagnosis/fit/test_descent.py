@@ -1,3 +1,5 @@
+"""Fits by descent: the scan before it, the steps, and what settles them."""
+
 from dataclasses import replace
 
 import numpy as np
@@ -5,7 +7,8 @@ import pytest
 from measurements import LIGHT, measured
 
 from avobench.diagnosis.fit import surrogate as surrogate_module
-from avobench.diagnosis.fit.descent import minimise, refine, sharpen
+from avobench.diagnosis.fit.descent import minimise, refine, scan, settled, sharpen
+from avobench.diagnosis.fit.fit import fit_at
 from avobench.diagnosis.fit.null import fit_null
 from avobench.diagnosis.fit.surrogate import Design, surrogate
 from avobench.diagnosis.settings import FIT
@@ -15,6 +18,18 @@ from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
+
+
+@pytest.mark.parametrize("around", [None, 0.7, 0.3])
+def test_a_scan_comes_near_the_best_or_as_near_as_it_may(around):
+    task = Poisson()
+    x, rng = measured(task, [2.0], 20_000, 4)
+    model, target = Model(task), target_of(x, bins_of(x, x), x)
+    (u,), near = scan(model, target, rng, around=None if around is None else np.array([around]))
+    at = 0.6  # of log rates from -10 to 10
+    within = at if around is None else np.clip(at, around - FIT.searched, around + FIT.searched)
+    assert u == pytest.approx(within, abs=0.01)
+    assert near < 0.01
 
 
 @pytest.fixture(scope="module")
@@ -88,3 +103,22 @@ def test_a_fit_of_hard_edges_goes_on_in_narrower_designs(monkeypatch):
     never, narrowed = gaps.values()
     assert max(narrowed) < max(never) / 2  # one of those that never narrow is stuck
     assert np.mean(narrowed) < np.mean(never)
+
+
+def test_what_the_data_identify_is_settled_with_more_events():
+    """Two directions: of weinberg's theta only one combination shows, and the smearing. From few events neither is
+    plain; from more both are, and the error of the smearing is no longer that of its range."""
+    task = Weinberg()
+    (smearing,) = [effect for effect in catalogue(task) if effect.key == ("resolution", 0)]
+    model, truth = Model(task, (smearing,)), np.array([46.0, 1.0, 0.25])
+    rng = np.random.default_rng(4)
+    x = model.simulate(np.tile(truth, (20_000, 1)), rng)
+    target = target_of(x, bins_of(x, x), x)
+    design = Design.box(model.to_cube(truth), np.array([0.01, 0.01, 0.02]))
+    few = fit_at(model, surrogate(model, target, design, 10_000, rng), target, model.to_cube(truth))
+    assert few.undecided
+    assert few.num_identified < 2
+    plain = settled(few, target, rng, 20_000, (30, 90))
+    assert plain.num_identified == 2
+    assert plain.std[2] < 0.01 < 0.1 < few.std[2]
+    assert abs(plain.params[2] - truth[2]) < 4 * plain.std[2]

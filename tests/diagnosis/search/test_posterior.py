@@ -139,22 +139,11 @@ OPINIONS = st.dictionaries(
 
 @given(OPINIONS)
 def test_what_events_look_like_moves_probability_among_sets_alone(opinions):
+    fitted = {names: fit for names, (fit, _) in opinions.items()}
     both = pooled(opinions)
-    fitted = np.array([fit for fit, _ in opinions.values()])
-    assert np.logaddexp.reduce(list(both.values())) == pytest.approx(np.logaddexp.reduce(fitted))
-
-
-@given(OPINIONS)
-def test_where_all_look_alike_the_order_is_that_of_the_fits(opinions):
-    alike = {names: (fitted, -1.0) for names, (fitted, _) in opinions.items()}
-    both = pooled(alike)
-    for one in alike:
+    assert np.logaddexp.reduce(list(both.values())) == pytest.approx(np.logaddexp.reduce(list(fitted.values())))
+    assert pooled({names: (fit, 0.0) for names, fit in fitted.items()}) == fitted  # without experience
+    alike = pooled({names: (fit, -1.0) for names, fit in fitted.items()})
+    for one in alike:  # the order is that of the fits
         for other in alike:
-            assert (both[one] - both[other]) * (alike[one][0] - alike[other][0]) >= 0
-
-
-@given(OPINIONS)
-def test_without_experience_the_fits_decide(opinions):
-    assert pooled({names: (fitted, 0.0) for names, (fitted, _) in opinions.items()}) == {
-        names: fitted for names, (fitted, _) in opinions.items()
-    }
+            assert (alike[one] - alike[other]) * (fitted[one] - fitted[other]) >= 0

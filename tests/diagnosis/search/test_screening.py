@@ -1,3 +1,5 @@
+"""Where fits of an effect begin."""
+
 import numpy as np
 import pytest
 from measurements import with_effect
