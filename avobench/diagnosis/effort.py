@@ -122,7 +122,7 @@ MANY = Effort(reference=12, rounds_of_search=((1, 6), (4, 2), (12, 1)), screen=8
 """The effort for several features, each of which has its entries in the catalogue."""
 
 
-def first(effort: Effort, task: Task, num_events: int) -> int:
+def first_fit_events(effort: Effort, task: Task, num_events: int) -> int:
     """Simulated events, at most about, of the first fit to so many measured ones, of the gates and of the gap."""
     if task.generates:
         return int(max(effort.generated * num_events, effort.least)) + 2 * num_events
@@ -132,13 +132,13 @@ def first(effort: Effort, task: Task, num_events: int) -> int:
     return int(9 * points * events * 1.1 + BUDGET.rounds * rounds + gates) + BUDGET.gap * effort.covariance
 
 
-def addition(effort: Effort, num_events: int) -> int:
+def addition_events(effort: Effort, num_events: int) -> int:
     """Simulated events, at most about, with which an effect that was chosen is fitted and the gates look again."""
     ratio, _ = effort.rounds_of_search[-2]
     return int((BUDGET.refined * ratio + (BUDGET.sharpening * effort.sharpen + BUDGET.tests) / 2) * num_events)
 
 
-def usual(domain: str, num_events: int) -> int:
+def usual_events(domain: str, num_events: int) -> int:
     """Simulated events that a diagnosis of so many measured ones takes, about."""
     return dict(BUDGET.usual)[domain] * max(num_events, Effort.few) // BUDGET.usual_events
 
@@ -151,10 +151,12 @@ def effort_for(task: Task, domain: str, num_simulations: int | None, num_events:
     full = IMAGES if domain == "images" else MANY if task.num_features > 1 else Effort()
     if num_simulations is None:
         return full
-    least = first(full.scaled(0), task, num_events)
+    least = first_fit_events(full.scaled(0), task, num_events)
     if num_simulations < least:
         raise UsageError(f"{num_simulations} simulated events are too few: the first fit and the gates need {least}")
-    share = float(np.clip((num_simulations - BUDGET.least_search) / (BUDGET.several * usual(domain, num_events)), 0, 1))
-    while first(full.scaled(share), task, num_events) > num_simulations:
+    share = float(
+        np.clip((num_simulations - BUDGET.least_search) / (BUDGET.several * usual_events(domain, num_events)), 0, 1)
+    )
+    while first_fit_events(full.scaled(share), task, num_events) > num_simulations:
         share = share * BUDGET.step if share > BUDGET.least_share else 0.0
     return full.scaled(share)

@@ -8,7 +8,15 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.diagnosis.effort import Effort, Phases, Progress, addition, effort_for, first, usual
+from avobench.diagnosis.effort import (
+    Effort,
+    Phases,
+    Progress,
+    addition_events,
+    effort_for,
+    first_fit_events,
+    usual_events,
+)
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.null import Inferred, best_null, fit_null
 from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel, correction
@@ -66,7 +74,7 @@ def diagnose(
     shuffled = rng.permutation(len(x))
     cut = len(x) - int(TEST.held_out_share * len(x))
     effort = effort_for(task, domain(task), num_simulations, cut)
-    phases = Phases(progress, first(effort, task, cut) // 2)
+    phases = Phases(progress, first_fit_events(effort, task, cut) // 2)
     meter = Meter(num_simulations, phases)
     run = Run(task, x[shuffled[:cut]], len(x), effects, alpha, effort, rng, meter, phases, notes)
 
@@ -149,11 +157,11 @@ class Run:
     ) -> tuple[ExtendedModel | None, Posterior | None]:
         """Weigh all sets of effects that may be missing, and add the most probable one; None where none is."""
         meter, target, n = self.meter, self.target, len(self.events)
-        self.phases.begin("search", usual(domain(self.task), n) if meter.limit is None else 0)
+        self.phases.begin("search", usual_events(domain(self.task), n) if meter.limit is None else 0)
         search = Search(target, self.events, self.effects, max_effects, self.rng, self.effort, jobs, self.phases)
         extended = None
         with meter.keeping(self.later + self.effort.gaps):
-            with meter.keeping(addition(self.effort, n)):
+            with meter.keeping(addition_events(self.effort, n)):
                 posterior = search.posterior(null.fit)
             if meter.refused:
                 self.notes.append(f"The search ended early: {meter.limit} simulated events did not suffice.")

@@ -244,7 +244,7 @@ class ScoreSettings:
 class RecognitionSettings:
     """What of measured events is compared with simulated ones, by networks that were trained with these numbers."""
 
-    shares: tuple[float, ...] = tuple(
+    bin_shares: tuple[float, ...] = tuple(
         np.r_[
             0, 1e-4, 1e-3, 3e-3, 0.01, 0.03, np.linspace(0.06, 0.94, 23), 0.97, 0.99, 0.997, 0.999, 0.9999, 1
         ].tolist()

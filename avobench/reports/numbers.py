@@ -10,8 +10,10 @@ SCIENTIFIC_BELOW = 1e-3
 SCIENTIFIC_FROM = 1e5
 """A column with a larger number is printed in powers of ten: it would have digits that say nothing."""
 
-LARGE_POWER, SMALL_POWER = 6, -7
-"""Powers of ten of a value, and of the last digit of its error, beyond which both are printed with one."""
+LARGE_POWER = 6
+"""A value from this power of ten on is printed with one beside its error: it would have digits that say nothing."""
+SMALL_POWER = -7
+"""So is one whose error has its last digit below this power: its digits would begin after too many zeros."""
 
 
 def number(value: float | None) -> str:

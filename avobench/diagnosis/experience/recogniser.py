@@ -41,7 +41,7 @@ def _feature(
     n, m = len(x), len(simulated)
     x, simulated = x.astype(float), simulated.astype(float)
     at = _place(x, simulated, rng)
-    pulls, ratios = _compared(np.histogram(at, R.shares)[0], n * np.diff(R.shares), n / m)
+    pulls, ratios = _compared(np.histogram(at, R.bin_shares)[0], n * np.diff(R.bin_shares), n / m)
     low, high = np.quantile(simulated, [0.001, 0.999])
     high = max(high, low + 1e-9)
     step = (high - low) / 40

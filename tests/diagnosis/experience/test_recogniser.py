@@ -39,7 +39,7 @@ def test_the_order_of_features_does_not_matter():
 
 
 def test_where_nothing_differs_bins_scatter_by_their_errors():
-    bins = len(RECOGNITION.shares) - 1
+    bins = len(RECOGNITION.bin_shares) - 1
     pulls = np.array([portrait(events(2000, 1, k), events(4000, 1, 1000 + k), False)[:bins] for k in range(100)])
     # 5 events in the variance make little of bins that expect few
     assert 0.7 < pulls[:, 5:-5].var() < 1.05
