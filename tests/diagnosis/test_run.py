@@ -50,7 +50,7 @@ def test_nothing_is_missing_in_counts_that_are_poisson(table):
 def test_drivers_differ_in_how_careful_they_are():
     names = ("overdispersion", "mixture", "zero_inflation", "dead_time")
     chosen = [effect for effect in catalogue(Poisson()) if effect.name in names]
-    diagnosis = diagnose(Poisson(), counts(CLAIMS), effects=chosen).diagnosis
+    diagnosis = diagnose(Poisson(), counts(CLAIMS), effects=chosen, num_simulations=25_000_000).diagnosis
     assert diagnosis.verdict in (Verdict.NAMED, Verdict.REDUCED)  # the shape that is added need not be the closest
     (found,) = diagnosis.effects
     assert found.name == "overdispersion"
@@ -64,7 +64,7 @@ def test_500_angles_behind_an_acceptance():
     seen = x[rng.random(len(x)) < 1 / (1 + np.exp((np.abs(x[:, 0]) - 0.85) / 0.03))][:500]
     names = ("edge_acceptance", "scale", "dead_region")
     chosen = [effect for effect in catalogue(task) if effect.name in names]
-    diagnosis = diagnose(task, seen, effects=chosen).diagnosis
+    diagnosis = diagnose(task, seen, effects=chosen, num_simulations=6_000_000).diagnosis
     assert diagnosis.p_value_before < 1e-6
     (found,) = [each for each in diagnosis.probabilities if each.name == "edge_acceptance"]  # a scale does it as well
     assert found.feature == "cos_angle"
