@@ -177,7 +177,7 @@ def test_the_new_model_is_a_task_that_finds_nothing_missing(named, tmp_path):
 
 def test_a_dead_region_is_found_where_it_is():
     x = with_effect(Weinberg(), "dead_region", [45.5, 1.0], [0.8, 0.3, 0.15], 8000)
-    diagnosis = diagnose(Weinberg(), x, max_effects=1, num_simulations=15_000_000).diagnosis
+    diagnosis = diagnose(Weinberg(), x, max_effects=1, num_simulations=7_000_000).diagnosis
     assert diagnosis.effects[0].name == "dead_region"
     deficit = next(region for region in diagnosis.regions if region.kind == "deficit")
     assert deficit.low < 0.3 < deficit.high
@@ -204,7 +204,7 @@ def test_pairs_of_counts_that_theta_nearly_makes_up_for_are_found():
     # A rate that scatters describes such counts exactly as well: see `paper.tables.indistinguishable`.
     names = ("double_counting", "overdispersion", "dead_time", "pile_up")
     chosen = [effect for effect in catalogue(Poisson()) if effect.name in names]
-    diagnosis = diagnose(Poisson(), x, effects=chosen).diagnosis
+    diagnosis = diagnose(Poisson(), x, effects=chosen, num_simulations=15_000_000).diagnosis
     (found,) = diagnosis.effects
     assert found.name in ("double_counting", "overdispersion")
     assert diagnosis.verdict == Verdict.NAMED
