@@ -48,5 +48,5 @@ def test_the_base_install_lists_sweeps_and_diagnoses(installed):
     avobench(*hide, "--events", 2000, "--out", installed / "hidden")
     data = installed / "hidden" / "data" / "0000.npz"
     told = avobench("diagnose", "--task", "poisson", "--data", data, "--out", installed / "told")
-    assert "gap on events kept aside" in told
+    assert "gap on held-out events" in told
     assert (installed / "told" / "report.html").exists()

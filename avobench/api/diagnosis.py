@@ -6,7 +6,7 @@ import io
 import json
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -40,7 +40,7 @@ class Diagnosed:
     own: Mapping[str, tuple[str | None, Effect]] = field(default_factory=dict)
     """Effects of the user's own by name: how each is found again, and the effect as it is before it sees data."""
     spec: str | None = None
-    """How the task is found again; None where only this process knows it."""
+    """The name by which the task is loaded again; None where only this process has it."""
 
     @property
     def task(self) -> Task:
@@ -62,15 +62,15 @@ class Diagnosed:
 
         rows = [
             {
-                "effect": found.name,
-                "feature": found.feature,
-                "shape": found.shape,
+                "effect": effect.name,
+                "feature": effect.feature,
+                "shape": effect.shape,
                 "parameter": name,
                 **value.model_dump(),
-                "tied_with": ", ".join(map(label, found.tied_with)),
+                "tied_with": ", ".join(map(label, effect.tied_with)),
             }
-            for found in self.diagnosis.effects
-            for name, value in found.parameters.items()
+            for effect in self.diagnosis.effects
+            for name, value in effect.parameters.items()
         ]
         columns = ["effect", "feature", "shape", "parameter", "value", "std", "null", "unit", "tied_with"]
         return pd.DataFrame(rows, columns=columns)
@@ -103,10 +103,10 @@ class Diagnosed:
         """
         from avobench.reports.diagnosis.figures import drawings
 
-        found = dict(drawings(self.task, self.diagnosis, self.result.pictures))
-        if name is not None and name not in found:
-            raise UsageError(f"there is no figure '{name}'; this diagnosis has {', '.join(found)}")
-        return found[name or next(iter(found))]().figure
+        available = dict(drawings(self.task, self.diagnosis, self.result.pictures))
+        if name is not None and name not in available:
+            raise UsageError(f"there is no figure '{name}'; this diagnosis has {', '.join(available)}")
+        return available[name or next(iter(available))]().figure
 
     def save(self, folder: str | Path, title: str | None = None) -> list[Path]:
         """Write `report.html`, its figures, `diagnosis.json`, `model.json`, and `correction.npz` where there is one.
@@ -137,8 +137,14 @@ class Diagnosed:
             content = io.BytesIO()
             np.savez_compressed(content, x=weights.x, weights=weights.weights)
             paths.append(write_atomically(folder / "correction.npz", content.getvalue()))
-        told = json.dumps(self.diagnosis.model_dump(mode="json"), indent=1)
-        return [*paths, write_atomically(folder / "diagnosis.json", f"{told}\n".encode())]
+        content = json.dumps(self.diagnosis.model_dump(mode="json"), indent=1)
+        return [*paths, write_atomically(folder / "diagnosis.json", f"{content}\n".encode())]
+
+    def details(self) -> str:
+        """All that a screen of text holds: tests, probabilities, regions and notes beside what `print` shows."""
+        from avobench.reports.diagnosis.text import details
+
+        return details(self.diagnosis)
 
     def __str__(self) -> str:
         from avobench.reports.diagnosis.text import summary
@@ -163,10 +169,10 @@ class Diagnosed:
 
     def _content(self) -> "ModelFile":
         from avobench.diagnosis.report.model_file import describe
-        from avobench.diagnosis.report.quoted import scaled_std
+        from avobench.diagnosis.report.uncertainties import QuotedFit
 
         fit, theta = self.result.fit, self.diagnosis.theta_after or self.diagnosis.theta_before
-        std = scaled_std(fit)
+        std = QuotedFit(fit).std
         std[: fit.model.num_theta] = [value.std for value in theta.values()]
         return describe(fit, std, self.spec or self.task.name, self.own)
 
@@ -235,16 +241,16 @@ def diagnose(
     if isinstance(task, str):
         task = registry.build("task", task, {})
     registry.require_packages("task", task)
-    known = registry.blamed(lambda: catalogue(task), f"task {task.name}")
-    tried = list(known) if effects is None else chosen(known, effects, spec or task.name)
+    possible = registry.blamed(lambda: catalogue(task), f"task {task.name}")
+    tried = list(possible) if effects is None else chosen(possible, effects, spec or task.name)
     theirs = {effect.name: (source, effect) for source, effect in map(_own, own)}
-    if len(theirs) < len(own) or set(theirs) & {effect.name for effect in known}:
+    if len(theirs) < len(own) or set(theirs) & {effect.name for effect in possible}:
         raise UsageError(f"two effects have the same name; your own are {', '.join(theirs)}: give them other names")
     for _, effect in theirs.values():
         require_events(effect, task)
-    told = []
+    notes = []
     if time is not None:
-        x, time, told = with_times(x, time, drop_invalid=drop_invalid)
+        x, time, notes = with_times(x, time, drop_invalid=drop_invalid)
     x, remarks = check_events(task, x, drop_invalid=drop_invalid)
     for source, effect in theirs.values():  # what no file can keep would else show when all is done
         registry.blamed(lambda s=source, e=effect: _keepable(e, x, task, s), f"effect {effect.name}")
@@ -262,12 +268,13 @@ def diagnose(
         time=time,
         progress=progress,
     )
-    result.diagnosis.notes[:0] = told + remarks
-    return Diagnosed(result, theirs, spec)
+    diagnosis = result.diagnosis
+    diagnosis = diagnosis.model_copy(update={"notes": notes + remarks + diagnosis.notes})
+    return Diagnosed(replace(result, diagnosis=diagnosis), theirs, spec)
 
 
 def _own(given: Effect | type[Effect] | str) -> tuple[str | None, Effect]:
-    """How an effect of the user's is found again, and the effect."""
+    """The name by which an effect of the user's is loaded again, and the effect."""
     if isinstance(given, str):
         return given, registry.effect(given)
     effect = given() if isinstance(given, type) else given

@@ -63,4 +63,4 @@ def diagnose(
             **asked,
         )
     found.save(out, f"{Path(data).name} against {spec}")
-    click.echo(found)
+    click.echo(found.details())

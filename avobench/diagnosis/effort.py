@@ -1,14 +1,34 @@
-"""How many events each part of a diagnosis simulates."""
+"""The number of events that each part of a diagnosis simulates, and its progress through them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from avobench.diagnosis.settings import BUDGET, SEARCH
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
-COARSEST = 0.25
-"""Of the fits that go on, the least share of events: by fewer, all that they tell would be noise."""
+Progress = Callable[[str, int, int], None]
+"""A function of the phase, the simulated events so far, and about how many there will be."""
+
+
+class Phases:
+    """Tells `progress` the phase of a diagnosis with whatever a meter tells."""
+
+    def __init__(self, progress: Progress | None, total: int) -> None:
+        self.progress, self.phase, self.used, self.total = progress, "first fit", 0, total
+
+    def begin(self, phase: str, more: int = 0) -> None:
+        """A phase begins, for which `more` events are expected than for those before."""
+        self.phase = phase
+        self.total = max(self.total, self.used + more)
+        self(self.used)
+
+    def __call__(self, used: int) -> None:
+        self.used = used
+        if self.progress is not None:
+            self.progress(self.phase, used, max(used, self.total))
 
 
 @dataclass(frozen=True)
@@ -16,31 +36,31 @@ class Effort:
     """Numbers of simulated events. What is `a measured one` is multiplied by the number of measured events."""
 
     rounds: float = 3
-    """Of each round of the first fit, a measured one."""
+    """Events of each round of the first fit, a measured one."""
     sharpen: float = 12
-    """Where a p-value is at stake, a measured one: simulation then adds a tenth to the variance."""
-    known: float = 48
-    """Of the model that candidates are added to, a measured one."""
+    """Events where a p-value is at stake, a measured one: simulation then adds a tenth to the variance."""
+    reference: float = 48
+    """Events of the model that candidates are added to, a measured one."""
     rounds_of_search: tuple[tuple[float, int], ...] = ((1, 7), (4, 4), (16, 2))
-    """Of the fits that go on, a measured one, and steps of each."""
+    """Events of the fits that go on, a measured one, and the steps of each."""
     few: int = 10_000
-    """What fewer measured events count as in the last one: where simulation is cheap, its noise need not blur ties."""
+    """Measured events that fewer count as in the line above: where simulation is cheap, its noise is made small."""
     settle: tuple[float, ...] = (3, 9)
-    """Times a sharpening, for the last step of a fit, and to tell what the data say nothing about."""
+    """Multiples of a sharpening, for the last step of a fit, and to tell what the data say nothing about."""
     least: int = 30_000
-    """Of a round, at least."""
+    """Events of a round, at least."""
     fit: int = 25_000
-    """Of each round of a candidate's first fit."""
+    """Events of each round of a candidate's first fit."""
     sample: int = 50_000
-    """From which effects are screened."""
+    """Events from which effects are screened."""
     generated: float = 10
-    """By a slow generator that is asked only once, a measured one."""
+    """Events of a slow generator that is asked only once, a measured one."""
     screen: int = 20_000
-    """For a screening grid; each of its points gets a fiftieth of it at least."""
+    """Events of a screening grid; each of its points gets a fiftieth of them at least."""
     card: int = 3_000
-    """For each strength on the identifiability card."""
+    """Events of each strength on the identifiability card."""
     covariance: int = 100_000
-    """For the covariance that a model predicts."""
+    """Events from which the covariance that a model predicts is taken."""
     scan: tuple[int, int] = (200, 300)
     """Points of each search for theta, and events at each."""
     starts: int = 45
@@ -50,17 +70,25 @@ class Effort:
 
     @property
     def beside(self) -> "Effort":
-        """For a further effect: a quarter of the fits."""
+        """The effort for a further effect: a quarter of the fits."""
         return replace(self, starts=self.starts // 4, begun=self.begun // 4)
 
+    @property
+    def gaps(self) -> int:
+        """Simulated events, at most, of the gaps before and after, and of those with each effect that was tried alone.
+
+        Those that the first search leaves, and the two that are tried again from where they are beside each other.
+        """
+        return BUDGET.gap * (2 * self.covariance + (SEARCH.most[0] + 2) * self.fit)
+
     def scaled(self, share: float) -> "Effort":
-        """Less of everything, but not so little that fits fail."""
+        """The effort with less of everything, but not so little that fits fail."""
         return replace(
             self,
             rounds=self.rounds * share,
             sharpen=max(self.sharpen * share, 1),
-            known=max(self.known * share, 1),
-            rounds_of_search=tuple((n * max(share, COARSEST), steps) for n, steps in self.rounds_of_search),
+            reference=max(self.reference * share, 1),
+            rounds_of_search=tuple((n * max(share, BUDGET.coarsest), steps) for n, steps in self.rounds_of_search),
             few=max(int(self.few * share), 1000),
             least=max(int(self.least * share), 3000),
             fit=max(int(self.fit * share), 3000),
@@ -76,7 +104,7 @@ class Effort:
 IMAGES = Effort(
     rounds=2,
     sharpen=8,
-    known=12,
+    reference=12,
     rounds_of_search=((1, 6), (4, 2), (8, 1)),
     settle=(2,),
     least=8000,
@@ -89,52 +117,30 @@ IMAGES = Effort(
     starts=12,
     begun=6,
 )
-"""For images, which are slow to simulate and to summarise."""
-MANY = Effort(known=12, rounds_of_search=((1, 6), (4, 2), (12, 1)), screen=8000, starts=20, begun=8)
-"""For several features, each of which has its own entries in the catalogue."""
-USUAL = {"counts": 54_000_000, "continuous": 42_000_000, "images": 1_500_000}
-"""Simulated events that a diagnosis of USUAL_EVENTS measured ones takes, by domain; a little more or less with what it
-finds."""
-USUAL_EVENTS = 50_000
-"""Measured ones, for which USUAL was counted: as many as a data set of `avobench challenge` has."""
-LEAST_SEARCH = 2_000_000
-"""Simulated events of a search for one effect at the least effort, of 3 000 counts or angles: with fewer it ends early.
-"""
-SEVERAL = 2
-"""Searches that are to fit into the events that are allowed, so that they seldom end early."""
-STEP = 0.8
-"""By which the effort is made less until it fits."""
-LEAST_SHARE = 1e-3
-"""Of the effort: below, all is at its least."""
-ROUNDS = 30
-"""Of the five fits of theta before a disagreement is believed, and of all gates: the most that were seen."""
-GATES = (20, 9)
-"""Events of two looks through the gates, a measured one: of each sharpening, and beside it."""
-GAP = 2
-"""Samples of simulated events that a gap takes: for its covariance, and for its scatter."""
-REFINED = 8
-"""Rounds of the fit of an effect that was chosen, at most."""
+"""The effort for images, which are slow to simulate and to summarise."""
+MANY = Effort(reference=12, rounds_of_search=((1, 6), (4, 2), (12, 1)), screen=8000, starts=20, begun=8)
+"""The effort for several features, each of which has its entries in the catalogue."""
 
 
-def first(effort: Effort, task: Task, num_events: int) -> int:
+def first_fit_events(effort: Effort, task: Task, num_events: int) -> int:
     """Simulated events, at most about, of the first fit to so many measured ones, of the gates and of the gap."""
     if task.generates:
         return int(max(effort.generated * num_events, effort.least)) + 2 * num_events
     points, events = effort.scan
     rounds = max(effort.least, effort.rounds * num_events)
-    gates = (GATES[0] * effort.sharpen + GATES[1]) * num_events
-    return int(9 * points * events * 1.1 + ROUNDS * rounds + gates) + GAP * effort.covariance
+    gates = (BUDGET.sharpening * effort.sharpen + BUDGET.tests) * num_events
+    return int(9 * points * events * 1.1 + BUDGET.rounds * rounds + gates) + BUDGET.gap * effort.covariance
 
 
-def addition(effort: Effort, num_events: int) -> int:
+def addition_events(effort: Effort, num_events: int) -> int:
     """Simulated events, at most about, with which an effect that was chosen is fitted and the gates look again."""
     ratio, _ = effort.rounds_of_search[-2]
-    return int((REFINED * ratio + (GATES[0] * effort.sharpen + GATES[1]) / 2) * num_events)
+    return int((BUDGET.refined * ratio + (BUDGET.sharpening * effort.sharpen + BUDGET.tests) / 2) * num_events)
 
 
-def usual(domain: str, num_events: int) -> int:
+def usual_events(domain: str, num_events: int) -> int:
     """Simulated events that a diagnosis of so many measured ones takes, about."""
-    return USUAL[domain] * max(num_events, Effort.few) // USUAL_EVENTS
+    return dict(BUDGET.usual)[domain] * max(num_events, Effort.few) // BUDGET.usual_events
 
 
 def effort_for(task: Task, domain: str, num_simulations: int | None, num_events: int = 0) -> Effort:
@@ -145,10 +151,12 @@ def effort_for(task: Task, domain: str, num_simulations: int | None, num_events:
     full = IMAGES if domain == "images" else MANY if task.num_features > 1 else Effort()
     if num_simulations is None:
         return full
-    least = first(full.scaled(0), task, num_events)
+    least = first_fit_events(full.scaled(0), task, num_events)
     if num_simulations < least:
         raise UsageError(f"{num_simulations} simulated events are too few: the first fit and the gates need {least}")
-    share = float(np.clip((num_simulations - LEAST_SEARCH) / (SEVERAL * usual(domain, num_events)), 0, 1))
-    while first(full.scaled(share), task, num_events) > num_simulations:
-        share = share * STEP if share > LEAST_SHARE else 0.0
+    share = float(
+        np.clip((num_simulations - BUDGET.least_search) / (BUDGET.several * usual_events(domain, num_events)), 0, 1)
+    )
+    while first_fit_events(full.scaled(share), task, num_events) > num_simulations:
+        share = share * BUDGET.step if share > BUDGET.least_share else 0.0
     return full.scaled(share)

@@ -1,32 +1,35 @@
-"""The loop: detect, localise, name, add and refit, show; again until nothing significant is left or nothing helps."""
+"""The diagnosis on one page: fit and test the simulator, search what it lacks, add that and refit, and report."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from time import perf_counter
-from typing import Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.diagnosis.effort import GAP, Effort, effort_for, first, usual
+from avobench.diagnosis.effort import (
+    Effort,
+    Phases,
+    Progress,
+    addition_events,
+    effort_for,
+    first_fit_events,
+    usual_events,
+)
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.fit.method import Inferred
-from avobench.diagnosis.fit.null import best_null, fit_null
-from avobench.diagnosis.goodness_of_fit.held_out import SHARE, HeldOut
-from avobench.diagnosis.goodness_of_fit.order import order, projections
-from avobench.diagnosis.goodness_of_fit.summary import HOPELESS
-from avobench.diagnosis.progress import Progress, Telling
-from avobench.diagnosis.report.assemble import Result, Run, assemble
-from avobench.diagnosis.report.correction import correction
-from avobench.diagnosis.report.found import Found, gap_events
-from avobench.diagnosis.report.identifiability import Row, card, card_events
-from avobench.diagnosis.report.notes import notes_of
-from avobench.diagnosis.report.pictures import pictures
-from avobench.diagnosis.report.quoted import Move
-from avobench.diagnosis.schema import Disorder, Region, Verdict
+from avobench.diagnosis.fit.null import Inferred, best_null, fit_null
+from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel, correction
+from avobench.diagnosis.goodness_of_fit.held_out import HeldOut
+from avobench.diagnosis.goodness_of_fit.order import exchangeability
+from avobench.diagnosis.report.identifiability import card, card_events
+from avobench.diagnosis.report.outcome import Outcome, notes_of
+from avobench.diagnosis.report.result import Result, assemble, pictures
+from avobench.diagnosis.report.uncertainties import QuotedFit, ambiguity
+from avobench.diagnosis.schema import Verdict
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.search import Search, refined
-from avobench.diagnosis.search.tested import Step
+from avobench.diagnosis.settings import BUDGET, FIT, TEST
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.effects.catalogue import catalogue, domain
@@ -35,15 +38,6 @@ from avobench.effects.pool import Counted, Pool
 from avobench.tasks import Task
 from avobench.tasks.errors import BudgetExhausted, UsageError
 from avobench.tasks.meter import Meter
-
-LEAST_EVENTS = 50
-"""Measured events below which there are no bins to speak of."""
-MOST_EVENTS = 2_000_000
-"""Measured events that are compared, a random sample of more: its errors are far below what a simulator is trusted to,
-and it bounds memory and time."""
-METHOD_SHARE = 4
-"""One in so many of the simulated events is for a method that looks for theta first, at most."""
-T = TypeVar("T")
 
 
 def diagnose(
@@ -67,179 +61,153 @@ def diagnose(
     UsageError for too few events, for fewer `num_simulations` than the first fit takes, and for impossible settings.
     """
     started = perf_counter()
-    if len(x) < LEAST_EVENTS:
-        raise UsageError(f"a diagnosis needs at least {LEAST_EVENTS} events, got {len(x)}")
+    if len(x) < BUDGET.least_events:
+        raise UsageError(f"a diagnosis needs at least {BUDGET.least_events} events, got {len(x)}")
     if not 0 < alpha < 1:
         raise UsageError(f"alpha must lie between 0 and 1, got {alpha}")
     rng = np.random.default_rng(seed)
     effects = catalogue(task) if effects is None else effects
     x, position, notes = sampled(x, time, seed)
-    along: Literal["index", "time"] = "index" if time is None else "time"
-    disorder = None
+    order = None
     if ordered or time is not None:
-        disorder = in_order(task, x, position, along, alpha, seed)
+        order = exchangeability(task, x, position, "index" if time is None else "time", alpha, seed)
     shuffled = rng.permutation(len(x))
-    cut = len(x) - int(SHARE * len(x))
-    seen, aside = x[shuffled[:cut]], x[shuffled[cut:]]
+    cut = len(x) - int(TEST.held_out_share * len(x))
     effort = effort_for(task, domain(task), num_simulations, cut)
-    telling = Telling(progress, first(effort, task, cut) // 2)
-    meter = Meter(num_simulations, telling)
-    before, target, inferred = begun(task, seen, fit, alpha, rng, effort, telling, meter)
-    held_out = HeldOut.of(target, aside)
-    sparing, later = Sparing(meter, notes), card_events(effects, effort) + 2 * cut
+    phases = Phases(progress, first_fit_events(effort, task, cut) // 2)
+    meter = Meter(num_simulations, phases)
+    run = Run(task, x[shuffled[:cut]], len(x), effects, alpha, effort, rng, meter, phases, notes)
 
-    steps, posterior = [before], None
-    if before.p_value < alpha:
-        telling.begin("search", usual(domain(task), cut) if num_simulations is None else 0)
-        search = Search(target, seen, effects, max_effects, rng, effort, jobs, telling)
-        with meter.keeping(later + gap_events(effort)):
-            steps, posterior = searched(search, before, sparing)
-
-    telling.begin("checks")
-    found = Found.of(task, target, seen, held_out, steps, posterior, alpha, rng, effort)
-    last, moves, where, could = shown(found, effects, sparing, later, rng, effort)
-    drawn = pictures(seen, target, found.first, last if found.effects else None, task.labels)
-    weights = None
-    if found.verdict in (Verdict.REDUCED, Verdict.UNEXPLAINED):
-        weights = sparing.made(lambda: correction(last, target, seen, rng), None, "the correction")
-    notes += notes_of(found, last, inferred, Run(len(x), meter.used, num_simulations))
-    run = Run(len(x), meter.used, num_simulations, perf_counter() - started, seed)
-    return Result(task, assemble(found, last, moves, where, could, notes, run, disorder), last, drawn, weights)
+    null, inferred = run.null_model(fit)
+    extended, posterior = run.extended_model(null, max_effects, jobs) if null.p_value < alpha else (None, None)
+    phases.begin("checks")
+    held_out = HeldOut(run.target, run.target.summary.mean(x[shuffled[cut:]])[0], len(x) - cut)
+    outcome = Outcome.of(null, extended, posterior, alpha, held_out, rng, effort)
+    result = run.report(outcome, inferred)
+    said = {"order": order, "seed": seed, "seconds": perf_counter() - started}
+    return replace(result, diagnosis=result.diagnosis.model_copy(update=said))
 
 
-@dataclass(frozen=True)
-class Sparing:
-    """Makes what the simulated events that are left suffice for, and notes what they do not."""
+@dataclass
+class Run:
+    """A diagnosis under way: the measured events, and what all of its steps share."""
 
+    task: Task
+    events: NDArray
+    """The measured events that are fitted (n, d)."""
+    num_events: int
+    """Measured events, with those that are held out."""
+    effects: list[Effect]
+    """The effects that may be missing."""
+    alpha: float
+    effort: Effort
+    rng: np.random.Generator
     meter: Meter
+    phases: Phases
     notes: list[str]
+    target: Target = field(init=False)
+    """What is fitted of the events, once the null model was."""
 
-    def made(self, make: Callable[[], T], else_: T, what: str) -> T:
-        """What `make` makes of simulated events, if enough are left; else a note says so."""
+    @contextmanager
+    def affordable(self, what: str, required: bool = False) -> Iterator[None]:
+        """Where the simulated events end, note that `what` is left out; raise UsageError if it is required."""
         try:
-            return make()
-        except BudgetExhausted:
-            self.notes.append(f"{self.meter.limit} simulated events did not suffice for {what}")
-            return else_
+            yield
+        except BudgetExhausted as error:
+            note = f"{self.meter.limit} simulated events did not suffice for {what}"
+            if required:
+                raise UsageError(f"{note}; allow {2 * self.meter.limit}") from error
+            self.notes.append(f"{note}.")
 
+    @property
+    def later(self) -> int:
+        """Simulated events that are kept for the identifiability card and the correction."""
+        return card_events(self.effects, self.effort) + 2 * len(self.events)
 
-def begun(
-    task: Task,
-    x: NDArray,
-    fit: str,
-    alpha: float,
-    rng: np.random.Generator,
-    effort: Effort,
-    telling: Telling,
-    meter: Meter,
-) -> tuple[Step, Target, Inferred | None]:
-    """Detect: theta is fitted to events x (N, d), and all gates see whether it describes them.
+    def null_model(self, method: str) -> tuple[ExtendedModel, Inferred | None]:
+        """Fit theta, from where a registered `method` has it if it is one, and test whether that describes the events.
 
-    Returns the model before the gates, what was fitted, and theta by the method `fit`, if it is one. Raises UsageError
-    where the meter does not allow enough simulated events.
-    """
-    try:
-        inferred = None
-        if fit != "surrogate":
-            inferred = Inferred.by(fit, task, x, meter.limit and meter.limit // METHOD_SHARE, rng)
-            meter.charge(inferred.num_simulations)
-        events: Counted | Pool = Counted(task, meter)
-        if task.generates:
-            events = Pool(task, int(max(effort.generated * len(x), effort.least)), rng.spawn(1)[0], meter)
-        model = Model(task, events=events)
-        with meter.keeping(GAP * effort.covariance):
-            before, target = detect(model, x, inferred and inferred.centre(model), alpha, rng, effort, telling)
-    except BudgetExhausted as error:
-        raise UsageError(
-            f"{meter.limit} simulated events did not suffice for the first fit and the gates; allow {2 * meter.limit}"
-        ) from error
-    return before, target, inferred
+        Where it is rejected theta is fitted again: a fit that went astray looks like a missing effect.
+        """
+        task, x, rng, effort, inferred = self.task, self.events, self.rng, self.effort, None
+        with self.affordable("the first fit and the tests", required=True):
+            if method != "surrogate":
+                inferred = Inferred.by(method, task, x, self.meter.limit and self.meter.limit // FIT.method_share, rng)
+                self.meter.charge(inferred.num_simulations)
+            source: Counted | Pool = Counted(task, self.meter)
+            if task.generates:
+                size = int(max(effort.generated * len(x), effort.least))
+                source = Pool(task, size, rng.spawn(1)[0], self.meter)
+            model = Model(task, events=source)
+            with self.meter.keeping(BUDGET.gap * effort.covariance):
+                fit, self.target = fit_null(model, x, rng, effort, inferred and inferred.centre(model))
+                self.phases.begin("gates")
+                null = None if fit.p_value < TEST.hopeless else self.tested(fit)
+                if null is None or null.p_value < self.alpha:
+                    tried = [fit] if null is None else [fit, null.efficient]
+                    null = self.tested(best_null(tried, self.target, rng, effort))
+        return null, inferred
 
+    def tested(self, fit: Fit) -> ExtendedModel:
+        """A fitted model with all tests of it."""
+        return ExtendedModel.of(fit, self.target, self.events, self.rng, self.effort)
 
-def searched(search: Search, before: Step, sparing: Sparing) -> tuple[list[Step], Posterior | None]:
-    """Name, add and refit: all sets of effects that may be missing are weighed, and the most probable one is added.
+    def extended_model(
+        self, null: ExtendedModel, max_effects: int, jobs: int
+    ) -> tuple[ExtendedModel | None, Posterior | None]:
+        """Weigh all sets of effects that may be missing, and add the most probable one; None where none is."""
+        meter, target, n = self.meter, self.target, len(self.events)
+        self.phases.begin("search", usual_events(domain(self.task), n) if meter.limit is None else 0)
+        search = Search(target, self.events, self.effects, max_effects, self.rng, self.effort, jobs, self.phases)
+        extended = None
+        with meter.keeping(self.later + self.effort.gaps):
+            with meter.keeping(addition_events(self.effort, n)):
+                posterior = search.posterior(null.fit)
+            if meter.refused:
+                self.notes.append(f"The search ended early: {meter.limit} simulated events did not suffice.")
+            if posterior and (best := posterior.best):
+                with self.affordable("the fit of the effects that were found, which are left out"):
+                    fit, more = refined(best.fit, target, self.rng, self.effort)
+                    self.notes += more
+                    extended = self.tested(fit)
+        return extended, posterior
 
-    Returns the steps, of which the first is that `before`, and how probable which effects are, if any was weighed.
-    """
-    meter, notes = sparing.meter, sparing.notes
-    posterior = search.posterior(before.fit)
-    if meter.refused:
-        notes.append(f"the search ended early: {meter.limit} simulated events did not suffice")
-    if not posterior or not (named := posterior.named):
-        return [before], posterior
-    what = "the fit of what was found, which is left out"
-    refit = sparing.made(lambda: added(named.fit, search.target, search.x, search.rng, search.effort, notes), [], what)
-    return [before, *refit], posterior
-
-
-def shown(
-    found: Found, effects: list[Effect], sparing: Sparing, later: int, rng: np.random.Generator, effort: Effort
-) -> tuple[Fit, list[Move], list[Region], list[Row]]:
-    """Localise, and show: the final fit, how far theta may be from it, where the disagreement is, and the card.
-
-    So many events as are to come `later` are kept from what theta may be.
-    """
-    last = sparing.made(lambda: found.last(rng, effort), found.steps[-1].fit, "the last step of the fit")
-    with sparing.meter.keeping(later):
-        what = "theta with other effects or shapes: its error may be too small"
-        moves = sparing.made(lambda: found.moves(last, rng, effort), [], what)
-    where = found.regions(rng)
-    model = found.steps[-1]
-    level = found.alpha * model.shares["summary"]
-    could = sparing.made(lambda: card(model.fit, found.target, effects, level, rng, effort), [], "the card")
-    return last, moves, where, could
-
-
-def added(
-    fit: Fit, target: Target, x: NDArray, rng: np.random.Generator, effort: Effort, notes: list[str]
-) -> list[Step]:
-    """The model that was found, fitted with more events and before the gates; adds to the `notes`."""
-    fit, more = refined(fit, target, rng, effort)
-    notes += more
-    return [Step.of(fit, target, x, rng, effort)]
+    def report(self, outcome: Outcome, inferred: Inferred | None) -> Result:
+        """The final fit, its uncertainties, where the events disagree, what they could not show, and figures."""
+        target, rng, effort, final, rows = self.target, self.rng, self.effort, outcome.final, []
+        fit, moves, weights = final.fit, [], None
+        with self.affordable("the last step of the fit"):
+            fit = outcome.final_fit(target, rng, effort)
+        with self.meter.keeping(self.later), self.affordable("theta with other effects: its error may be too small"):
+            if outcome.posterior and outcome.effects:
+                events = int(effort.sharpen * target.num_events)
+                moves = ambiguity(fit, final.fit, outcome.posterior.allowed, target, rng, events)
+        view = target.summary.view(self.events)
+        regions = outcome.regions(self.task, target, view, rng)
+        with self.affordable("the identifiability card"):
+            rows = card(final.fit, target, self.effects, self.alpha * final.gates["summary"].share, rng, effort)
+        drawn = pictures(view, target, outcome.first, fit if outcome.effects else None, self.task.labels)
+        if outcome.verdict in (Verdict.REDUCED, Verdict.UNEXPLAINED):
+            with self.affordable("the correction"):
+                weights = correction(fit, target, self.events, rng)
+        diagnosis = assemble(
+            self.task,
+            outcome,
+            QuotedFit(fit, moves),
+            regions,
+            rows,
+            notes=self.notes + notes_of(outcome, fit, target, inferred, self.num_events),
+            num_events=self.num_events,
+            num_simulations=self.meter.used,
+        )
+        return Result(self.task, diagnosis, fit, drawn, weights)
 
 
 def sampled(x: NDArray, time: NDArray[np.float64] | None, seed: int) -> tuple[NDArray, NDArray[np.float64], list[str]]:
-    """Events x (N, d), or MOST_EVENTS of them in their order; the place or time of each (n,); and notes."""
-    position = np.arange(len(x), dtype=float) if time is None else time
-    if len(x) <= MOST_EVENTS:
+    """Events x (N, d), or a random sample of too many in their order; the place or time of each (n,); and notes."""
+    position, most = np.arange(len(x), dtype=float) if time is None else time, BUDGET.most_events
+    if len(x) <= most:
         return x, position, []
-    rows = np.random.default_rng([seed, len(x)]).choice(len(x), MOST_EVENTS, replace=False, shuffle=False)
+    rows = np.random.default_rng([seed, len(x)]).choice(len(x), most, replace=False, shuffle=False)
     rows.sort()
-    return (
-        x[rows],
-        position[rows],
-        [f"a random {MOST_EVENTS} of the {len(x)} events were compared: see docs/diagnosis.md"],
-    )
-
-
-def in_order(
-    task: Task, x: NDArray, position: NDArray[np.float64], along: Literal["index", "time"], alpha: float, seed: int
-) -> list[Disorder]:
-    """What contradicts that events x (N, d) at these positions (N,) are exchangeable, with random numbers of its own:
-    all else is as without it."""
-    features = projections(x, () if x.shape[1] == 1 and domain(task) == "counts" else task.labels, task.event_shape)
-    return order(features, position, along, alpha, np.random.default_rng([seed, 1]))
-
-
-def detect(
-    model: Model,
-    x: NDArray,
-    centre: NDArray[np.float64] | None,
-    alpha: float,
-    rng: np.random.Generator,
-    effort: Effort,
-    telling: Telling | None = None,
-) -> tuple[Step, Target]:
-    """The model before the gates, theta fitted to events x (N, d) from `centre` (p,) or wherever; and what was fitted.
-
-    Where it is rejected theta is fitted again: a fit that went astray looks like a missing effect.
-    """
-    null, target = fit_null(model, x, rng, effort, centre)
-    if telling is not None:
-        telling.begin("gates")
-    before = None if null.p_value < HOPELESS else Step.of(null, target, x, rng, effort)
-    if before is None or before.p_value < alpha:
-        tried = [null] if before is None else [null, before.own]
-        before = Step.of(best_null(tried, target, rng, effort), target, x, rng, effort)
-    return before, target
+    return x[rows], position[rows], [f"A random {most} of the {len(x)} events were compared: see docs/diagnosis.md."]

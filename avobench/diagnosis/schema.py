@@ -25,25 +25,25 @@ class Strict(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
 
-class Gate(Strict):
+class GateResult(Strict):
     """A test of the simulator against the measurement, theta fitted."""
 
     statistic: float
     dof: int | None
     p_value: float
     share: float = 1.0
-    """Of alpha, with which the p-value is compared."""
+    """The share of alpha with which the p-value is compared."""
     sides: Literal[1, 2] = 1
     """One if only a large statistic speaks against the model, two if a small one does as well."""
 
     @property
-    def divided(self) -> float:
+    def corrected(self) -> float:
         """The p-value over its share of alpha, which is compared with alpha itself."""
         return min(self.p_value / self.share, 1.0)
 
 
 class Gap(Strict):
-    """How far simulation is from measurement, on events that no fit has seen."""
+    """The distance of simulation from measurement, on held-out events."""
 
     value: float
     low: float
@@ -60,7 +60,7 @@ class Combination(Strict):
     """A linear combination of theta, about its estimate, that the data determine."""
 
     coefficients: dict[str, float]
-    """By parameter; the combination is the sum of their products with theta."""
+    """The coefficient of each parameter; the combination is the sum of their products with theta."""
     value: float
     std: float
 
@@ -83,12 +83,12 @@ class FoundEffect(Named):
     parameters: dict[str, EffectValue]
     tied_with: list[Named]
     probability: float | None = None
-    """Of being in the model; None where the search gives none."""
+    """The probability of being in the model; None where the search gives none."""
 
 
 class Probable(Named):
     probability: float
-    """Of being in the model."""
+    """The probability of being in the model."""
 
 
 class ProbableModel(Strict):
@@ -123,7 +123,7 @@ class Identifiable(Named):
     minimum_detectable: float | None
     """The smallest strength seen with 90 % probability; None where no strength within its bounds is."""
     theta_bias: dict[str, float]
-    """By how much theta moves if the effect is there, at that strength, and unseen."""
+    """The shift of theta if the effect is there, at that strength, and unnoticed."""
     rivals: list[Named]
 
 
@@ -142,9 +142,9 @@ class Disorder(Strict):
     """From first to last of a drift, the step of a change, the amplitude of a season; of a clustering the correlation,
     or the excess of the variance of counts over their mean."""
     unit: str
-    """Of the size."""
+    """The unit of the size."""
     p_value: float
-    """With all tests of the order counted."""
+    """The p-value with all tests of the order counted."""
 
 
 class Diagnosis(Strict):
@@ -153,9 +153,9 @@ class Diagnosis(Strict):
     alpha: float
     p_value_before: float
     p_value_after: float | None
-    gates: dict[str, Gate]
-    gates_after: dict[str, Gate] | None = None
-    """Those of the model with the effects; None where none was added."""
+    gates: dict[str, GateResult]
+    gates_after: dict[str, GateResult] | None = None
+    """The tests of the model with the effects; None where none was added."""
     gap_before: Gap
     gap_after: Gap | None
     theta_before: dict[str, Value]
@@ -164,11 +164,11 @@ class Diagnosis(Strict):
     identified_after: list[Combination] | None
     effects: list[FoundEffect]
     probabilities: list[Probable] = []
-    """For every name that was considered; empty where the search gives none."""
+    """The probability of every name that was considered; empty where the search gives none."""
     outside: float | None = None
     """Probability that what is missing is outside the catalogue."""
     models: list[ProbableModel] = []
-    """Of the smallest set of models that holds 95 %, all but what is outside the catalogue, the most probable first."""
+    """The smallest set of models that holds 95 %, all but what is outside the catalogue, the most probable first."""
     regions: list[Region]
     candidates: list[Candidate]
     identifiability: list[Identifiable]

@@ -10,6 +10,11 @@ SCIENTIFIC_BELOW = 1e-3
 SCIENTIFIC_FROM = 1e5
 """A column with a larger number is printed in powers of ten: it would have digits that say nothing."""
 
+LARGE_POWER = 6
+"""A value from this power of ten on is printed with one beside its error: it would have digits that say nothing."""
+SMALL_POWER = -7
+"""So is one whose error has its last digit below this power: its digits would begin after too many zeros."""
+
 
 def number(value: float | None) -> str:
     """Three digits, or a dash where there is no number."""
@@ -27,13 +32,20 @@ def p_equals(p: float) -> str:
 
 
 def with_error(value: float, std: float | None) -> str:
-    """A value with its error, as far as one is known: `45.55 ± 0.36`, with the digits that the error leaves certain."""
-    if std is None:
+    """A value with its error, to the two digits that the error leaves certain: `45.55 ± 0.36`; without one, a number.
+
+    Both have a common power of ten where one of them is large, or the error is small: `(3.21 ± 0.10)e-06`.
+    """
+    if std is None or not (math.isfinite(value) and math.isfinite(std)):
         return number(value)
-    digits = 4
-    if value and std > 0:
-        digits = max(digits, math.floor(math.log10(abs(value))) - math.floor(math.log10(std)) + 2)
-    return f"{value:.{digits}g} ± {std:.2g}"
+    if std == 0:
+        return f"{value:.4g} ± 0"
+    std = float(f"{std:.1e}")
+    last, power = math.floor(math.log10(std)) - 1, math.floor(math.log10(max(abs(value), std)))
+    if power >= LARGE_POWER or last < SMALL_POWER:
+        return f"({value / 10.0**power:.{power - last}f} ± {std / 10.0**power:.{power - last}f})e{power:+03d}"
+    decimals = max(-last, 0)
+    return f"{round(value, -last):.{decimals}f} ± {round(std, -last):.{decimals}f}"
 
 
 def column(values: Sequence[float | None]) -> list[str]:

@@ -26,9 +26,9 @@ from avobench.challenge.hide import NUM_REFERENCE, OwnShape
 from avobench.challenge.shape import Injection, Place, Shape
 from avobench.diagnosis import experience
 from avobench.diagnosis.effort import effort_for
-from avobench.diagnosis.experience.portrait import portrait
-from avobench.diagnosis.experience.recogniser import SIMULATED, Kind, compressed, kind_of
+from avobench.diagnosis.experience.recogniser import Kind, compressed, kind_of, portrait
 from avobench.diagnosis.fit.null import fit_null
+from avobench.diagnosis.settings import RECOGNITION
 from avobench.effects.catalogue import catalogue, domain
 from avobench.effects.model import Model
 from avobench.effects.pool import Counted
@@ -148,7 +148,7 @@ def beside(task: Task, x: NDArray, rng: np.random.Generator) -> tuple[NDArray[np
     """The portrait (f,) of events (n, d) beside the task as a first fit finds it, and the p-value of that fit."""
     model = Model(task, events=Counted(task, Meter()))
     fit, _ = fit_null(model, x, rng, effort_for(task, domain(task), None, len(x)), None)
-    m = max(SIMULATED * len(x), NUM_REFERENCE)
+    m = max(RECOGNITION.simulated * len(x), NUM_REFERENCE)
     return portrait(x, task.simulate(np.tile(fit.params, (m, 1)), rng), kind_of(task) == "count"), fit.p_value
 
 

@@ -43,7 +43,7 @@ def test_a_simulator_of_ones_own_is_fitted_and_shows_its_uncertainty(run):
 def test_the_effect_that_a_simulator_lacks_is_named_and_with_it_the_rate_is_right(run):
     cells = run("find-what-is-missing", "{'misled': misled.theta['rate'], 'mended': mended.theta['rate']}")
     (text,) = [text for text in shown(cells, "text/plain") if text.startswith("missing effect named")]
-    found = re.search(r"^missing: dead_time .*tau = (\S+) \+- (\S+) of the window", text, re.M)
+    found = re.search(r"^missing: dead_time .*tau = (\S+) ± (\S+) of the window", text, re.M)
     tau, std = map(float, found.groups())
     assert std < 0.003
     assert tau == pytest.approx(0.02, abs=3 * std)

@@ -29,11 +29,22 @@ def test_what_is_not_known_is_a_dash():
     assert column([]) == []
 
 
-def test_an_error_is_told_where_there_is_one():
-    assert with_error(45.5521, 0.3609) == "45.55 ± 0.36"
-    assert with_error(867.42769, 0.01413) == "867.428 ± 0.014"
-    assert with_error(0.0, 0.0) == "0 ± 0"
-    assert with_error(45.5521, None) == "45.6"
+@pytest.mark.parametrize(
+    ("value", "std", "told"),
+    [
+        (45.5521, 0.3609, "45.55 ± 0.36"),
+        (867.42769, 0.01413, "867.428 ± 0.014"),
+        (0.7765, 0.0995, "0.78 ± 0.10"),
+        (0.0001, 1.234, "0.0 ± 1.2"),
+        (1234.5, 123.4, "1230 ± 120"),
+        (3.214e-6, 1.04e-7, "(3.21 ± 0.10)e-06"),
+        (2.5e8, 3.1e6, "(2.500 ± 0.031)e+08"),
+        (0.0, 0.0, "0 ± 0"),
+        (45.5521, None, "45.6"),
+    ],
+)
+def test_a_value_is_printed_to_the_two_digits_of_its_error(value, std, told):
+    assert with_error(value, std) == told
 
 
 def test_the_numbers_of_a_column_have_as_many_decimals():

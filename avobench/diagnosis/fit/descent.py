@@ -1,4 +1,4 @@
-"""How a fit is found: from design to design, each around the minimum of the last one's surrogate."""
+"""A fit is found from a coarse scan, then from design to design, and made sharper by more events."""
 
 from functools import partial
 
@@ -7,19 +7,10 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from avobench.diagnosis.fit.fit import Fit, fit_at
-from avobench.diagnosis.fit.known import KnownModel
-from avobench.diagnosis.fit.surrogate import SHRINK, Design, Surrogate, quadratic, surrogate
+from avobench.diagnosis.fit.surrogate import Design, ReferenceModel, Surrogate, quadratic, surrogate
+from avobench.diagnosis.settings import FIT
 from avobench.diagnosis.summary.target import Target
 from avobench.effects.model import Model
-
-WORSE = 2.0
-"""Standard errors by which the end of a step must be worse than its start, to be given up."""
-MORE_ROUNDS = 2
-"""Of a descent that would end at a promise."""
-ANCHOR = 0.1
-"""What moving to the edge of the design costs in Q: it keeps parameters still that the data say nothing about."""
-WALL = 1e4
-"""Slope of the penalty that keeps a fit within the unit cube, in standard errors."""
 
 
 def refine(
@@ -31,15 +22,15 @@ def refine(
     *,
     num_events: int,
     max_rounds: int = 10,
-    known: KnownModel | None = None,
+    reference: ReferenceModel | None = None,
 ) -> Fit:
     """Fit from `start` (P,) in the unit cube, with designs that begin with half-width `half` and shrink.
 
-    `num_events` are simulated for each. `known` is the model without its last effect, if that is known well.
+    `num_events` are simulated for each. `reference` is the model without its last effect, if that is known well.
     """
     half = np.broadcast_to(half, model.dim).astype(float)
-    design = Design.box(start, half) if known is None else known.design(start, half)
-    return descend(model, target, design, rng, num_events, max_rounds, known)
+    design = Design.box(start, half) if reference is None else reference.design(start, half)
+    return descend(model, target, design, rng, num_events, max_rounds, reference)
 
 
 def descend(
@@ -49,44 +40,44 @@ def descend(
     rng: np.random.Generator,
     num_events: int,
     max_rounds: int,
-    known: KnownModel | None = None,
+    reference: ReferenceModel | None = None,
 ) -> Fit:
     """Go from design to design, each around the minimum of the last one's surrogate, until it stands still.
 
     What a surrogate promises is not believed: with many coefficients it follows the data by chance. But where the last
-    of `max_rounds` promises much, MORE_ROUNDS at most see whether it is true. Where simulation at the end of a step is
-    clearly worse than at its start, the step is taken back and tried in a narrower design. The start is then simulated
-    anew: a value that was low by chance would keep every step away.
+    of `max_rounds` promises much, a few more see whether it is true. Where simulation at the end of a step is clearly
+    worse than at its start, the step is taken back and tried in a narrower design. The start is then simulated anew: a
+    value that was low by chance would keep every step away.
 
     Designs are as narrow as it takes for a quadratic to do. An effect with hard edges is none over a wide one.
     """
     best, lowest, q, error = None, None, np.inf, 0.0
     scale = float(np.abs(design.axes / model.reach(design.centre)[:, None]).max())
     rounds, promises_much, narrow = 0, False, 1.0
-    while rounds < max_rounds + (MORE_ROUNDS if promises_much else 0):
+    while rounds < max_rounds + (FIT.extra_rounds if promises_much else 0):
         rounds += 1
-        inside = None if known is None else known.within(design)
-        make = partial(surrogate if inside is None else known.extended, model, target)
+        inside = None if reference is None else reference.within(design)
+        make = partial(surrogate if inside is None else reference.extended, model, target)
         wanted = inside or design
         s = quadratic(partial(make, num_events=num_events, rng=rng), wanted, target)
         narrow *= np.linalg.norm(s.design.axes) / np.linalg.norm(wanted.axes)
         here, its_error = s.noiseless_q_at_centre(target)
-        if here > q + WORSE * np.hypot(error, its_error):
-            scale /= SHRINK
-            design = Design(best.point, best.next_design(scale).axes * narrow / SHRINK)
+        if here > q + FIT.worse * np.hypot(error, its_error):
+            scale /= FIT.shrink
+            design = Design(best.point, best.next_design(scale).axes * narrow / FIT.shrink)
             q = np.inf
             continue
         best, q, error = fit_at(model, s, target, s.design.centre), here, its_error
         lowest = best if lowest is None else min(lowest, best, key=lambda fit: fit.noiseless_q + fit.noiseless_q_error)
         step = minimise(model, s, target)
         moved = np.abs(s.design.to_t(step.point)).max()
-        design = step.next_design(scale if moved > 0.9 else scale / SHRINK)
-        promises_much = step.noiseless_q < here - WORSE * its_error
+        design = step.next_design(scale if moved > 0.9 else scale / FIT.shrink)
+        promises_much = step.noiseless_q < here - FIT.worse * its_error
         if moved < 0.3 and not promises_much and np.allclose(design.axes, step.next_design().axes):
             best = step
             break
         # A curved model is not known to be as sharp as its slope at a distance says.
-        scale, narrow = (scale, min(narrow * SHRINK, 1.0)) if moved > 0.9 else (scale / SHRINK, narrow)
+        scale, narrow = (scale, min(narrow * FIT.shrink, 1.0)) if moved > 0.9 else (scale / FIT.shrink, narrow)
         design = Design(design.centre, design.axes * narrow)
     # The lowest of many values is low by chance; only a clear difference counts.
     return lowest if lowest.noiseless_q + lowest.noiseless_q_error < best.noiseless_q - best.noiseless_q_error else best
@@ -112,12 +103,90 @@ def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
 
     def residual(t: NDArray[np.float64]) -> NDArray[np.float64]:
         left = terms[0] - wanted + t @ (terms[1 : p + 1] + np.tensordot(t, bends, 1))
-        return np.concatenate([left, np.sqrt(ANCHOR) * t, WALL * outside(t)])
+        return np.concatenate([left, np.sqrt(FIT.anchor) * t, FIT.wall * outside(t)])
 
     def slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
-        wall = WALL * (outside(t) != 0)[:, None] * axes
+        wall = FIT.wall * (outside(t) != 0)[:, None] * axes
         steps = terms[1 : p + 1] + 2 * np.tensordot(t, bends, 1)
-        return np.concatenate([steps.T, np.sqrt(ANCHOR) * np.eye(p), wall])
+        return np.concatenate([steps.T, np.sqrt(FIT.anchor) * np.eye(p), wall])
 
     t = least_squares(residual, np.zeros(p), slope, bounds=(-1, 1), method="dogbox", max_nfev=60).x
     return fit_at(model, s, target, s.design.to_u(t))
+
+
+def sharpen(
+    fit: Fit,
+    target: Target,
+    rng: np.random.Generator,
+    num_events: int,
+    rounds: int = FIT.sharpenings,
+    reference: ReferenceModel | None = None,
+) -> Fit:
+    """Repeat a fit with many events in small designs around it."""
+    num_events = fit.afforded(num_events)
+    design = fit.next_design(ratio=max(num_events / fit.num_events, 1))
+    return descend(fit.model, target, design, rng, num_events, rounds, reference)
+
+
+def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int, ratios: tuple[float, ...]) -> Fit:
+    """Repeat a fit with one step from many events, and more until it is plain which directions the data identify.
+
+    The degrees of freedom that a fit takes up, and the errors of its parameters, depend on it. A step to the edge of
+    a design, or one that promises much, only says where to look next: slopes at an edge are hardly known, and a promise
+    may be none. It uses no `ReferenceModel`: a polynomial over so wide a design is not exact enough where the data say
+    nearly nothing.
+    """
+    centre, best = fit.point, None
+    for ratio in ratios:
+        more = int(ratio * num_events)
+        axes = fit.next_design(ratio=more / fit.num_events).axes
+        make = partial(surrogate, fit.model, target, num_events=more, rng=rng)
+        s = quadratic(make, Design(centre, axes), target)
+        here, step = fit_at(fit.model, s, target, s.design.centre), minimise(fit.model, s, target)
+        at_edge = np.abs(s.design.to_t(step.point)).max() > FIT.inside
+        believed = not at_edge and step.noiseless_q > here.noiseless_q - FIT.worse * here.noiseless_q_error
+        fit, centre = step if believed else here, step.point
+        if best is None or fit.noiseless_q < best.noiseless_q + FIT.worse * np.hypot(
+            fit.noiseless_q_error, best.noiseless_q_error
+        ):
+            best = fit
+        if believed and not best.undecided:
+            break
+    return best
+
+
+def scan(
+    model: Model,
+    target: Target,
+    rng: np.random.Generator,
+    *,
+    fixed: NDArray[np.float64] | None = None,
+    around: NDArray[np.float64] | None = None,
+    size: tuple[int, int] = (200, 300),
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A point (P,) of the unit cube near the best, and how near in each coordinate that was searched, from three
+    searches, each around the last best.
+
+    `fixed` are values of the last coordinates, which are then not searched; the others near `around`, if that is
+    given, and else everywhere. `size` is the number of points of a search and of events at each. As far as points lie
+    that are not clearly worse than the best, it may be off.
+    """
+    points, events = size
+    fixed = np.empty(0) if fixed is None else fixed
+    p = model.dim - len(fixed)
+
+    def distances(u: NDArray[np.float64], events: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        params = model.from_cube(np.hstack([u, np.tile(fixed, (len(u), 1))]))
+        means = target.summary.mean(model.simulate(np.repeat(params, events, axis=0), rng), len(u))
+        q, noise = (target.whiten(target.mean - means) ** 2).sum(axis=1), target.num_events / events
+        return q, np.sqrt(2 * target.rank * noise**2 + 4 * q * noise)
+
+    centre, half = (np.full(p, 0.5), np.full(p, 0.5)) if around is None else (around, np.full(p, FIT.searched))
+    for _ in range(3):
+        u = rng.uniform(np.maximum(centre - half, 0), np.minimum(centre + half, 1), (points, p))
+        q, error = distances(u, max(events // FIT.hopeless_events, 1))
+        u = u[q - q.min() <= FIT.clear * error]
+        q, error = distances(u, events)
+        centre, alike = u[q.argmin()], u[q - q.min() <= error]
+        half = np.maximum(half * 3 * points ** (-1 / p), np.abs(alike - centre).max(axis=0))
+    return np.concatenate([centre, fixed]), half

@@ -7,25 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from avobench.diagnosis.fit.known import KnownModel
-from avobench.diagnosis.fit.surrogate import CLEAR, Design, Surrogate, basis_slope, quadratic, surrogate
+from avobench.diagnosis.fit.surrogate import Design, ReferenceModel, Surrogate, basis_slope, quadratic, surrogate
+from avobench.diagnosis.settings import FIT
 from avobench.diagnosis.summary.target import Target
 from avobench.effects.model import Model
-
-KNOWN_SIGMAS = 25.0
-"""How far around a fit its model is made known, in standard errors: further than an added effect moves theta."""
-MIN_SIGMAS = 4.0
-"""Half the width of a design, in standard errors, at least: the minimum moves about one of them within it."""
-SLOPE_NOISE = 0.2
-"""Standard error of a slope over a design, in units of the slope that is one standard error of the parameter."""
-IDENTIFIED = 5.0
-"""A direction is identified if moving across its range changes the summary by so many standard errors."""
-
-DEAR = 5.0
-"""Simulated events that an event of a model may take before it is given fewer of them: a detector that records one in
-fifty would else take fifty times as long as all others, to no more than being ruled out."""
-PROBED = 1000
-"""Events from which it is told how many that is."""
 
 
 @dataclass(frozen=True)
@@ -42,15 +27,15 @@ class Fit:
     jacobian_noise: NDArray[np.float64]
     """What simulation adds to jacobian^T jacobian: (P, P)."""
     slope_error: float
-    """Of a slope by simulation, all summaries taken together, over the design: about sqrt(6 r N / n)."""
+    """The error of a slope by simulation, all summaries taken together, over the design: about sqrt(6 r N / n)."""
     noise: float
     """Variance that simulation adds, in units of that of the measurement."""
     predicted: NDArray[np.float64]
     """Simulated mean (K,)."""
     num_events: int
-    """Simulated for it."""
+    """The number of events that were simulated for it."""
     design: Design
-    """Of the surrogate that the fit was made with."""
+    """The design of the surrogate that the fit was made with."""
 
     @property
     def params(self) -> NDArray[np.float64]:
@@ -85,14 +70,15 @@ class Fit:
         A direction counts only if its slope stands out of the simulation's noise.
         """
         back, values, by_chance, whole_range = self._directions
-        seen = (values > CLEAR * by_chance) & (values * whole_range > IDENTIFIED**2)
-        return (back[seen].T * values[seen]) @ back[seen] / (1 + self.noise), int(seen.sum())
+        clear = (values > FIT.clear * by_chance) & (values * whole_range > FIT.identified**2)
+        return (back[clear].T * values[clear]) @ back[clear] / (1 + self.noise), int(clear.sum())
 
     @property
     def undecided(self) -> bool:
-        """Whether a direction may be identified, but its slope does not stand out of the simulation's noise."""
+        """True if a direction may be identified, but its slope does not stand out of the simulation's noise."""
         _, values, by_chance, whole_range = self._directions
-        return bool(((values < CLEAR * by_chance) & ((values + CLEAR * by_chance) * whole_range > IDENTIFIED**2)).any())
+        error = FIT.clear * by_chance
+        return bool(((values < error) & ((values + error) * whole_range > FIT.identified**2)).any())
 
     @property
     def noiseless_q(self) -> float:
@@ -114,12 +100,12 @@ class Fit:
 
     @property
     def p_value(self) -> float:
-        """Of `q`, with one degree of freedom where as many parameters are fitted as there are bins."""
+        """The chi-squared p-value of `q`, with one degree of freedom at least."""
         return float(chi2.sf(self.q, max(self.dof, 1)))
 
     @cached_property
     def point_covariance(self) -> NDArray[np.float64]:
-        """Of the cube coordinates, (P, P); where the data say less than the range, that of the range."""
+        """The covariance of the cube coordinates (P, P); where the data say less than the range, that of the range."""
         values, vectors = np.linalg.eigh(self.information[0])
         return (vectors / np.maximum(values, 12)) @ vectors.T
 
@@ -152,21 +138,21 @@ class Fit:
 
     def next_design(self, least: float = 0.0, ratio: float = 1.0) -> Design:
         """A design around the fit for `ratio` times its events, with `least` as in `around`."""
-        return self.around(max(MIN_SIGMAS, self.slope_error / np.sqrt(ratio) / SLOPE_NOISE), least)
+        return self.around(max(FIT.min_sigmas, self.slope_error / np.sqrt(ratio) / FIT.slope_noise), least)
 
     def afforded(self, num_events: int) -> int:
-        """So many events of the model, or fewer where each takes more than DEAR simulated ones, as of rare events."""
+        """So many events of the model, or fewer where each takes many simulated ones, as of rare events."""
         events = self.model.events
         if events is None or not self.model.effects:
             return num_events
         before = events.used
-        self.model.simulate(np.tile(self.params, (PROBED, 1)), np.random.default_rng(0))
-        return int(num_events * min(1.0, DEAR * PROBED / max(events.used - before, 1)))
+        self.model.simulate(np.tile(self.params, (FIT.probed, 1)), np.random.default_rng(0))
+        return int(num_events * min(1.0, FIT.dear * FIT.probed / max(events.used - before, 1)))
 
-    def known(self, target: Target, num_events: int, rng: np.random.Generator) -> KnownModel:
-        """The model, made known with so many events over a wide design around the fit."""
+    def reference(self, target: Target, num_events: int, rng: np.random.Generator) -> ReferenceModel:
+        """The model with a surrogate by so many events over a wide design around the fit."""
         make = partial(surrogate, self.model, target, num_events=self.afforded(num_events), rng=rng)
-        return KnownModel(self.model, quadratic(make, self.around(KNOWN_SIGMAS), target))
+        return ReferenceModel(self.model, quadratic(make, self.around(FIT.reference_sigmas), target))
 
     def around(self, sigmas: float, least: float = 0.0) -> Design:
         """A design along the directions of the Fisher information, so many standard errors wide to either side.

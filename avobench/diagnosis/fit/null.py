@@ -1,18 +1,61 @@
-"""The null model: the task alone, with theta fitted, to which effects may be added."""
+"""The null model is the task alone, with theta fitted, to which effects may be added."""
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from avobench.bench.cells.budget import MeteredSimulator, pose
+from avobench.bench.plugins import registry
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit.descent import refine
+from avobench.diagnosis.fit.descent import refine, scan, sharpen
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.fit.scan import scan
-from avobench.diagnosis.fit.sharpening import sharpen
+from avobench.diagnosis.settings import FIT
 from avobench.diagnosis.summary.target import Target, summary_of, target_of
 from avobench.effects.model import Model
+from avobench.methods import Estimate
+from avobench.tasks import Task
+from avobench.tasks.errors import UsageError
 
-SCANS = 2
-"""From which theta is fitted again before a disagreement is believed."""
+
+@dataclass(frozen=True)
+class Inferred:
+    """Theta as a registered method infers it, from which the fit of a diagnosis may begin."""
+
+    method: str
+    task: Task
+    estimate: Estimate
+    num_simulations: int
+
+    @classmethod
+    def by(cls, name: str, task: Task, x: NDArray, num_events: int | None, rng: np.random.Generator) -> "Inferred":
+        """Fit events x (N, d) by a registered method, with at most so many simulated ones, and its usual budget.
+
+        Raises UsageError for an unknown method and for too few events.
+        """
+        num_events = FIT.method_events if num_events is None else min(num_events, FIT.method_events)
+        method = registry.build("method", name, {})
+        registry.require_packages("method", method)
+        least = method.min_simulations(len(task.parameter_names))
+        if num_events < least:
+            raise UsageError(f"--fit {name} needs at least {least} simulated events, got {num_events}")
+        simulate = MeteredSimulator(task, num_events, rng.spawn(1)[0])
+        estimate = method.infer(pose(task, x, simulate), rng.spawn(1)[0])
+        return cls(name, task, estimate, simulate.used)
+
+    def centre(self, model: Model) -> NDArray[np.float64]:
+        """The estimate in the unit cube of the task's own model (p,)."""
+        return model.to_cube(np.clip(self.estimate.theta, model.low, model.high))
+
+    def note(self, fit: Fit) -> str:
+        """A note that compares it with a fit: a proposal much wider than the error warns that the model is wrong."""
+        estimate = self.estimate
+        each = zip(self.task.parameter_names, estimate.theta, estimate.std, fit.std, strict=False)
+        parts = [
+            f"{p} = {theta:.4g} with a {estimate.spread_of} of width {width:.2g}, {width / error:.1f} errors of the fit"
+            for p, theta, width, error in each
+        ]
+        return f"{self.method} found {'; '.join(parts)}"
 
 
 def fit_null(
@@ -44,7 +87,9 @@ def best_null(tried: list[Fit], target: Target, rng: np.random.Generator, effort
     """
     first, *others = tried
     model, per_round = first.model, max(effort.least, int(effort.rounds * target.num_events))
-    starts = [(fit.point, 0.005) for fit in others] + [scan(model, target, rng, size=effort.scan) for _ in range(SCANS)]
+    starts = [(fit.point, 0.005) for fit in others] + [
+        scan(model, target, rng, size=effort.scan) for _ in range(FIT.scans)
+    ]
     fits = [first] + [
         refine(model, target, start, np.maximum(near, 0.005), rng, num_events=per_round) for start, near in starts
     ]

@@ -1,4 +1,4 @@
-"""A black-box simulator's mean summary as a quadratic polynomial, from events that each have their own parameters."""
+"""The mean summary of a black-box simulator as a quadratic polynomial in its parameters, fitted to simulated events."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,22 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from avobench.diagnosis.settings import FIT
 from avobench.diagnosis.summary.target import Target, Vectors
 from avobench.effects.model import Model
-
-COMPARED = 10_000
-"""Events that are compared one by one with what the same seed makes elsewhere."""
-SHRINK = 3.0
-"""How much narrower a design may be than the one before."""
-BENT = 0.1
-"""Share of Q that a surrogate may lack for being no better polynomial: less than that hardly moves the minimum.
-Chosen by trial."""
-NARROWER = 3
-"""How often a design is narrowed by SHRINK, at most: to a twenty-seventh."""
-FALLS = 0.5
-"""Share of the lack that a narrower design may leave, at most. A cubic term falls to a ninth; noise or a jump stays."""
-CLEAR = 3.0
-"""Standard errors by simulation from which a squared slope is one, and a point is worse than another."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +45,7 @@ class Surrogate:
     bend: NDArray[np.float64]
     """(K,), at the centre, from events that are spread minus from those there: noise, unless E[s] is no quadratic."""
     bend_variance: float
-    """In units of that of one event."""
+    """The variance of `bend` by simulation, in units of that of one event."""
 
     def noiseless_q_at_centre(self, target: Target) -> tuple[float, float]:
         """Q at the centre of the design, without what simulation adds on average, and its standard error."""
@@ -69,9 +56,9 @@ class Surrogate:
         return _without_noise(target, self.bend, self.bend_variance)
 
     def bends(self, target: Target) -> bool:
-        """Whether E[s] is plainly no quadratic over the design."""
+        """True if E[s] is plainly no quadratic over the design."""
         lack, error = self.lack(target)
-        return lack > max(CLEAR * error, BENT * self.noiseless_q_at_centre(target)[0])
+        return lack > max(FIT.clear * error, FIT.bent * self.noiseless_q_at_centre(target)[0])
 
     def at(self, u: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Mean summary at u (P,) and its derivative: (K,), (P, K)."""
@@ -133,7 +120,7 @@ def surrogate(model: Model, vectors: Vectors, design: Design, num_events: int, r
         normal += b.T @ b
         at_centre = at_centre + vectors.moments(twins, b)
         spread = spread + vectors.moments(x, b)
-        unlike += n / pairs * float(vectors.moved(twins[:COMPARED], x[:COMPARED]).mean())
+        unlike += n / pairs * float(vectors.moved(twins[: FIT.compared_twins], x[: FIT.compared_twins]).mean())
         left -= n
     alone = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
     if unlike < 1:
@@ -154,11 +141,109 @@ def surrogate(model: Model, vectors: Vectors, design: Design, num_events: int, r
 def quadratic(make: Callable[[Design], Surrogate], design: Design, target: Target) -> Surrogate:
     """The surrogate over a design, or over a narrower one where that is plainly no quadratic, and this one more so."""
     s = make(design)
-    for _ in range(NARROWER):
+    for _ in range(FIT.narrower):
         if not s.bends(target):
             break
-        narrower = make(Design(s.design.centre, s.design.axes / SHRINK))
-        if narrower.lack(target)[0] > FALLS * s.lack(target)[0]:
+        narrower = make(Design(s.design.centre, s.design.axes / FIT.shrink))
+        if narrower.lack(target)[0] > FIT.falls * s.lack(target)[0]:
             break  # it is noise, or a jump
         s = narrower
     return s
+
+
+@dataclass(frozen=True)
+class ReferenceModel:
+    """A fitted model with a precise surrogate around it, to which an effect is to be added.
+
+    What the effect changes is seen event by event: only those that it changes add to the noise.
+    """
+
+    model: Model
+    surrogate: Surrogate
+
+    def design(self, start: NDArray[np.float64], half: NDArray[np.float64]) -> Design:
+        """A design for the larger model from `start` (P,): a box of half-widths `half` (P,), or what of it is known."""
+        p, region = self.model.dim, self.surrogate.design
+        inside = np.abs(region.to_t(start[:p])).max() < 1 - FIT.first_share
+        if not inside:
+            return Design.box(start, half)
+        axes = np.diag(half).astype(float)
+        lengths = np.abs(region.axes / half[:p, None]).max(axis=0)
+        axes[:p, :p] = region.axes * np.minimum(FIT.first_share, 1 / lengths)
+        return Design(np.clip(start, 0, 1), axes)
+
+    def within(self, design: Design) -> Design | None:
+        """The design, narrowed to where this model is known; None where that leaves next to nothing."""
+        p, region = self.model.dim, self.surrogate.design
+        room = 1 + FIT.beyond - np.abs(region.to_t(design.centre[:p]))
+        extent = np.abs(np.linalg.inv(region.axes) @ design.axes[:p]) * len(design.axes)
+        factor = np.minimum((room[:, None] / np.maximum(extent, 1e-12)).min(axis=0), 1)
+        return Design(design.centre, design.axes * factor) if factor.min() > FIT.least_room else None
+
+    def extended(
+        self, model: Model, vectors: Vectors, design: Design, num_events: int, rng: np.random.Generator
+    ) -> Surrogate:
+        """The surrogate of `model`, which is this one with one more effect; half of the events at the centre.
+
+        An effect that changes most events is better seen without this one, from twins of one seed.
+        """
+        p, k = self.model.dim, (model.dim + 1) * (model.dim + 2) // 2
+        normal, change, unlike = np.zeros((k, k)), 0.0, 0.0
+        num_centre, change_there = 0, 0.0
+        left = num_events
+        while left > 0:
+            n = min(left, model.at_once)
+            u = design.to_u(rng.uniform(-1, 1, (n, model.dim)))
+            u[: n // 2] = design.centre
+            b = basis(design.to_t(u))
+            x, y = with_and_without(self.model, model, model.from_cube(u), rng)
+            some = slice(None, None, max(n // FIT.compared_twins, 1))
+            moved = float(vectors.moved(x[some], y[some]).mean())
+            if left == num_events and moved > 1:
+                return surrogate(model, vectors, design, num_events, rng)
+            unlike += n / num_events * moved
+            normal += b.T @ b
+            hit = (x != y).any(axis=1)
+            change = change + vectors.moments(y[hit], b[hit]) - vectors.moments(x[hit], b[hit])
+            there = hit[: n // 2].nonzero()[0]
+            one = np.ones((len(there), 1))
+            change_there = change_there + (vectors.moments(y[there], one) - vectors.moments(x[there], one))[0]
+            num_centre += n // 2
+            left -= n
+        inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
+        # The known polynomial in the coordinates of this design, by its values at as many points as it has terms.
+        t = np.random.default_rng(0).uniform(-1, 1, (2 * k, model.dim))
+        there = basis(self.surrogate.design.to_t((design.centre + t @ design.axes.T)[:, :p]))
+        translate = np.linalg.lstsq(basis(t), there, rcond=None)[0]
+        coefficients = inverse @ change + translate @ self.surrogate.coefficients
+        noise = unlike * inverse + translate @ self.surrogate.inverse @ translate.T
+        constant = np.eye(k)[0]
+        alone = np.linalg.pinv(normal - num_centre * np.outer(constant, constant), rcond=1e-12, hermitian=True)
+        bend = alone[0] @ (change - np.outer(constant, change_there)) - change_there / num_centre
+        return Surrogate(design, coefficients, num_events, noise, bend, unlike * (alone[0, 0] + 1 / num_centre))
+
+
+def with_and_without(
+    before: Model, model: Model, params: NDArray[np.float64], rng: np.random.Generator
+) -> tuple[NDArray, NDArray]:
+    """Events of a model `before`, and the same with one more effect: params (n, P) of the latter -> (n, d) twice.
+
+    The same as far as the effect asks the simulator for them first, at the parameters that it was given, or, where
+    others act after it, as one seed makes them the same.
+    """
+    p = before.dim
+    theta, phi = params[:, :p], params[:, p:]
+    if not model.newest_acts_last:
+        seed = int(rng.integers(2**63))
+        unchanged = before.simulate(theta, np.random.default_rng(seed))
+        return unchanged, model.simulate(params, np.random.default_rng(seed))
+    first: list[NDArray] = []
+
+    def simulate(params: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        x = before.simulate(params, rng)
+        if not first and np.array_equal(params, theta):
+            first.append(x.copy())
+        return x
+
+    changed = model.effects[-1].apply(simulate, theta, phi, rng)
+    return (first[0] if first else before.simulate(theta, rng)), changed

@@ -1,4 +1,4 @@
-"""What the events say that were kept aside: how large the gap is, and whether an added effect made it smaller."""
+"""How large the gap is on held-out events, and whether an added effect makes it smaller."""
 
 from dataclasses import dataclass
 
@@ -8,19 +8,10 @@ from scipy.optimize import brentq
 from scipy.stats import chi2
 
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.goodness_of_fit.summary import own_metric
+from avobench.diagnosis.goodness_of_fit.gates import model_metric
 from avobench.diagnosis.schema import Gap
+from avobench.diagnosis.settings import TEST
 from avobench.diagnosis.summary.target import Target
-
-SHARE = 0.25
-"""Of the measured events, kept aside: no fit or test sees them; the gap is measured on them, and they may veto."""
-SURE = 1.0
-"""Standard errors by which a gap must shrink. More would leave out what is right but weak: on a quarter of the events a
-chi-squared of 40 for it all is one of 10."""
-LOOKED_AT = 2000
-"""Simulated events whose vectors are looked at, for how chi-squared scatters where bins hold few events."""
-BEYOND = 0.025
-"""Probability on either side of an interval of the gap."""
 
 
 @dataclass(frozen=True)
@@ -28,15 +19,10 @@ class HeldOut:
     """Measured events that no fit has seen, by their summary."""
 
     target: Target
-    """That models are fitted to: other events of the same measurement."""
+    """What models are fitted to: other events of the same measurement."""
     mean: NDArray[np.float64]
-    """Mean summary of the events kept aside (K,)."""
+    """The mean summary of the held-out events (K,)."""
     num_events: int
-
-    @classmethod
-    def of(cls, target: Target, x: NDArray) -> "HeldOut":
-        """Of events x (n, d)."""
-        return cls(target, target.summary.mean(x)[0], len(x))
 
     def gap(self, fit: Fit, rng: np.random.Generator, num_simulated: int) -> Gap:
         """Chi-squared per degree of freedom between a fitted model and these events, in the metric of the summary gate.
@@ -46,7 +32,7 @@ class HeldOut:
         as Gaussians do. How large chi-squared is of events of the model, and how far it scatters, is therefore taken
         from as many other ones.
         """
-        metric, _ = own_metric(fit, self.target.summary, self.mean, self.num_events, rng, num_simulated)
+        metric, _ = model_metric(fit, self.target.summary, self.mean, self.num_events, rng, num_simulated)
         others = fit.model.simulate(np.tile(fit.params, (num_simulated, 1)), rng)
         mean, variance = null_moments(metric, others)
         share = self.num_events / self.target.num_events
@@ -58,7 +44,7 @@ class HeldOut:
         return Gap(value=q / ndf, low=low / ndf, high=high / ndf)
 
     def shrank(self, new: Fit, old: Fit) -> bool:
-        """Whether the gap is smaller with one fit than with another, by more than chance brings about.
+        """True if the gap is smaller with one fit than with another, by more than chance brings about.
 
         Both are compared with the same events, whose scatter they share but for that along the difference d of the two:
         chi-squared differs by 2 |d| times a normal deviate more than it should, of variance 1 from these events and
@@ -67,7 +53,7 @@ class HeldOut:
         after, before = self._left(new), self._left(old)
         error = np.sqrt(1 + (1 + new.noise + old.noise) * self.num_events / self.target.num_events)
         scatter = 2 * float(np.linalg.norm(before - after)) * error
-        return float(before @ before - after @ after) > SURE * scatter
+        return float(before @ before - after @ after) > TEST.shrunk * scatter
 
     def _left(self, fit: Fit) -> NDArray[np.float64]:
         """Measured minus fitted mean, whitened for so many events: (r,)."""
@@ -80,16 +66,16 @@ def null_moments(metric: Target, x: NDArray) -> tuple[float, float]:
     With whitened vectors z of covariance S, chi-squared of a mean of n has the variance 2 tr(S^2) plus that of |z|^2
     over n.
     """
-    own = metric.whitening.T @ metric.summary.covariance(x) @ metric.whitening
-    some = x[:LOOKED_AT]
+    whitened = metric.whitening.T @ metric.summary.covariance(x) @ metric.whitening
+    some = x[: TEST.scattered]
     z = metric.summary.moments(some, np.eye(len(some))) @ metric.whitening
     length = ((z - z.mean(axis=0)) ** 2).sum(axis=1)
-    mean = float(np.trace(own))
+    mean = float(np.trace(whitened))
     return mean, 2 * mean**2 / metric.rank + float(length.var()) / metric.num_events
 
 
 def interval(q: float, mean: float, variance: float) -> tuple[float, float]:
-    """Where the expectation of a chi-squared may lie that was seen to be q: 95 %, by both tails.
+    """The 95 % interval, by both tails, of the expectation of a chi-squared that was measured to be q.
 
     Without a gap it has the `mean` and the `variance` given; a gap raises its mean by the noncentrality, and its
     variance by four times as much. In between it is a scaled chi-squared of the same two moments (P. B. Patnaik,
@@ -104,7 +90,7 @@ def interval(q: float, mean: float, variance: float) -> tuple[float, float]:
     if q <= 0:
         return 0.0, 0.0
     ends = []
-    for tail in (BEYOND, 1 - BEYOND):
+    for tail in (TEST.tail, 1 - TEST.tail):
         low = high = mean
         while above(low) > tail:
             low /= 2

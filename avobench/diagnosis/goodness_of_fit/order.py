@@ -14,19 +14,11 @@ from scipy.optimize import minimize_scalar
 from scipy.stats import chi2, kstwobign, norm, pearson3, rankdata
 
 from avobench.diagnosis.schema import Disorder
+from avobench.diagnosis.settings import ORDER
+from avobench.effects.catalogue import domain
+from avobench.tasks import Task
 
-LAGS = (1, 2, 4, 8, 16, 32, 64)
-"""Events apart, of which it is asked whether they are alike."""
-LEAST_CYCLES = 2
-"""Of a season within the data: fewer cannot be told from a drift."""
-MOST_BINS = 2**20
-"""Of the order or the time, for the periodogram: what bounds its time and memory."""
-IN_BIN = 10
-"""Events, on average, in an interval of the time in which they are counted."""
-ALIKE = 0.9
-"""Correlation of ranks from which the spread of a feature says no more than its level, as of rare counts."""
-TAIL = 0.01
-"""Share of the values at either end that count as the last one before, where a size is measured."""
+Along = Literal["index", "time"]
 
 
 @dataclass(frozen=True)
@@ -40,7 +32,7 @@ class Series:
     at: NDArray[np.float64]
     """Position of each, ascending, 0 at the first and 1 at the last at most: (n,)."""
     unit: str
-    """Of the values."""
+    """The unit of the values."""
 
 
 @dataclass(frozen=True)
@@ -56,14 +48,14 @@ class Look:
     shape: NDArray[np.float64] | None = None
     """What is there if it is true, but for factors (n, k)."""
     size: float = 0.0
-    """Where there is no shape, and its unit."""
+    """The size where there is no shape, and its unit."""
     unit: str = "correlation"
 
 
 def order(
     features: dict[str | None, NDArray],
     position: NDArray[np.float64],
-    along: Literal["index", "time"],
+    along: Along,
     alpha: float,
     rng: np.random.Generator,
 ) -> list[Disorder]:
@@ -78,25 +70,36 @@ def order(
     start, span = float(spread[rows[0]]), float(spread[rows[-1]] - spread[rows[0]])
     at = (spread[rows] - start) / span
     looks = 4 * (2 * len(features) + (along == "time")) + (along == "time")
-    found: list[tuple[Look, Series]] = []
+    findings: list[tuple[Look, Series]] = []
     for name, values in features.items():
         level = Series(name, "level", clipped(values[rows]), at, "its own unit")
-        seen, left = pursued(level, scores(values[rows]), alpha / looks)
-        found += [(look, level) for look in seen]
+        in_level, left = findings_of(level, scores(values[rows]), alpha / looks)
+        findings += [(look, level) for look in in_level]
         width = np.abs(left - np.median(left))
-        told_apart = abs(scores(width) @ scores(left)) < ALIKE * len(left)
-        if told_apart and all(look.kind != "clustering" for look in seen):
+        told_apart = abs(scores(width) @ scores(left)) < ORDER.same_ranks * len(left)
+        if told_apart and all(look.kind != "clustering" for look in in_level):
             spreads = Series(name, "spread", width / max(width.mean(), 1e-300), at, "of its mean")
-            found += [(look, spreads) for look in pursued(spreads, scores(width), alpha / looks)[0]]
+            findings += [(look, spreads) for look in findings_of(spreads, scores(width), alpha / looks)[0]]
     if along == "time":
-        counts = np.histogram(at, max(min(len(at) // IN_BIN, MOST_BINS), 2), (0, 1))[0].astype(float)
+        counts = np.histogram(at, max(min(len(at) // ORDER.in_interval, ORDER.most_bins), 2), (0, 1))[0].astype(float)
         middle = (np.arange(len(counts)) + 0.5) / len(counts)
         rate = Series(None, "rate", counts / counts.mean(), middle, "of the mean rate")
-        found += [(look, rate) for look in pursued(rate, scores(counts), alpha / looks)[0]]
+        findings += [(look, rate) for look in findings_of(rate, scores(counts), alpha / looks)[0]]
         if (look := bursts(counts)).p_value < alpha / looks:
-            found.append((look, rate))
-    found.sort(key=lambda each: (each[0].p_value, -each[0].gain))
-    return [told(look, series, along, start, span, looks) for look, series in found]
+            findings.append((look, rate))
+    findings.sort(key=lambda each: (each[0].p_value, -each[0].gain))
+    return [disorder(look, series, along, start, span, looks) for look, series in findings]
+
+
+def exchangeability(
+    task: Task, x: NDArray, position: NDArray[np.float64], along: Along, alpha: float, seed: int
+) -> list[Disorder]:
+    """What contradicts that events x (N, d) of a task at these positions (N,) are exchangeable.
+
+    The random numbers are its own, so that all else of a diagnosis is as without it.
+    """
+    features = projections(x, () if x.shape[1] == 1 and domain(task) == "counts" else task.labels, task.event_shape)
+    return order(features, position, along, alpha, np.random.default_rng([seed, 1]))
 
 
 def projections(x: NDArray, names: tuple[str, ...], image: tuple[int, ...]) -> dict[str | None, NDArray]:
@@ -105,11 +108,11 @@ def projections(x: NDArray, names: tuple[str, ...], image: tuple[int, ...]) -> d
         return dict(zip(names, x.T, strict=True)) if names else {None: x[:, 0]}
     hits = (x > 0).sum(axis=1)
     row, column = np.divmod(np.arange(x.shape[1]), int(np.prod(image[1:])))
-    found: dict[str | None, NDArray] = {"hits": hits}
+    projected: dict[str | None, NDArray] = {"hits": hits}
     for name, place in (("row", row), ("column", column)):
         mean = (x > 0) @ place / np.maximum(hits, 1)
-        found[name] = np.where(hits > 0, mean, np.median(mean[hits > 0]) if hits.any() else 0)
-    return found
+        projected[name] = np.where(hits > 0, mean, np.median(mean[hits > 0]) if hits.any() else 0)
+    return projected
 
 
 def scores(values: NDArray) -> NDArray[np.float64]:
@@ -121,31 +124,31 @@ def scores(values: NDArray) -> NDArray[np.float64]:
 
 def clipped(values: NDArray) -> NDArray[np.float64]:
     """Values (n,) without their tails, of which few events would decide how large something is."""
-    return np.clip(values.astype(float), *np.quantile(values, [TAIL, 1 - TAIL]))
+    return np.clip(values.astype(float), *np.quantile(values, [ORDER.clipped, 1 - ORDER.clipped]))
 
 
-def pursued(series: Series, score: NDArray[np.float64], level: float) -> tuple[list[Look], NDArray[np.float64]]:
+def findings_of(series: Series, score: NDArray[np.float64], level: float) -> tuple[list[Look], NDArray[np.float64]]:
     """What is in a series at this level, and its values without it (n,): the surest first, then what is in the rest.
 
     A drift looks a little like a change point, and every other pair is alike too: what one explains does not count for
     another. Each kind is told once. After a clustering nothing is looked for, since events then depend on each other.
     """
-    found: list[Look] = []
+    findings: list[Look] = []
     values = series.values
     while True:
-        told = {look.kind for look in found}
-        looks = [look for look in looked(score, series.at) if look.kind not in told]
+        kinds = {look.kind for look in findings}
+        looks = [look for look in tests_of(score, series.at) if look.kind not in kinds]
         best = min(looks, key=lambda look: (look.p_value, -look.gain), default=None)
         if best is None or best.p_value >= level or not score.any():
-            return found, values
-        found.append(best)
+            return findings, values
+        findings.append(best)
         if best.shape is None:
-            return found, values
+            return findings, values
         values, score = without(values, best.shape), without(score, best.shape)
         score /= max(score.std(), 1e-12)
 
 
-def looked(s: NDArray[np.float64], at: NDArray[np.float64]) -> Iterator[Look]:
+def tests_of(s: NDArray[np.float64], at: NDArray[np.float64]) -> Iterator[Look]:
     """The four tests of scores s (n,) of mean 0 and variance 1 at positions (n,)."""
     yield drift(s)
     yield change_point(s, at)
@@ -177,9 +180,9 @@ def season(s: NDArray[np.float64], at: NDArray[np.float64]) -> Look:
     half a cycle apart, so that no season falls between them.
     """
     n = len(s)
-    bins = min(n, MOST_BINS)
+    bins = min(n, ORDER.most_bins)
     cell = np.minimum((at * (bins - 1) + 0.5).astype(int), bins - 1)
-    k = np.arange(2 * LEAST_CYCLES, bins)  # half a cycle each
+    k = np.arange(2 * ORDER.least_cycles, bins)  # half a cycle each
     sums = np.fft.rfft(np.bincount(cell, s, bins), 2 * bins)[k]
     window = np.fft.rfft(np.bincount(cell, minlength=bins) / n, 2 * bins)
     once = window[k]
@@ -216,7 +219,7 @@ def clustering(s: NDArray[np.float64]) -> Look:
     """
     n = len(s)
     skew = float((np.abs(s) ** 3).mean() ** 2 / np.sqrt(n))
-    lags = [lag for lag in LAGS if lag < n // 4]
+    lags = [lag for lag in ORDER.lags if lag < n // 4]
     z = [float(s[lag:] @ s[:-lag]) / np.sqrt(n - lag) for lag in lags]
     best = int(np.argmax(z))
     p = float(min(len(lags) * pearson3.sf(z[best], skew), 1.0))
@@ -241,14 +244,12 @@ def without(values: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray[
 
 
 def factors(values: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray[np.float64]:
-    """By how much of each column of a shape (n, k) values (n,) are best described beside a constant: (k,)."""
+    """The factors (k,) of the columns of a shape (n, k) that describe values (n,) best beside a constant."""
     shape = shape - shape.mean(axis=0)
     return np.linalg.solve(shape.T @ shape + 1e-12 * np.eye(shape.shape[1]), shape.T @ values)
 
 
-def told(
-    look: Look, series: Series, along: Literal["index", "time"], start: float, span: float, looks: int
-) -> Disorder:
+def disorder(look: Look, series: Series, along: Along, start: float, span: float, looks: int) -> Disorder:
     """A finding with its size in the units of the series, and with where it is in those of the order or the time."""
     where = look.at
     if look.kind == "change point":

@@ -1,4 +1,4 @@
-"""Where do simulation and measurement disagree? Intervals of each feature, with the look-elsewhere effect."""
+"""Intervals of each feature in which simulation and measurement disagree, with the look-elsewhere effect."""
 
 from dataclasses import dataclass
 
@@ -7,15 +7,9 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.schema import Region
-from avobench.diagnosis.summary.bins import Bins, closed
-from avobench.diagnosis.summary.contract import Summary
-from avobench.diagnosis.summary.pixels import Pixels
+from avobench.diagnosis.settings import TEST
+from avobench.diagnosis.summary.bins import Bins, Span
 from avobench.diagnosis.summary.target import Target
-
-DRAWS = 2000
-"""Of data without any disagreement: the smallest global p-value that they can tell is 1/2001."""
-MOST = 6
-"""Regions that are told, at most: more of them say that the whole feature disagrees."""
 
 
 @dataclass(frozen=True)
@@ -26,32 +20,6 @@ class Scan:
     """(which span, first bin, last bin)."""
     reading: NDArray[np.float64]
     """(number of regions, r): rows of length 1 in what is left after the fit."""
-
-
-@dataclass(frozen=True)
-class Span:
-    """Bins of a summary that lie side by side."""
-
-    feature: int | str
-    """The column that they are of; of images rows, columns or hits."""
-    start: int
-    """Of the first, in the summary."""
-    ends: NDArray[np.float64]
-    """Of the bins, one more than there are."""
-
-
-def spans_of(summary: Summary, x: NDArray) -> list[Span]:
-    """The features of events x (n, d), which say where the outermost bins end; of images rows, columns and hits.
-
-    Rows and columns are counted from 0.
-    """
-    if isinstance(summary, Pixels):
-        ends = [(name, np.arange(length + 1) - 0.5) for name, length in summary.blocks[:2]]
-        ends.append(("hits", closed(summary.fullness, (x > 0).sum(axis=1))))
-    else:
-        ends = [(j, closed(inner, x[:, j])) for j, inner in enumerate(summary.edges)]
-    starts = np.cumsum([0, *(len(each) - 1 for _, each in ends)]).tolist()
-    return [Span(feature, start, each) for (feature, each), start in zip(ends, starts, strict=False)]
 
 
 def intervals(fit: Fit, target: Target, spans: list[Span]) -> Scan:
@@ -69,30 +37,30 @@ def intervals(fit: Fit, target: Target, spans: list[Span]) -> Scan:
     whole = np.array(masks) @ target.cov @ target.whitening
     reading = whole @ fit.projector()
     length = np.linalg.norm(reading, axis=1)
-    seen = length > 1e-6 * np.linalg.norm(whole, axis=1).max()  # none where theta takes up all that there is
-    return Scan([r for r, s in zip(regions, seen, strict=True) if s], reading[seen] / length[seen, None])
+    free = length > 1e-6 * np.linalg.norm(whole, axis=1).max()  # none where theta takes up all that there is
+    return Scan([r for r, s in zip(regions, free, strict=True) if s], reading[free] / length[free, None])
 
 
 def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> list[tuple[float, float, int]]:
-    """Where a feature of simulated events x (n, d), or any if it is "all", disagrees most with measured ones.
+    """The intervals where a feature of simulated events x (n, d), or any if it is "all", disagrees most.
 
     The ends and the feature of the interval of the largest excess, and of the largest deficit; nothing for images, nor
     for an effect on a parameter of the task.
     """
     if not isinstance(target.summary, Bins):
         return []
-    spans = [span for span in spans_of(target.summary, x) if feature in ("all", None, span.feature)]
+    spans = [span for span in target.summary.view(x).spans if feature in ("all", None, span.feature)]
     if not spans:
         return []
     scan = intervals(fit, target, spans)
     if not scan.regions:
         return []
     z = scan.reading @ fit.residual
-    found = []
+    strongest = []
     for i in (z.argmax(), z.argmin()):
         k, first, last = scan.regions[i]
-        found.append((float(spans[k].ends[first]), float(spans[k].ends[last + 1]), spans[k].feature))
-    return found
+        strongest.append((float(spans[k].ends[first]), float(spans[k].ends[last + 1]), spans[k].feature))
+    return strongest
 
 
 def significant(
@@ -105,28 +73,27 @@ def significant(
     if not scan.regions:
         return []
     z = scan.reading @ fit.residual / np.sqrt(1 + fit.noise)
-    draws = rng.standard_normal((DRAWS, len(fit.residual))) @ fit.projector()
+    draws = rng.standard_normal((TEST.draws, len(fit.residual))) @ fit.projector()
     highest = np.sort(np.abs(draws @ scan.reading.T).max(axis=1))
-    p = (1 + DRAWS - np.searchsorted(highest, np.abs(z))) / (1 + DRAWS)
-    found: list[tuple[int, int, int, float, float]] = []
+    p = (1 + TEST.draws - np.searchsorted(highest, np.abs(z))) / (1 + TEST.draws)
+    strongest: list[tuple[int, int, int, float, float]] = []
     for i in np.argsort(-np.abs(z)):
         k, first, last = scan.regions[i]
-        if p[i] > alpha or len(found) == MOST:
+        if p[i] > alpha or len(strongest) == TEST.regions:
             break
-        if all(k != other or last < start or first > stop for other, start, stop, _, _ in found):
-            found.append((k, first, last, float(z[i]), float(p[i])))
-    return found
+        if all(k != other or last < start or first > stop for other, start, stop, _, _ in strongest):
+            strongest.append((k, first, last, float(z[i]), float(p[i])))
+    return strongest
 
 
 def regions(
-    fit: Fit, target: Target, x: NDArray, rng: np.random.Generator, alpha: float, names: tuple[str, ...]
+    fit: Fit, target: Target, spans: list[Span], rng: np.random.Generator, alpha: float, names: tuple[str, ...]
 ) -> list[Region]:
-    """Intervals in which measured events x (N, d) and simulated ones disagree.
+    """The intervals of each span in which measured events and simulated ones disagree.
 
     `names` are those of the features, (d,), or none where there is nothing to choose from.
     """
-    spans = spans_of(target.summary, x)
-    found = significant(intervals(fit, target, spans), fit, rng, alpha)
+    strongest = significant(intervals(fit, target, spans), fit, rng, alpha)
 
     def named(feature: int | str) -> str | None:
         if isinstance(feature, str):
@@ -142,5 +109,5 @@ def regions(
             z=z,
             p_global=p,
         )
-        for k, first, last, z, p in found
+        for k, first, last, z, p in strongest
     ]

@@ -9,6 +9,7 @@ from pydantic import TypeAdapter
 
 from avobench.bench.plugins import registry
 from avobench.diagnosis.fit.fit import Fit
+from avobench.diagnosis.settings import REPORT
 from avobench.effects import Effect
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model_file import (
@@ -19,11 +20,6 @@ from avobench.effects.model_file import (
     settings_of,
 )
 from avobench.tasks import Task
-
-PRIOR_SIGMAS = 5.0
-"""The prior of an effect's parameter reaches so many standard errors to either side of the fit."""
-LEAST_PRIOR = 0.01
-"""The same at least, as a share of the parameter's range."""
 
 
 def describe(
@@ -43,7 +39,7 @@ def describe(
         prefix = effect.name if effect.feature is None else f"{effect.name}_{_feature(base, effect)}"
         again = sum(name.startswith(f"{prefix}_") for name in base.parameter_names)  # by a model that was found before
         names += [f"{prefix}{'_again' if again else ''}_{p.name}" for p in effect.parameters]
-    margin = np.maximum(PRIOR_SIGMAS * std, LEAST_PRIOR * (model.high - model.low))
+    margin = np.maximum(REPORT.prior_sigmas * std, REPORT.least_prior * (model.high - model.low))
     low = np.maximum(model.low, fit.params - margin)
     high = np.minimum(model.high, fit.params + margin)
     low[:theta] = np.minimum(low[:theta], base.prior.low)

@@ -19,19 +19,8 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from avobench.diagnosis.fit.fit import Fit
+from avobench.diagnosis.settings import SCORE
 from avobench.diagnosis.summary.target import Target, fixed
-
-TEMPERATURE = 4.0
-"""By which log prior and log evidence are divided: what the formulas leave out, and the scatter of simulation, make
-them too sure."""
-DISTORTED = np.geomspace(0.003, 1, 12)
-"""Shares a by which something unknown distorts the simulation: log-uniform, from what a million events would show."""
-UNKNOWN = (1 / 40, 1 / 16, 1 / 8, 1 / 4)
-"""Lengths over which it does so, as shares of a feature's range."""
-ANYWHERE = 0.1
-"""Of the mean of all bins: what the unknown may add where nothing is expected."""
-WEAKEST = 0.001
-"""Of the range of a strength: log-uniform from there, since effects are weak more often than strong."""
 
 
 @dataclass(frozen=True)
@@ -81,13 +70,13 @@ class Unknown:
 
     def evidence(self, null: Fit) -> float:
         """Of it, from the fit of the simulator as it is."""
-        found = []
-        for length in UNKNOWN:
+        evidences, shares = [], np.geomspace(*SCORE.distortions)
+        for length in SCORE.lengths:
             alike = self.target.summary.alike(length)
-            share = np.maximum(null.predicted, 0) + ANYWHERE * null.predicted.mean()
+            share = np.maximum(null.predicted, 0) + SCORE.anywhere * null.predicted.mean()
             values, vectors = np.linalg.eigh(self.whitened(share, alike, null.predicted))
-            found += [marginal(null, 1 + a**2 * np.maximum(values, 0), vectors).value for a in DISTORTED]
-        return float(logsumexp(found)) - np.log(len(found))
+            evidences += [marginal(null, 1 + a**2 * np.maximum(values, 0), vectors).value for a in shares]
+        return float(logsumexp(evidences)) - np.log(len(evidences))
 
 
 def evidence_of(fit: Fit) -> Evidence:
@@ -128,6 +117,27 @@ def prior(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """
     precision, scale = np.full(fit.model.dim, 12.0), np.ones(fit.model.dim)
     for at, strength in fit.model.strengths(fit.point).items():
-        precision[at] = 12 / np.log(1 / WEAKEST) ** 2
-        scale[at] = max(strength, WEAKEST)
+        precision[at] = 12 / np.log(1 / SCORE.weakest) ** 2
+        scale[at] = max(strength, SCORE.weakest)
     return precision, scale
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A fitted model and its evidence."""
+
+    fit: Fit
+    evidence: Evidence
+    resemblance: float = 0.0
+    """Logarithm of how much the measured events look like its effects, on average."""
+
+    @classmethod
+    def of(cls, fit: Fit, like: dict[str, float] | None = None) -> "Weighed":
+        """`like` is the logarithm of how much they look like each family, where there is experience."""
+        likeness = [like[effect.name] for effect in fit.model.effects] if like else []
+        return cls(fit, evidence_of(fit), float(np.mean(likeness)) if likeness else 0.0)
+
+    @property
+    def effects(self) -> frozenset[tuple]:
+        """The effects of the model, which name it, by their keys."""
+        return frozenset(effect.key for effect in self.fit.model.effects)

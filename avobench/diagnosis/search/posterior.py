@@ -8,29 +8,14 @@ import numpy as np
 from scipy.special import comb, logsumexp
 
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.search.candidates import Weighed
-from avobench.diagnosis.search.evidence import TEMPERATURE, Evidence
+from avobench.diagnosis.search.evidence import Evidence, Weighed
+from avobench.diagnosis.settings import SCORE
 from avobench.effects import Effect
 
 Names = frozenset[tuple]
 """The effects of a model, by their keys; empty for the simulator as it is."""
 OUTSIDE: Names = frozenset({("outside",)})
 """That what is missing is not in the catalogue."""
-NUMBER = (0.1, 0.5, 0.15, 0.03)
-"""How probable beforehand, once a disagreement is shown, it is that no, one, two or more effects are missing.
-This, and all down to COARSE, were chosen on development data of the challenge."""
-UNKNOWN = 0.03
-"""How probable beforehand that it is none of the catalogue, and looks like none."""
-IMITATED = 0.1
-"""How probable that it is none of the catalogue, but one that looks like what the catalogue has, of whatever fits."""
-COARSE = 0.02
-"""What is added to the temperature of what a fit leaves, for each unit of Q that it explains: no shape is exactly that
-of nature, and what a shape leaves for being another grows with what it does."""
-OPINION = 0.7
-"""Power of the odds by the fits, and of those by what the events look like: two opinions of the same events agree more
-than independent ones would."""
-CREDIBLE = 0.95
-"""Probability of the smallest set of models that is told."""
 
 
 @dataclass(frozen=True)
@@ -47,23 +32,23 @@ class Posterior:
         shapes: dict[Names, dict[tuple, Weighed]] = {}
         for one in weighed:
             each = tuple(sorted((str(effect.key), effect.shape) for effect in one.fit.model.effects))
-            own = shapes.setdefault(one.effects, {})
-            if each not in own or own[each].evidence.at_least < one.evidence.at_least:
-                own[each] = one
+            best = shapes.setdefault(one.effects, {})
+            if each not in best or best[each].evidence.at_least < one.evidence.at_least:
+                best[each] = one
         prior = Prior.of(catalogue)
         to_explain = max((one.evidence.excess for one in shapes.get(frozenset(), {}).values()), default=0.0)
-        logs = {OUTSIDE: (outside + np.log(UNKNOWN)) / TEMPERATURE}
-        for names, own in shapes.items():
-            values = [tempered(one.evidence, to_explain) for one in own.values()]
-            logs[names] = float(logsumexp(values)) + prior.log(names) / TEMPERATURE
+        logs = {OUTSIDE: (outside + np.log(SCORE.unknown)) / SCORE.temperature}
+        for names, best in shapes.items():
+            values = [tempered(one.evidence, to_explain) for one in best.values()]
+            logs[names] = float(logsumexp(values)) + prior.log(names) / SCORE.temperature
         logs |= pooled(
-            {each: (logs[each], next(iter(own.values())).resemblance) for each, own in shapes.items() if each}
+            {each: (logs[each], next(iter(best.values())).resemblance) for each, best in shapes.items() if each}
         )
         total = logsumexp(list(logs.values()))
-        share = {names: (1 - IMITATED) * np.exp(log - total) for names, log in logs.items()}
-        share[OUTSIDE] += IMITATED
+        share = {names: (1 - SCORE.imitated) * np.exp(log - total) for names, log in logs.items()}
+        share[OUTSIDE] += SCORE.imitated
         names = sorted(share, key=lambda each: -share[each])
-        fits = {each: sorted(own.values(), key=lambda one: -one.evidence.at_least) for each, own in shapes.items()}
+        fits = {each: sorted(best.values(), key=lambda one: -one.evidence.at_least) for each, best in shapes.items()}
         return cls({each: float(share[each]) for each in names}, fits)
 
     @property
@@ -73,18 +58,18 @@ class Posterior:
     @property
     def looks(self) -> dict[Names, float]:
         """The probabilities without that of what is outside the catalogue and looks like it."""
-        return {**self.probability, OUTSIDE: self.outside - IMITATED}
+        return {**self.probability, OUTSIDE: self.outside - SCORE.imitated}
 
     @property
     def credible(self) -> list[Names]:
-        """The smallest set of models that has CREDIBLE of the probability, but for that of what looks like them."""
+        """The smallest set of models that is credible, but for the probability of what looks like them."""
         looks = self.looks
         ordered = sorted(looks, key=lambda each: -looks[each])
         reached = np.cumsum([looks[each] for each in ordered])
-        return ordered[: int(np.searchsorted(reached, CREDIBLE * reached[-1])) + 1]
+        return ordered[: int(np.searchsorted(reached, SCORE.credible * reached[-1])) + 1]
 
     @property
-    def named(self) -> Weighed | None:
+    def best(self) -> Weighed | None:
         """The model of the most probable effects; None where more probably nothing in the catalogue is missing.
 
         What only looks like the catalogue speaks against all names alike, and is no reason for another.
@@ -94,7 +79,7 @@ class Posterior:
 
     def rivals(self, k: int) -> list[tuple]:
         """Effects in credible models that lack the k-th of the named ones, but for the named ones: by key."""
-        model = self.named.fit.model
+        model = self.best.fit.model
         names, key = {effect.key for effect in model.effects}, model.effects[k].key
         others = [each for each in self.credible if each != OUTSIDE and key not in each]
         return [one for one in self.included if one not in names and any(one in each for each in others)]
@@ -106,33 +91,33 @@ class Posterior:
             one.fit
             for each in self.credible
             for one in self.shapes.get(each, [])
-            if one is not self.named and one.fit.model.effects
+            if one is not self.best and one.fit.model.effects
         ]
 
     @property
     def single(self) -> list[Weighed]:
         """The best fit with each effect alone, best first."""
-        fits = [own[0] for names, own in self.shapes.items() if len(names) == 1]
+        fits = [best[0] for names, best in self.shapes.items() if len(names) == 1]
         return sorted(fits, key=lambda one: -one.evidence.at_least)
 
     @property
     def included(self) -> dict[tuple, float]:
         """By effect: the probability that it is in the model; most probable first."""
-        found: dict[tuple, float] = {}
+        shares: dict[tuple, float] = {}
         for names, share in self.probability.items():
             for key in names - OUTSIDE:
-                found[key] = found.get(key, 0.0) + share
-        return dict(sorted(found.items(), key=lambda item: -item[1]))
+                shares[key] = shares.get(key, 0.0) + share
+        return dict(sorted(shares.items(), key=lambda item: -item[1]))
 
 
 def tempered(evidence: Evidence, to_explain: float) -> float:
-    """A log evidence, of which the price of what is free has TEMPERATURE, and what the fit leaves a coarser one.
+    """A log evidence, of which the price of what is free has SCORE.temperature, and what the fit leaves a coarser one.
 
     `to_explain` is the excess of the simulator as it is.
     """
     price = evidence.value + evidence.excess
     explained = 2 * max(to_explain - evidence.excess, 0)
-    return price / TEMPERATURE - evidence.excess / (TEMPERATURE + COARSE * explained)
+    return price / SCORE.temperature - evidence.excess / (SCORE.temperature + SCORE.coarse * explained)
 
 
 def pooled(opinions: dict[Names, tuple[float, float]]) -> dict[Names, float]:
@@ -143,7 +128,7 @@ def pooled(opinions: dict[Names, tuple[float, float]]) -> dict[Names, float]:
     """
     if not any(looks for _, looks in opinions.values()):
         return {names: fitted for names, (fitted, _) in opinions.items()}
-    both = {names: OPINION * (fitted + looks) for names, (fitted, looks) in opinions.items()}
+    both = {names: SCORE.opinion * (fitted + looks) for names, (fitted, looks) in opinions.items()}
     kept = logsumexp([fitted for fitted, _ in opinions.values()]) - logsumexp(list(both.values()))
     return {names: float(log + kept) for names, log in both.items()}
 
@@ -175,4 +160,4 @@ class Prior:
         k, all_odds = len(names), sum(self.odds.values())
         sets = comb(len(self.odds), k) * (all_odds / len(self.odds)) ** k if k else 1
         each = sum(np.log(self.odds[name] / self.choices[name] / self.shapes[name, on]) for name, on in names)
-        return float(np.log(NUMBER[min(k, len(NUMBER) - 1)]) - np.log(sets) + each)
+        return float(np.log(SCORE.number[min(k, len(SCORE.number) - 1)]) - np.log(sets) + each)

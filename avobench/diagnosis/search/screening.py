@@ -1,8 +1,4 @@
-"""What effects do to the summary of a fitted model, over a grid of their parameters.
-
-Each shape is looked at a few times. What it does hardly depends on which other effects a model has, so that a look
-serves beside others too.
-"""
+"""What effects do to the summary of a fitted model over a grid of their parameters, and where their fits begin."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,57 +8,41 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.effort import Effort
+from avobench.diagnosis.fit.descent import scan
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.goodness_of_fit.regions import spots
+from avobench.diagnosis.settings import SEARCH
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect, Parameter
-
-STRENGTHS = (0.001, 0.005, 0.02, 0.08, 0.25, 0.7)
-"""Of the range of a strength; between them the effect is taken as linear."""
-MOVED_EVENTS = 100
-"""Of each point, from which the share of events that change bins is taken."""
-LOCATIONS = 12
-"""Grid points of a location: what is narrower than a twelfth of the range is found by `Sample.places`."""
-SHAPES = 8
-"""Grid points of a single shape parameter."""
-WIDTHS = 3
-"""Grid points of a width beside a location: narrow, middling and wide."""
-FINALISTS = 6
-"""Points of the grid that are looked at again, with more events: the first look is too noisy to choose one."""
-FINAL_EVENTS = 5
-"""Times the events of the first look, for the second: as many again in all, since a grid has some 100 points."""
-CLOSER = 3
-"""Of these, those that are looked at beside once more: an edge must be met within a fit's first design."""
-LOOKS = (1 / 2, 1 / 4)
-"""How far beside the best points of a look the next one looks, in steps of the grid."""
-GAIN = 3.0
-"""How far a strength may be moved from its grid point by linearity: to about the next point of STRENGTHS."""
+from avobench.effects.model import Model
 
 
 def grid(effect: Effect) -> NDArray[np.float64]:
     """Points at which to screen an effect: (m, q)."""
     strength, *shape = effect.parameters
     sides = [side for side in (strength.high, strength.low) if side != strength.null]
-    strengths = [strength.null + share * (side - strength.null) for side in sides for share in STRENGTHS]
+    strengths = [strength.null + share * (side - strength.null) for side in sides for share in SEARCH.strengths]
     axes = [_spread(p, n) for p, n in zip(shape, _counts(shape), strict=True)]
     return np.array(list(product(strengths, *axes)))
 
 
 def _counts(shape: Sequence[Parameter]) -> list[int]:
     """Grid points of each shape parameter."""
-    return [SHAPES] if len(shape) == 1 else [LOCATIONS, WIDTHS, *[2] * (len(shape) - 2)][: len(shape)]
+    return (
+        [SEARCH.shapes] if len(shape) == 1 else [SEARCH.locations, SEARCH.widths, *[2] * (len(shape) - 2)][: len(shape)]
+    )
 
 
 def between(effect: Effect, points: NDArray[np.float64], share: float) -> NDArray[np.float64]:
     """Points (m, q) beside these (k, q), to both sides in each shape parameter, by a share of the grid's step."""
-    found = []
+    moved_points = []
     for j, (p, n) in enumerate(zip(effect.parameters[1:], _counts(effect.parameters[1:]), strict=True), start=1):
         for side in (share / n, -share / n):
             moved = points.copy()
             step = (p.high / p.low) ** side if p.logarithmic else side * (p.high - p.low)
             moved[:, j] = np.clip(moved[:, j] * step if p.logarithmic else moved[:, j] + step, p.low, p.high)
-            found.append(moved)
-    return np.concatenate([points, *found])
+            moved_points.append(moved)
+    return np.concatenate([points, *moved_points])
 
 
 def _spread(p: Parameter, n: int) -> NDArray[np.float64]:
@@ -120,7 +100,7 @@ class Sample:
         """What `changes` gives, from events at m points without and with an effect; the former have `means` (m, K)."""
         target, n = self.target, len(changed)
         change = target.whiten(target.summary.mean(changed, m) - means)
-        some = np.linspace(0, n, m * MOVED_EVENTS, endpoint=False, dtype=int)
+        some = np.linspace(0, n, m * SEARCH.moved_events, endpoint=False, dtype=int)
         moved = target.moved(untouched[some], changed[some]).reshape(m, -1).mean(axis=1)
         return change, target.num_events * m / n * target.rank * moved
 
@@ -139,7 +119,7 @@ class Sample:
         """Points (m, q) at which an effect acts where measured events and these disagree most; none without a place."""
         strength, *shape = effect.parameters
         side = strength.high if strength.high != strength.null else strength.low
-        strong = strength.null + STRENGTHS[-1] * (side - strength.null)
+        strong = strength.null + SEARCH.strengths[-1] * (side - strength.null)
         low, high = [p.low for p in shape], [p.high for p in shape]
         if effect.feature not in self._spots:
             self._spots[effect.feature] = spots(self.fit, self.target, self.x, effect.feature)
@@ -173,7 +153,7 @@ class Look:
         moved, left = (each - (each @ reach) @ reach.T for each in (self.change, fit.residual))
         size = np.maximum((moved**2).sum(axis=1) - self.scatter, 0.5 * (moved**2).sum(axis=1)) + 1e-9
         along = moved @ left
-        gain = np.clip(along / size, 0, GAIN)
+        gain = np.clip(along / size, 0, SEARCH.gain)
         reach = np.where(self.points[:, 0] > strength.null, strength.high, strength.low) - strength.null
         gain = np.minimum(gain, reach / (self.points[:, 0] - strength.null))
         if self.guessed:
@@ -190,22 +170,98 @@ class Look:
         return best if self.guessed else between(self.effect, best, share)
 
 
-def glance(sample: Sample, effect: Effect, x: NDArray, rng: np.random.Generator, effort: Effort) -> Look | None:
-    """A first look at one shape of an effect, over a grid and where measured events x (N, d) and others disagree.
+def glance(
+    sample: Sample, effect: Effect, guess: NDArray[np.float64] | None, rng: np.random.Generator, effort: Effort
+) -> Look:
+    """A first look at one shape of an effect, and where measured events and others disagree.
 
-    None where the measured events rule it out.
+    It is at the points (m, q) that are a `guess` by the measured events, or over a grid.
     """
-    points = effect.guess(x)
-    guessed = points is not None
-    if guessed and len(points) == 0:
-        return None
-    points = points if guessed else grid(effect)
+    guessed, points = guess is not None, grid(effect) if guess is None else guess
     events = max(effort.screen // len(points), effort.screen // 50)
     return sample.look(effect, np.concatenate([points, sample.places(effect)]), events, rng, guessed)
 
 
 def closer(sample: Sample, look: Look, rng: np.random.Generator) -> Look:
     """A look with more events at what looked best at first, and beside it, and where the events disagree."""
-    events = FINAL_EVENTS * look.events
-    second = sample.closer(look, FINALISTS, LOOKS[0], events, rng)
-    return sample.closer(second, CLOSER, LOOKS[1], events, rng)
+    events = SEARCH.final_events * look.events
+    second = sample.closer(look, SEARCH.finalists, SEARCH.look_steps[0], events, rng)
+    return sample.closer(second, SEARCH.closest, SEARCH.look_steps[1], events, rng)
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where to begin a fit: a shape, its cube coordinates with theta, and the Q that screening expects there."""
+
+    model: Model
+    point: NDArray[np.float64]
+    expected: float
+    near: float
+    """How far the strength may be off, in cube coordinates."""
+    along: NDArray[np.float64] | float = 0.0
+    """How the fit's parameters move, in cube coordinates (P,), with that of the strength."""
+
+
+def starts_of(fit: Fit, look: Look) -> list[Start]:
+    """The best one or two points of a look at an effect, to add it to a fitted model there."""
+    model, strength, points = fit.model.plus(look.effect), look.effect.parameters[0], look.points
+    expected, gain = look.expected(fit)
+    order = np.argsort(expected)
+    chosen = [order[0]]
+    if points.shape[1] > 1:
+        far = [i for i in order if np.abs(points[i, 1:] - points[order[0], 1:]).max() > 1e-12]
+        chosen += far[:1]
+    starts = []
+    for i in chosen:
+        phi = points[i].copy()
+        phi[0] = strength.null + max(gain[i], 0.05) * (phi[0] - strength.null)
+        shift = fit.follow(fit.residual - gain[i] * look.change[i])
+        theta = np.clip(fit.point + np.clip(shift, -0.1, 0.1), 0, 1)
+        point = np.concatenate([theta, model.to_cube(np.concatenate([fit.params, phi]))[fit.model.dim :]])
+        step = (points[i, 0] - strength.null) / (strength.high - strength.low)
+        along = -fit.follow(look.change[i]) / step
+        off = SEARCH.guessed if look.guessed else SEARCH.rough
+        noiseless = float(expected[i]) - fit.noise * fit.dof  # as is that of the fit
+        starts.append(Start(model, point, noiseless, off * model.strengths(point)[fit.model.dim], along))
+    return starts
+
+
+def hidden(sample: Sample, start: Start, rng: np.random.Generator, effort: Effort) -> list[Start]:
+    """Starts at large strengths, to either side, of an effect whose small strength theta hides; else none.
+
+    Theta is searched for at each of a row of strengths, near where it was at the one before; where it then fits better
+    than beside it, a fit may begin.
+    """
+    fit, target, effect = sample.fit, sample.target, start.model.effects[-1]
+    strength, p = effect.parameters[0], fit.model.dim
+    of_theta, _ = np.linalg.qr(fit.jacobian[:, : fit.model.num_theta])
+    free, shape = fit.projector(), start.model.from_cube(start.point)[p + 1 :]
+    starts = []
+    for side in [side for side in (strength.high, strength.low) if side != strength.null]:
+        near, points = (
+            np.array([[strength.null + share * (side - strength.null), *shape] for share in shares])
+            for shares in (SEARCH.weak, SEARCH.strong)
+        )
+        change, scatter = sample.changes(effect, near, effort.screen // 4, rng)
+        moves = (change - change @ of_theta @ of_theta.T, change)
+        kept, whole = ((each**2).sum(axis=1) - scatter for each in moves)
+        visible = whole > 3 * scatter * np.sqrt(2 / target.rank)
+        if not (visible & (kept < SEARCH.absorbed * whole)).any():
+            continue
+        row, size, theta = [], (min(SEARCH.coarse_points**p, effort.scan[0] // 4), effort.scan[1]), fit.point
+        for values in points:
+            phi = start.model.to_cube(np.concatenate([fit.params, values]))[p:]
+            point, _ = scan(start.model, target, rng, fixed=phi, around=theta, size=size)
+            for _ in range(SEARCH.followed):
+                x = start.model.simulate(np.tile(start.model.from_cube(point), (effort.fit // SEARCH.followed, 1)), rng)
+                left = target.whiten(target.mean - target.summary.mean(x)[0])
+                theta = point[:p] = np.clip(point[:p] + np.clip(fit.follow(left), -0.1, 0.1), 0, 1)
+            noise = target.num_events / len(x) * target.rank
+            row.append((point, float(((left @ free) ** 2).sum()) - noise))
+        places, expected = np.array([point for point, _ in row]), np.array([value for _, value in row])
+        along = np.gradient(places[:, :p], places[:, p], axis=0)
+        between = np.abs(np.diff(places[:, p])).mean()
+        beside = np.minimum(np.r_[np.inf, expected[:-1]], np.r_[expected[1:], np.inf])
+        lowest = [i for i in np.argsort(expected) if expected[i] < beside[i]]
+        starts += [Start(start.model, places[i], expected[i], between, along[i]) for i in lowest[: SEARCH.modes]]
+    return starts

@@ -6,25 +6,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.diagnosis.effort import REFINED, Effort, addition
-from avobench.diagnosis.experience.portrait import MOST_EVENTS
-from avobench.diagnosis.experience.recogniser import SIMULATED, kind_of, resemblance
-from avobench.diagnosis.fit.descent import refine
+from avobench.diagnosis.effort import Effort, Phases
+from avobench.diagnosis.experience.recogniser import kind_of, resemblance
+from avobench.diagnosis.fit.descent import refine, sharpen
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.fit.sharpening import sharpen
-from avobench.diagnosis.progress import Telling
-from avobench.diagnosis.search.candidates import PARENTS, Candidates, Weighed, worth
+from avobench.diagnosis.search.candidates import Candidates, Weighed, worth
 from avobench.diagnosis.search.evidence import Unknown
 from avobench.diagnosis.search.posterior import Posterior
-from avobench.diagnosis.search.starts import ROUGH, Start
+from avobench.diagnosis.search.screening import Start
+from avobench.diagnosis.settings import BUDGET, RECOGNITION, SCORE, SEARCH
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.effects.model import Model
 from avobench.tasks.errors import BudgetExhausted
 from avobench.tasks.meter import Meter
-
-PRICE = 8.0
-"""What a further effect costs in log evidence at least: its strength, and its place among all sets."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +34,7 @@ class Search:
     rng: np.random.Generator
     effort: Effort
     jobs: int
-    telling: Telling | None = None
+    phases: Phases | None = None
     """What is told which effect is looked for."""
 
     def posterior(self, null: Fit) -> Posterior | None:
@@ -51,7 +46,7 @@ class Search:
         weighed = [Weighed.of(null)]
         outside = Unknown(self.target).evidence(null)
         meter = null.model.events.meter if null.model.events is not None else Meter()
-        with suppress(BudgetExhausted), meter.keeping(addition(self.effort, self.target.num_events)):
+        with suppress(BudgetExhausted):
             self.look(weighed, outside, effects, self.like(null.model, null.params))
         return Posterior.of(weighed, outside, effects) if len(weighed) > 1 or not meter.refused else None
 
@@ -59,7 +54,7 @@ class Search:
         """Logarithm of how much the events look like each family, beside those of a model at theta (p,)."""
         if kind_of(model.task) is None:
             return {}
-        rng, n = self.rng.spawn(1)[0], SIMULATED * min(len(self.x), MOST_EVENTS)
+        rng, n = self.rng.spawn(1)[0], RECOGNITION.simulated * min(len(self.x), RECOGNITION.portrait_events)
         return resemblance(model.task, self.effects, self.x, model.simulate(np.tile(theta, (n, 1)), rng))
 
     def look(self, weighed: list[Weighed], outside: float, effects: list[Effect], like: dict[str, float]) -> None:
@@ -68,18 +63,21 @@ class Search:
         Raises BudgetExhausted where the simulated events end.
         """
         first, beam = self.candidates(weighed[0], effects, like), weighed[:1]
+        guesses = [(shape, shape.guess(self.x)) for effect in effects for shape in effect.shapes()]
         for size in range(1, self.max_effects + 1):
             added = []
-            for parent in beam[: PARENTS if size == 2 else 1]:
+            for parent in beam[: SEARCH.parents if size == 2 else 1]:
                 beside = max(outside, *(one.evidence.value for one in weighed))
-                if size > 1 and parent.evidence.value + parent.evidence.excess - PRICE < beside:
+                if size > 1 and parent.evidence.value + parent.evidence.excess - SCORE.indifferent < beside:
                     continue  # no further effect can make it the best
-                if self.telling is not None:
-                    self.telling.begin(f"search for effect {size}")
+                if self.phases is not None:
+                    self.phases.begin(f"search for effect {size}")
+                if size == 1:
+                    looks = first.glances(guesses)
                 search = self.candidates(parent, effects, like) if size > 1 else first
-                found = search.weighed(first.glances, beside)
-                added += found
-                weighed += found
+                larger = search.weighed(looks, beside)
+                added += larger
+                weighed += larger
             beam = self.foremost(added)
             if size == 2 and beam:  # each of the two may describe the events alone, from where it is beside the other
                 weighed += first.told_apart([start_without(beam[0].fit, k) for k in (0, 1)], -np.inf)
@@ -88,19 +86,19 @@ class Search:
         """Those to add to a model."""
         free = [effect for effect in effects if effect.key not in parent.effects]
         effort = self.effort.beside if parent.effects else self.effort
-        return Candidates(parent, self.target, free, self.x, self.rng, effort, self.jobs, like)
+        return Candidates(parent, self.target, free, self.rng, effort, self.jobs, like)
 
     def foremost(self, added: list[Weighed]) -> list[Weighed]:
-        """The best model of each set of effects, of the best PARENTS sets."""
+        """The best model of each set of effects, of the best SEARCH.parents sets."""
         best_last = sorted(added, key=worth)[::-1]
-        return list({one.effects: one for one in best_last}.values())[::-1][:PARENTS]
+        return list({one.effects: one for one in best_last}.values())[::-1][: SEARCH.parents]
 
 
 def start_without(fit: Fit, k: int) -> Start:
     """Where to begin a fit without the k-th effect: where the others are beside it."""
     model, columns = fit.model.minus(k), fit.model.columns(k)
     point = np.delete(fit.point, np.arange(columns.start, columns.stop))
-    return Start(model, point, np.nan, ROUGH * list(model.strengths(point).values())[-1])
+    return Start(model, point, np.nan, SEARCH.rough * list(model.strengths(point).values())[-1])
 
 
 def refined(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) -> tuple[Fit, list[str]]:
@@ -120,5 +118,5 @@ def refined(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) 
             notes.append(f"the bound of {name} was doubled, since the fit ended there")
         at += len(effect.parameters)
     ratio, _ = effort.rounds_of_search[-2]
-    again = sharpen(fit, target, rng, int(ratio * target.num_events), REFINED)
+    again = sharpen(fit, target, rng, int(ratio * target.num_events), BUDGET.refined)
     return min(again, fit, key=lambda fit: fit.noiseless_q + fit.noiseless_q_error), notes

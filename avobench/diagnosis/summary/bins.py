@@ -1,5 +1,6 @@
 """The summary of events with features: shares of bins whose edges follow the data."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from itertools import combinations, zip_longest
@@ -9,10 +10,81 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from scipy.sparse import csr_array
 
-from avobench.diagnosis.summary.contract import Summary, close
+from avobench.diagnosis.settings import SUMMARY
 
-LEAST_IN_BIN = 12
-"""Measured and simulated events together, each counted half."""
+
+@dataclass(frozen=True)
+class Span:
+    """Bins of a summary that lie side by side."""
+
+    feature: int | str
+    """The column that they are of; of images rows, columns or hits."""
+    start: int
+    """The position of the first one in the summary."""
+    ends: NDArray[np.float64]
+    """The ends of the bins, one more than there are."""
+
+
+@dataclass(frozen=True)
+class View:
+    """What can be shown of events by their summary."""
+
+    spans: list[Span]
+    """The features; of images rows and columns, counted from 0, and hits."""
+    cells: NDArray[np.float64] | None = None
+    """The mean of each cell of images (rows, columns)."""
+    cell_errors: NDArray[np.float64] | None = None
+    """The standard error of each."""
+
+
+def spans_of(ends: list[tuple[int | str, NDArray[np.float64]]]) -> list[Span]:
+    """The spans of a summary that begins with the features of these ends."""
+    starts = np.cumsum([0, *(len(each) - 1 for _, each in ends)]).tolist()
+    return [Span(feature, start, each) for (feature, each), start in zip(ends, starts, strict=False)]
+
+
+class Summary(ABC):
+    """A vector s(x) of fixed length K for each event; a set of events is summarised by its mean."""
+
+    size: int
+
+    @abstractmethod
+    def mean(self, x: NDArray, pieces: int = 1) -> NDArray[np.float64]:
+        """Mean vector of each of so many equal, consecutive pieces of the events: (n, d) -> (pieces, K)."""
+
+    @abstractmethod
+    def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """weights^T s(x): (n, d), (n, b) -> (b, K)."""
+
+    @abstractmethod
+    def project(self, x: NDArray, direction: NDArray[np.float64]) -> NDArray[np.float64]:
+        """s(x) along a direction (K,), or several (K, r): (n, d) -> (n,), (n, r)."""
+
+    @abstractmethod
+    def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
+        """The rough change of each event's vector, as a variance in units of that of an event: (n, d) twice -> (n,)."""
+
+    @abstractmethod
+    def covariance(self, x: NDArray) -> NDArray[np.float64]:
+        """Covariance of the vectors of events (n, d) -> (K, K)."""
+
+    @abstractmethod
+    def view(self, x: NDArray) -> View:
+        """What can be shown of events (n, d), which say where the outermost bins end."""
+
+    @abstractmethod
+    def alike(self, length: float) -> NDArray[np.float64]:
+        """The correlation of parts of the vector that lie close to each other: (K, K), 1 on the diagonal.
+
+        Squared-exponential with `length` as a share of the range of a feature, told in bins; parts of different
+        features have nothing in common.
+        """
+
+
+def close(bins: int, length: float) -> NDArray[np.float64]:
+    """Squared-exponential correlation of so many bins side by side: (bins, bins)."""
+    at = np.arange(bins) / bins
+    return np.exp(-0.5 * ((at[:, None] - at) / length) ** 2)
 
 
 @dataclass(frozen=True)
@@ -44,12 +116,12 @@ class Bins(Summary):
 
     @cached_property
     def _fine(self) -> list[NDArray[np.intp]]:
-        """Of a bin between merged edges, which bin it lies in."""
+        """The bin that each bin between merged edges lies in."""
         return [_parts(e, merged) for e, merged in zip(self.edges, self._merged, strict=True)]
 
     @cached_property
     def _wide(self) -> list[NDArray[np.intp]]:
-        """The same for pairs."""
+        """The coarse bin that each bin between merged edges lies in."""
         return [_parts(e, merged) for e, merged in zip(self.coarse, self._merged, strict=False)]
 
     def indices(self, x: NDArray) -> NDArray[np.int32]:
@@ -93,18 +165,21 @@ class Bins(Summary):
         mean = self.mean(x)[0]
         return (second + second.T) / len(x) + np.diag(mean) - np.outer(mean, mean)
 
+    def view(self, x: NDArray) -> View:
+        return View(spans_of([(j, closed(inner, x[:, j])) for j, inner in enumerate(self.edges)]))
+
     def alike(self, length: float) -> NDArray[np.float64]:
         sides = [[bins] if len(f) == 1 else [len(self.coarse[j]) + 1 for j in f] for f, bins in self.blocks]
         return block_diag(*(reduce(np.kron, [close(bins, length) for bins in side]) for side in sides))
 
 
 def _parts(edges: NDArray[np.float64], merged: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Of each bin between `merged` edges (k,), of which `edges` are some, the bin between `edges`: (k + 1,)."""
+    """The bin between `edges` of each bin between `merged` edges (k,), which have all of `edges`: (k + 1,)."""
     return np.r_[0, np.searchsorted(edges, merged, side="right")]
 
 
 def bin_of(column: NDArray, edges: NDArray[np.float64]) -> NDArray[np.intp]:
-    """How many inner edges lie at or below each value: (n,). Whole numbers are looked up in a table."""
+    """The number of inner edges at or below each value: (n,). Whole numbers are looked up in a table."""
     if len(edges) and np.can_cast(column.dtype, np.int64):
         low, high = int(np.ceil(edges[0])) - 1, int(np.floor(edges[-1])) + 1
         if high - low < len(column):
@@ -131,21 +206,21 @@ def bins_of(x: NDArray, simulated: NDArray) -> Bins:
 def inner_edges(x: NDArray, simulated: NDArray, most: int, *, growth: float = np.inf) -> NDArray[np.float64]:
     """Inner edges of at most `most` bins for one feature, from a mixture of both sets in equal parts.
 
-    From LEAST_IN_BIN at both ends, each bin makes what lies outside at most `growth` times as much: what lies beyond
-    the bulk tells effects apart though it is rare.
+    From the fewest events at both ends, each bin makes what lies outside at most `growth` times as much: what lies
+    beyond the bulk tells effects apart though it is rare.
     """
     values = np.concatenate([x, simulated]).astype(float)
     weights = np.concatenate([np.full(len(x), 0.5), np.full(len(simulated), 0.5 * len(x) / len(simulated))])
     unique, inverse = np.unique(values, return_inverse=True)
     cumulated = np.cumsum(np.bincount(inverse, weights))
     total = cumulated[-1]
-    need = max(len(x) / most, LEAST_IN_BIN) if most < len(unique) else LEAST_IN_BIN
+    need = max(len(x) / most, SUMMARY.least_in_bin) if most < len(unique) else SUMMARY.least_in_bin
     edges, last, at = [], 0.0, -1
     while True:
         more = min((growth - 1) * last, (1 - 1 / growth) * (total - last)) if growth < np.inf else need
-        wanted = min(need, max(more, LEAST_IN_BIN))
+        wanted = min(need, max(more, SUMMARY.least_in_bin))
         at = max(int(np.searchsorted(cumulated, last + wanted)), at + 1)
-        if at >= len(unique) - 1 or total - cumulated[at] < LEAST_IN_BIN:
+        if at >= len(unique) - 1 or total - cumulated[at] < SUMMARY.least_in_bin:
             return np.array(edges)
         edges.append((unique[at] + unique[at + 1]) / 2)
         last = cumulated[at]

@@ -7,20 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from avobench.diagnosis.summary.bins import inner_edges
-from avobench.diagnosis.summary.contract import Summary, close
-
-BLOCKS = 8
-"""Along each axis, at most."""
-FULLNESS_BINS = 12
-"""Of the number of hits, at most: as many as a feature has where there are several."""
-LEAST_HITS = 40
-"""In all images together, for a part of the summary to count: fewer scatter unlike a Gaussian."""
+from avobench.diagnosis.settings import SUMMARY
+from avobench.diagnosis.summary.bins import Summary, View, close, closed, inner_edges, spans_of
 
 
 @dataclass(frozen=True)
 class Pixels(Summary):
-    """Of images of `grid` rows and columns, flattened row by row; `fullness` are inner edges for the number of hits."""
+    """The summary of images of `grid` rows and columns, flattened by rows; `fullness` are inner edges for the hits."""
 
     grid: tuple[int, int]
     fullness: NDArray[np.float64]
@@ -31,7 +24,7 @@ class Pixels(Summary):
     def blocks(self) -> list[tuple[str, int]]:
         """(name, length) of each part of the vector, in order."""
         r, c = self.grid
-        coarse = min(BLOCKS, r) * min(BLOCKS, c)
+        coarse = min(SUMMARY.image_blocks, r) * min(SUMMARY.image_blocks, c)
         return [("row", r), ("column", c), ("hits", len(self.fullness) + 1), ("block", coarse), ("neighbours", 2)]
 
     @cached_property
@@ -50,14 +43,15 @@ class Pixels(Summary):
         def sums(part: NDArray[np.intp], length: int, of: NDArray[np.float32] = size) -> NDArray[np.float32]:
             return np.bincount(event * length + part, of, n * length).reshape(n, length).astype(np.float32)
 
-        coarse = [(part * min(BLOCKS, length)) // length for part, length in ((row, r), (column, c))]
+        blocks = [min(SUMMARY.image_blocks, length) for length in self.grid]
+        coarse = [(row * blocks[0]) // r, (column * blocks[1]) // c]
         full = np.searchsorted(self.fullness, sums(0, 1, size > 0)[:, 0], side="right")
         inward, left = np.where(row > 0, where - c, where), where - column + (column - 1) % c
         parts = [
             sums(row, r),
             sums(column, c),
             np.eye(len(self.fullness) + 1, dtype=np.float32)[full],
-            sums(coarse[0] * min(BLOCKS, c) + coarse[1], min(BLOCKS, r) * min(BLOCKS, c)),
+            sums(coarse[0] * blocks[1] + coarse[1], blocks[0] * blocks[1]),
             sums(0, 1, size * values[inward] * (row > 0)),
             sums(0, 1, size * values[left]),
         ]
@@ -81,15 +75,21 @@ class Pixels(Summary):
     def covariance(self, x: NDArray) -> NDArray[np.float64]:
         return np.cov(self.vectors(x), rowvar=False, dtype=np.float64)
 
+    def view(self, x: NDArray) -> View:
+        ends = [(name, np.arange(length + 1) - 0.5) for name, length in self.blocks[:2]]
+        ends.append(("hits", closed(self.fullness, (x > 0).sum(axis=1))))
+        mean, error = x.mean(axis=0, dtype=float), np.sqrt(np.maximum(x.var(axis=0, dtype=float), 1 / len(x)) / len(x))
+        return View(spans_of(ends), mean.reshape(self.grid), error.reshape(self.grid))
+
     def alike(self, length: float) -> NDArray[np.float64]:
         r, c = self.grid
-        blocks = np.kron(close(min(BLOCKS, r), length), close(min(BLOCKS, c), length))
+        blocks = np.kron(close(min(SUMMARY.image_blocks, r), length), close(min(SUMMARY.image_blocks, c), length))
         return block_diag(close(r, length), close(c, length), close(len(self.fullness) + 1, length), blocks, np.eye(2))
 
 
 def pixels_of(x: NDArray, simulated: NDArray, event_shape: tuple[int, ...]) -> Pixels:
     """The summary for images of this shape; axes beyond the second are joined to it."""
-    fullness = inner_edges((x > 0).sum(axis=1), (simulated > 0).sum(axis=1), FULLNESS_BINS)
+    fullness = inner_edges((x > 0).sum(axis=1), (simulated > 0).sum(axis=1), SUMMARY.hit_bins)
     summary = Pixels((event_shape[0], int(np.prod(event_shape[1:]))), fullness)
     totals = [summary.vectors(y > 0).sum(axis=0, dtype=float) * len(x) / len(y) for y in (x, simulated)]
-    return replace(summary, filled=np.maximum(*totals) >= LEAST_HITS)
+    return replace(summary, filled=np.maximum(*totals) >= SUMMARY.least_hits)

@@ -6,17 +6,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.diagnosis.summary.bins import bins_of
-from avobench.diagnosis.summary.contract import Summary
+from avobench.diagnosis.settings import SUMMARY
+from avobench.diagnosis.summary.bins import Summary, bins_of
 from avobench.diagnosis.summary.pixels import pixels_of
 from avobench.tasks import Task
-
-MIXED_IN = 0.1
-"""Share of the simulated events in the covariance: where nothing was measured, what was expected still counts."""
-LOOKED_AT = 500
-"""Events whose vectors are looked at, for what moving them adds to the noise."""
-RANK_TOLERANCE = 1e-7
-"""Share of the largest eigenvalue of a correlation matrix below which one is rounding: bins sum to one."""
 
 
 class Vectors(Protocol):
@@ -26,7 +19,7 @@ class Vectors(Protocol):
         """weights^T s(x): (n, d), (n, b) -> (b, K)."""
 
     def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
-        """How far each event's vector went, as a variance in units of that of one event: (n, d) twice -> (n,)."""
+        """The change of each event's vector, as a variance in units of that of one event: (n, d) twice -> (n,)."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +31,7 @@ class Target:
     """(K,)"""
     num_events: int
     cov: NDArray[np.float64]
-    """Of the summary of one event (K, K)."""
+    """The covariance of the summary of one event (K, K)."""
     whitening: NDArray[np.float64]
     """(K, r), whitening^T cov whitening = 1."""
 
@@ -51,7 +44,7 @@ class Target:
         return self.whitening.shape[1]
 
     def whiten(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
-        """In standard errors of the measured mean: (..., K) -> (..., r)."""
+        """A mean in standard errors of the measured one: (..., K) -> (..., r)."""
         return np.sqrt(self.num_events) * (mean @ self.whitening)
 
     def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -61,11 +54,11 @@ class Target:
     def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
         """How far each event's vector went, as a variance in units of that of one event: (n, d) twice -> (n,).
 
-        Which events go how far the summary says; how much that is where its covariance is 1, some of them.
+        The summary says which events change; how much that is where its covariance is 1 is taken from some of them.
         """
         share = self.summary.moved(before, after)
         went = np.flatnonzero(share)
-        some = went[:: max(len(went) // LOOKED_AT, 1)]
+        some = went[:: max(len(went) // SUMMARY.compared_moves, 1)]
         if not len(some) or self.rank == 0:
             return share
         before, after = (self.summary.project(x[some], self.whitening) for x in (before, after))
@@ -86,14 +79,14 @@ def fixed(cov: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _directions(cov: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Combinations (K, k) that are uncorrelated, and their variances (k,), 0 where that is rounding."""
-    seen = np.flatnonzero(np.diag(cov) > 0)  # a cell of a pair may be empty
-    w = np.zeros((len(cov), len(seen)))
-    if not len(seen):
+    filled = np.flatnonzero(np.diag(cov) > 0)  # a cell of a pair may be empty
+    w = np.zeros((len(cov), len(filled)))
+    if not len(filled):
         return np.empty(0), w
-    scale = np.sqrt(np.diag(cov)[seen])
-    values, vectors = np.linalg.eigh(cov[np.ix_(seen, seen)] / np.outer(scale, scale))
-    w[seen] = vectors / scale[:, None]
-    return np.where(values > RANK_TOLERANCE * values[-1], values, 0), w
+    scale = np.sqrt(np.diag(cov)[filled])
+    values, vectors = np.linalg.eigh(cov[np.ix_(filled, filled)] / np.outer(scale, scale))
+    w[filled] = vectors / scale[:, None]
+    return np.where(values > SUMMARY.rank_tolerance * values[-1], values, 0), w
 
 
 def summary_of(task: Task, x: NDArray, simulated: NDArray) -> Summary:
@@ -102,6 +95,6 @@ def summary_of(task: Task, x: NDArray, simulated: NDArray) -> Summary:
 
 
 def target_of(x: NDArray, summary: Summary, simulated: NDArray) -> Target:
-    """What to fit to the measured events x (N, d), whitened with their covariance and a little of the simulated."""
-    cov = (1 - MIXED_IN) * summary.covariance(x) + MIXED_IN * summary.covariance(simulated)
+    """The target of measured events x (N, d), whitened with their covariance and a little of the simulated."""
+    cov = (1 - SUMMARY.mixed_in) * summary.covariance(x) + SUMMARY.mixed_in * summary.covariance(simulated)
     return Target.of(summary, summary.mean(x)[0], len(x), cov)

@@ -10,24 +10,24 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, MaxNLocator, NullFormatter, NullLocator, ScalarFormatter
 from numpy.typing import NDArray
 
-from avobench.diagnosis.report.pictures import Spectrum
+from avobench.diagnosis.report.result import Spectrum
 from avobench.diagnosis.schema import Region
 from avobench.reports.diagnosis.drawn import AFTER, BEFORE, HATCH, REGION, Drawn, sigma
 
 STEEP = 5.0
 """A density whose highest bin is so many times the middle one is drawn on a logarithmic axis."""
 NARROW = 0.04
-"""A region that takes less of the axis is shown enlarged as well."""
+"""A region that takes less of the axis is near enlarged as well."""
 LEAST_SEEN = 0.012
 """The least width of the axis that a region is drawn with, about three of a reader's pixels a side."""
 LEAST_ENLARGED = 0.002
 """The least width of the axis on either side of an enlarged region, lest a single value fill the panel."""
 MOST_ENLARGED = 2
-"""Narrow regions that are shown enlarged; more would leave the figure itself no width."""
+"""Narrow regions that are near enlarged; more would leave the figure itself no width."""
 MOST_LABELS = 8
 """Regions beyond so many have no label, but stand in the table."""
 LABEL_WIDTH = 0.1
-"""Of the axis; labels that would be nearer to each other stand above each other."""
+"""Share of the axis; labels that would be nearer to each other stand above each other."""
 LEAST_PULLS = 4.0
 """The scale of pulls reaches at least so far."""
 LINEAR_PULLS = 5.0
@@ -44,9 +44,9 @@ def distribution(spectrum: Spectrum, regions: Sequence[Region], name: str, unit:
     models: list[Model] = [("before", BEFORE, "--", spectrum.before)]
     if spectrum.after is not None:
         models.append(("after", AFTER, "-", spectrum.after))
-    own = sorted((each for each in regions if each.feature in (spectrum.feature, None)), key=lambda each: -abs(each.z))
+    near = sorted((each for each in regions if each.feature in (spectrum.feature, None)), key=lambda each: -abs(each.z))
     axis_range = (spectrum.edges[0], spectrum.edges[-1])
-    enlarged = _enlarged(own, *axis_range)
+    enlarged = _enlarged(near, *axis_range)
     figure = Figure(figsize=(6.4 + 1.7 * len(enlarged), 3.4 + 1.1 * len(models)), layout="constrained")
     shape = {"width_ratios": [4] + [1] * len(enlarged), "height_ratios": [3] + [1] * len(models)}
     axes = figure.subplots(1 + len(models), 1 + len(enlarged), sharex="col", sharey="row", squeeze=False, **shape)
@@ -54,7 +54,7 @@ def distribution(spectrum: Spectrum, regions: Sequence[Region], name: str, unit:
         _densities(top, spectrum, models)
         for axis, model in zip(below, models, strict=True):
             _pulls(axis, spectrum, model)
-        _regions((top, below[0]), own, span)
+        _regions((top, below[0]), near, span)
         top.set_xlim(*span)
     for *_, below in axes.T[1:]:
         below.set_xlabel("enlarged")
@@ -76,8 +76,8 @@ def _enlarged(regions: Sequence[Region], low: float, high: float) -> list[tuple[
     spans: list[tuple[float, float]] = []
     for region in regions:
         beside = max(region.high - region.low, LEAST_ENLARGED * (high - low))
-        seen = any(left <= region.low and region.high <= right for left, right in spans)
-        if region.high - region.low < NARROW * (high - low) and not seen and len(spans) < MOST_ENLARGED:
+        covered = any(left <= region.low and region.high <= right for left, right in spans)
+        if region.high - region.low < NARROW * (high - low) and not covered and len(spans) < MOST_ENLARGED:
             spans.append((max(low, region.low - beside), min(high, region.high + beside)))
     return sorted(spans)
 

@@ -24,10 +24,10 @@ class Drawn:
     table: pd.DataFrame
 
     def save(self, folder: Path) -> list[Path]:
-        """As .pdf, .png and .csv."""
+        """Write it as .pdf, .png and .csv."""
         return save(self.figure, self.table, folder, self.name)
 
 
 def sigma(region: Region) -> str:
-    """How much a region stands out: +12.1 sigma for an excess, -7.5 sigma for a deficit."""
+    """The significance of a region: +12.1 sigma for an excess, -7.5 sigma for a deficit."""
     return rf"${region.z:+.1f}\,\sigma$"

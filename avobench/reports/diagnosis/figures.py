@@ -10,17 +10,18 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from avobench.diagnosis.report.pictures import Maps, Pictures
-from avobench.diagnosis.schema import Diagnosis, FoundEffect, Named, Region
+from avobench.diagnosis.report.result import Maps, Pictures
+from avobench.diagnosis.schema import Diagnosis, FoundEffect, Region
 from avobench.reports.diagnosis.distribution import distribution
 from avobench.reports.diagnosis.drawn import AFTER, BEFORE, REGION, Drawn, sigma
+from avobench.reports.diagnosis.text import label
 from avobench.reports.style import PALETTE, STYLE
 from avobench.tasks import Task
 
 FIGURE = re.compile(r"(maps|distribution-\d+|gap|theta|candidates)\.(pdf|png|csv)")
 """The file of a figure."""
 MOST_CANDIDATES = 20
-"""As many as a figure of a page's height holds; the table has all."""
+"""Candidates that a figure of a page's height holds; the table has all."""
 
 
 def draw(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> list[Drawn]:
@@ -30,23 +31,18 @@ def draw(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> list[Drawn]:
 
 def drawings(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> Iterator[tuple[str, Callable[[], Drawn]]]:
     """The figures that the diagnosis has something to show in: the name of each, and what draws it."""
-    found: list[tuple[str, Callable[[], Drawn]]] = []
+    available: list[tuple[str, Callable[[], Drawn]]] = []
     if pictures.maps is not None:
-        found.append(("maps", partial(_maps, pictures.maps, diagnosis.regions)))
+        available.append(("maps", partial(_maps, pictures.maps, diagnosis.regions)))
     units = dict(zip(task.labels, task.feature_units, strict=False))  # none where the task does not say them
     for number, spectrum in enumerate(pictures.spectra, start=1):
         name, unit = f"distribution-{number}", units.get(spectrum.feature, "1")
-        found.append((name, partial(distribution, spectrum, diagnosis.regions, name, unit)))
-    found += [("gap", partial(_gap, diagnosis)), ("theta", partial(_theta, task, diagnosis))]
+        available.append((name, partial(distribution, spectrum, diagnosis.regions, name, unit)))
+    available += [("gap", partial(_gap, diagnosis)), ("theta", partial(_theta, task, diagnosis))]
     if diagnosis.candidates:
-        found.append(("candidates", partial(_candidates, diagnosis)))
-    for name, drawing in found:
+        available.append(("candidates", partial(_candidates, diagnosis)))
+    for name, drawing in available:
         yield name, matplotlib.rc_context(STYLE)(drawing)
-
-
-def label(effect: Named) -> str:
-    """`name` or `name of feature`."""
-    return effect.name if effect.feature is None else f"{effect.name} of {effect.feature}"
 
 
 def _maps(maps: Maps, regions: Sequence[Region]) -> Drawn:
@@ -146,9 +142,9 @@ def _candidates(diagnosis: Diagnosis) -> Drawn:
         for each in shown
     }
     for kind, (colour, marker) in kinds.items():
-        own = [(each.score, place) for place, each in enumerate(shown) if kind_of[id(each)] == kind]
-        if own:
-            axis.plot(*zip(*own, strict=True), marker, color=colour, label=kind, ls="")
+        points = [(each.score, place) for place, each in enumerate(shown) if kind_of[id(each)] == kind]
+        if points:
+            axis.plot(*zip(*points, strict=True), marker, color=colour, label=kind, ls="")
     axis.set_yticks(range(len(shown)), [label(each) for each in shown])
     axis.invert_yaxis()
     axis.set_xlabel("score, lower is better")

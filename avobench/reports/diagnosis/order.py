@@ -13,8 +13,8 @@ def sentences(diagnosis: Diagnosis) -> list[str]:
         return []
     if not diagnosis.order:
         return [NOTHING]
-    found = [_sentence(one) for one in diagnosis.order]
-    return [*found, TAKEN] if any(one.of != "rate" for one in diagnosis.order) else found
+    findings = [_sentence(one) for one in diagnosis.order]
+    return [*findings, TAKEN] if any(one.of != "rate" for one in diagnosis.order) else findings
 
 
 def _sentence(one: Disorder) -> str:

@@ -4,18 +4,17 @@ from collections.abc import Iterator
 
 from avobench.diagnosis import Result
 from avobench.diagnosis.schema import Diagnosis, EffectValue, Named, Value
+from avobench.diagnosis.settings import TEST
 from avobench.reports import html
-from avobench.reports.diagnosis.figures import label
 from avobench.reports.diagnosis.order import sentences
-from avobench.reports.diagnosis.text import SIDES, likely_models, meaning, probabilities, unit_of
+from avobench.reports.diagnosis.text import ASSUMED, SIDES, label, likely_models, meaning, probabilities, unit_of
 from avobench.reports.numbers import number, p_equals, with_error
 from avobench.tasks import Task
 
-PARAMETERS = "θ as fitted to the simulator as it is, and with the effects that were added."
+PARAMETERS = "θ as fitted without effects, and with the effects that were added."
 SIZE = (
-    " The error of an effect's parameter holds if nature's effect has the very shape of the catalogue's. Where it has "
-    "another one, such as longer tails, the fitted size stands in for that shape as well, and may lie many errors from "
-    "the size of nature's."
+    f" {ASSUMED} Where nature's effect has another shape than the catalogue's, such as longer tails, the fitted size "
+    "stands in for that shape as well, and may lie many errors from the size of nature's."
 )
 
 
@@ -55,15 +54,23 @@ def _parameters(task: Task, diagnosis: Diagnosis) -> html.Table:
     units = dict(zip(task.parameter_names, task.parameter_units, strict=True))
     rows = []
     for name, before in diagnosis.theta_before.items():
-        title, unit = html.texts([name, units.get(name, "1")])
+        title, unit = html.texts([name, _unit(units.get(name, "1"))])
         rows.append((title, _value(before), _value(after.get(name)), unit))
     for effect in diagnosis.effects:
         for name, parameter in effect.parameters.items():
-            title, unit = html.texts([f"{label(effect)}: {name}", unit_of(parameter, effect)])
+            title, unit = html.texts([f"{label(effect)}: {name}", _unit(unit_of(parameter, effect))])
             null = html.Cell(number(parameter.null), html.key(parameter.null), True)
             rows.append((title, null, _value(parameter), unit))
     text = PARAMETERS + SIZE * bool(diagnosis.effects)
-    return html.Table("theta", "Parameters", text, ["parameter", "before", "after", "unit"], rows)
+    columns = ["parameter", "before", "after", "unit"]
+    if not any(unit.text for *_, unit in rows):
+        columns, rows = columns[:-1], [row[:-1] for row in rows]
+    return html.Table("theta", "Parameters", text, columns, rows)
+
+
+def _unit(unit: str) -> str:
+    """A unit in a table; none for a pure number."""
+    return "" if unit == "1" else unit
 
 
 def _value(fitted: Value | EffectValue | None) -> html.Cell:
@@ -74,7 +81,7 @@ def _value(fitted: Value | EffectValue | None) -> html.Cell:
 
 
 def _tests(diagnosis: Diagnosis) -> html.Table:
-    tested = {"as it is": diagnosis.gates, "with what was added": diagnosis.gates_after or {}}
+    tested = {"as it is": diagnosis.gates, "with the added effects": diagnosis.gates_after or {}}
     rows = [(when, name, gate) for when, gates in tested.items() for name, gate in gates.items()]
     gates = [gate for _, _, gate in rows]
     columns = {
@@ -85,13 +92,13 @@ def _tests(diagnosis: Diagnosis) -> html.Table:
         "p": html.p_values([gate.p_value for gate in gates]),
         "sides": html.texts([SIDES[gate.sides] for gate in gates]),
         "share": html.figures([gate.share for gate in gates]),
-        "p / share": html.p_values([gate.divided for gate in gates]),
+        "corrected p": html.p_values([gate.corrected for gate in gates]),
     }
     text = (
-        "The simulator against the measurement. Each test has a share of the error rate: it speaks against the "
-        "simulator if p / share is below that rate."
+        "The simulator against the measurement. Each test has a share of the error rate; a corrected p is p divided by "
+        f"that share. A test rejects the simulator if its corrected p is below {diagnosis.alpha:g}."
     )
-    return html.Table.of("tests", "Tests", text, columns)
+    return html.Table.of("tests", "Goodness of fit", text, columns)
 
 
 def _regions(diagnosis: Diagnosis) -> html.Table:
@@ -100,13 +107,21 @@ def _regions(diagnosis: Diagnosis) -> html.Table:
         "feature": html.texts([region.feature or "-" for region in regions]),
         "from": html.figures([region.low for region in regions], _each),
         "to": html.figures([region.high for region in regions], _each),
-        "unit": html.texts([region.unit for region in regions]),
+        "unit": html.texts([_unit(region.unit) for region in regions]),
         "kind": html.texts([region.kind for region in regions]),
         "sigma": html.figures([region.z for region in regions], lambda values: [f"{value:+.1f}" for value in values]),
-        "global p": html.p_values([region.p_global for region in regions]),
+        "global p": html.figures([region.p_global for region in regions], _drawn),
     }
+    if all(region.unit == "1" for region in regions):
+        del columns["unit"]
     text = "Where they differ, by the two-sided p of the largest such difference anywhere."
     return html.Table.of("regions", "Where", text if regions else "No region stands out.", columns)
+
+
+def _drawn(values: list[float]) -> list[str]:
+    """P-values by random draws, which cannot tell how small one is that no draw reached."""
+    least = 1 / TEST.draws
+    return [f"< {least:g}" if p <= least else number(p) for p in values]
 
 
 def _each(values: list[float]) -> list[str]:

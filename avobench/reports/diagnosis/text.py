@@ -1,42 +1,48 @@
-"""A diagnosis in words, at most a screen of them."""
+"""A diagnosis in words: a summary of about ten lines, and all details in a screen of them."""
 
-from avobench.diagnosis.schema import Diagnosis, EffectValue, FoundEffect, Gap, Gate, Named, Value, Verdict
-from avobench.diagnosis.search.posterior import CREDIBLE
+from avobench.diagnosis.schema import Diagnosis, EffectValue, FoundEffect, Gap, GateResult, Named, Verdict
+from avobench.diagnosis.settings import SCORE
 from avobench.reports.diagnosis.order import sentences
-from avobench.reports.numbers import p_equals, p_value
+from avobench.reports.numbers import p_equals, p_value, with_error
 
 MOST_REGIONS = 4
-"""The strongest; all are on the page."""
+"""The strongest regions are told; all are on the page."""
 MOST_NOTES = 6
-"""All are on the page."""
+"""The first notes are told; all are on the page."""
 LEAST_PROBABLE = 0.01
 """Names with a smaller probability are in diagnosis.json only."""
 SIDES = {1: "one-sided", 2: "two-sided"}
+OUTSIDE = "something outside the catalogue"
+AS_IT_IS = "the simulator as it is"
+ASSUMED = "Errors on effect parameters assume that the fitted shape is true."
 
 
 def summary(diagnosis: Diagnosis) -> str:
-    """The verdict, the gap, what is missing, where the two disagree, the parameters, and notes: a line each."""
-    lines = [f"{diagnosis.verdict} ({diagnosis.num_events} events)", meaning(diagnosis), gates(diagnosis)]
-    line = f"gap on events kept aside, chi2/ndf, 1 if nothing is missing: {gap_of(diagnosis.gap_before)}"
-    if diagnosis.gap_after is not None:
-        line += f" -> {gap_of(diagnosis.gap_after)}, {p_equals(diagnosis.p_value_after)}"
-    lines.append(line)
-    for found in diagnosis.effects:
-        lines.append(f"missing: {_found(found)}")
-        if found.tied_with:
-            lines.append(f"  these data do not tell it from {', '.join(map(label, found.tied_with))}")
-    if probable := probabilities(diagnosis):
-        lines.append(f"probability: {probable}")
-    lines += [f"95 %: {models}" for models in [likely_models(diagnosis)] if models]
+    """The verdict, each effect with its size, the 95 % set, and the gap and theta before and after."""
+    lines = [_verdict(diagnosis), meaning(diagnosis)]
+    lines += [f"missing: {_effect(effect)}" for effect in diagnosis.effects]
+    lines += [f"95 % set of models: {models}" for models in [likely_models(diagnosis)] if models]
+    lines += [_gap(diagnosis), *_theta(diagnosis)]
+    lines.append(f"{diagnosis.num_simulations} simulated events; details() tells the rest.")
+    return "\n".join(lines)
+
+
+def details(diagnosis: Diagnosis) -> str:
+    """What `summary` says, with each test, the probabilities, where simulation and measurement disagree, and notes."""
+    lines = [_verdict(diagnosis), meaning(diagnosis), gates(diagnosis), _gap(diagnosis)]
+    for effect in diagnosis.effects:
+        lines.append(f"missing: {_effect(effect)}")
+        if effect.tied_with:
+            lines.append(f"  these data do not tell it from {', '.join(map(label, effect.tied_with))}")
+    lines += [f"probability of being missing: {names}" for names in [probabilities(diagnosis)] if names]
+    lines += [f"95 % set of models: {models}" for models in [likely_models(diagnosis)] if models]
     for region in diagnosis.regions[:MOST_REGIONS]:
         where = f"{region.feature} " if region.feature else ""
         ends = f"{region.low:.4g} to {region.high:.4g}{in_unit(region.unit)}"
         lines.append(f"{region.kind} at {where}{ends}: {abs(region.z):.1f} sigma")
-    after = diagnosis.theta_after or {}
-    for name, value in diagnosis.theta_before.items():
-        lines.append(f"{name} = {_value(value)}" + (f" -> {_value(after[name])}" if name in after else ""))
+    lines += _theta(diagnosis)
     if diagnosis.effects:
-        lines.append("the errors of an effect's size hold if its shape is the one that was fitted")
+        lines.append(ASSUMED)
     lines += [f"order: {sentence}" for sentence in sentences(diagnosis)[:MOST_REGIONS]]
     lines += [f"note: {note}" for note in diagnosis.notes[:MOST_NOTES]]
     lines.append(f"{diagnosis.num_simulations} simulated events, {diagnosis.seconds:.1f} s")
@@ -44,13 +50,13 @@ def summary(diagnosis: Diagnosis) -> str:
 
 
 def gates(diagnosis: Diagnosis) -> str:
-    """The p-value of each gate as it is compared with alpha, over its share of it."""
-    told = f"tests, p over its share of alpha: {_each(diagnosis.gates)}"
-    return told + (f" -> {_each(diagnosis.gates_after)}" if diagnosis.gates_after else "")
+    """The p-value of each test, divided by its share of alpha, as it is compared with alpha."""
+    line = f"corrected p-values (compare with {diagnosis.alpha:g}): {_each(diagnosis.gates)}"
+    return line + (f" -> {_each(diagnosis.gates_after)}" if diagnosis.gates_after else "")
 
 
-def _each(gates: dict[str, Gate]) -> str:
-    return ", ".join(f"{name} {p_value(gate.divided)} ({SIDES[gate.sides]})" for name, gate in gates.items())
+def _each(gates: dict[str, GateResult]) -> str:
+    return ", ".join(f"{name} {p_value(gate.corrected)} ({SIDES[gate.sides]})" for name, gate in gates.items())
 
 
 def meaning(diagnosis: Diagnosis) -> str:
@@ -59,26 +65,26 @@ def meaning(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == Verdict.NOTHING:
         aside = ""
         if diagnosis.gap_before.low > 1:
-            aside = " On the events kept aside the gap is above 1, as it is by chance once in 40 times."
+            aside = " On held-out events the gap is above 1, as it is by chance once in 40 times."
         return (
             f"These data do not contradict the simulator ({before}, {alpha}).{aside} "
             "The identifiability card says what they could not have shown."
         )
     if diagnosis.verdict == Verdict.UNEXPLAINED:
         searched = diagnosis.outside is not None
-        why = "and no effect of the catalogue says why" if searched else "and no effect was fitted"
+        why = "and no effect of the catalogue explains it" if searched else "and no effect was fitted"
         return f"Simulation and measurement disagree ({before}, {alpha}), {why}."
-    return f"{_lacks(diagnosis)} {_left(diagnosis)}"
+    return f"{_lacking(diagnosis)} {_left(diagnosis)}"
 
 
-def _lacks(diagnosis: Diagnosis) -> str:
-    """How far the data tell what is missing, by the effects that describe them alike."""
-    alike = [1 + len(found.tied_with) for found in diagnosis.effects]
+def _lacking(diagnosis: Diagnosis) -> str:
+    """The sentence about what is missing, by the number of effects that describe the data alike."""
+    alike = [1 + len(effect.tied_with) for effect in diagnosis.effects]
     if max(alike) == 1:
-        return "The simulator lacks what follows."
+        return f"The simulator lacks {' and '.join(map(label, diagnosis.effects))}."
     if len(alike) == 1:
-        which = f"all {alike[0]} effects" if alike[0] >= len(diagnosis.candidates) else f"{alike[0]} effects"
-        tell = "but not what" if alike[0] >= len(diagnosis.candidates) else "but do not tell which"
+        every = alike[0] >= len(diagnosis.candidates)
+        which, tell = f"{'all ' * every}{alike[0]} effects", "but not what" if every else "but do not tell which"
         return (
             f"These data show that something is missing, {tell}: {which} describe them alike, and the first is added."
         )
@@ -89,36 +95,42 @@ def _lacks(diagnosis: Diagnosis) -> str:
 def _left(diagnosis: Diagnosis) -> str:
     """What is left once the effects are added."""
     p, alpha, gap = diagnosis.p_value_after, diagnosis.alpha, diagnosis.gap_after
-    found = "it" if len(diagnosis.effects) == 1 else "them"
+    added = "it" if len(diagnosis.effects) == 1 else "them"
     if diagnosis.verdict == Verdict.NAMED:
         if p >= alpha:
-            return f"With {found}, simulation and measurement agree ({p_equals(p)}, alpha = {alpha:g})."
+            return f"With {added}, simulation and measurement agree ({p_equals(p)}, alpha = {alpha:g})."
         return (
-            f"With {found}, {p_equals(p)} is left, below alpha = {alpha:g}: too little to look for another effect, "
+            f"With {added}, {p_equals(p)} is left, below alpha = {alpha:g}: too little to look for another effect, "
             "and too much to say that simulation and measurement agree."
         )
-    seen = [name for name, gate in (diagnosis.gates_after or {}).items() if gate.divided < alpha]
-    gates = f"by the {' and '.join(seen) or 'tests'} ({p_equals(p)}, alpha = {alpha:g})" if p < alpha else ""
-    aside = f"on the events kept aside ({gap_of(gap)})" if gap.low > 1 else ""
-    unseen = " The gap is that of the summary and does not show it." if seen and "summary" not in seen else ""
-    left = " and ".join(filter(None, (gates, aside)))
-    return f"With {found} the gap shrinks, but a disagreement is left {left}.{unseen}"
+    rejecting = [name for name, gate in (diagnosis.gates_after or {}).items() if gate.corrected < alpha]
+    tests = f"by the {' and '.join(rejecting) or 'tests'} ({p_equals(p)}, alpha = {alpha:g})" if p < alpha else ""
+    aside = f"on held-out events ({gap_of(gap)})" if gap.low > 1 else ""
+    hidden = rejecting and "summary" not in rejecting
+    left = " and ".join(filter(None, (tests, aside)))
+    return f"With {added} the gap shrinks, but a disagreement is left {left}." + (
+        " The gap is that of the summary and does not show it." if hidden else ""
+    )
 
 
 def probabilities(diagnosis: Diagnosis) -> str:
     """Names with their probability of being in the model, and that of none of them; empty where there are none."""
-    told = [(label(each), each.probability) for each in diagnosis.probabilities if each.probability >= LEAST_PROBABLE]
+    names = [(label(each), each.probability) for each in diagnosis.probabilities if each.probability >= LEAST_PROBABLE]
     if diagnosis.outside is not None:
-        told.append(("nothing in the catalogue", diagnosis.outside))
-    return "; ".join(f"{name}, {p:.2f}" for name, p in sorted(told, key=lambda each: -each[1]))
+        names.append((OUTSIDE, diagnosis.outside))
+    return _ranked(names)
 
 
 def likely_models(diagnosis: Diagnosis) -> str:
     """The smallest set of models that holds 95 %, with what is outside the catalogue; empty where there is none."""
-    told = [(" + ".join(map(label, m.effects)) or "the simulator as it is", m.probability) for m in diagnosis.models]
-    if told and sum(p for _, p in told) < CREDIBLE:
-        told.append(("nothing in the catalogue", diagnosis.outside))
-    return "; ".join(f"{name}, {p:.2f}" for name, p in sorted(told, key=lambda each: -each[1]))
+    models = [(" + ".join(map(label, m.effects)) or AS_IT_IS, m.probability) for m in diagnosis.models]
+    if models and sum(p for _, p in models) < SCORE.credible:
+        models.append((OUTSIDE, diagnosis.outside))
+    return _ranked(models)
+
+
+def _ranked(names: list[tuple[str, float]]) -> str:
+    return "; ".join(f"{name}, {p:.2f}" for name, p in sorted(names, key=lambda each: -each[1]))
 
 
 def label(named: Named) -> str:
@@ -146,13 +158,26 @@ def gap_of(gap: Gap) -> str:
     return f"{gap.value:.2f} [{gap.low:.2f}, {gap.high:.2f}]"
 
 
-def _found(found: FoundEffect) -> str:
+def _verdict(diagnosis: Diagnosis) -> str:
+    return f"{diagnosis.verdict} ({diagnosis.num_events} events)"
+
+
+def _gap(diagnosis: Diagnosis) -> str:
+    line = f"gap on held-out events (chi2/ndf, 1 if nothing is missing): {gap_of(diagnosis.gap_before)}"
+    return line + (f" -> {gap_of(diagnosis.gap_after)}" if diagnosis.gap_after is not None else "")
+
+
+def _theta(diagnosis: Diagnosis) -> list[str]:
+    """A line a parameter of the task, before and after."""
+    after = diagnosis.theta_after or {}
+    return [
+        f"{name} = {' -> '.join(with_error(each.value, each.std) for each in (before, after.get(name)) if each)}"
+        for name, before in diagnosis.theta_before.items()
+    ]
+
+
+def _effect(effect: FoundEffect) -> str:
     values = ", ".join(
-        f"{name} = {p.value:.4g}" + (f" +- {p.std:.2g}" if p.std is not None else "") + in_unit(unit_of(p, found))
-        for name, p in found.parameters.items()
+        f"{name} = {with_error(p.value, p.std)}{in_unit(unit_of(p, effect))}" for name, p in effect.parameters.items()
     )
-    return f"{label(found)}{f' (shape {found.shape})' if found.shape else ''}: {values}"
-
-
-def _value(value: Value) -> str:
-    return f"{value.value:.5g} +- {value.std:.2g}"
+    return f"{label(effect)}{f' (shape {effect.shape})' if effect.shape else ''}: {values}"

@@ -1,3 +1,5 @@
+"""Fits by descent: the scan before it, the steps, and what settles them."""
+
 from dataclasses import replace
 
 import numpy as np
@@ -5,16 +7,29 @@ import pytest
 from measurements import LIGHT, measured
 
 from avobench.diagnosis.fit import surrogate as surrogate_module
-from avobench.diagnosis.fit.descent import minimise, refine
+from avobench.diagnosis.fit.descent import minimise, refine, scan, settled, sharpen
+from avobench.diagnosis.fit.fit import fit_at
 from avobench.diagnosis.fit.null import fit_null
-from avobench.diagnosis.fit.sharpening import sharpen
 from avobench.diagnosis.fit.surrogate import Design, surrogate
+from avobench.diagnosis.settings import FIT
 from avobench.diagnosis.summary.bins import bins_of
 from avobench.diagnosis.summary.target import target_of
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
+
+
+@pytest.mark.parametrize("around", [None, 0.7, 0.3])
+def test_a_scan_comes_near_the_best_or_as_near_as_it_may(around):
+    task = Poisson()
+    x, rng = measured(task, [2.0], 20_000, 4)
+    model, target = Model(task), target_of(x, bins_of(x, x), x)
+    (u,), near = scan(model, target, rng, around=None if around is None else np.array([around]))
+    at = 0.6  # of log rates from -10 to 10
+    within = at if around is None else np.clip(at, around - FIT.searched, around + FIT.searched)
+    assert u == pytest.approx(within, abs=0.01)
+    assert near < 0.01
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +46,7 @@ def background():
 def test_a_known_base_leaves_only_the_noise_of_what_the_effect_changes(background):
     model, fit, target = background
     rng = np.random.default_rng(0)
-    base = fit.known(target, 400_000, rng)
+    base = fit.reference(target, 400_000, rng)
     design = Design.box(model.to_cube(np.r_[fit.params, 0.03, 6.0]), np.array([1e-3, 0.01, 0.02]))
     ours = base.extended(model, target, base.within(design), 40_000, rng)
     plain = surrogate(model, target, design, 400_000, rng)
@@ -47,10 +62,10 @@ def test_a_known_base_leaves_only_the_noise_of_what_the_effect_changes(backgroun
 @pytest.mark.parametrize("start", [(0.02, 5.0), (0.12, 5.0)])
 def test_a_fit_goes_to_the_optimum_from_far_off_and_with_few_events(background, start):
     model, fit, target = background
-    base = fit.known(target, 400_000, np.random.default_rng(0))
+    base = fit.reference(target, 400_000, np.random.default_rng(0))
     unit, half = model.to_cube(np.r_[fit.params, start]), [0.02, 0.03, 0.08]
     fits = [
-        refine(model, target, unit, half, np.random.default_rng(k), num_events=80_000, known=base) for k in range(3)
+        refine(model, target, unit, half, np.random.default_rng(k), num_events=80_000, reference=base) for k in range(3)
     ]
     for found in fits:
         assert (
@@ -76,15 +91,34 @@ def test_a_fit_of_hard_edges_goes_on_in_narrower_designs(monkeypatch):
     task, truth, start = Weinberg(), [45.0, 1.2, 0.08], [45.0, 1.2, 0.074]
     scale = next(effect for effect in catalogue(task) if effect.name == "scale")
     model = Model(task, (replace(scale, shape="linear"),))
-    gaps = {0: [], surrogate_module.NARROWER: []}
+    gaps = {0: [], FIT.narrower: []}
     for seed in range(4):
         x, rng = measured(model, truth, 60_000, seed)
         target = target_of(x, bins_of(x, model.simulate(np.tile(truth, (len(x), 1)), rng)), x)
         first = refine(model, target, model.to_cube(np.array(start)), 0.02, rng, num_events=30_000, max_rounds=1)
         for times, found in gaps.items():
-            monkeypatch.setattr(surrogate_module, "NARROWER", times)
+            monkeypatch.setattr(surrogate_module, "FIT", replace(FIT, narrower=times))
             fit = sharpen(first, target, np.random.default_rng(2), 150_000, rounds=10)
             found.append(fit.noiseless_q - fit.dof)
     never, narrowed = gaps.values()
     assert max(narrowed) < max(never) / 2  # one of those that never narrow is stuck
     assert np.mean(narrowed) < np.mean(never)
+
+
+def test_what_the_data_identify_is_settled_with_more_events():
+    """Two directions: of weinberg's theta only one combination shows, and the smearing. From few events neither is
+    plain; from more both are, and the error of the smearing is no longer that of its range."""
+    task = Weinberg()
+    (smearing,) = [effect for effect in catalogue(task) if effect.key == ("resolution", 0)]
+    model, truth = Model(task, (smearing,)), np.array([46.0, 1.0, 0.25])
+    rng = np.random.default_rng(4)
+    x = model.simulate(np.tile(truth, (20_000, 1)), rng)
+    target = target_of(x, bins_of(x, x), x)
+    design = Design.box(model.to_cube(truth), np.array([0.01, 0.01, 0.02]))
+    few = fit_at(model, surrogate(model, target, design, 10_000, rng), target, model.to_cube(truth))
+    assert few.undecided
+    assert few.num_identified < 2
+    plain = settled(few, target, rng, 20_000, (30, 90))
+    assert plain.num_identified == 2
+    assert plain.std[2] < 0.01 < 0.1 < few.std[2]
+    assert abs(plain.params[2] - truth[2]) < 4 * plain.std[2]

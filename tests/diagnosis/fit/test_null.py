@@ -4,7 +4,7 @@ from measurements import LIGHT, measured
 
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.null import best_null, fit_null
-from avobench.diagnosis.goodness_of_fit.summary import summary_gate
+from avobench.diagnosis.goodness_of_fit.gates import summary_gate
 from avobench.effects.model import Model
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg

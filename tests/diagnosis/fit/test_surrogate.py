@@ -67,7 +67,7 @@ def test_a_design_over_which_the_events_are_no_quadratic_is_narrowed(known):
     model = Model(task, (next(effect for effect in catalogue(task) if effect.name == "peak_background"),))
     x, rng = measured(model, truth, 40_000, 0)
     target, unit = target_of(x, bins_of(x, x), x), model.to_cube(np.array(truth))
-    without = refine(Model(task), target, unit[:2], 0.02, rng, num_events=30_000).known(target, 400_000, rng)
+    without = refine(Model(task), target, unit[:2], 0.02, rng, num_events=30_000).reference(target, 400_000, rng)
     wide = Design.box(unit, np.array([0.02, 0.02, 0.01, 0.05, 0.02]))
 
     def make(design):

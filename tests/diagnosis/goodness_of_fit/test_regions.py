@@ -12,7 +12,7 @@ from avobench.tasks.weinberg import Weinberg
 
 def found(task, x, rng, alpha=0.05, names=()):
     fit, target = fit_null(Model(task), x, rng, LIGHT, None)
-    return regions(fit, target, x, rng, alpha, names)
+    return regions(fit, target, target.summary.view(x).spans, rng, alpha, names)
 
 
 def test_a_bump_is_covered_and_its_neighbourhood_is_not():

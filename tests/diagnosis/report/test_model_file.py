@@ -17,6 +17,13 @@ from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
 
 
+def reread(model, params, path, name):
+    """The task that is read from the model file of a fit at these parameters."""
+    fit = SimpleNamespace(model=model, params=np.array(params))
+    path.write_text(describe(fit, np.full(model.dim, 0.1), name, {}).model_dump_json())
+    return registry.read_model(str(path))
+
+
 @pytest.mark.parametrize("task", [Poisson(), Weinberg(), Carl(), Alignment()], ids=lambda task: task.name)
 def test_a_model_file_keeps_what_the_data_decided_of_an_effect(task, tmp_path):
     if task.event_shape:
@@ -32,10 +39,8 @@ def test_a_model_file_keeps_what_the_data_decided_of_an_effect(task, tmp_path):
             continue
         for shape in effect.adapted(x).shapes():
             model = Model(task, (shape,))
-            fit = SimpleNamespace(model=model, params=model.from_cube(np.full(model.dim, 0.5)))
-            path = tmp_path / "model.json"
-            path.write_text(describe(fit, np.full(model.dim, 0.1), task.name, {}).model_dump_json())
-            assert registry.read_model(str(path)).model.effects == (shape,)
+            middle = model.from_cube(np.full(model.dim, 0.5))
+            assert reread(model, middle, tmp_path / "model.json", task.name).model.effects == (shape,)
 
 
 @pytest.mark.parametrize("name", ["truncation", "censoring", "analysis_window"])
@@ -47,13 +52,11 @@ def test_a_model_file_keeps_where_the_data_end(name, tmp_path):
     assert adapted != adapted.adapted(np.random.default_rng(0).standard_normal((9000, 1)))  # that shows no ends
     for shape in adapted.shapes():
         model = Model(task, (shape,))
-        fit = SimpleNamespace(model=model, params=model.from_cube(np.full(model.dim, 0.5)))
-        path = tmp_path / "model.json"
-        path.write_text(describe(fit, np.full(model.dim, 0.1), task.name, {}).model_dump_json())
-        assert registry.read_model(str(path)).model.effects == (shape,)
+        middle = model.from_cube(np.full(model.dim, 0.5))
+        assert reread(model, middle, tmp_path / "model.json", task.name).model.effects == (shape,)
 
 
-def test_a_model_file_of_an_effect_that_does_not_exist_is_refused(tmp_path):
+def test_a_file_of_an_effect_that_does_not_exist_or_of_no_model_is_refused(tmp_path):
     path, model = tmp_path / "model.json", Model(Poisson(), (catalogue(Poisson())[0],))
     content = describe(SimpleNamespace(model=model, params=model.low), model.high, "poisson", {})
     for change in ({"shape": "round"}, {"name": "gremlins"}, {"settings": {"colour": "red"}}):
@@ -61,6 +64,9 @@ def test_a_model_file_of_an_effect_that_does_not_exist_is_refused(tmp_path):
         path.write_text(content.model_copy(update={"effects": effects}).model_dump_json())
         with pytest.raises(UsageError, match="does not apply to poisson"):
             registry.build("task", str(path), {})
+    path.write_text("{}")
+    with pytest.raises(UsageError, match="is not a model"):
+        registry.build("task", str(path), {})
 
 
 def test_the_model_of_a_model_makes_the_events_that_were_fitted(tmp_path):
@@ -69,21 +75,11 @@ def test_the_model_of_a_model_makes_the_events_that_were_fitted(tmp_path):
     for name, phi in (("quantisation", [0.3]), ("resolution", [0.2]), ("resolution", [0.1])):
         effect = next(effect for effect in catalogue(task) if effect.name == name)
         model, at = Model(task, (effect,)), [*at, *phi, *(p.high for p in effect.parameters[1:])]
-        fit = SimpleNamespace(model=model, params=np.array(at))
-        path = tmp_path / "model.json"
-        path.write_text(describe(fit, np.full(model.dim, 0.1), "weinberg", {}).model_dump_json())
-        task = registry.read_model(str(path))
+        task = reread(model, at, tmp_path / "model.json", "weinberg")
     assert len(set(task.parameter_names)) == len(at)
     fitted, kept = (each.simulate(np.tile(at, (500, 1)), np.random.default_rng(0)) for each in (model, task))
     np.testing.assert_array_equal(fitted, kept)
     assert len(np.unique(kept)) == 500
-
-
-def test_a_file_that_is_no_model_is_refused(tmp_path):
-    path = tmp_path / "model.json"
-    path.write_text("{}")
-    with pytest.raises(UsageError, match="is not a model"):
-        registry.build("task", str(path), {})
 
 
 class Own(Effect):

@@ -10,16 +10,12 @@ from hypothesis import strategies as st
 from avobench.diagnosis.search.candidates import Weighed
 from avobench.diagnosis.search.evidence import Evidence
 from avobench.diagnosis.search.posterior import (
-    COARSE,
-    CREDIBLE,
-    IMITATED,
-    NUMBER,
     OUTSIDE,
-    TEMPERATURE,
     Posterior,
     Prior,
     pooled,
 )
+from avobench.diagnosis.settings import SCORE
 from avobench.effects.catalogue import catalogue
 from avobench.tasks.poisson import Poisson
 
@@ -44,7 +40,7 @@ def test_probabilities_are_those_of_exclusive_models(models, outside):
     for key, share in found.included.items():
         assert share == pytest.approx(sum(p for names, p in found.probability.items() if key in names))
     told = sum(found.looks[each] for each in found.credible)
-    enough = CREDIBLE * (1 - IMITATED)
+    enough = SCORE.credible * (1 - SCORE.imitated)
     assert told >= enough - 1e-9
     assert told - found.looks[found.credible[-1]] < enough
 
@@ -57,7 +53,7 @@ def test_families_share_the_prior_by_the_odds_of_their_classes():
         each = np.exp(prior.log(frozenset({effect.key}))) * len(effect.shapes())
         families[effect.name] = families.get(effect.name, 0.0) + each
         total += each
-    assert total == pytest.approx(NUMBER[1])
+    assert total == pytest.approx(SCORE.number[1])
     assert families["double_counting"] == pytest.approx(2 * families["dead_time"])  # of pulses, and of after-pulses
     assert families["mixture"] == pytest.approx(EFFECTS["mixture"].odds * families["dead_time"])
 
@@ -88,7 +84,7 @@ def test_the_more_a_model_explains_the_less_what_it_leaves_tells_of_two_names():
     models = [weighed(0, "zero_inflation"), weighed(-12, "dead_time", excess=12)]
     for excess in (112, 3012):
         level = odds(told(excess, weighed(0, "zero_inflation"), weighed(0, "dead_time")), "zero_inflation", "dead_time")
-        expected = np.exp(12 / (TEMPERATURE + 2 * COARSE * (excess - 12)))
+        expected = np.exp(12 / (SCORE.temperature + 2 * SCORE.coarse * (excess - 12)))
         assert odds(told(excess, *models), "zero_inflation", "dead_time") / level == pytest.approx(expected)
 
 
@@ -100,26 +96,26 @@ def test_what_is_free_is_priced_alike_however_much_there_is_to_explain():
 
 def test_a_model_that_explains_nothing_is_no_better_than_the_simulator_as_it_is():
     found = told(500, weighed(-500, "zero_inflation", excess=500), outside=-70)
-    assert found.named is None
+    assert found.best is None
     assert found.outside > 0.99
 
 
 def test_what_fits_may_be_an_imitation_and_that_is_no_reason_for_another_name():
     names = [name for name in EFFECTS if name not in ("zero_inflation", "overdispersion")][:6]
     found = told(500, *(weighed(0, name) for name in names), outside=-1000)
-    assert found.outside == pytest.approx(IMITATED)
-    assert found.named is not None
-    assert all(share < 3 * IMITATED for share in found.included.values())
+    assert found.outside == pytest.approx(SCORE.imitated)
+    assert found.best is not None
+    assert all(share < 3 * SCORE.imitated for share in found.included.values())
 
 
 def test_two_effects_must_explain_more_than_one():
     found = Posterior.of([weighed(-5, "dead_time"), weighed(-5, "dead_time", "pile_up")], -30, CATALOGUE)
-    assert len(found.named.effects) == 1
+    assert len(found.best.effects) == 1
 
 
 def test_nothing_is_named_where_it_is_more_probably_outside_the_catalogue():
     found = Posterior.of([weighed(-40, "zero_inflation")], -5, CATALOGUE)
-    assert found.named is None
+    assert found.best is None
     assert next(iter(found.probability)) == OUTSIDE
     assert found.outside > 0.99
 
@@ -129,7 +125,7 @@ def test_rivals_stand_in_the_place_of_an_effect():
     found = Posterior.of(
         [weighed(-5, zeros, noise), weighed(-5.5, dead, noise), weighed(-40, "pile_up", noise)], -30, CATALOGUE
     )
-    first = [effect.name for effect in found.named.fit.model.effects].index(zeros)
+    first = [effect.name for effect in found.best.fit.model.effects].index(zeros)
     assert found.rivals(first) == [EFFECTS[dead].key]
     assert found.rivals(1 - first) == []
 
@@ -143,22 +139,11 @@ OPINIONS = st.dictionaries(
 
 @given(OPINIONS)
 def test_what_events_look_like_moves_probability_among_sets_alone(opinions):
+    fitted = {names: fit for names, (fit, _) in opinions.items()}
     both = pooled(opinions)
-    fitted = np.array([fit for fit, _ in opinions.values()])
-    assert np.logaddexp.reduce(list(both.values())) == pytest.approx(np.logaddexp.reduce(fitted))
-
-
-@given(OPINIONS)
-def test_where_all_look_alike_the_order_is_that_of_the_fits(opinions):
-    alike = {names: (fitted, -1.0) for names, (fitted, _) in opinions.items()}
-    both = pooled(alike)
-    for one in alike:
+    assert np.logaddexp.reduce(list(both.values())) == pytest.approx(np.logaddexp.reduce(list(fitted.values())))
+    assert pooled({names: (fit, 0.0) for names, fit in fitted.items()}) == fitted  # without experience
+    alike = pooled({names: (fit, -1.0) for names, fit in fitted.items()})
+    for one in alike:  # the order is that of the fits
         for other in alike:
-            assert (both[one] - both[other]) * (alike[one][0] - alike[other][0]) >= 0
-
-
-@given(OPINIONS)
-def test_without_experience_the_fits_decide(opinions):
-    assert pooled({names: (fitted, 0.0) for names, (fitted, _) in opinions.items()}) == {
-        names: fitted for names, (fitted, _) in opinions.items()
-    }
+            assert (alike[one] - alike[other]) * (fitted[one] - fitted[other]) >= 0

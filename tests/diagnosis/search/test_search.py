@@ -6,8 +6,9 @@ from measurements import with_effect
 
 from avobench.diagnosis.effort import effort_for
 from avobench.diagnosis.fit.null import fit_null
-from avobench.diagnosis.search.posterior import IMITATED, Posterior
+from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.search import Search
+from avobench.diagnosis.settings import SCORE
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.effects.pool import Counted
@@ -30,9 +31,9 @@ def zeros():
 
 def test_a_hidden_effect_is_the_most_probable(zeros):
     found = searched(zeros)
-    assert [effect.name for effect in found.named.fit.model.effects] == ["zero_inflation"]
+    assert [effect.name for effect in found.best.fit.model.effects] == ["zero_inflation"]
     assert found.included["zero_inflation", None] > 0.85
-    assert found.outside < IMITATED + 0.05
+    assert found.outside < SCORE.imitated + 0.05
 
 
 def test_an_effect_that_the_catalogue_lacks_is_outside_it(zeros):
@@ -42,7 +43,7 @@ def test_an_effect_that_the_catalogue_lacks_is_outside_it(zeros):
 
 def test_no_effect_is_tried_where_none_may_be_added(zeros):
     found = searched(zeros, max_effects=0)
-    assert found.named is None
+    assert found.best is None
     assert not found.included
 
 

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from avobench.diagnosis import Result
-from avobench.diagnosis.report.pictures import Maps, Pictures, Spectrum
+from avobench.diagnosis.report.result import Maps, Pictures, Spectrum
 from avobench.diagnosis.schema import Diagnosis, Region, Verdict
 from avobench.effects.model import Model
 from avobench.reports.diagnosis import write
@@ -125,7 +125,7 @@ def test_the_page_opens_without_network_shows_its_figures_and_escapes(browser, t
         "one-sided",
         "zero_inflation",
         "cannot tell it from dead_time",
-        "0.04 ± 0.002",
+        "0.0400 ± 0.0020",
         "deficit",
         "log_rate 0.01",
     ):
@@ -211,10 +211,10 @@ def test_the_page_says_what_the_numbers_say():
     task = Poisson()
     nothing = render(task, diagnosis(task, Verdict.NOTHING, gates=gates, p_value_before=0.055), [], "title")
     assert "These data do not contradict the simulator (p = 0.055, alpha = 0.05)" in nothing
-    assert "0.055" in nothing[nothing.index("p / share") :]
+    assert "0.055" in nothing[nothing.index("corrected p") :]
     assert "Probability of being in the model" not in nothing
     ranked = render(task, diagnosis(task, probabilities=probable, outside=0.15), [], "title")
-    assert "Probability of being in the model: zero_inflation, 0.62; nothing in the catalogue, 0.15." in ranked
+    assert "Probability of being in the model: zero_inflation, 0.62; something outside the catalogue, 0.15." in ranked
     assert "The simulator lacks" not in ranked  # of two that are tied
 
 

@@ -5,18 +5,18 @@ from hypothesis import strategies as st
 
 from avobench.diagnosis.fit.fit import fit_at
 from avobench.diagnosis.fit.surrogate import Design, surrogate
-from avobench.diagnosis.report.quoted import Move, ambiguity, covering, identified, theta_values
+from avobench.diagnosis.report.uncertainties import Move, QuotedFit, ambiguity, covering
 
 
 def test_theta_s_error_covers_another_solution_that_the_data_allow(counter):
     weak, strong = counter.weak, counter.strong
     assert strong.params[0] - weak.params[0] > 1.5
     moves = ambiguity(weak, weak, [strong], counter.target, np.random.default_rng(0), 300_000)
-    (before,), (after,) = theta_values(weak).values(), theta_values(weak, moves).values()
+    (before,), (after,) = QuotedFit(weak).theta.values(), QuotedFit(weak, moves).theta.values()
     assert before.value == after.value
     assert abs(counter.truth.strong[0] - before.value) > 2 * before.std
     assert abs(counter.truth.strong[0] - after.value) < 2 * after.std
-    (known,) = identified(weak, moves)
+    (known,) = QuotedFit(weak, moves).identified
     width = weak.model.high[0] - weak.model.low[0]
     assert known.std * width == pytest.approx(after.std)
     assert known.coefficients["log_rate"] == pytest.approx(1 / width)

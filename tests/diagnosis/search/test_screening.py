@@ -1,3 +1,5 @@
+"""Where fits of an effect begin."""
+
 import numpy as np
 import pytest
 from measurements import with_effect
@@ -5,8 +7,7 @@ from measurements import with_effect
 from avobench.diagnosis.effort import Effort, effort_for
 from avobench.diagnosis.fit.null import fit_null
 from avobench.diagnosis.search.candidates import begin, go_on
-from avobench.diagnosis.search.screening import Sample, closer, glance
-from avobench.diagnosis.search.starts import hidden, starts_of
+from avobench.diagnosis.search.screening import Sample, closer, glance, hidden, starts_of
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.tasks.weinberg import Weinberg
@@ -16,11 +17,11 @@ def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
     rng, effort = np.random.default_rng(3), Effort()
     null = counter.null
     sample = Sample(null, counter.target, effort.sample, rng)
-    look = closer(sample, glance(sample, counter.effect, counter.x, rng, effort), rng)
+    look = closer(sample, glance(sample, counter.effect, counter.effect.guess(counter.x), rng, effort), rng)
     starts = hidden(sample, starts_of(null, look)[0], rng, effort)
-    known = null.known(counter.target, int(effort.known * counter.target.num_events), rng)
-    fits = [begin(start, known, counter.target, rng, effort.fit) for start in starts]
-    fits = [go_on(fit, known, counter.target, rng, effort.fit, 7) for fit in fits]
+    reference = null.reference(counter.target, int(effort.reference * counter.target.num_events), rng)
+    fits = [begin(start, reference, counter.target, rng, effort.fit) for start in starts]
+    fits = [go_on(fit, reference, counter.target, rng, effort.fit, 7) for fit in fits]
     strong = min(fits, key=lambda fit: abs(fit.params[1] - counter.truth.strong[1]))
     # In a valley: a longer dead time at a higher rate.
     np.testing.assert_allclose(strong.params, counter.truth.strong, atol=0.5)
@@ -34,7 +35,7 @@ def test_a_fit_begins_where_a_gap_is_that_is_narrower_than_any_grid():
     base, target = fit_null(Model(task), x, rng, effort, None)
     effect = next(e for e in catalogue(task) if e.name == "dead_region")
     sample = Sample(base, target, effort.sample, rng)
-    look = closer(sample, glance(sample, effect, x, rng, effort), rng)
+    look = closer(sample, glance(sample, effect, effect.guess(x), rng, effort), rng)
     (best, *_) = starts_of(base, look)
     _, centre, width = best.model.from_cube(best.point)[-3:]
     assert centre == pytest.approx(at, abs=0.03)

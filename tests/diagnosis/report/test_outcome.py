@@ -7,26 +7,24 @@ import numpy as np
 import pytest
 
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.report.found import Found
-from avobench.diagnosis.report.notes import prior_notes, unseen
-from avobench.diagnosis.schema import Gap, Gate, Verdict
-from avobench.diagnosis.search.tested import Step
+from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel
+from avobench.diagnosis.report.outcome import Outcome, prior_notes, unconfirmed
+from avobench.diagnosis.schema import Gap, GateResult, Verdict
 from avobench.effects.model import Model
 from avobench.tasks.function import task
-from avobench.tasks.poisson import Poisson
 
 
-def step(p, gap, *effects):
-    """A model whose summary gate has the p-value p before it is divided by its share of alpha, 0.8."""
+def model(p, gap, *effects):
+    """A model whose summary test has the p-value p before it is divided by its share of alpha, 0.8."""
     fit = SimpleNamespace(model=SimpleNamespace(effects=effects), gap=gap)
-    return Step(fit, fit, {"summary": Gate(statistic=1.0, dof=1, p_value=p)})
+    return ExtendedModel(fit, fit, {"summary": GateResult(statistic=1.0, dof=1, p_value=p, share=0.8)})
 
 
-def found(*steps):
+def outcome(null, extended=None):
     held_out = SimpleNamespace(
         gap=lambda fit, rng, num_simulated: fit.gap, shrank=lambda new, old: new.gap.value < old.gap.low
     )
-    return Found.of(Poisson(), None, None, held_out, list(steps), None, 0.05, np.random.default_rng(0), Effort())
+    return Outcome.of(null, extended, None, 0.05, held_out, np.random.default_rng(0), Effort())
 
 
 def gap(low, value, high):
@@ -51,7 +49,7 @@ LARGE = gap(65, 70, 75)
     ],
 )
 def test_the_verdict_contradicts_neither_the_gates_nor_the_gap(before, p_before, after, p_after, verdict):
-    one = found(step(p_before, before), step(p_after, after, EFFECT))
+    one = outcome(model(p_before, before), model(p_after, after, EFFECT))
     assert one.verdict == verdict
     left_out = verdict == Verdict.UNEXPLAINED
     assert (one.gap_after is None, one.effects, one.withdrawn) == (
@@ -62,24 +60,28 @@ def test_the_verdict_contradicts_neither_the_gates_nor_the_gap(before, p_before,
 
 
 def test_a_p_value_below_alpha_but_not_below_its_share_of_it_is_no_disagreement():
-    assert found(step(0.044, gap(0.7, 1.0, 1.3))).verdict == Verdict.NOTHING  # 0.044 / 0.8 = 0.055
-    assert found(step(0.039, gap(0.7, 1.0, 1.3))).verdict == Verdict.UNEXPLAINED
+    assert outcome(model(0.044, gap(0.7, 1.0, 1.3))).verdict == Verdict.NOTHING  # 0.044 / 0.8 = 0.055
+    assert outcome(model(0.039, gap(0.7, 1.0, 1.3))).verdict == Verdict.UNEXPLAINED
 
 
 def test_a_gap_of_one_beside_a_small_p_value_is_explained():
     gates = {
-        "summary": Gate(statistic=1.0, dof=1, p_value=0.3),
-        "classifier": Gate(statistic=13.6, dof=None, p_value=3e-42),
+        "summary": GateResult(statistic=1.0, dof=1, p_value=0.3, share=0.8),
+        "classifier": GateResult(statistic=13.6, dof=None, p_value=3e-42, share=0.2),
     }
-    one = found(replace(step(1.0, gap(0.7, 0.93, 1.2)), gates=gates))
+    one = outcome(replace(model(1.0, gap(0.7, 0.93, 1.2)), gates=gates))
     assert one.verdict == Verdict.UNEXPLAINED
-    assert unseen(one) == "the gap is of the summary, and does not show what the classifier saw"
-    few = found(step(1e-3, gap(0.7, 1.2, 1.9)))
-    assert unseen(few) == "the events kept aside are too few to show by themselves what the others show"
+    assert (
+        unconfirmed(one) == "The gap is of the summary, and does not show what rejects the simulator: the classifier."
+    )
+    few = outcome(model(1e-3, gap(0.7, 1.2, 1.9)))
+    assert unconfirmed(few) == "The held-out events are too few to show by themselves what the others show."
 
 
 def test_a_theta_outside_the_prior_is_told():
     wide = task(lambda theta, rng: rng.normal(theta[:, 0]), prior={"mu": (-1, 1)}, support={"mu": (-9, 9)}, name="wide")
     fit = SimpleNamespace(model=Model(wide), params=np.array([2.94]))
-    assert prior_notes(fit, "without effects") == ["mu = 2.94, fitted without effects, lies outside its prior, -1 to 1"]
+    assert prior_notes(fit, "without effects") == [
+        "mu = 2.94, fitted without effects, lies outside its prior, -1 to 1."
+    ]
     assert prior_notes(SimpleNamespace(model=Model(wide), params=np.array([0.9])), "without effects") == []

@@ -1,0 +1,213 @@
+"""Tests of a fitted model against the measured events: the summary, single cells, and a classifier."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import binom, chi2, norm
+
+from avobench.diagnosis.effort import Effort
+from avobench.diagnosis.fit.descent import settled, sharpen
+from avobench.diagnosis.fit.fit import Fit
+from avobench.diagnosis.fit.surrogate import surrogate
+from avobench.diagnosis.schema import GateResult
+from avobench.diagnosis.settings import TEST
+from avobench.diagnosis.summary.bins import Summary
+from avobench.diagnosis.summary.pixels import Pixels
+from avobench.diagnosis.summary.target import Target
+from avobench.effects.pool import Pool
+
+if TYPE_CHECKING:
+    from sklearn.ensemble import HistGradientBoostingClassifier
+
+
+def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) -> tuple[GateResult, Fit, Target]:
+    """Hansen's J test, with the covariance that the model itself predicts; also the fit in that metric, and its target.
+
+    The statistic is the whitened distance at the best theta. It is chi-squared with as many degrees of freedom as the
+    summary has, less those that theta takes up, and one at least: where nothing is free to scatter, a distance is left
+    because theta cannot reach the measurement.
+    """
+    num_events = int(effort.sharpen * target.num_events)
+    metric, lacking = model_metric(
+        fit, target.summary, target.mean, target.num_events, rng, min(num_events, effort.covariance)
+    )
+    efficient = sharpen(fit, metric, rng, num_events)
+    if efficient.p_value > TEST.hopeless:
+        efficient = settled(efficient, metric, rng, num_events, effort.settle)
+    dof = max(efficient.dof - round(lacking), 1)
+    return GateResult(statistic=efficient.q, dof=dof, p_value=float(chi2.sf(efficient.q, dof))), efficient, metric
+
+
+def model_metric(
+    fit: Fit,
+    summary: Summary,
+    mean: NDArray[np.float64],
+    num_events: int,
+    rng: np.random.Generator,
+    num_simulated: int,
+) -> tuple[Target, float]:
+    """A measured mean (K,) of so many events in the metric that the fitted model itself predicts.
+
+    The covariance is the model's, because that of few measured events is biased where they are fewest. Where it makes
+    none, but some were measured, they scatter as if it were to make one; the second return value is the number of
+    degrees of freedom that this adds.
+    """
+    cov = summary.covariance(fit.model.simulate(np.tile(fit.params, (num_simulated, 1)), rng))
+    lacking = np.maximum(1 / num_events - np.diag(cov), 0)
+    target = Target.of(summary, mean, num_events, cov + np.diag(lacking))
+    return target, float(lacking @ (target.whitening**2).sum(axis=1))
+
+
+def cell_gate(fit: Fit, x: NDArray, rng: np.random.Generator, effort: Effort) -> GateResult:
+    """The cell of an image (N, d) that is furthest from what the model expects, among all cells.
+
+    Sums over many cells do not see a few that are faulty. Theta hardly moves a single cell, so no correction for it.
+    How often a cell fires is compared as two Poisson counts are: of all, the measured ones are binomial, exactly also
+    where they are few (J. Przyborowski and H. Wilenski, Biometrika 31 (1940) 313). The statistic is the largest excess
+    or deficit in standard deviations.
+    """
+    n = int(effort.sharpen * len(x))
+    simulated = fit.model.simulate(np.tile(fit.params, (n, 1)), rng)
+    measured, expected = np.count_nonzero(x, axis=0), np.count_nonzero(simulated, axis=0)
+    both, share = measured + expected, len(x) / (len(x) + n)
+    tail = np.minimum(binom.cdf(measured, both, share), binom.sf(measured - 1, both, share))
+    least = float(min(2 * tail.min(), 1.0))
+    p = -np.expm1((both > 0).sum() * np.log1p(-min(least, 1 - 1e-16)))
+    return GateResult(statistic=float(norm.isf(max(least, 1e-300) / 2)), dof=None, p_value=float(p), sides=2)
+
+
+Features = Callable[[NDArray], NDArray]
+
+
+def features_of(target: Target) -> Features:
+    """What a classifier sees of events: their features, of images the parts of their summary."""
+    if isinstance(target.summary, Pixels):
+        return target.summary.vectors
+    spread = [np.ptp(edges) if len(edges) > 1 else 1.0 for edges in target.summary.edges]
+    return partial(rounded, grain=TEST.grain * np.array(spread))
+
+
+def rounded(x: NDArray, grain: NDArray[np.float64]) -> NDArray:
+    """Events (n, d) to multiples of `grain` (d,): equal values must not differ by how a computer arrives at them."""
+    return x if np.issubdtype(x.dtype, np.integer) else np.rint(x / grain) * grain
+
+
+def trained(x: NDArray, simulated: NDArray, seed: int) -> "HistGradientBoostingClassifier":
+    """A classifier of measured (1) against simulated (0) events."""
+    from sklearn.ensemble import HistGradientBoostingClassifier
+
+    labels = np.r_[np.ones(len(x)), np.zeros(len(simulated))]
+    trees = HistGradientBoostingClassifier(
+        max_iter=TEST.trees, max_leaf_nodes=TEST.leaves, learning_rate=0.1, early_stopping=False, random_state=seed
+    )
+    return trees.fit(np.concatenate([x, simulated]), labels)
+
+
+@dataclass(frozen=True)
+class Score:
+    """A classifier's log odds, as a summary of one number."""
+
+    trees: "HistGradientBoostingClassifier"
+    features: Features
+
+    def of(self, x: NDArray) -> NDArray[np.float64]:
+        """(n, d) -> (n,)"""
+        return self.trees.decision_function(self.features(x))
+
+    def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """weights^T s(x): (n, d), (n, b) -> (b, 1)."""
+        return weights.T @ self.of(x)[:, None]
+
+    def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
+        """Squared change of each event, in units of the variance: (n, d) twice -> (n,)."""
+        a = self.of(before)
+        return (a - self.of(after)) ** 2 / max(a.var(), 1e-30)
+
+
+def classifier_gate(fit: Fit, target: Target, x: NDArray, rng: np.random.Generator) -> GateResult:
+    """Does a classifier, trained on one half of the events x (N, d), tell the other half from simulated ones?
+
+    The statistic is the mean log odds of the second half, less what the model expects, in standard errors; one-sided,
+    because a classifier that learned something raises it. Theta was fitted on the same events, to the summary of
+    `target`: each event's pull on theta is taken out of the statistic and of its variance, which calibrates the test
+    without refits. The halves are not exchanged and averaged: fluctuations that the two halves share by chance raise
+    both statistics at once, and their mean is wider than it seems.
+    """
+    half = len(x) // 2
+    training, test = x[:half], x[half:]
+    at = np.tile(fit.params, (len(x), 1))
+    view, model = features_of(target), fit.model
+    if isinstance(model.events, Pool):
+        # The pool serves the expectation below; a classifier knows again the events that it learned from.
+        model = replace(model, events=model.events.fresh)
+    score = Score(trained(view(training), view(model.simulate(at[:half], rng)), int(rng.integers(2**31))), view)
+    expected = surrogate(fit.model, score, fit.design, TEST.check_events * len(x), rng)
+    at_fit, slope = expected.at(fit.point)
+    g = score.of(test)
+    # Where theta moves if the summary of one event is added, in the directions that the data identify.
+    inverse = np.linalg.pinv(fit.information[0] * (1 + fit.noise), hermitian=True)
+    pull = np.sqrt(target.num_events) * (slope[:, 0] @ inverse @ fit.jacobian.T) @ target.whitening.T  # (K,)
+    s = target.summary.project(x, pull)
+    share = len(test) / len(x)
+    influence = -(s - s.mean())
+    influence[half:] += (g - g.mean()) / share
+    simulation = expected.variance_at(fit.point) * g.var()
+    error = np.sqrt(influence.var() / len(x) + simulation)
+    t = float((g.mean() - at_fit[0]) / max(error, 1e-12))  # no error where all events are alike
+    return GateResult(statistic=t, dof=None, p_value=float(norm.sf(t)))
+
+
+@dataclass(frozen=True)
+class ExtendedModel:
+    """A fitted model, the task alone or with effects, and all tests of it."""
+
+    fit: Fit
+    """The fit in the metric of the target, in which models are compared."""
+    efficient: Fit
+    """The fit in the metric that the model itself predicts, with more events; reported if the model is right."""
+    gates: dict[str, GateResult]
+
+    @classmethod
+    def of(cls, fit: Fit, target: Target, x: NDArray, rng: np.random.Generator, effort: Effort) -> "ExtendedModel":
+        """A fitted model with all tests of it by the measured events x (N, d)."""
+        gate, efficient, metric = summary_gate(fit, target, rng, effort)
+        gates = {"summary": gate}
+        if fit.model.task.event_shape:
+            gates["cells"] = cell_gate(efficient, x, rng, effort)
+        gates["classifier"] = classifier_gate(efficient, metric, x, rng)
+        shares = dict(TEST.image_shares if "cells" in gates else TEST.shares)
+        return cls(
+            fit, efficient, {name: gate.model_copy(update={"share": shares[name]}) for name, gate in gates.items()}
+        )
+
+    @property
+    def p_value(self) -> float:
+        """The p-value of all tests together; 1 before any."""
+        return min([1.0, *(gate.p_value / gate.share for gate in self.gates.values())])
+
+
+@dataclass(frozen=True)
+class Correction:
+    """Simulated events of the final model and weights that make them look like measured ones.
+
+    A description of the disagreement, and not a cause.
+    """
+
+    x: NDArray
+    """(n, d)"""
+    weights: NDArray[np.float64]
+    """(n,), of mean 1."""
+
+
+def correction(fit: Fit, target: Target, x: NDArray, rng: np.random.Generator) -> Correction:
+    """Odds of a classifier between measured events x (N, d) and as many simulated ones, for as many others."""
+    simulated = fit.model.simulate(np.tile(fit.params, (2 * len(x), 1)), rng)
+    training, weighted = simulated[: len(x)], simulated[len(x) :]
+    view = features_of(target)
+    trees = trained(view(x), view(training), int(rng.integers(2**31)))
+    odds = np.exp(np.clip(trees.decision_function(view(weighted)), -10, 10))
+    return Correction(weighted, odds / odds.mean())

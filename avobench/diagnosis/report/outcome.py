@@ -1,0 +1,186 @@
+"""The outcome of a diagnosis: the models before and after, the verdict, which fits are reported, and notes."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from avobench.diagnosis.effort import Effort
+from avobench.diagnosis.fit.descent import settled
+from avobench.diagnosis.fit.fit import Fit
+from avobench.diagnosis.fit.null import Inferred
+from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel
+from avobench.diagnosis.goodness_of_fit.held_out import HeldOut
+from avobench.diagnosis.goodness_of_fit.regions import regions
+from avobench.diagnosis.report.uncertainties import named
+from avobench.diagnosis.schema import Candidate, Gap, Region, Verdict
+from avobench.diagnosis.search.posterior import Posterior
+from avobench.diagnosis.settings import REPORT, TEST
+from avobench.diagnosis.summary.bins import View
+from avobench.diagnosis.summary.target import Target
+from avobench.effects import Effect
+from avobench.effects.catalogue import domain
+from avobench.tasks import Task
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The simulator as it is and with the effects that were added, and how each compares with held-out events."""
+
+    null: ExtendedModel
+    extended: ExtendedModel | None
+    """The model with the effects; None where none was added."""
+    posterior: Posterior | None
+    """The probabilities of sets of effects; None where nothing disagrees."""
+    alpha: float
+    gap_before: Gap
+    gap_after: Gap | None
+    candidates: list[Candidate]
+    """The effects that were tried on the task alone, best first."""
+    withdrawn: tuple[Effect, ...] = ()
+    """Effects that the search had added, which the held-out events do not confirm."""
+
+    @classmethod
+    def of(
+        cls,
+        null: ExtendedModel,
+        extended: ExtendedModel | None,
+        posterior: Posterior | None,
+        alpha: float,
+        held_out: HeldOut,
+        rng: np.random.Generator,
+        effort: Effort,
+    ) -> "Outcome":
+        """The outcome by the held-out events.
+
+        Effects count with which the model agrees with the measurement, by the tests and on these events, or with which
+        the gap there at least shrinks by more than its error.
+        """
+        before = held_out.gap(null.efficient, rng, effort.covariance)
+        after = held_out.gap(extended.efficient, rng, effort.covariance) if extended else None
+        withdrawn: tuple[Effect, ...] = ()
+        if (
+            extended
+            and not _describes(extended, after, alpha)
+            and not held_out.shrank(extended.efficient, null.efficient)
+        ):
+            withdrawn, extended, after = extended.fit.model.effects, None, None
+        candidates, single = [], posterior.single if posterior else []
+        for each in single:
+            candidates.append(
+                Candidate(
+                    **named(each.fit.model.effects[0].key, each.fit.model.task.labels).model_dump(),
+                    score=single[0].evidence.at_least - each.evidence.at_least,
+                    p_value=each.fit.p_value,
+                    held_out_gap=held_out.gap(each.fit, rng, effort.fit).value,
+                )
+            )
+        return cls(null, extended, posterior, alpha, before, after, candidates, withdrawn)
+
+    @property
+    def disagree(self) -> bool:
+        """True if the task alone was rejected."""
+        return self.null.p_value < self.alpha
+
+    @property
+    def final(self) -> ExtendedModel:
+        """The model that is reported: with the effects, or without where none was added."""
+        return self.extended or self.null
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """The effects that were added."""
+        return self.extended.fit.model.effects if self.extended else ()
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        if not self.disagree:
+            return Verdict.NOTHING
+        if self.gap_after is None:
+            return Verdict.UNEXPLAINED
+        return Verdict.NAMED if _describes(self.final, self.gap_after, self.alpha) else Verdict.REDUCED
+
+    @property
+    def first(self) -> Fit:
+        """The fit of the task alone that is reported.
+
+        In its own metric a fit is efficient, but only where the model is right. Where it is wrong the two metrics want
+        different parameters, and effects are compared in that of the target.
+        """
+        return self.null.fit if self.disagree else self.null.efficient
+
+    def final_fit(self, target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
+        """The fit of the final model that is reported; in the target's metric where it is still rejected, as above."""
+        if self.verdict == Verdict.REDUCED:
+            num_events = int(effort.sharpen * target.num_events)
+            return settled(self.final.fit, target, rng, num_events, effort.settle)
+        return self.final.efficient if self.effects else self.first
+
+    def regions(self, task: Task, target: Target, view: View, rng: np.random.Generator) -> list[Region]:
+        """The intervals in which the task alone disagrees with the events that were fitted; none where it does not."""
+        if not self.disagree:
+            return []
+        one_count = task.num_features == 1 and domain(task) == "counts"
+        return regions(self.null.fit, target, view.spans, rng, self.alpha, () if one_count else task.labels)
+
+
+def _describes(model: ExtendedModel, gap: Gap, alpha: float) -> bool:
+    """True if a model agrees with the measurement, by the tests and, on held-out events, by the `gap`."""
+    return model.p_value >= TEST.rejected_share * alpha and gap.low <= 1
+
+
+def notes_of(outcome: Outcome, fit: Fit, target: Target, inferred: Inferred | None, num_events: int) -> list[str]:
+    """What a reader should know beside the numbers, a sentence each; `fit` is the final one."""
+    notes = []
+    gap = outcome.gap_before
+    if outcome.verdict == Verdict.NAMED and gap.value < REPORT.faint:
+        notes.append(
+            f"A gap of {gap.value:.2g} seldom excludes that an effect outside the catalogue did this: compare "
+            "docs/challenge.md."
+        )
+    if outcome.withdrawn:
+        names = " and ".join(effect.name for effect in outcome.withdrawn)
+        notes.append(f"{names} was tried and left out: on held-out events the gap shrank by less than its error.")
+    if outcome.disagree and gap.low <= 1:
+        notes.append(unconfirmed(outcome))
+    if inferred is not None:
+        notes.append(inferred.note(outcome.first))
+    if num_events < REPORT.few_events:
+        notes.append(
+            f"{num_events} events make {target.rank} bins or less: the identifiability card says what so few cannot "
+            "show."
+        )
+    notes += prior_notes(outcome.first, "without effects")
+    if outcome.effects:
+        notes += prior_notes(fit, "with the added effects")
+    return notes + bound_notes(fit)
+
+
+def unconfirmed(outcome: Outcome) -> str:
+    """Why there is a disagreement, though the held-out events show no gap."""
+    rejecting = [name for name, gate in outcome.null.gates.items() if gate.corrected < outcome.alpha]
+    if "summary" in rejecting:
+        return "The held-out events are too few to show by themselves what the others show."
+    return f"The gap is of the summary, and does not show what rejects the simulator: the {' and '.join(rejecting)}."
+
+
+def prior_notes(fit: Fit, how: str) -> list[str]:
+    """Parameters of the task that were fitted to a value outside the prior; `how` says by which fit."""
+    task = fit.model.task
+    fitted = zip(task.parameter_names, fit.params.tolist(), task.prior.low, task.prior.high, strict=False)
+    return [
+        f"{name} = {value:.4g}, fitted {how}, lies outside its prior, {low:g} to {high:g}."
+        for name, value, low, high in fitted
+        if not low <= value <= high
+    ]
+
+
+def bound_notes(fit: Fit) -> list[str]:
+    """Parameters of the fit that ended at an end of their range."""
+    names = [*fit.model.task.parameter_names, *(f"{e.name}: {p.name}" for e in fit.model.effects for p in e.parameters)]
+    ends = {1: "upper", -1: "lower"}
+    return [
+        f"The fit ended at the {ends[at]} bound of {n}."
+        for n, at in zip(names, fit.at_bound.tolist(), strict=True)
+        if at
+    ]

@@ -1,0 +1,348 @@
+"""The numbers that a diagnosis is made with, each with its reason."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class SummarySettings:
+    """How events are reduced to shares of bins or, of images, to sums of cells."""
+
+    least_in_bin: int = 12
+    """Measured and simulated events of a bin, each counted half: with fewer, shares do not scatter as Gaussians do."""
+    image_blocks: int = 8
+    """Blocks along each axis of an image, at most: 64 in all, as many as the rows and columns of a 32 x 32 image."""
+    hit_bins: int = 12
+    """Bins of the number of hits of an image, at most: as many as a feature has where there are several."""
+    least_hits: int = 40
+    """Hits in all images together for a part of the summary to count: fewer scatter unlike a Gaussian."""
+    mixed_in: float = 0.1
+    """Share of the simulated events in the covariance: where nothing was measured, what was expected still counts."""
+    compared_moves: int = 500
+    """Events whose vectors are compared, for what moving them adds to the noise: a relative error of 5 %."""
+    rank_tolerance: float = 1e-7
+    """Share of the largest eigenvalue of a correlation matrix below which one is rounding: bins sum to one."""
+
+
+@dataclass(frozen=True)
+class FitSettings:
+    """How a model is fitted by quadratic surrogates over ever narrower designs."""
+
+    clear: float = 3.0
+    """Standard errors by simulation from which a squared slope is one, and a point is worse than another."""
+    worse: float = 2.0
+    """Standard errors by which the end of a step must be worse than its start, to be given up."""
+    extra_rounds: int = 2
+    """Rounds that follow a descent that would end at a promise: one to see it, one to see whether it was true."""
+    anchor: float = 0.1
+    """What moving to the edge of a design costs in Q: it keeps parameters still that the data say nothing about."""
+    wall: float = 1e4
+    """Slope, in standard errors, of the penalty that keeps a fit within the unit cube: steeper than any summary's."""
+    reference_sigmas: float = 25.0
+    """Standard errors around a fit over which its model is made known: further than an added effect moves theta."""
+    min_sigmas: float = 4.0
+    """Half the width of a design, in standard errors, at least: the minimum moves about one of them within it."""
+    slope_noise: float = 0.2
+    """Standard error of a slope over a design, in units of the slope that is one standard error of the parameter."""
+    identified: float = 5.0
+    """Standard errors by which a direction must change the summary across its range to count as identified."""
+    dear: float = 5.0
+    """Simulated events that an event of a model may take before it is given fewer of them: a detector that records one
+    in fifty would else take fifty times as long as all others, to no more than being ruled out."""
+    probed: int = 1000
+    """Events from which it is told how many that is, to 3 %."""
+    compared_twins: int = 10_000
+    """Events that are compared one by one with what the same seed makes elsewhere: a relative error of 1 %."""
+    shrink: float = 3.0
+    """How much narrower a design may be than the one before: a cubic term then falls to a ninth of the linear one."""
+    bent: float = 0.1
+    """Share of Q that a surrogate may lack for being no better polynomial: less than that hardly moves the minimum.
+    Chosen on development cases."""
+    narrower: int = 3
+    """How often a design is narrowed by `shrink`, at most: to a twenty-seventh."""
+    falls: float = 0.5
+    """Share of the lack that a narrower design may leave, at most. A cubic term falls to a ninth; noise or a jump
+    stays."""
+    beyond: float = 0.25
+    """Share of where a model is known by which a design may reach beyond that: it is nearly quadratic there too."""
+    first_share: float = 0.5
+    """Share of where a model is known that a larger one's first design takes up, so that its next ones stay within."""
+    least_room: float = 0.05
+    """Share of a design that must lie where the model is known: narrowed to less, it would see no slope."""
+    searched: float = 0.2
+    """How far from where it may be, in cube coordinates, a point is looked for. Chosen on development cases."""
+    hopeless_events: int = 10
+    """How many times fewer events suffice to see where a point is hopeless. Chosen on development cases."""
+    sharpenings: int = 4
+    """Rounds of a sharpening, at most. Chosen on development cases."""
+    inside: float = 0.9
+    """Share of a design within which a minimum is believed: further out it may lie beyond."""
+    scans: int = 2
+    """Scans from which theta is fitted again before a disagreement is believed: a single one may go astray."""
+    method_events: int = 160_000
+    """Simulated events of a registered method that looks for theta first: its budget in the benchmark."""
+    method_share: int = 4
+    """One in so many of the simulated events is for such a method, at most: the rest is for the diagnosis."""
+
+
+@dataclass(frozen=True)
+class TestSettings:
+    """How goodness of fit is tested, on fitted events, on held-out events, and in regions."""
+
+    shares: tuple[tuple[str, float], ...] = (("summary", 0.8), ("classifier", 0.2))
+    """Each test's share of the false alarms: most effects show in the summary, so that it has most of them."""
+    image_shares: tuple[tuple[str, float], ...] = (("summary", 0.6), ("cells", 0.2), ("classifier", 0.2))
+    """The shares where events are images."""
+    hopeless: float = 1e-12
+    """P-value below which no care in the fit helps a model."""
+    trees: int = 60
+    """Trees of the classifier. Chosen on development cases."""
+    leaves: int = 12
+    """Leaves of a tree, at most: more than three splits deep, for correlations of three features, which no summary
+    sees."""
+    check_events: int = 4
+    """Simulated events a measured one, for the classifier's expectation: they add a quarter to its variance."""
+    grain: float = 1e-6
+    """Share of a feature's spread within which the classifier takes values as equal: rounding differs by computer."""
+    held_out_share: float = 0.25
+    """Share of the measured events that is kept aside: no fit sees them; the gap is measured on them, and they may
+    veto."""
+    shrunk: float = 1.0
+    """Standard errors by which a gap must shrink. More would leave out what is right but weak: on a quarter of the
+    events a chi-squared of 40 for it all is one of 10."""
+    scattered: int = 2000
+    """Simulated events whose vectors are looked at, for how chi-squared scatters where bins hold few events."""
+    tail: float = 0.025
+    """Probability on either side of an interval of the gap, which thus holds 95 %."""
+    rejected_share: float = 0.2
+    """Share of alpha at which a model with an effect is rejected: no shape of the catalogue is exactly right."""
+    draws: int = 2000
+    """Draws without any disagreement: the smallest global p-value that they can tell is 1/2001."""
+    regions: int = 6
+    """Regions that are told, at most: more of them say that the whole feature disagrees."""
+
+
+@dataclass(frozen=True)
+class OrderSettings:
+    """How the order of events is tested."""
+
+    lags: tuple[int, ...] = (1, 2, 4, 8, 16, 32, 64)
+    """Events apart, of which it is asked whether they are alike: doubling, since neighbouring lags say the same."""
+    least_cycles: int = 2
+    """Cycles of a season within the data: fewer cannot be told from a drift."""
+    most_bins: int = 2**20
+    """Bins of the order or the time, for the periodogram: what bounds its time and memory."""
+    in_interval: int = 10
+    """Events, on average, in an interval of the time in which they are counted: enough for a rate to show."""
+    same_ranks: float = 0.9
+    """Correlation of ranks from which the spread of a feature says no more than its level, as of rare counts."""
+    clipped: float = 0.01
+    """Share of the values at either end that count as the last one before, where a size is measured."""
+
+
+@dataclass(frozen=True)
+class SearchSettings:
+    """Which effects are screened, where their fits begin, and which fits go on."""
+
+    strengths: tuple[float, ...] = (0.001, 0.005, 0.02, 0.08, 0.25, 0.7)
+    """Grid of a strength, as shares of its range; between them the effect is taken as linear."""
+    moved_events: int = 100
+    """Events of each point, from which the share of events that change bins is taken."""
+    locations: int = 12
+    """Grid points of a location: what is narrower than a twelfth of the range is found by `Sample.places`."""
+    shapes: int = 8
+    """Grid points of a single shape parameter. Chosen on development cases."""
+    widths: int = 3
+    """Grid points of a width beside a location: narrow, middling and wide."""
+    finalists: int = 6
+    """Points of the grid that are looked at again, with more events: the first look is too noisy to choose one."""
+    final_events: int = 5
+    """Times the events of the first look, for the second: as many again in all, since a grid has some 100 points."""
+    closest: int = 3
+    """Finalists that are looked at beside once more: an edge must be met within a fit's first design."""
+    look_steps: tuple[float, float] = (1 / 2, 1 / 4)
+    """How far beside the best points of a look the next one looks, in steps of the grid."""
+    gain: float = 3.0
+    """How far a strength may be moved from its grid point by linearity: to about the next point of `strengths`."""
+    looked_at: int = 2
+    """Times as many shapes as fits that begin are looked at more closely. Chosen on development cases."""
+    absorbed: float = 0.3
+    """Share of an effect's signal below which theta hides it, so that it is also looked for where it is strong. Chosen
+    on development cases."""
+    of_one_feature: int = 32
+    """Effects of a catalogue, at most, where theta may hide one that is weak: several features tell them apart."""
+    weak: tuple[float, ...] = (0.05, 0.1)
+    """Strengths, as shares of the range, at which it is found out whether theta hides an effect: above the noise."""
+    strong: tuple[float, ...] = tuple(np.linspace(0.1, 1, 10).tolist())
+    """Strengths, as shares of the range, at which an effect that theta hides is looked for: the rest of the range."""
+    modes: int = 2
+    """Places at which a fit begins that were found in this way, at most, to either side."""
+    coarse_points: int = 10
+    """Points of theta a parameter, in each search for it beside a strength; the last strength's theta is not far."""
+    followed: int = 2
+    """Linear steps of theta that follow such a search. Chosen on development cases."""
+    rough: float = 0.5
+    """How far a strength from a grid may be off, as a share of it: the steps of the grid are factors of three to
+    five."""
+    guessed: float = 0.003
+    """How far a strength that is read off the data may be off, as a share of it: an edge, known to about one event."""
+    furthest: float = 0.2
+    """How far, in cube coordinates, theta follows an effect's strength within a first design, so that it stays inside
+    the cube."""
+    first_rounds: int = 3
+    """Rounds of a fit that begins; enough to tell the promising ones."""
+    parents: int = 3
+    """Families that stay although they do not matter: to which a further effect may be added."""
+    most: tuple[int, ...] = (8, 6, 6)
+    """Candidates that are left after each round of halving, at most. Chosen on development cases."""
+    shapes_kept: int = 3
+    """Shapes of each family in which fits go on: the plainest may be right, or need a parameter more, and families of
+    many shapes must not crowd out the others."""
+    nearby: float = 0.05
+    """Distance in cube coordinates below which fits of one shape are one. Chosen on development cases."""
+
+
+@dataclass(frozen=True)
+class ScoreSettings:
+    """How evidence becomes a probability of each set of effects."""
+
+    indifferent: float = 8.0
+    """Difference of log evidence from which a model no longer matters beside another, and what a further effect costs
+    at least: its strength, and its place among all sets. At a temperature of 4 it is odds of 7. Chosen on development
+    cases."""
+    temperature: float = 4.0
+    """The divisor of log prior and log evidence: what the formulas leave out, and the scatter of simulation, make
+    them too sure. Chosen on development cases."""
+    distortions: tuple[float, float, int] = (0.003, 1, 12)
+    """Shares by which something unknown distorts the simulation, from, to and how many: log-uniform, from what a
+    million events would show."""
+    lengths: tuple[float, ...] = (1 / 40, 1 / 16, 1 / 8, 1 / 4)
+    """Lengths over which it does so, as shares of a feature's range."""
+    anywhere: float = 0.1
+    """Share of the mean of all bins that the unknown may add where nothing is expected."""
+    weakest: float = 0.001
+    """Share of the range of a strength from which its prior is log-uniform: effects are weak more often than strong."""
+    number: tuple[float, ...] = (0.1, 0.5, 0.15, 0.03)
+    """Prior, once a disagreement is shown, that no, one, two or more effects are missing. This, and the three numbers
+    below, were chosen on development cases of the challenge."""
+    unknown: float = 0.03
+    """Prior that it is none of the catalogue, and looks like none."""
+    imitated: float = 0.1
+    """Probability that it is none of the catalogue, but looks like what the catalogue has, of whatever fits."""
+    coarse: float = 0.02
+    """What is added to the temperature of what a fit leaves, for each unit of Q that it explains: no shape is exactly
+    that of nature, and what a shape leaves for being another grows with what it does."""
+    opinion: float = 0.7
+    """Power of the odds by the fits, and of those by what the events look like: two opinions of the same events agree
+    more than independent ones would."""
+    credible: float = 0.95
+    """Probability of the smallest set of models that is told."""
+
+
+@dataclass(frozen=True)
+class RecognitionSettings:
+    """What of measured events is compared with simulated ones, by networks that were trained with these numbers."""
+
+    bin_shares: tuple[float, ...] = tuple(
+        np.r_[
+            0, 1e-4, 1e-3, 3e-3, 0.01, 0.03, np.linspace(0.06, 0.94, 23), 0.97, 0.99, 0.997, 0.999, 0.9999, 1
+        ].tolist()
+    )
+    """Shares of the simulated events, between which measured ones are counted: the tails finely."""
+    equal_bins: int = 30
+    """Equal bins over nearly all that is simulated, beside those of equal shares: peaks and edges are narrow there."""
+    fine_bins: int = 400
+    """Bins of equal shares in which steps are looked for, at most."""
+    quantiles: tuple[float, ...] = (0, 0.01, 0.16, 0.5, 0.84, 0.99, 1)
+    """Quantiles that are compared in standard deviations of the simulated events: the ends, 1 and 2.3 sigma."""
+    steps: tuple[int, ...] = (2, 3, 4, 5, 8, 10)
+    """Steps in which counts may have been rounded."""
+    quarters: tuple[float, ...] = (0.25, 0.5, 0.75)
+    """Quantiles at which two features are cut, to see how they go together."""
+    added_variance: int = 5
+    """Events that are added to the variance of a bin: where next to nothing is expected, a few say little."""
+    most_pull: float = 60.0
+    """Standard deviations beyond which a bin tells no more."""
+    most_deviation: float = 20.0
+    """Standard deviations at which single values and moments are clipped."""
+    portrait_events: int = 50_000
+    """Measured events of a portrait, at most: the networks were trained with no more."""
+    simulated: int = 2
+    """Simulated events a measured one, beside which those are looked at, as in training."""
+    floor: float = 0.1
+    """Added to the probability of each family: experience excludes none, since simulators may be unlike those it was
+    had with. On the challenge as many names are right as with a tenth of it."""
+    least_count: float = 5.0
+    """Mean of counts below which there is no experience: hidden shapes of counts are written for means of 5 to 150. Of
+    fewer, real tables of accidents and claims were taken for what is common among examples."""
+
+
+@dataclass(frozen=True)
+class ReportSettings:
+    """What is quoted of the fits, and what is drawn."""
+
+    power: float = 0.9
+    """Probability with which the smallest strength on the identifiability card is seen: a usual power of a test."""
+    shown: float = 3.0
+    """Times the scatter of the simulated events, from which a difference on the card is one."""
+    rivals: float = 0.95
+    """Correlation of what two effects leave after the fit, from which they are rivals. Chosen on development cases."""
+    allowed: float = 4.0
+    """Chi-squared above the best up to which another shape is allowed: two standard errors."""
+    refitted: int = 4
+    """Other shapes that are fitted once more, at most: those that move theta furthest."""
+    compared_events: int = 50_000
+    """Events from which it is taken how far another theta is away: as many as a data set of the challenge has."""
+    few_events: int = 1000
+    """Measured events below which a summary has so few bins that it is worth a word."""
+    faint: float = 10.0
+    """Chi-squared per degree of freedom below which, in the challenge, effects that were taken out of the catalogue
+    were often explained by others, and above which they seldom were (docs/challenge.md)."""
+    map_events: int = 4
+    """Simulated events a measured one, for the maps of cells: they add a quarter to the variance of a pull."""
+    prior_sigmas: float = 5.0
+    """Standard errors to either side of the fit that the prior of an effect's parameter reaches in model.json."""
+    least_prior: float = 0.01
+    """The same at least, as a share of the parameter's range."""
+
+
+@dataclass(frozen=True)
+class BudgetSettings:
+    """How many events are measured and simulated, and how the effort is fitted to a limit."""
+
+    least_events: int = 50
+    """Measured events below which there are no bins to speak of."""
+    most_events: int = 2_000_000
+    """Measured events that are compared, a random sample of more: its errors are far below what a simulator is trusted
+    to, and it bounds memory and time."""
+    coarsest: float = 0.25
+    """Least share of events of the fits that go on: by fewer, all that they tell would be noise."""
+    usual_events: int = 50_000
+    """Measured events for which `usual` was counted: as many as a data set of `avobench challenge` has."""
+    usual: tuple[tuple[str, int], ...] = (("counts", 54_000_000), ("continuous", 42_000_000), ("images", 1_500_000))
+    """Simulated events that a diagnosis of so many takes, by domain; a little more or less with what it finds."""
+    least_search: int = 2_000_000
+    """Simulated events of a search for one effect at the least effort, of 3 000 counts or angles: with fewer it ends
+    early."""
+    several: int = 2
+    """Searches that are to fit into the events that are allowed, so that they seldom end early."""
+    step: float = 0.8
+    """The factor by which the effort is made less until it fits."""
+    least_share: float = 1e-3
+    """Share of the effort below which all is at its least."""
+    rounds: int = 30
+    """Rounds of the five fits of theta before a disagreement is believed, and of all tests: the most that were seen."""
+    sharpening: int = 20
+    """Events of two looks through the tests, in those of a sharpening."""
+    tests: int = 9
+    """Events of two looks through the tests beside these, a measured one."""
+    gap: int = 2
+    """Samples of simulated events that a gap takes: for its covariance, and for its scatter."""
+    refined: int = 8
+    """Rounds of the fit of an effect that was chosen, at most."""
+
+
+SUMMARY, FIT, TEST, ORDER = SummarySettings(), FitSettings(), TestSettings(), OrderSettings()
+SEARCH, SCORE, RECOGNITION = SearchSettings(), ScoreSettings(), RecognitionSettings()
+REPORT, BUDGET = ReportSettings(), BudgetSettings()

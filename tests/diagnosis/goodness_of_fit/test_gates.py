@@ -1,0 +1,179 @@
+"""Tests of a fitted model: the summary, single cells, the classifier, and its weights."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from measurements import LIGHT, measured, with_effect
+from scipy.stats import binom, kstest
+from sklearn.ensemble import HistGradientBoostingClassifier
+from sklearn.metrics import roc_auc_score
+
+from avobench.diagnosis.fit.descent import refine
+from avobench.diagnosis.fit.null import fit_null
+from avobench.diagnosis.goodness_of_fit.gates import cell_gate, classifier_gate, correction, features_of, summary_gate
+from avobench.diagnosis.goodness_of_fit.regions import regions
+from avobench.diagnosis.summary.bins import bins_of
+from avobench.diagnosis.summary.target import target_of
+from avobench.effects.catalogue import catalogue
+from avobench.effects.model import Model
+from avobench.tasks import Box, Task
+from avobench.tasks.function import task
+from avobench.tasks.poisson import Poisson
+from avobench.tasks.weinberg import Weinberg
+
+
+def p_values(count, theta=1.0, share=0.0):
+    """Of the gate, for so many data sets of 3 000 counts, of which a share was not recorded but counted as zero."""
+    found = []
+    for k in range(count):
+        x, rng = measured(Poisson(), [theta], 3000, 100 + k)
+        x[rng.random(len(x)) < share] = 0
+        fit, target = fit_null(Model(Poisson()), x, rng, LIGHT, None)
+        found.append(summary_gate(fit, target, rng, LIGHT)[0].p_value)
+    return np.array(found)
+
+
+@pytest.mark.parametrize("theta", [0.0, 2.5])
+def test_p_values_of_a_true_model_are_uniform(theta):
+    """Of 40: a right gate fails once in a thousand times, by either of the two."""
+    p = p_values(40, theta)
+    assert kstest(p, "uniform").pvalue > 5e-4
+    assert (p < 0.05).sum() <= binom.isf(5e-4, len(p), 0.05)
+
+
+def test_the_gate_sees_what_is_plainly_missing():
+    """Zeros in excess of 3 % of 3 000 events, of which theta can take up a part: some seven standard errors."""
+    assert (p_values(10, 1.5, 0.03) < 0.01).all()
+
+
+def coins(share, seed=0):
+    """Coins of which theta is the share of heads, 0.4 to 0.6: it takes up the one degree of freedom. And a fit."""
+    coin = task(
+        lambda theta, rng: (rng.random(len(theta)) < theta[:, 0]).astype(int), prior={"p": (0.4, 0.6)}, name="coin"
+    )
+    rng = np.random.default_rng(seed)
+    x = (rng.random((3000, 1)) < share).astype(int)
+    fit, target = fit_null(Model(coin), x, rng, LIGHT, None)
+    return x, fit, target, rng
+
+
+def test_a_distance_that_theta_cannot_bridge_is_seen_also_where_no_degree_of_freedom_is_left():
+    _, fit, target, rng = coins(0.1)
+    assert fit.p_value < 1e-100
+    gate = summary_gate(fit, target, rng, LIGHT)[0]
+    assert gate.statistic > 500
+    assert gate.p_value < 1e-100
+
+
+def test_where_theta_takes_up_all_there_is_nothing_disagrees_and_nowhere():
+    x, fit, target, rng = coins(0.5)
+    gate, own, _ = summary_gate(fit, target, rng, LIGHT)
+    assert own.dof == 0
+    assert gate.p_value > 1e-3
+    assert regions(own, target, target.summary.view(x).spans, rng, 0.05, ()) == []
+
+
+def test_where_nothing_is_expected_and_nothing_measured_a_fit_makes_nothing():
+    """Without counts below 6, the model's own covariance knows none either, and would let the threshold fall."""
+    (effect,) = (e for e in catalogue(Poisson()) if e.name == "threshold_loss")
+    x = np.random.default_rng(41).poisson(9.0, 40_000)
+    x = x[x > 5][:5000, None]
+    model = Model(Poisson(), (effect.adapted(x),))
+    at = np.array([np.log(9.0), 1.0, 6.0])
+    rng = np.random.default_rng(0)
+    simulated = Poisson().simulate(np.tile(at[:1], (20_000, 1)), rng)
+    target = target_of(x, bins_of(x, simulated), simulated)
+    for seed in range(4):
+        fit = refine(model, target, model.to_cube(at), 0.005, np.random.default_rng(seed), num_events=20_000)
+        gate, own, _ = summary_gate(fit, target, np.random.default_rng(seed), LIGHT)
+        assert own.params[2] > 5.9
+        assert gate.dof < target.rank - 3  # what cannot be otherwise is no degree of freedom
+        assert gate.p_value > 1e-3
+
+
+@pytest.mark.parametrize("events", [200, 3000])
+def test_of_images_one_cell_that_fires_where_none_should_is_seen_and_few_images_suffice(events):
+    class Still:
+        def simulate(self, params, rng):
+            return rng.random((len(params), 64)) < np.where(np.arange(64) < 8, 0.0, 0.002)
+
+    still = SimpleNamespace(model=Still(), params=np.zeros(1))
+    rng = np.random.default_rng(0)
+    x = Still().simulate(np.zeros((events, 1)), rng)
+    assert cell_gate(still, x, rng, LIGHT).p_value > 0.01
+    x[:, 3] = rng.random(events) < 0.1
+    gate = cell_gate(still, x, rng, LIGHT)
+    assert gate.p_value < 1e-9
+    assert np.isfinite(gate.statistic)
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1.0, 1e9])
+def test_a_classifier_does_not_see_how_a_computer_rounds_whatever_the_unit(unit):
+    rng = np.random.default_rng(0)
+    x = np.column_stack([rng.integers(0, 9, 2000) * 0.708, rng.standard_normal(2000)]) * unit
+    seen = features_of(target_of(x, bins_of(x, x), x))
+    np.testing.assert_array_equal(seen(x)[:, 0], seen(x * (1 + 1e-9))[:, 0])
+    np.testing.assert_allclose(seen(x), x, atol=1e-5 * unit)
+    counts = rng.poisson(4, (2000, 1))
+    assert features_of(target_of(counts, bins_of(counts, counts), counts))(counts) is counts
+
+
+class Signs(Task):
+    """Three Gaussians of width theta. In the measured events the product of their signs is a little more often +."""
+
+    name, parameter_names, parameter_units, source = "signs", ("width",), ("1",), "test"
+    prior, support = Box((0.5,), (1.5,)), Box((0.2,), (3.0,))
+    num_features = 3
+    summary = floor = None
+
+    def simulate(self, theta, rng):
+        return theta * np.abs(rng.standard_normal((len(theta), 3))) * rng.choice([-1, 1], (len(theta), 3))
+
+
+def both_gates(task, x, rng):
+    """The p-values of both gates."""
+    fit, target = fit_null(Model(task), x, rng, LIGHT, None)
+    gate, own, own_target = summary_gate(fit, target, rng, LIGHT)
+    return gate.p_value, classifier_gate(own, own_target, x, rng).p_value
+
+
+def test_p_values_of_the_classifier_are_uniform_for_a_true_model():
+    """Of 40: a right gate fails once in a thousand times, by either of the two."""
+    p = []
+    for k in range(40):
+        x, rng = measured(Poisson(), [1.5], 1000, k)
+        p.append(both_gates(Poisson(), x, rng)[1])
+    assert kstest(p, "uniform").pvalue > 5e-4
+    assert (np.array(p) < 0.05).sum() <= binom.isf(5e-4, len(p), 0.05)
+
+
+def test_it_sees_what_lives_in_three_features_together_where_no_bins_do():
+    x, rng = measured(Signs(), [1.0], 6000, 0)
+    x[(rng.random(len(x)) < 0.3) & (x.prod(axis=1) < 0), 0] *= -1
+    summary, classifier = both_gates(Signs(), x, rng)
+    assert summary > 1e-3
+    assert classifier < 1e-6
+
+
+def area(measured, simulated, weights):
+    """Under the ROC curve of a new classifier, on the half of the events that it did not learn from."""
+    x, labels = np.concatenate([measured, simulated]), np.repeat([1, 0], [len(measured), len(simulated)])
+    w = np.concatenate([np.ones(len(measured)), weights])
+    learn = np.random.default_rng(0).random(len(x)) < 0.5
+    trees = HistGradientBoostingClassifier(max_iter=30, random_state=0).fit(x[learn], labels[learn], w[learn])
+    return roc_auc_score(labels[~learn], trees.decision_function(x[~learn]), sample_weight=w[~learn])
+
+
+def test_weights_make_simulated_events_look_like_measured_ones():
+    """To a classifier that knows nothing of them, on other measured events."""
+    x = with_effect(Weinberg(), "dead_region", [45.5, 1.0], [0.8, 0.3, 0.3], 40_000)
+    rng = np.random.default_rng(0)
+    fit, target = fit_null(Model(Weinberg()), x[:20_000], rng, LIGHT, None)
+    found = correction(fit, target, x[:20_000], rng)
+    assert found.x.shape == (20_000, 1)
+    assert found.weights.mean() == pytest.approx(1)
+    assert (found.weights > 0).all()
+    other = x[20_000:]
+    assert area(other, found.x, np.ones(20_000)) > 0.53
+    assert area(other, found.x, found.weights) == pytest.approx(0.5, abs=0.015)  # three standard errors of an area
