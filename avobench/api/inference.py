@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+DEFAULTS = ("avo", "smm")
+"""The first of these methods whose packages are installed is the default; `smm` needs none."""
+
+
 @dataclass(frozen=True, repr=False)
 class Inference:
     """What a method found for the parameters of a task behind a set of events; shows itself in a notebook."""
@@ -128,7 +132,7 @@ class Inference:
 def infer(
     task: Task | str,
     x: ArrayLike,
-    method: Method | str = "avo",
+    method: Method | str | None = None,
     *,
     budget: int = 160_000,
     seed: int = 0,
@@ -144,7 +148,8 @@ def infer(
     x
         Observed events (N, d), or (N,) where an event is one number.
     method
-        A method, or its name, such as "avo", "abc-smc" or "bolfi".
+        A method, or its name, such as "avo", "abc-smc" or "bolfi". By default it is `avo` where PyTorch is
+        installed, and otherwise `smm`, which needs no more than the base install.
     budget
         Simulated events, at most. A twentieth of them at most goes into a check of events and simulator.
     seed
@@ -163,6 +168,8 @@ def infer(
     """
     if isinstance(task, str):
         task = registry.build("task", task, {})
+    if method is None:
+        method = next(name for name in DEFAULTS if registry.missing_package(registry.load("method", name)) is None)
     if isinstance(method, str):
         method = registry.build("method", method, dict(settings or {}))
     elif settings:

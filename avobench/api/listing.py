@@ -23,9 +23,13 @@ def list_tasks() -> pd.DataFrame:
 
 
 def list_methods() -> pd.DataFrame:
-    """A row for each registered method: its name and source."""
+    """A row for each registered method: its name, its source, and whether what it needs is installed."""
     methods = [registry.build("method", name, {}) for name in registry.names("method")]
-    return pd.DataFrame([{"method": method.name, "source": method.source} for method in methods]).set_index("method")
+    rows = [
+        {"method": method.name, "source": method.source, "available": registry.missing_package(method) is None}
+        for method in methods
+    ]
+    return pd.DataFrame(rows).set_index("method")
 
 
 def list_effects(task: Task | str) -> pd.DataFrame:

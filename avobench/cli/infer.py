@@ -17,7 +17,7 @@ from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
 @click.command(cls=Isolated)
 @click.option("--task", "spec", required=True, metavar="NAME", help="Task, file.py:Class, or a model.json.")
 @DATA
-@click.option("--method", default="avo", show_default=True, metavar="NAME", help="Method, or file.py:Class.")
+@click.option("--method", default=None, metavar="NAME", help="Method, or file.py:Class.  [avo, or smm without PyTorch]")
 @click.option("--budget", type=int, default=160_000, show_default=True, help="Simulated events that it may use.")
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True)
 @click.option("--set", "settings", multiple=True, metavar="METHOD.PARAM=VALUE", help="A setting of the method or task.")
@@ -28,7 +28,7 @@ from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
 def infer(
     spec: str,
     data: str,
-    method: str,
+    method: str | None,
     budget: int,
     seed: int,
     settings: tuple[str, ...],
@@ -41,14 +41,14 @@ def infer(
     if out is not None:
         require_folder(out.parent, make=False)
     spec = named(spec, trust)
-    chosen = parse_settings(list(settings), {"task": [spec], "method": [method]})
+    chosen = parse_settings(list(settings), {"task": [spec], "method": [method] if method else []})
     found = infer_events(
         registry.build("task", spec, chosen[spec]),
         read_events(data, [c.strip() for c in columns.split(",")] if columns else None),
         method,
         budget=budget,
         seed=seed,
-        settings=chosen[method],
+        settings=chosen[method] if method else None,
         drop_invalid=drop_invalid,
     )
     if out is not None:

@@ -44,7 +44,10 @@ def methods() -> str:
     lines = ["methods"]
     for name in registry.names("method"):
         method = registry.build("method", name, {})
-        lines += _wrapped(f"  {name}: {method.source}", 4)
+        package = registry.missing_package(method)
+        lines += _wrapped(
+            f"  {name}: {method.source}" + (f" (not available: it needs {package})" if package else ""), 4
+        )
         lines += _settings(method)
     return "\n".join([*lines, "settings are changed with --set NAME.SETTING=VALUE"])
 

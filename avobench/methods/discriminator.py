@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from torch.nn import Flatten, Linear, Module, PReLU, Sequential
 from torch.nn.functional import logsigmoid, softplus
 
+from avobench.methods.inputs import origin
 from avobench.methods.problem import Problem
 
 
@@ -47,14 +48,18 @@ class Discriminator(Module):
         self.device = device
         d = problem.x_observed.shape[1]
         self.shift, self.scale = np.zeros(d, np.float32), np.ones(d, np.float32)
+        self.origin = np.zeros(d)
         if problem.discriminator.standardise:
-            self.shift = problem.x_observed.mean(axis=0).astype(np.float32)
-            std = problem.x_observed.std(axis=0).astype(np.float32)
+            self.origin = origin(problem.x_observed)
+            x = problem.x_observed - self.origin if self.origin.any() else problem.x_observed
+            self.shift = x.mean(axis=0).astype(np.float32)
+            std = x.std(axis=0).astype(np.float32)
             self.scale = np.where(std > 0, std, np.float32(1))
         self.network = mlp(d, hidden, rng).to(device)
 
     def inputs(self, x: NDArray) -> torch.Tensor:
         """x as the network sees it: (n, d) of any dtype -> float32 (n, d)."""
+        x = x - self.origin if self.origin.any() else x
         return torch.from_numpy((x.astype(np.float32) - self.shift) / self.scale).to(self.device)
 
     def log_one_minus_d(self, x: NDArray) -> NDArray[np.float64]:

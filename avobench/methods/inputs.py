@@ -5,6 +5,9 @@ from numpy.typing import NDArray
 
 from avobench.methods.problem import Problem
 
+OFFSET = 100.0
+"""A feature whose mean is farther from zero than this, in its standard deviations, is counted from its mean: float32
+has 24 bits, and 17 of them are then left for what varies."""
 LEAST_VARIANCE = 1e-3
 """Added to every variance, as a share of their mean, so that a feature that hardly varies is not blown up."""
 
@@ -19,6 +22,7 @@ class Inputs:
     def __init__(self, problem: Problem, *, symmetric: bool, whiten: bool) -> None:
         self._shape, self._summed = (-1, *problem.event_shape), tuple(1 + axis for axis in problem.cyclic_axes)
         self._symmetric = symmetric and bool(self._summed)
+        self._origin = origin(problem.x_observed)
         x = self._sum(problem.x_observed)
         covariance = np.atleast_2d(np.cov(x, rowvar=False))
         if not whiten:
@@ -33,6 +37,16 @@ class Inputs:
         return (self._sum(x) - self._shift) @ self._whitening
 
     def _sum(self, x: NDArray) -> NDArray[np.float32]:
+        x = x - self._origin if self._origin.any() else x
         if self._symmetric:
             x = x.reshape(self._shape).sum(axis=self._summed, dtype=np.float32)
         return x.reshape(len(x), -1).astype(np.float32)
+
+
+def origin(x: NDArray) -> NDArray[np.float64]:
+    """Where the features of events x (n, d) are counted from before they become float32: (d,).
+
+    It is zero but for features far from it, such as times since 1970, of which float32 would lose what varies.
+    """
+    mean, std = x.mean(axis=0, dtype=float), x.std(axis=0, dtype=float)
+    return np.where(np.abs(mean) > OFFSET * std, mean, 0.0)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.methods.contract import Estimate, Method, TracePoint, global_seed
+from avobench.methods.inputs import origin
 from avobench.methods.problem import Problem
 from avobench.methods.product_posterior import LogFactors, Posterior, posterior
 from avobench.tasks import Box
@@ -86,6 +87,8 @@ class Neural(Method):
         """Events (n, d) as a network sees them, (n, k): an image is summed over its cyclic axes."""
         if problem.cyclic_axes:
             x = x.reshape(-1, *problem.event_shape).sum(axis=tuple(1 + axis for axis in problem.cyclic_axes))
+        elif not self.amortised and (start := origin(problem.x_observed)).any():  # one network has one origin
+            x = x - start
         return x.reshape(len(x), -1).astype(np.float32)
 
     def simulated(self, problem: Problem, box: Box, number: int, rng: np.random.Generator) -> tuple[NDArray, NDArray]:

@@ -38,3 +38,8 @@ class ProcessEnded(AvobenchError):
 
     def __str__(self) -> str:
         return self.args[1]
+
+
+def installed_by(extra: str) -> str:
+    """How an optional part of the package is installed, for the end of a message."""
+    return f"in a clone of avobench, pip install '.[{extra}]'"

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import avobench
+from avobench.bench.plugins import registry
 from gaussian import GaussianMean
 
 RNG = np.random.default_rng(5)
@@ -84,3 +85,11 @@ def test_the_command_prints_and_keeps_the_same(avobench, tmp_path, found):
     assert (code, err) == (0, "")
     assert out.splitlines()[0] == str(found).splitlines()[0]
     assert json.loads((tmp_path / "found.json").read_text())["theta"] == found.theta
+
+
+def test_without_pytorch_the_default_is_a_method_that_is_installed(monkeypatch):
+    present = registry.find_spec
+    monkeypatch.setattr(registry, "find_spec", lambda name: None if name == "torch" else present(name))
+    found = avobench.infer("poisson", EVENTS, budget=4000)
+    assert found.method.name == "smm"
+    assert not avobench.list_methods().loc["avo", "available"]

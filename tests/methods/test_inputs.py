@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import avobench
 from avobench.methods.inputs import Inputs
 from gaussian import GaussianMean, gaussian_problem
 
@@ -47,3 +48,22 @@ def test_a_feature_that_never_varied_stays_finite():
     assert np.abs(seen(np.ones((3, 2)))).max() < 1.2 / np.sqrt(1e-3 / 2)
     constant = Inputs(observed(x * 0), symmetric=True, whiten=True)
     np.testing.assert_array_equal(constant(x * 0), 0)
+
+
+OFFSETS = [0.0, 1e3, 1.7e9, 1e12]
+
+
+@pytest.mark.parametrize("method", ["smm", "avo", "avo-paper", "nle"])
+def test_where_a_feature_is_counted_from_is_nothing_to_the_answer(method):
+    """Times since 1970 are the same data as those since the run began; float32 alone would lose what varies."""
+    answers, budget = [], 4000 if method == "smm" else 6000
+    for offset in OFFSETS if method == "smm" else (0.0, 1.7e9):
+
+        def simulate(theta, rng, offset=offset):
+            return offset + rng.normal(theta[:, 0], 1)
+
+        task = avobench.task(simulate, prior={"mean": (-3, 3)}, name="clock")
+        x = simulate(np.full((3000, 1), 0.7), np.random.default_rng(3))
+        found = avobench.infer(task, x, method, budget=budget)
+        answers.append(found.theta["mean"])
+    np.testing.assert_allclose(answers, answers[0], atol=0.02)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from avobench.bench.events.text import SUFFIXES as TEXT
 from avobench.bench.events.text import read_text
-from avobench.tasks.errors import UsageError
+from avobench.tasks.errors import UsageError, installed_by
 
 KINDS = ".npy, .npz, .csv, .tsv, .txt, .dat (also .gz), .parquet, or .root:TREE"
 """Formats that events are read from, for messages."""
@@ -91,7 +91,7 @@ def _read_root(file: str, tree: str, columns: list[str] | None) -> dict[str, NDA
     try:
         import uproot
     except ModuleNotFoundError as error:
-        raise UsageError("ROOT files need uproot, which is not installed: pip install 'avobench[root]'") from error
+        raise UsageError(f"ROOT files need uproot, which is not installed: {installed_by('root')}") from error
     with uproot.open(file) as opened:
         trees = [
             name.partition(";")[0] for name, kind in opened.classnames().items() if kind in ("TTree", "ROOT::RNTuple")

@@ -24,7 +24,7 @@ from avobench.effects.model_file import AugmentedTask
 from avobench.methods import Method
 from avobench.methods.device import require_device
 from avobench.tasks import Task
-from avobench.tasks.errors import SimulatorError, UsageError
+from avobench.tasks.errors import SimulatorError, UsageError, installed_by
 from avobench.tasks.function import NAME
 
 BASES = {"task": Task, "method": Method, "effect": Effect}
@@ -232,14 +232,16 @@ def _made_of(instance: Any) -> list[Any]:
     return [type(instance) if isinstance(instance, Task | Method | Effect) else instance, *parts]
 
 
+def missing_package(instance: Any) -> str | None:
+    """The first package that a task or method needs and that is not installed; None where nothing is missing."""
+    return next((package for package in instance.packages if find_spec(package) is None), None)
+
+
 def require_packages(kind: str, instance: Any) -> None:
     """Raise UsageError when a package that the task or method needs is not installed, or its device is not there."""
-    for package in instance.packages:
-        if find_spec(package) is None:
-            raise UsageError(
-                f"{kind} {instance.name} needs {package}, which is not installed"
-                + (f": pip install 'avobench[{instance.extra}]'" if instance.extra else "")
-            )
+    if package := missing_package(instance):
+        how = f": {installed_by(instance.extra)}" if instance.extra else ""
+        raise UsageError(f"{kind} {instance.name} needs {package}, which is not installed{how}")
     if kind == "method" and getattr(instance, "device", "cpu") == "cuda" and find_spec("torch") is not None:
         try:
             require_device("cuda")

@@ -89,7 +89,10 @@ def test_impossible_targets_are_refused(text):
         ({"seed": -1}, "--seed must lie between"),
         ({"seed": 2**63}, "--seed must lie between"),
         ({"tasks": ["toys:Careless"]}, "the simulator of careless ignores its generator"),
-        ({"tasks": ["toys:Unready"]}, "needs no_such_package, which is not installed: pip install 'avobench[unready]'"),
+        (
+            {"tasks": ["toys:Unready"]},
+            "needs no_such_package, which is not installed: in a clone of avobench, pip install '.[unready]'",
+        ),
         ({"tasks": ["toys:Fragile"]}, "task 'toys:Fragile' cannot be used, it raised RuntimeError: out of order"),
         ({"settings": ["avo-paper.learning_rate=nan"]}, "settings must be finite numbers"),
         ({"methods": ["abc-smc"], "budget": 10**6, "settings": ["abc-smc.population_size=2"]}, "population_size > 2"),
@@ -122,6 +125,5 @@ def test_a_method_whose_package_is_absent_is_refused_in_one_line(method, package
     monkeypatch.setattr(registry, "find_spec", lambda name: None if name == package else found(name))
     with pytest.raises(UsageError) as error:
         cells(methods=[method])
-    assert str(error.value) == (
-        f"method {method} needs {package}, which is not installed: pip install 'avobench[{extra}]'"
-    )
+    assert f"method {method} needs {package}, which is not installed" in str(error.value)
+    assert f"'.[{extra}]'" in str(error.value)
