@@ -5,6 +5,9 @@ METHODS := --method avo --method abc-smc --method bolfi
 # Populations of 25 give ABC-SMC several generations from a tenth of the events.
 QUICK := --budget 16000 --observations 20000 --targets 0-2 --set abc-smc.population_size=25
 
+STUDIES := poisson alignment summary ablation tuning sensitivity dimension fresh rivals plain smm
+STUDIES += detector misspecification real
+
 # TASK-KINDS-CASES-SEED of `make challenge`, and of `make challenge FULL=1`, whose records are committed.
 CHALLENGE := poisson-none-10-0 poisson-effects-12-0 weinberg-none-10-0 weinberg-effects-12-0 carl-none-4-0 carl-effects-8-0
 FULL_CHALLENGE := poisson-none-200-1098 poisson-effects-80-1111 weinberg-none-200-1099 weinberg-effects-80-1110
@@ -58,7 +61,7 @@ figures: venv  ## draw the committed records into docs/figures, and write docs/r
 	$(BIN)/python -m paper.tables.real --out docs/real-data.md
 
 studies: venv  ## the paper's single experiments, the ablation and the studies beyond it into results/, as far as they lack
-	for study in poisson detector summary alignment ablation dimension fresh misspecification real; do $(BIN)/python -m paper.study $$study || exit 1; done
+	for study in $(STUDIES); do $(BIN)/python -m paper.study $$study || exit 1; done
 
 bench-speed: venv  ## side by side: simulators against bare NumPy and Pythia, BOLFI's fast process against ELFI's own
 	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.simulators

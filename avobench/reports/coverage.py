@@ -1,4 +1,4 @@
-"""How often the truth lies within what is quoted: `avobench figure coverage`, `python -m avobench.reports.coverage`.
+"""How often the truth lies within what is quoted: `avobench figure coverage`.
 
 A method quotes a standard error of its estimate, or a posterior with a mean and a standard deviation; either makes
 Gaussian intervals for each parameter. Of intervals of 68 % such a share should hold the true value. The width of a
@@ -16,12 +16,10 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from avobench.bench.cells.status import ESTIMATED
-from avobench.bench.store.store import Store
 from avobench.bench.store.table import labels
 from avobench.reports.style import FLOOR, METHOD_ORDER, STYLE, TASK_ORDER, colours, ordered, panels, save
 from avobench.tasks.errors import StoreError
 
-STORES = tuple(map(Path, ("results/reference", "results/rivals", "results/smm")))
 LEVELS = (0.68, 0.95)
 CURVE = np.linspace(0, 1, 101)
 """The nominal shares at which a curve is drawn."""
@@ -59,6 +57,14 @@ def by_method(records: list[dict[str, Any]]) -> dict[tuple[str, str], NDArray[np
     return {key: np.concatenate(found[key]) for key in keys}
 
 
+def within(away: NDArray[np.float64]) -> dict[str, str]:
+    """The share of distances (n,) that lie within the intervals of each of LEVELS, in words; a dash of none."""
+    return {
+        f"within {level:.0%}": f"{(away <= norm.ppf((1 + level) / 2)).mean():.0%}" if len(away) else "-"
+        for level in LEVELS
+    }
+
+
 def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     """A row a task and method: how many true parameters, and which share of them each level's intervals hold."""
     return pd.DataFrame(
@@ -67,7 +73,7 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
                 "task": task,
                 "method": method,
                 "parameters": len(away),
-                **{f"within {level:.0%}": f"{(away <= norm.ppf((1 + level) / 2)).mean():.0%}" for level in LEVELS},
+                **within(away),
             }
             for (task, method), away in by_method(records).items()
         ]
@@ -105,7 +111,3 @@ def _figure(curves: dict[tuple[str, str], NDArray[np.float64]]) -> Figure:
     shown = [name for name in methods if name in handles]
     figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(5, len(shown)))
     return figure
-
-
-if __name__ == "__main__":
-    print(table([record for store in STORES for record in Store(store).read_all()]).to_string(index=False))

@@ -23,8 +23,7 @@ from avobench.reports.style import TASK_ORDER
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.errors import StoreError
 from paper.claims.claims import Claim, Evidence, Finding
-from paper.tables.targets import (
-    RIVALS,
+from paper.quantities import (
     beside_ideal,
     in_units_of_the_best,
     inefficiency_of,
@@ -32,6 +31,7 @@ from paper.tables.targets import (
     ratio_of_means,
     told_interval,
 )
+from paper.tables.targets import RIVALS
 
 PRESETS = ("avo-paper", "avo")
 PAPERS = ("avo-paper", *RIVALS)

@@ -22,7 +22,7 @@ from avobench.bench.cells.trial import Trial
 from avobench.methods.avo_paper import algorithm_1
 from avobench.methods.discriminator import input_gradient_penalty
 from avobench.methods.proposal import TruncatedGaussian
-from paper.studies.paper import NUM_OBSERVATIONS
+from paper.experiments import NUM_OBSERVATIONS
 
 TARGET = 13
 """One of six of the benchmark's 15 on which the committed run stands still for more than a third of its trace."""

@@ -17,11 +17,11 @@ def small(monkeypatch):
 
 
 def test_the_proposal_widens_with_what_varies_and_the_diagnosis_sees_it(small, tmp_path):
-    record = study.misspecification(tmp_path / study.FILE)
+    record = study.made(tmp_path / study.FILE)
     calm, varied = record["runs"]
     assert calm["p_value"] > 1e-4 > varied["p_value"]
     assert varied["width"][0] > 2 * calm["width"][0]
-    rows = report.table(record)
+    rows = report.medians(record)
     assert rows["width"].tolist() == [calm["width"][0], varied["width"][0]]
     assert len(report.draw([record], tmp_path)) == 3
 
@@ -37,9 +37,9 @@ def test_an_interrupted_study_makes_only_what_is_lacking_and_a_damaged_file_is_n
 
     monkeypatch.setattr(study, "one", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        study.misspecification(path)
+        study.made(path)
     monkeypatch.setattr(study, "one", lambda *a: made.append(a) or one(*a))
-    assert len(study.misspecification(path)["runs"]) == len(made) == 2
+    assert len(study.made(path)["runs"]) == len(made) == 2
     path.write_bytes(path.read_bytes().replace(b"width", b"widht"))
     with pytest.raises(StoreError, match="was changed after it was written"):
         study.read(tmp_path)
