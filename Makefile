@@ -33,7 +33,7 @@ KINDS_ninth := foreign,foreign,two,withheld --series 9
 JOBS ?= 1
 
 .DEFAULT_GOAL := help
-.PHONY: help venv test-wheel benchmark quick figures studies pages bench-avo bench-cost bench-diagnosis bench-scaling bench-speed bench-store challenge demo demo-missing-effect docs fuzz soak constraints audit test browser lint clean
+.PHONY: help venv test-wheel benchmark quick figures studies pages bench-avo bench-cost bench-diagnosis bench-scaling bench-speed bench-store challenge demo demo-missing-effect docs fuzz soak constraints audit test browser lint size clean
 
 help:  ## show these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -148,6 +148,9 @@ browser:  ## install the Chromium of the tests (Debian, as root); without it the
 lint: venv  ## style, and the direction of imports
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .
 	$(BIN)/lint-imports --no-logo
+
+size: venv  ## lines and numeric constants by room, the longest functions; JUNIT=FILE adds the slowest tests
+	$(BIN)/python -m paper.size $(JUNIT)
 
 clean:  ## remove .venv and caches; keeps every record
 	rm -rf .venv build .pytest_cache .ruff_cache .hypothesis *.egg-info

@@ -81,7 +81,7 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
 
 
 def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write coverage.pdf, coverage.png and coverage.csv to `folder`: share held against share promised, a panel a task.
+    """Write coverage.pdf, coverage.png and coverage.csv to `folder`: a panel a task.
 
     Raises StoreError where no record quotes anything.
     """
@@ -90,7 +90,7 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
         raise StoreError("no record has a standard error or a posterior, so there is no coverage to draw")
     curves = {key: (away[:, None] <= norm.ppf((1 + CURVE) / 2)).mean(axis=0) for key, away in found.items()}
     rows = [
-        pd.DataFrame({"task": task, "method": method, "promised": CURVE, "held": held})
+        pd.DataFrame({"task": task, "method": method, "nominal": CURVE, "empirical": held})
         for (task, method), held in curves.items()
     ]
     with matplotlib.rc_context(STYLE):
@@ -105,8 +105,8 @@ def _figure(curves: dict[tuple[str, str], NDArray[np.float64]]) -> Figure:
         axis.plot([0, 1], [0, 1], color=FLOOR, ls="--", lw=1.2)
         for (of, method), held in curves.items():
             if of == task:
-                axis.plot(CURVE, held, color=colours(methods)[method], label=method)
-        axis.set(xlabel="share promised", ylabel="share held", xlim=(0, 1), ylim=(0, 1.01))
+                axis.plot(CURVE, held, color=colours(methods)[method], label=method, clip_on=False)
+        axis.set(xlabel="nominal coverage", ylabel="empirical coverage", xlim=(0, 1), ylim=(0, 1))
     handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
     shown = [name for name in methods if name in handles]
     figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(5, len(shown)))

@@ -9,6 +9,7 @@ from typing import Any
 import matplotlib
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
 
 from avobench.reports.style import FLOOR, MARKERS, PALETTE, STYLE, panels, save
 from paper.studies.misspecification import TASKS
@@ -59,9 +60,19 @@ def _figure(runs: pd.DataFrame) -> Figure:
         above.set(ylabel="std / prior's std")
         above.set_yscale("symlog", linthresh=LINEAR)
         above.legend(loc="lower right")
-        below.plot(own["strength"], own["p_value"].clip(lower=LEAST), MARKERS[1], color=PALETTE[1], ms=4, alpha=0.6)
+        below.plot(
+            own["strength"],
+            own["p_value"].clip(lower=LEAST),
+            MARKERS[1],
+            color=PALETTE[1],
+            ms=4,
+            alpha=0.6,
+            clip_on=False,
+        )
         below.axhline(0.05, color=FLOOR, ls="--", lw=1.2, label="0.05")
-        below.set(ylabel="p-value", yscale="log")
+        below.set(ylabel="p-value", yscale="log", ylim=(own["p_value"].clip(lower=LEAST).min() / 10, 1))
+        below.yaxis.set_major_locator(LogLocator(10.0 ** (100 if own["p_value"].min() < 1e-100 else 10)))
+        below.yaxis.set_minor_locator(NullLocator())
         below.legend(loc="lower left")
         for axis in (above, below):
             axis.set_xscale("symlog", linthresh=LINEAR)
