@@ -8,28 +8,12 @@ QUICK := --budget 16000 --observations 20000 --targets 0-2 --set abc-smc.populat
 STUDIES := poisson alignment summary ablation tuning sensitivity dimension fresh rivals plain smm
 STUDIES += detector misspecification real
 
-# TASK-KINDS-CASES-SEED of `make challenge`, and of `make challenge FULL=1`, whose records are committed.
-CHALLENGE := poisson-none-10-0 poisson-effects-12-0 weinberg-none-10-0 weinberg-effects-12-0 carl-none-4-0 carl-effects-8-0
-FULL_CHALLENGE := poisson-none-200-1098 poisson-effects-80-1111 weinberg-none-200-1099 weinberg-effects-80-1110
-FULL_CHALLENGE += carl-none-200-1100 carl-effects-40-1109 alignment-none-40-7107 alignment-effects-24-1105
-# The series of hidden shapes that nobody saw who developed the search: the latest is the measure.
-FULL_CHALLENGE += poisson-fourth-40-4004 weinberg-fourth-32-4004 carl-fourth-24-4004
-FULL_CHALLENGE += poisson-fifth-40-5005 weinberg-fifth-32-5005 carl-fifth-32-5005 alignment-fifth-12-5005
-FULL_CHALLENGE += poisson-sixth-40-6006 weinberg-sixth-32-6006 carl-sixth-32-6006 alignment-sixth-12-6006
-FULL_CHALLENGE += poisson-seventh-40-7007 weinberg-seventh-32-7007 carl-seventh-32-7007 alignment-seventh-12-7007
-FULL_CHALLENGE += poisson-eighth-40-8008 weinberg-eighth-32-8008 carl-eighth-32-8008
-FULL_CHALLENGE += poisson-ninth-40-9009 weinberg-ninth-32-9009 carl-ninth-32-9009 alignment-ninth-12-9009
-# Shapes that the search was developed on, with fresh targets.
-FULL_CHALLENGE += poisson-known-40-2511 weinberg-known-40-2511 carl-known-24-2511
+# TASK-KINDS-CASES-SEED of `make challenge`, and of `make challenge FULL=1`.
+CHALLENGE := poisson-none-10-0 poisson-seen-12-0 weinberg-none-10-0 weinberg-seen-12-0 carl-none-4-0 carl-seen-8-0
+FULL_CHALLENGE := poisson-none-200-1098 poisson-seen-80-1111 weinberg-none-200-1099 weinberg-seen-80-1110
+FULL_CHALLENGE += carl-none-200-1100 carl-seen-40-1109 alignment-none-40-7107 alignment-seen-24-1105
 KINDS_none := none
-KINDS_known := own,foreign
-KINDS_effects := own,foreign,two,withheld
-KINDS_fourth := foreign,foreign,foreign,withheld --series 4
-KINDS_fifth := foreign,foreign,two,withheld --series 5
-KINDS_sixth := foreign,foreign,two,withheld --series 6
-KINDS_seventh := foreign,foreign,two,withheld --series 7
-KINDS_eighth := foreign,foreign,two,withheld --series 8
-KINDS_ninth := foreign,foreign,two,withheld --series 9
+KINDS_seen := own,foreign,two,withheld --shapes shapes:SEEN
 JOBS ?= 1
 
 .DEFAULT_GOAL := help
@@ -56,7 +40,7 @@ quick: venv  ## all tasks and methods on 3 targets at a tenth of the budget, int
 figures: venv  ## draw the committed records into docs/figures, and write docs/reproduction.md and docs/real-data.md
 	$(BIN)/avobench figure benchmark efficiency cost coverage --results results/reference --out docs/figures
 	$(BIN)/python -m paper.figures poisson alignment detector weinberg dimension misspecification --out docs/figures
-	$(BIN)/python -m paper.figures.reliability_diagram docs/figures results/challenge/*-ninth-*.jsonl results/challenge/weinberg-eighth-32.jsonl results/challenge/carl-eighth-32.jsonl
+	$(BIN)/python -m paper.figures.reliability_diagram docs/figures results/challenge/sealed-*.jsonl
 	$(BIN)/python -m paper.claims.reproduction --out docs/reproduction.md
 	$(BIN)/python -m paper.tables.real --out docs/real-data.md
 
@@ -81,10 +65,11 @@ bench-cost: venv  ## where the time goes, from results/reference
 
 pages: venv  ## write into README, docs and examples what the commands and cells there print
 	$(BIN)/python -m paper.printed README.md docs/*.md docs/tables/*.md
+	OMP_NUM_THREADS=1 $(BIN)/python -m paper.session docs/index.md docs/tutorial.md docs/diagnosis.md docs/own-data.md
 	OMP_NUM_THREADS=1 $(BIN)/jupyter-execute --inplace --NotebookClient.record_timing=False examples/*.ipynb
 
-docs: venv docs/figures/effects/drawn  ## build the site into site/: a warning ends it, and the tutorial's code is run
-	OMP_NUM_THREADS=1 NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+docs: venv docs/figures/effects/drawn  ## build the site into site/: a warning ends it
+	OMP_NUM_THREADS=1 NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo "the site is site/index.html"
 
 # A picture of each effect, drawn again when what it shows may have changed.
@@ -106,7 +91,7 @@ challenge-%: venv
 	$(eval PLACE := results/challenge/$(TASK)-$(word 2,$(subst -, ,$*))-$(word 3,$(subst -, ,$*)))
 	@test -e $(PLACE)/manifest.json || $(BIN)/avobench challenge make --out $(PLACE) --task $(TASK) \
 	  --cases $(word 3,$(subst -, ,$*)) --seed $(word 4,$(subst -, ,$*)) \
-	  --kinds $(KINDS_$(word 2,$(subst -, ,$*))) --events $(if $(filter-out alignment-none-% alignment-seventh-%,$(filter alignment-%,$*)),20000,50000)
+	  --kinds $(KINDS_$(word 2,$(subst -, ,$*))) --events $(if $(filter alignment-seen-%,$*),20000,50000)
 	@$(BIN)/avobench challenge solve $(PLACE) --jobs $(JOBS)
 	@$(BIN)/avobench challenge score $(PLACE) --records $(PLACE).jsonl
 

@@ -4,8 +4,8 @@ from .api.diagnosis import Diagnosed, diagnose
 from .api.inference import Inference, infer
 from .api.listing import list_effects, list_methods, list_tasks
 from .api.sweep import records, run
-from .bench.backends.workers import Workers
 from .bench.events import read_events
+from .bench.processes.workers import Workers
 from .effects.contract import Effect, Parameter
 from .methods.contract import Estimate, Method, TracePoint
 from .methods.problem import Problem

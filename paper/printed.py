@@ -13,7 +13,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.files import write_atomically
 
 BLOCK = re.compile(r"(^<!-- (\w+) (?:by|of): (.+?) -->\n\s*```(?:python)?\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)
 PICTURES = Path("docs/figures")

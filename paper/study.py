@@ -5,9 +5,9 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from avobench.bench.cells.status import ESTIMATED, reason
 from avobench.bench.processes.workers import Workers
 from avobench.bench.store.files import require_folder
+from avobench.bench.store.status import ESTIMATED, reason
 from avobench.bench.store.store import Store
 from avobench.bench.sweep.runner import run
 from avobench.cli import listing

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.status import Status
 from avobench.bench.cells.trial import blank_record
 from avobench.bench.store.record import identity_hash
+from avobench.bench.store.status import Status
 
 SECONDS = {"avo": 20.0, "avo-paper": 30.0, "abc-smc": 1.0, "bolfi": 10.0}
 

@@ -6,8 +6,8 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from avobench.bench.cells.status import ESTIMATED, LOST, Status
 from avobench.bench.store.record import IDENTITY, identity_hash
+from avobench.bench.store.status import ESTIMATED, LOST, Status
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 moderate = st.floats(-1e150, 1e150)  # so that a squared distance is finite

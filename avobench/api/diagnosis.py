@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from avobench.bench.events import check_events, with_times
 from avobench.bench.plugins import registry
-from avobench.bench.store.atomic import write_atomically
-from avobench.bench.store.files import require_folder
+from avobench.bench.store.files import require_folder, write_atomically
 from avobench.effects import Effect
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError

@@ -13,9 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.estimates import require_recordable
 from avobench.bench.cells.streams import stream
-from avobench.bench.events import check_events
+from avobench.bench.events.checks import SHARE, check_events
 from avobench.bench.plugins import registry
 from avobench.bench.store.versions import versions
+from avobench.effects.pool import Counted
 from avobench.methods import Estimate, Method
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
@@ -47,7 +48,7 @@ class Inference:
 
     @property
     def std(self) -> dict[str, float]:
-        """By name of the parameter: the standard error where the method knows it, else the spread of `spread_of`."""
+        """The standard errors by name of the parameter where the method knows them, else the spread of `spread_of`."""
         return dict(zip(self.task.parameter_names, self._spread.tolist(), strict=True))
 
     @property
@@ -145,7 +146,7 @@ def infer(
     method
         A method, or its name, such as "avo", "abc-smc" or "bolfi".
     budget
-        Simulated events that the method may use; it cannot exceed them.
+        Simulated events, at most. A twentieth of them at most goes into a check of events and simulator.
     seed
         Of all that is random. The same seed gives the same estimate.
     settings
@@ -168,16 +169,22 @@ def infer(
         raise UsageError("settings are for a method given by name; give them to the class otherwise")
     for kind, subject in (("task", task), ("method", method)):
         registry.require_packages(kind, subject)
-    x_observed, warnings = check_events(task, x, drop_invalid=drop_invalid, diagnosis=False)
     if not 0 <= seed < 2**63:
         raise UsageError(f"the seed must lie between 0 and 2^63 - 1, got {seed}")
     least = method.min_simulations(task.prior.dim)
     if budget < least:
         raise UsageError(f"a budget of {budget} is too small for {method.name} on {task.name}: at least {least}")
+    checks = Counted(task)
+    room = min(budget, SHARE * (budget - least))
+    x_observed, warnings = check_events(
+        task, x, drop_invalid=drop_invalid, diagnosis=False, simulate=checks, limit=room
+    )
     start = time.perf_counter()
-    simulate = MeteredSimulator(task, budget, stream(seed, "simulator", task.name, method.name))
+    simulate = MeteredSimulator(task, budget - checks.used, stream(seed, "simulator", task.name, method.name))
     problem = pose(task, x_observed, simulate)
     estimate = method.infer(problem, stream(seed, "method", task.name, method.name))
     require_recordable(estimate, problem, simulate.used)
     seconds = time.perf_counter() - start
-    return Inference(task, method, estimate, len(x_observed), simulate.used, seconds, seed, tuple(warnings))
+    return Inference(
+        task, method, estimate, len(x_observed), checks.used + simulate.used, seconds, seed, tuple(warnings)
+    )

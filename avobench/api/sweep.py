@@ -21,9 +21,9 @@ from avobench.bench.sweep.runner import View
 from avobench.tasks.errors import ProcessEnded, UsageError
 
 RESULTS = Path("results/local")
-"""Where records are kept unless another folder is given."""
+"""Records are kept in this folder unless another one is given."""
 LOOK_SECONDS = 60.0
-"""For each task and method of the user's, to be looked at before a sweep; 600 events are simulated."""
+"""Each task and method of the user's is looked at for so long before a sweep; 600 events are simulated."""
 
 
 def run(

@@ -1,1 +1,1 @@
-"""The harness: budget, problem, cells, runner, store, conformance checks, command line."""
+"""The harness: cells, how they are planned, carried out and kept; plugins and their checks; measured events."""

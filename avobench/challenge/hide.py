@@ -8,8 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.challenge.shapes import DEVELOPED, Injection, Place, Simulate, shapes
-from avobench.challenge.shapes.first.tracker import ParticleInjection
+from avobench.challenge.shape import Injection, Place, Shape, Simulate
 from avobench.challenge.visibility import Visibility, visibility
 from avobench.effects.catalogue import catalogue
 from avobench.effects.contract import Effect
@@ -100,9 +99,8 @@ class Hidden:
         return {
             "name": self.injection.name,
             "feature": self.feature,
-            "shape": self.injection.effect.shape if own else type(self.injection).__name__,
-            "series": None if own else self.injection.series,
-            "settings": self.injection.settings,
+            "shape": self.injection.effect.shape if own else self.injection.shape.name,
+            "settings": dict(self.injection.settings),
             "distance": self.visibility.distance,
             "power": self.visibility.power,
             "beside": self.beside,
@@ -110,24 +108,25 @@ class Hidden:
 
 
 def hide(
-    task: Task, kind: str, num_events: int, rng: np.random.Generator, series: Sequence[int] = DEVELOPED
+    task: Task, kind: str, num_events: int, rng: np.random.Generator, shapes: Sequence[Shape] = ()
 ) -> tuple[NDArray, dict[str, Any]]:
     """One data set of `kind` at a random theta of the prior, and the answer: (num_events, d), what was hidden.
 
-    Foreign shapes are those of the `series`. The answer's `allowed` is the list of effects that solving may use, None
-    for all of the catalogue.
+    Two effects, or one that is withheld, have shapes of the catalogue or, where `shapes` are given, foreign ones, with
+    even chances. The answer's `allowed` is the list of effects that solving may use, None for all of the catalogue.
+    Raises UsageError where there is no effect to hide.
     """
     theta = task.prior.sample(1, rng)[0]
     at = np.tile(theta, (num_events, 1))
     answer = {"kind": kind, "set": None, "theta": theta.tolist(), "effects": [], "allowed": None}
     if kind == "none":
         return task.simulate(at, rng), answer
-    source = kind if kind in SETS else str(rng.choice(SETS))
+    source = kind if kind in SETS else str(rng.choice(SETS)) if shapes else "own"
     reference = task.simulate(at[:NUM_REFERENCE], rng)
     hidden: list[Hidden] = []
     while len(hidden) < (2 if kind == "two" else 1):
-        new = _draw(task, source, theta, num_events, reference, [each.injection.name for each in hidden], rng, series)
-        if sum(isinstance(each.injection, ParticleInjection) for each in (*hidden, new)) > 1:
+        new = _draw(task, source, theta, num_events, reference, [each.injection.name for each in hidden], rng, shapes)
+        if sum(_generates(each.injection) for each in (*hidden, new)) > 1:
             continue  # each makes events of its own from what is generated, without the other
         hidden.append(new)
     hidden.sort(key=lambda each: each.injection.stage)
@@ -160,7 +159,7 @@ def _draw(
     reference: NDArray,
     without: list[str],
     rng: np.random.Generator,
-    series: Sequence[int],
+    shapes: Sequence[Shape],
 ) -> Hidden:
     """A random effect of a family that is not in `without`, on events at theta (p,), visible but no toy if possible.
 
@@ -169,10 +168,12 @@ def _draw(
     own: dict[tuple[str, Any], list[Effect]] = {}
     for effect in catalogue(task, reference):
         own.setdefault(effect.key, []).append(effect)
-    foreign: dict[tuple[str, Any], list[type[Injection]]] = {}
+    foreign: dict[tuple[str, Any], list[Shape]] = {}
     for feature in dict.fromkeys(feature for _, feature in own):
-        for shape in shapes(Place(task, feature, reference), series):
-            foreign.setdefault((shape.name, feature), []).append(shape)
+        place = Place(task, feature, reference)
+        for shape in shapes:
+            if shape.suits(place):
+                foreign.setdefault((shape.family, feature), []).append(shape)
     keys = [key for key in (own if source == "own" else foreign) if key in own and key[0] not in without]
     if not keys:
         raise UsageError(f"there is no effect of {source} shape to hide in events of {task.name}")
@@ -190,6 +191,11 @@ def _draw(
         if seen.power >= LEAST_POWER and seen.distance <= MOST_DISTANCE:
             break
     return Hidden(injection, feature_label(task, feature), seen)
+
+
+def _generates(injection: Injection | OwnShape) -> bool:
+    """Whether it acts on generated particles, and makes events itself."""
+    return isinstance(injection, Injection) and injection.stage == 0
 
 
 def _tried(task: Task, num_events: int) -> int:

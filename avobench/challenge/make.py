@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from avobench.bench.plugins import registry
-from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.files import write_atomically
 from avobench.challenge.hide import hide
-from avobench.challenge.shapes import DEVELOPED, SERIES
+from avobench.challenge.shape import Shape
 from avobench.tasks.contract import stable_hash
 from avobench.tasks.errors import UsageError
 
@@ -31,15 +31,17 @@ def make(
     out: Path,
     *,
     num_events: int = 50_000,
-    kinds: tuple[str, ...] = KINDS,
-    series: Sequence[int] = DEVELOPED,
+    kinds: tuple[str, ...] | None = None,
+    shapes: Sequence[Shape] = (),
     progress: Callable[[str], None] = lambda line: None,
 ) -> None:
     """Write `cases` data sets of the task `spec` to the folder `out`, the kinds in equal shares and random order.
 
     `manifest.json` and `data/` are all that solving needs; `answers.json` holds what was hidden. The manifest comes
-    last, so that a folder without it is known to be incomplete. Raises UsageError for anything that cannot be met.
+    last, so that a folder without it is known to be incomplete. `kinds` are all of KINDS by default, of which `foreign`
+    needs `shapes`. Raises UsageError for anything that cannot be met.
     """
+    kinds = tuple(kind for kind in KINDS if shapes or kind != "foreign") if kinds is None else kinds
     if cases < 1 or num_events < 1 or seed < 0:
         raise UsageError("--cases and --events must be at least 1, --seed at least 0")
     unknown = [kind for kind in kinds if kind not in KINDS]
@@ -47,8 +49,8 @@ def make(
         raise UsageError(f"--kinds must be among {', '.join(KINDS)}, got {', '.join(unknown) or 'none'}")
     if out.exists() and (not out.is_dir() or {path.name for path in out.iterdir()} - UNFINISHED):
         raise UsageError(f"{out} exists and is not an empty folder")
-    if unknown := [str(each) for each in series if each not in SERIES]:
-        raise UsageError(f"--series must be among {', '.join(map(str, SERIES))}, got {', '.join(unknown)}")
+    if "foreign" in kinds and not shapes:
+        raise UsageError("--kinds foreign needs --shapes: the catalogue has shapes of its own alone")
     task = registry.build("task", spec, {})
     registry.require_packages("task", task)
     (out / "data").mkdir(parents=True, exist_ok=True)
@@ -56,7 +58,7 @@ def make(
     order = np.random.default_rng(root.spawn(1)[0]).permutation([kinds[i % len(kinds)] for i in range(cases)])
     public, answers = [], []
     for number, (kind, child) in enumerate(zip(order, root.spawn(cases), strict=True)):
-        x, answer = hide(task, str(kind), num_events, np.random.default_rng(child), series)
+        x, answer = hide(task, str(kind), num_events, np.random.default_rng(child), shapes)
         name = f"{number:04d}"
         file = io.BytesIO()
         np.savez_compressed(file, x=x)
@@ -67,6 +69,14 @@ def make(
     common = {**MANIFEST, "task": spec, "num_events": num_events}
     write_atomically(out / "answers.json", _json({**common, "seed": seed, "kinds": kinds, "cases": answers}))
     write_atomically(out / "manifest.json", _json({**common, "cases": public}))
+
+
+def named_shapes(spec: str) -> list[Shape]:
+    """The shapes that `module:NAME` or `file.py:NAME` lists. Raises UsageError where it does not."""
+    found = registry.imported("shapes", spec)
+    if not isinstance(found, list | tuple) or not found or not all(isinstance(each, Shape) for each in found):
+        raise UsageError(f"--shapes takes a list of avobench.challenge.shape.Shape, and {spec} is none")
+    return list(found)
 
 
 def _json(content: dict[str, Any]) -> bytes:

@@ -11,7 +11,6 @@ from scipy.stats import binomtest
 from avobench.bench.plugins import registry
 from avobench.challenge.case import VISIBLE, Case
 from avobench.challenge.hide import SETS
-from avobench.challenge.shapes.contract import PACKAGES
 from avobench.tasks.errors import UsageError
 
 POWERS = (0.2, 0.5, 0.9, 0.99)
@@ -20,8 +19,6 @@ GAPS = (1.5, 3.0, 10.0)
 """Borders of classes of what a user sees: chi2/ndf of held-out events before an effect is added."""
 ALL = "all"
 """Both sets of shapes together."""
-SERIES = {f"{name}_series": k for k, name in enumerate(PACKAGES[1:], start=2)}
-"""Of hidden shapes, those that are told by themselves: what was learned from the ones before."""
 NEAR = 2.0
 """Theta is right within so many of its quoted errors."""
 
@@ -107,18 +104,11 @@ def _one(cases: list[Case]) -> dict[str, Any]:
         "another_would_do": rate(bool(case.ties and case.ties[0] - {case.hidden[0]}) for case in found),
         "more_named": rate(len(case.named) > 1 for case in found),
         "visible_right_first": rate(case.first() for case in visible),
-        **{name: _series(found, number) for name, number in SERIES.items()},
         "explained": rate(case.explained for case in found),
         **_before_and_after(found),
         "theta_within_2": rate(_near(explained, "after")),
         "mistaken": _mistaken(found),
     }
-
-
-def _series(cases: list[Case], number: int) -> dict[str, Any]:
-    """Of the shapes of one series."""
-    own = [case for case in cases if case.answer["effects"][0].get("series") == number]
-    return {"right_first": rate(case.first() for case in own), "in_tie_set": rate(case.in_first_tie for case in own)}
 
 
 def _withheld(cases: list[Case]) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from typing import Any
 
 from avobench.challenge.case import VISIBLE
-from avobench.challenge.score import ALL, SERIES
+from avobench.challenge.score import ALL
 from avobench.diagnosis.schema import Verdict
 
 
@@ -46,12 +46,6 @@ def _one(each: str, one: dict[str, Any]) -> list[str]:
         f"effect named or tied {_percent(one['another_would_do'])}",
         f"  of all with a power of {100 * VISIBLE:.0f} % or more: right name first "
         f"{_percent(one['visible_right_first'])}",
-        *(
-            f"  of the {name.replace('_', ' ')}: right name first {_percent(one[name]['right_first'])}, "
-            f"truth in the tie set {_percent(one[name]['in_tie_set'])}"
-            for name in SERIES
-            if one[name]["right_first"]["of"]
-        ),
         f"  a further effect named, though none was hidden {_percent(one['more_named'])}",
         f'  "{Verdict.NAMED}" {_percent(one["explained"])}; '
         f"then theta within 2 errors {_percent(one['theta_within_2'])}",

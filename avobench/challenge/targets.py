@@ -6,7 +6,6 @@ from typing import Any
 import pandas as pd
 
 from avobench.challenge.score import ALL, score
-from avobench.challenge.shapes.contract import PACKAGES
 from avobench.challenge.table import classes, number
 
 COVERS = "covers {:.0%} or below"
@@ -23,14 +22,6 @@ WANTED: tuple[tuple[str, tuple[str, ...], str, float], ...] = (
             (f"{each} shapes: mean size of the tie set", ("one", each, "tie_size"), "at most", size),
             (f"{each} shapes: chi2/ndf after, median", ("one", each, "gap_after"), "at most", 1.15),
             (f"{each} shapes: theta within 2 errors", ("one", each, "theta_within_2"), "at least", 0.9),
-        )
-    ),
-    *(
-        (f"{name} series: {what}", ("one", "foreign", f"{name}_series", key), "at least", bound)
-        for name in PACKAGES[1:]
-        for what, key, bound in (
-            ("right name first", "right_first", 0.85),
-            ("truth in the tie set", "in_tie_set", 0.95),
         )
     ),
     ("withheld: falsely explained", ("withheld", ALL, "falsely_explained"), "at most", 0.1),

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2, ncx2
 
 from avobench.challenge.binned import Bins
-from avobench.challenge.shapes import Simulate
+from avobench.challenge.shape import Simulate
 from avobench.tasks import Task
 
 ALPHA = 0.05

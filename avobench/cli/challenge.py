@@ -25,7 +25,7 @@ def challenge() -> None:
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="New folder for data and answers.")
 @click.option("--events", "num_events", type=int, default=50_000, show_default=True, help="Events of each data set.")
 @click.option("--kinds", default=None, metavar="A,B", help="Of none, own, foreign, two, withheld.  [all]")
-@click.option("--series", type=int, multiple=True, help="Whose foreign shapes, 1 to 7; repeatable.  [1 and 2]")
+@click.option("--shapes", default=None, metavar="MODULE:NAME", help="Foreign shapes, such as shapes:SEEN in a clone.")
 @TRUST
 def make(
     task: str,
@@ -34,15 +34,17 @@ def make(
     out: Path,
     num_events: int,
     kinds: str | None,
-    series: tuple[int, ...],
+    shapes: str | None,
     trust: bool,
 ) -> None:
     """Hide random effects in data sets of a task. What was hidden stands in answers.json, apart from the data."""
     from avobench.challenge import make as module
 
-    chosen = module.KINDS if kinds is None else tuple(kinds.split(","))
-    options = {"series": series} if series else {}
-    module.make(named(task, trust), cases, seed, out, num_events=num_events, kinds=chosen, progress=_say, **options)
+    chosen = None if kinds is None else tuple(kinds.split(","))
+    foreign = () if shapes is None else module.named_shapes(shapes)
+    module.make(
+        named(task, trust), cases, seed, out, num_events=num_events, kinds=chosen, shapes=foreign, progress=_say
+    )
     click.echo(f"{cases} data sets in {out}; next: avobench challenge solve {out}")
 
 
@@ -94,7 +96,7 @@ def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bo
 
     FOLDER may also be a file that --records wrote: one line of JSON a case, its answer and its diagnosis.
     """
-    from avobench.bench.store.atomic import write_atomically
+    from avobench.bench.store.files import write_atomically
     from avobench.challenge.records import read_records
     from avobench.challenge.records import records as records_of
     from avobench.challenge.score import score as score_all

@@ -11,7 +11,7 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.status import Status, reason
+from avobench.bench.store.status import Status, reason
 from avobench.bench.sweep.runner import Sweep, View
 
 QUIET_SECONDS = 30.0

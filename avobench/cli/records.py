@@ -4,8 +4,8 @@ from pathlib import Path
 
 import click
 
-from avobench.bench.cells.status import Status, reason
 from avobench.bench.store.files import require_folder, write_file
+from avobench.bench.store.status import Status, reason
 from avobench.bench.store.store import Store
 from avobench.bench.store.table import to_frame
 from avobench.cli import listing

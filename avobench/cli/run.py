@@ -10,10 +10,10 @@ from rich.console import Console
 
 from avobench.api import sweep
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.status import Status
 from avobench.bench.processes.apart import kept
 from avobench.bench.processes.workers import Workers
 from avobench.bench.store.files import require_folder
+from avobench.bench.store.status import Status
 from avobench.bench.sweep.runner import Sweep
 from avobench.cli import listing
 from avobench.cli.isolated import State

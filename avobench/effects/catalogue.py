@@ -15,8 +15,9 @@ from avobench.tasks.errors import UsageError
 __all__ = ["catalogue", "chosen", "domain", "families", "of_domain"]
 
 GROUP = "avobench.effects"
-"""Of entry points. The name of one is its domain, a dot, and what it is: `counts.dead_time`. Of a family of several
-classes each has one of its own: `continuous.truncation` has the name `edge_acceptance`."""
+"""The group of entry points of effects. An entry point is named by its domain, a dot, and what it is, such as
+`counts.dead_time`. Each class of a family has its own: that of `continuous.truncation` is of the family
+`edge_acceptance`."""
 
 
 @cache
@@ -78,5 +79,5 @@ def chosen(effects: Iterable[Effect], names: Iterable[str], task: str) -> list[E
 
 
 def _names(effect: Effect) -> list[str]:
-    """That of its family, and those of its class."""
+    """The name of its family, and those of the entry points of its class."""
     return [effect.name, *(point.rpartition(".")[2] for point, own in families().items() if own is type(effect))]

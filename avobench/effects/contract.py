@@ -62,9 +62,9 @@ class Effect(ABC):
     shape: str = ""
     """Which of its shapes this is."""
     stage: int = 2
-    """Of the chain: 0 generated particles, which are altered before there is an event; 1 the source; 2 measurement;
-    3 selection; 4 what is added or read out; 5 a selection after everything else. Effects act in this order, and of one
-    stage in that of being added."""
+    """Stage of the chain: 0 generated particles, which are altered before there is an event; 1 the source;
+    2 measurement; 3 selection; 4 what is added or read out; 5 a selection after everything else. Effects act in this
+    order, and those of one stage in that of being added."""
     choices: int = 0
     """Shape parameters beyond `parameters` that choosing among its shapes amounts to, such as a step."""
     sentence: ClassVar[str]
@@ -132,18 +132,24 @@ class Effect(ABC):
         return self.name, self.feature
 
 
-@dataclass(frozen=True)
 class Family(Effect):
-    """An effect whose `shape` is one of SHAPES: its name, and the parameters that belong to it beside the strength."""
-
-    shape: str = ""
+    """An effect whose `shape` is one of several. A subclass sets STRENGTH and SHAPES, or defines the methods."""
 
     STRENGTH: ClassVar[Parameter]
-    SHAPES: ClassVar[dict[str, tuple[Parameter, ...]]]
+    SHAPES: ClassVar[dict[str, tuple[Parameter, ...]]] = {"": ()}
+    """The parameters beside the strength, by the name of the shape."""
+
+    def strength(self) -> Parameter:
+        """The first parameter, where it depends on the shape or on the settings."""
+        return self.STRENGTH
+
+    def variants(self) -> dict[str, tuple[Parameter, ...]]:
+        """What SHAPES says, where it depends on the settings."""
+        return self.SHAPES
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        return (self.STRENGTH, *self.SHAPES[self.shape])
+        return (self.strength(), *self.variants()[self.shape])
 
     def shapes(self) -> tuple[Effect, ...]:
-        return tuple(replace(self, shape=shape) for shape in self.SHAPES)
+        return tuple(replace(self, shape=shape) for shape in self.variants())

@@ -16,7 +16,7 @@ from avobench.tasks import Task
 WIDEST = 0.1
 """Share of a parameter's range over which the mean of events is about quadratic, at most."""
 LEAST_STRENGTH = 0.003
-"""The same at least, of a strength that is next to none: below, a step is lost in the noise of the simulation."""
+"""Least such share for a small strength: below, a step is lost in the noise of the simulation."""
 AT_ONCE = 100_000
 """Events simulated at a time, to bound memory."""
 Events = Callable[..., NDArray]
@@ -36,7 +36,7 @@ class Model:
     effects: tuple[Effect, ...] = ()
     events: Events | None = field(default=None, compare=False)
     stretch: tuple[float, ...] = ()
-    """By how much the upper bound of each effect's strength is raised; 1 where it is not."""
+    """Factor by which the upper bound of each effect's strength is raised; 1 where it is not."""
 
     def plus(self, effect: Effect) -> "Model":
         """This model with one more effect."""
@@ -119,9 +119,8 @@ class Model:
         if len(columns):
             low, high = self.low[columns], self.high[columns]
             params[..., columns] = low * (high / low) ** u[..., columns]
-            # rounding may leave the bounds, which a simulator need not bear
-            np.clip(params, self.low, self.high, out=params)
-        return params
+        # Rounding may leave the bounds, which a simulator need not bear: 0.3 + 1 * (0.9 - 0.3) is more than 0.9.
+        return np.clip(params, self.low, self.high)
 
     def to_cube(self, params: NDArray[np.float64]) -> NDArray[np.float64]:
         """The inverse of `from_cube`."""

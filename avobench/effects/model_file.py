@@ -18,8 +18,14 @@ from avobench.tasks import Box, Task
 from avobench.tasks.errors import UsageError
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9.-]*$"
-"""Of a model, as of any task: it becomes a part of file names."""
+"""Names that a model may have, as any task: a name becomes a part of file names."""
 EFFECT_NAME = r"^[A-Za-z0-9_]+$"
+
+SAME = (
+    *("num_features", "feature_names", "feature_kinds", "feature_units", "event_shape", "cyclic_axes"),
+    *("dtype", "discriminator", "packages", "extra"),
+)
+"""What effects do not change of a task."""
 
 FindTask = Callable[[str, dict[str, Any]], Task]
 """The task of a name, or of a module and class, with settings. Raises UsageError for one that may not be used."""
@@ -62,15 +68,15 @@ class ModelFile(Strict):
     task_settings: dict[str, Any]
     effects: list[AddedEffect]
     parameters: list[Parameter]
-    """Those of the task, then those of each effect in turn."""
+    """The parameters of the task, then those of each effect in turn."""
 
 
-@dataclass(frozen=True)
+@dataclass(unsafe_hash=True)
 class AugmentedTask(Task):
     """A task with effects: its parameters are those of the task and of the effects. Made by `read`."""
 
     sha256: str
-    """Of the file, so that a record tells which model it is of."""
+    """Checksum of the file, so that a record tells which model it is of."""
 
     name = "model"
     source = "a task of avobench with the effects that a diagnosis added"
@@ -109,25 +115,17 @@ class AugmentedTask(Task):
         model, task = Model(base, effects), cls(sha256)
         if len(content.parameters) != model.dim:
             raise UsageError(f"{path} gives {len(content.parameters)} parameters to a model of {model.dim}")
+        for name in SAME:
+            setattr(task, name, getattr(base, name))
+        task.content, task.model, task.name = content, model, content.name
+        task.parameter_names = tuple(p.name for p in content.parameters)
+        task.parameter_units = tuple(p.unit for p in content.parameters)
         try:
-            prior, support = (
+            task.prior, task.support = (
                 Box(*zip(*(getattr(p, box) for p in content.parameters), strict=True)) for box in ("prior", "support")
             )
         except ValueError as error:
             raise UsageError(f"{path} is not a model: {error}") from error
-        own = {
-            "content": content,
-            "model": model,
-            "name": content.name,
-            "parameter_names": tuple(p.name for p in content.parameters),
-            "parameter_units": tuple(p.unit for p in content.parameters),
-            "prior": prior,
-            "support": support,
-        }
-        same = ("num_features", "feature_names", "feature_kinds", "feature_units", "event_shape", "cyclic_axes")
-        own |= {name: getattr(base, name) for name in (*same, "dtype", "discriminator", "packages", "extra")}
-        for name, value in own.items():
-            object.__setattr__(task, name, value)
         return task
 
     @property
@@ -141,7 +139,7 @@ class AugmentedTask(Task):
         return self.model.simulate(theta, rng)
 
     def summary(self, x: NDArray) -> NDArray[np.float64]:
-        """That of the task without effects."""
+        """The summary of the task without effects."""
         return self.model.task.summary(x)
 
     def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:

@@ -15,14 +15,14 @@ OUTERMOST = 0.01
 SHARP = 0.002
 """The least share of the events that the outermost hundredth of a sharp end holds: a fifth of an even share."""
 DEVIATIONS = 3.5
-"""To either side of the median: how far a feature without sharp ends is said to reach."""
+"""How far a feature without sharp ends reaches to either side of the median, in standard deviations."""
 SHOWN = (0.005, 0.995)
 """Quantiles of measured events between which a feature without sharp ends is said to lie."""
 
 
 @dataclass(frozen=True)
 class Range:
-    """Where a feature lies."""
+    """The range of a feature."""
 
     low: float
     high: float
@@ -63,7 +63,7 @@ class Range:
         return self if self.bounded or self.periodic or low == high else replace(self, low=low, high=high)
 
     def wrapped(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The same angle within the range; x itself where the feature is none."""
+        """The same angle within the range; x itself where the feature is no angle."""
         return self.low + (x - self.low) % (self.high - self.low) if self.periodic else x
 
     def reflect(self, x: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from avobench.effects.contract import Simulate
 
 MAX_ROUNDS = 200
-"""Of rejection: of a detector that records one event in ten, all but 1e-9 have been recorded by then."""
+"""Rounds of rejection: of a detector that records one event in ten, all but 1e-9 have been recorded by then."""
 DRAWN = 12
 """Events that are drawn for one that is recorded, at most and on average: a detector that records one in ten still
 has all of its events, and one that records next to nothing does not take hundreds of times as long as others."""

@@ -30,14 +30,14 @@ class Site:
 
     @property
     def domains(self) -> set[Domain]:
-        """Of the effects that apply: those of its features where an event has counts beside real numbers."""
+        """The domains of the effects that apply: both where an event has counts beside real numbers."""
         if self.task.event_shape:
             return {"images"}
         return {"counts" if kind == "count" else "continuous" for kind in self.task.kinds_of_features}
 
     @cached_property
     def ranges(self) -> tuple[Range, ...]:
-        """Of each feature of continuous events, over the prior or as the measured events show it."""
+        """The range of each feature, over the prior or as the measured events show it."""
         spans = ranges(self.task)
         return spans if self.x is None else tuple(span.shown(self.x[:, j]) for j, span in enumerate(spans))
 
@@ -48,13 +48,13 @@ class Site:
 
     @property
     def counts(self) -> list[int | Literal["all"] | None]:
-        """The same of an effect on counts; None where an event is but one, so that there is nothing to choose from."""
+        """What an effect on counts may act on: as `features`, and None where an event is one count alone."""
         if self.task.num_features == 1 and self.domains == {"counts"}:
             return [None]
         return self._acted_on([j for j, kind in enumerate(self.task.kinds_of_features) if kind == "count"])
 
     def columns(self, feature: int | Literal["all"] | None) -> tuple[int, ...]:
-        """Where a feature of these stands in an event."""
+        """The columns of such a feature in an event."""
         return (feature,) if isinstance(feature, int) else tuple(range(self.task.num_features))
 
     def _acted_on(self, columns: list[int]) -> list[int | Literal["all"]]:

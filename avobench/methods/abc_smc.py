@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 LATER = {"identifies": "unless default"}
-"""Of settings that came after the first records: at their defaults they change nothing, and are left out of these."""
+"""Metadata of settings that came after the first records. At their defaults they change nothing, so they are left out
+of what identifies a record."""
 HOW = {
     "mode": "maximum of a weighted kernel density estimate of the last complete generation",
     "mean": "weighted mean of the last complete generation",
@@ -55,9 +56,10 @@ class AbcSmc(Method):
     events_per_theta: int = 128
     """Events simulated for each evaluated theta, in the calibration and the first generation."""
     growth: float = field(default=1.0, metadata=LATER)
-    """Events for each evaluated theta, in those of the generation before."""
+    """Factor by which the events for each evaluated theta grow from generation to generation."""
     estimate: Literal["mode", "mean", "regression"] = field(default="mode", metadata=LATER)
-    """Of the last generation: the maximum of its density, its mean, or its mean after a regression adjustment."""
+    """The estimate from the last generation: the maximum of its density, its mean, or its mean after a regression
+    adjustment."""
 
     def __post_init__(self) -> None:
         if self.population_size < 2 or self.events_per_theta < 1 or self.growth < 1:
@@ -142,7 +144,7 @@ class AbcSmc(Method):
 
     @contextmanager
     def _weighed(self, num_parameters: int) -> Iterator[None]:
-        """Say in one line where pyABC's weights are no numbers."""
+        """Raise ArithmeticError, in one line, where pyABC's weights are no numbers."""
         try:
             yield
         except (AssertionError, ValueError) as error:
@@ -161,7 +163,7 @@ class AbcSmc(Method):
         observed: NDArray[np.float64],
         problem: Problem,
     ) -> tuple[list[TracePoint], NDArray[np.float64]]:
-        """A point for each generation of particles and weights, and the mean of the last (p,).
+        """A trace point for each generation of particles and weights, and the mean of the last generation (p,).
 
         `ends` are the evaluations until the end of the calibration sample and of each generation.
         """
@@ -189,7 +191,7 @@ class AbcSmcTuned(AbcSmc):
 
 
 def _density_mode(theta: NDArray[np.float64], weights: NDArray[np.float64], box: Box) -> NDArray[np.float64]:
-    """Where a Gaussian kernel density of weighted particles is largest in the box: (n, p), (n,) -> (p,).
+    """The maximum in the box of a Gaussian kernel density of weighted particles: (n, p), (n,) -> (p,).
 
     Bandwidth: Scott's rule, SciPy's default. Raises numpy's LinAlgError when the particles span no volume.
     """

@@ -37,21 +37,20 @@ MAX_WEIGHT = 5.0
 LOCAL_ROUNDS = (0.15, 0.3, 1.0)
 """Shares of the events of the local phase after each of its rounds: two that aim, and one that measures."""
 EVENTS_PER_COEFFICIENT = 10
-"""Of the polish's local quadratic, the fewest events of the adversarial phase from which it is worth fitting."""
+"""Least number of events of the adversarial phase for each coefficient of the polish's local quadratic."""
 MOST_MISFIT = 5.0
-"""Squared differences of means, in units of their variance and averaged over features, from which the answer is in
+"""Squared difference of means, in units of their variance and averaged over features, from which the answer is in
 doubt. Chance makes it exceed 2 in one run of a million with 64 features and 100 000 events; what the local quadratic
 fails to describe adds to it."""
 ROWS_AT_A_TIME = 8192
-"""Events of which the last layer's inputs are computed at once, so that what stands between the layers stays small."""
-
+"""Events of which the last layer's inputs are computed at once, so that the values between the layers stay small."""
 MOST_INPUTS = 32
-"""Matched beside the statistic. How the means of more of them move with theta is mostly noise: of so many, one weighted
-sum a parameter."""
+"""Largest number of inputs that are matched themselves beside the statistic. How the means of more of them move with
+theta is mostly noise, so then one weighted sum a parameter is matched."""
 
 
 class Inference:
-    """One problem on its way to its estimate: what it is given, and the state that its three phases move."""
+    """The inference of one problem: what it is given, and the state that its three phases move."""
 
     def __init__(self, settings: "Avo", problem: Problem, rng: np.random.Generator) -> None:
         import torch
@@ -128,7 +127,7 @@ class Inference:
         return replace(estimate, error=error, doubt=self.doubt(answer, root))
 
     def draws(self, n: int) -> NDArray[np.float64]:
-        """From the proposal, but for a share that is drawn as at the start: (n, p). See `Avo.wide_share`."""
+        """Draws from the proposal, but for a share that is drawn as at the start: (n, p). See `Avo.wide_share`."""
         wide = self.rng.random(n)[:, None] < self.settings.wide_share
         now, first = (self.proposal.sample(psi, n, self.rng) for psi in (self.psi, self.start))
         return np.where(wide, first, now)
@@ -170,24 +169,24 @@ class Inference:
             self.note(self.averaged_mean, np.exp(self.psi[1]))
 
     def weights(self, start: int, every: int = 1) -> NDArray[np.float64]:
-        """Density of the proposal as it is, over that from which an event was drawn, for every so many since start."""
+        """Importance weights of every so many events since `start`: the density of the proposal now over that then."""
         log_ratio = self.proposal.log_density(self.psi, self.u[start::every]).sum(axis=1) - self.log_q[start::every]
         return np.exp(np.minimum(log_ratio, np.log(MAX_WEIGHT)))
 
     @property
     def averaged_mean(self) -> NDArray[np.float64]:
-        """Of the proposal, over the last quarter of the iterations so far (p,)."""
+        """The mean of the proposal, averaged over the last quarter of the iterations so far (p,)."""
         return np.mean(self.means[-1 - (len(self.means) - 1) // 4 :], axis=0)
 
     @property
     def unseen_halves(self) -> tuple[int, int]:
-        """Of the events, for each network the half on which it is used: the other one if they are cross-fitted."""
+        """The half of the events on which each network is used: the one that it was not trained on if cross-fitted."""
         return (1, 0) if self.settings.cross_fit else (0, 1)
 
     def polish(
         self, mean: NDArray[np.float64], root: NDArray[np.float64], toward: NDArray[np.float64] | float, *, learn: bool
     ) -> tuple[Polished, NDArray[np.float64]]:
-        """From the proposal's mean (p,) and the root (p, p) of its covariance, on all events simulated so far.
+        """Polish from the mean (p,) and the root (p, p) of the proposal's covariance, on all events simulated so far.
 
         Where they leave a combination of parameters open it goes toward a point (p,), or toward the prior's mean.
         """
@@ -199,13 +198,13 @@ class Inference:
         return polish_closer(self.matched(), mean, root, bounds, narrowing, toward)
 
     def matched(self) -> list[Fold]:
-        """What the polish matches the means of, of all events simulated so far."""
+        """The features whose means the polish matches, of all events simulated so far."""
         if self.settings.matched == "statistic":
             return self.folds(self.learnt, (1, 0))
         return self.folds(self.layers, self.unseen_halves)
 
     def learnt(self, x: NDArray[np.float32]) -> list[NDArray[np.float32]]:
-        """Of x (n, k), each half: the statistic and the inputs (n / 2, p + k).
+        """The statistic and the inputs of each half of x (n, k): two arrays of (n / 2, p + k).
 
         Where the mean of the inputs says all that there is, as on poisson, the statistic by itself says a quarter less.
         """
@@ -215,7 +214,7 @@ class Inference:
         return [np.hstack(parts) for parts in zip(self.statistic.of(x), inputs, strict=True)]
 
     def doubt(self, answer: Polished, root: NDArray[np.float64]) -> str:
-        """Why the answer may be astray, or "": a polish without rest, or a discriminator that is not fooled there.
+        """Say why the answer may be astray, or "": a polish without rest, or a discriminator that is not fooled there.
 
         The discriminators' last layers have many more means than there are parameters, and the polish has made no use
         of them: where theta is right they all agree with the observed ones (Hansen's test).
@@ -235,19 +234,19 @@ class Inference:
     def folds(
         self, phi: Callable[[NDArray[np.float32]], Sequence[NDArray[np.float32]]], halves: tuple[int, int]
     ) -> list[Fold]:
-        """All events by phi, which makes of events (n, k) what is to be known of either half, in their order."""
+        """Folds of all events by phi, which makes the features of either half of events (n, k), in their order."""
         real, synthetic = phi(self.real), phi(self.seen[: len(self.u)])
         return [Fold(*of, self.u[half::2]) for *of, half in zip(real, synthetic, halves, strict=True)]
 
     def layers(self, x: NDArray[np.float32]) -> list[NDArray[np.float32]]:
-        """Of the half of x (n, k) on which each discriminator is used: what its last layer sees, or the inputs."""
+        """What each discriminator's last layer sees of the half of x (n, k) on which it is used, or the inputs."""
         halves = [x[half::2] for half in self.unseen_halves]
         if self.settings.matched == "inputs":  # no network then, as in smm
             return halves
         return [last_layer(network, half) for network, half in zip(self.networks, halves, strict=True)]
 
     def around(self, mean: NDArray[np.float64], root: NDArray[np.float64], n: int) -> NDArray[np.float64]:
-        """Draws from a Gaussian within the support, by its mean and the root of its covariance: (n, p)."""
+        """Draws from a Gaussian within the support, of this mean and root of the covariance: (n, p)."""
         u = np.empty((0, len(mean)))
         while len(u) < n:
             more = mean + self.rng.standard_normal((n, len(mean))) @ root.T
@@ -260,37 +259,37 @@ class Inference:
         self.trace.append(TracePoint(self.problem.simulate.used, self.proposal.to_raw(mean), std * scale))
 
     def estimate(self, mean: NDArray[np.float64], std: NDArray[np.float64], how: str, comment: str = "") -> Estimate:
-        """From the mean and std (p,) of the proposal, in its coordinates."""
+        """The estimate from the mean and std (p,) of the proposal, in its coordinates."""
         self.note(mean, std)
         last, message = self.trace[-1], f"{len(self.means) - 1} iterations{comment}"
         return Estimate(last.theta, how, "proposal", last.theta, last.std, trace=self.trace, message=message)
 
 
 class Turn(NamedTuple):
-    """An iteration of the adversarial phase, in rows of the simulated events, all even."""
+    """An iteration of the adversarial phase. Its rows are those of the simulated events, all even."""
 
     begin: int
     """The first event simulated in it."""
     end: int
-    """After the last one."""
+    """The row after the last event simulated in it."""
     learn_from: int
-    """The first event from which the discriminators' are drawn."""
+    """The first event that the discriminators may learn from."""
     judge_from: int
     """The first event over which the proposal's gradient is averaged."""
     progress: float
-    """Above 0, and 1 in the last."""
+    """Share of the iterations that are done with this one, 1 in the last."""
     learning_rate: float
-    """Of the discriminators."""
+    """Learning rate of the discriminators."""
 
 
 def regression(x: NDArray[np.float32], u: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Weights (k, p) of the sums of x (n, k) that tell most of u (n, p), by linear least squares."""
+    """Coefficients (k, p) of the linear regression of u (n, p) on x (n, k)."""
     x, u = x - x.mean(axis=0), (u - u.mean(axis=0)).astype(np.float32)
     return np.linalg.pinv(x.T @ x, hermitian=True) @ (x.T @ u)
 
 
 def last_layer(network: "torch.nn.Sequential", x: NDArray[np.float32]) -> NDArray[np.float32]:
-    """What the last layer sees, the nodes before it and, for the polish, the inputs too: (n, k) -> (n, nodes + k)."""
+    """The nodes before the last layer and the inputs beside them: (n, k) -> (n, nodes + k)."""
     import torch
 
     device = next(network.parameters()).device
@@ -305,7 +304,7 @@ def even(row: float) -> int:
 
 
 def geometric(ends: tuple[float, float], progress: float) -> float:
-    """Between the ends at 0 and 1."""
+    """A geometric schedule, from the first end at progress 0 to the other at 1."""
     return ends[0] * (ends[1] / ends[0]) ** progress
 
 
@@ -338,7 +337,7 @@ class Avo(Method):
     together = True
 
     iterations: int = 400
-    """Of the adversarial phase; its events are spread evenly over them."""
+    """Number of iterations of the adversarial phase, over which its events are spread evenly."""
     hidden: tuple[int, ...] = (64, 64, 64)
     """Nodes of the discriminator's hidden layers."""
     discriminator_steps: int = 2
@@ -346,22 +345,22 @@ class Avo(Method):
     batch_size: int = 256
     """Observed events, and as many replayed ones, in an update of the discriminator."""
     replay: int = 20_000
-    """The latest events, from which the discriminator's are drawn."""
+    """Number of latest events from which those of the discriminator are drawn."""
     proposal_replay: int = 5_000
-    """The latest events, over which the proposal's gradient is averaged."""
+    """Number of latest events over which the proposal's gradient is averaged."""
     r1: float = 1.0
     """lambda, coefficient of the gradient penalty R1 on the probability d."""
     entropy: float = 1e-3
     """Coefficient of the bonus on the logarithm of the proposal's standard deviations."""
     learning_rate: tuple[float, float] = (1e-3, 1e-4)
-    """Of Adam, for the discriminator."""
+    """Learning rate of Adam for the discriminator."""
     proposal_learning_rate: tuple[float, float] = (0.1, 0.005)
-    """Of Adam, for psi = (mean in units of std, log std)."""
+    """Learning rate of Adam for psi = (mean in units of std, log std)."""
     initial_std: float = 1.0
-    """The prior's own. The proposal starts at the prior's mean."""
+    """Standard deviation at the start, that of the prior. The proposal starts at the prior's mean."""
     wide_share: float = 0.5
-    """Of the events of the adversarial phase, drawn from the first proposal throughout: where the proposal has gone
-    astray, as it does with ten parameters, the polish finds the way back from them."""
+    """Share of the events of the adversarial phase that is drawn from the first proposal throughout. Where the proposal
+    has gone astray, as it does with ten parameters, the polish finds the way back from them."""
     min_std: float = 0.03
     max_std: float = 0.7
     """Bounds of the proposal's standard deviations; the upper one comes down from `initial_std`."""
@@ -372,6 +371,7 @@ class Avo(Method):
     cross_fit: bool = True
     """Use each discriminator on the events that the other was trained on, rather than on its own."""
     polish: bool = True
+    """Whether to polish the estimate, and to simulate more events around it."""
     matched: Literal["statistic", "layers", "inputs"] = "statistic"
     """What the polish matches the mean of: the learnt statistic with the inputs, the discriminators' last layers with
     the inputs, or the inputs alone."""
@@ -380,11 +380,11 @@ class Avo(Method):
     matched beside it, 800 had mean ratios to the floor of 1.9 and 2.1 (`warped-10`, `warped-5`), and 500 of 1.6 and 2.2
     in three quarters of the time."""
     shrink: float = 0.35
-    """Width of a round of the local phase in units of the one before, at least: a first answer may be far off."""
+    """Least width of a round of the local phase in units of the one before: a first answer may be far off."""
     errors: float = 10.0
-    """Width of a round of the local phase in standard errors of the answer before it, at least."""
+    """Least width of a round of the local phase in standard errors of the answer before it."""
     local_share: float = 0.7
-    """Of the budget, kept for the local phase; without the polish there is none."""
+    """Share of the budget that is kept for the local phase; without the polish there is none."""
     device: Literal["cpu", "cuda"] = field(default="cpu", metadata={"identifies": "unless default"})
     """Where the discriminators are; on another device sums are rounded otherwise, so it is another cell there."""
 
@@ -405,12 +405,12 @@ class Avo(Method):
         require_device(self.device)
 
     def min_simulations(self, num_parameters: int) -> int:
-        """Ten events of the adversarial phase for each coefficient of the polish's local quadratic."""
+        """The budget that gives the adversarial phase ten events for each coefficient of the polish's quadratic."""
         coefficients = (num_parameters + 1) * (num_parameters + 2) // 2
         return int(np.ceil(EVENTS_PER_COEFFICIENT * coefficients / (1 - self.local_share)))
 
     def turns(self, num_events: int) -> Iterator[Turn]:
-        """The iterations of the adversarial phase, over which so many events are spread."""
+        """The iterations of the adversarial phase, over which `num_events` events are spread."""
         ends = np.unique([even(end) for end in np.linspace(0, num_events, self.iterations + 1)]).tolist()
         for iteration, (begin, end) in enumerate(pairwise(ends), 1):
             progress = iteration / (len(ends) - 1)

@@ -1,9 +1,12 @@
-"""Bayesian optimisation for likelihood-free inference with ELFI, within a hard budget."""
+"""Bayesian optimisation for likelihood-free inference with ELFI, within a hard budget.
+
+This module is the adapter. ELFI's process and acquisition come from `bolfi_surrogate.py`, which says why.
+"""
 
 import gc
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,23 +15,23 @@ from scipy.stats import qmc
 
 from avobench.methods.contract import Estimate, Method, TracePoint, global_seed
 from avobench.methods.elfi_model import import_elfi, own_client, prior_model
-from avobench.methods.gaussian_process import GaussianProcess
 from avobench.methods.problem import Problem
 from avobench.methods.regression import Evaluation, regressed
 from avobench.tasks import Box
 from avobench.tasks.errors import UsageError
 
 if TYPE_CHECKING:
-    from elfi import BOLFI, Distance, ElfiModel
+    from elfi import BOLFI, Distance
 
 LATER = {"identifies": "unless default"}
-"""Of settings that came after the first records: at their defaults they change nothing, and are left out of these."""
+"""Metadata of settings that came after the first records. At their defaults they change nothing, so they are left out
+of what identifies a record."""
 LINEAR_BELOW = 0.01
-"""Distance below which its logarithm goes over into itself: a tenth of what the noise of 128 events leaves."""
+"""Distance below which its logarithm becomes linear: a tenth of what the noise of 128 events leaves."""
 MARGIN = 0.99
-"""Of the budget, with a growing number of events: rounding each to a whole number may exceed the mean."""
+"""Share of the budget that is planned where the number of events grows: each is rounded to a whole number."""
 SHARE_NEAREST = 0.3
-"""Of the evaluations, those of the smallest distances, on which the regression is made."""
+"""Share of the evaluations on which the regression is made, those of the smallest distances."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +59,7 @@ class Bolfi(Method):
     update_interval: int = 10
     """Evaluations between two fits of the process's hyper-parameters."""
     surrogate: Literal["fast", "gpy"] = "fast"
-    """The process: ELFI's own, in GPy, or the same one by a factorisation of low rank, whose acquisitions are searched
-    from all starting points together. Both have the same kernel, priors, noise, schedule and random stream."""
+    """The process and its acquisitions: ELFI's own, in GPy, or those of `bolfi_surrogate.py`, which do the same."""
     exploration_rate: float = 10.0
     """1 / delta of the lower confidence bound."""
     acq_noise_var: float = 0.0
@@ -66,16 +68,16 @@ class Bolfi(Method):
     """Let ELFI see theta in the unit box of the prior rather than in raw units. Its kernel has one length scale for all
     parameters, of prior mean a third of the span of all bounds together: 16 for weinberg, with ranges of 4 and 2."""
     num_trace_points: int = 20
-    """Evenly spaced from the first fit of the process to the end."""
+    """Number of trace points, evenly spaced from the first fit of the process to the end."""
     num_posterior_points: int = 4096
     """Points of a scrambled Sobol sequence in the prior box: where the search for the maximum starts, and the sample
     that is weighted by the posterior for its mean and standard deviation. A power of two."""
 
     log_distance: bool = field(default=False, metadata=LATER)
-    """Let the process be of the distance's logarithm: near the answer, where the distance is small, it tells more."""
+    """Model the logarithm of the distance, which tells more near the answer, where the distance is small."""
     growth: float = field(default=1.0, metadata=LATER)
-    """Events simulated for the last theta, in those for the first; between them it grows evenly on a logarithmic
-    scale."""
+    """Ratio of the events simulated for the last theta to those for the first; between them the number grows evenly on
+    a logarithmic scale."""
     regression: bool = field(default=False, metadata=LATER)
     """Take as estimate the posterior mean after a regression adjustment, on the evaluations of the smallest
     distances."""
@@ -101,7 +103,7 @@ class Bolfi(Method):
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
         """As `Method.infer`. Raises BudgetExhausted when the budget ends before `min_simulations`."""
         elfi = import_elfi()
-        prior = problem.prior
+        prior, observed = problem.prior, problem.summary(problem.x_observed)
         num_initial = self._num_initial(prior.dim)
         # With too little left the metered simulator refuses, rather than ELFI answering without a fitted process.
         num_evidence = max(self._num_evidence(problem.simulate.remaining), num_initial + 1)
@@ -109,27 +111,21 @@ class Bolfi(Method):
         traced = set(np.linspace(num_evidence, num_initial, self.num_trace_points).astype(int).tolist())
         seed = int(rng.integers(2**32, dtype=np.uint32))
         box = Box((0,) * prior.dim, (1,) * prior.dim) if self.unit_box else prior
-        unit = qmc.Sobol(prior.dim, rng=rng).random(self.num_posterior_points)
-        points = qmc.scale(unit, box.low, box.high)
+        points = qmc.scale(qmc.Sobol(prior.dim, rng=rng).random(self.num_posterior_points), box.low, box.high)
+        tried: list[Evaluation] = []
 
         def raw(theta: NDArray) -> NDArray:
             return (1 - theta) * prior.low + theta * prior.high if self.unit_box else theta  # exact at the bounds
 
-        tried: list[Evaluation] = []
-
         def summaries(*theta: NDArray, batch_size: int, random_state: np.random.RandomState) -> NDArray:
-            found = []
             for one in raw(np.column_stack(theta)):
                 x = problem.simulate.repeat(one, int(events[len(tried)]))[0]
-                found.append(problem.summary(x))
-                tried.append(Evaluation(one, found[-1], problem.simulate.used))
-            return np.stack(found)
+                tried.append(Evaluation(one, problem.summary(x), problem.simulate.used))
+            return np.stack([one.summary for one in tried[-batch_size:]])
 
         trace = []
         with global_seed(rng), own_client(elfi):
-            observed = problem.summary(problem.x_observed)
-            distance, bounds = _distance(elfi, box, summaries, observed, self.log_distance)
-            bolfi = self._bolfi(elfi, distance, bounds, num_initial, seed)
+            bolfi = self._bolfi(elfi, *_distance(elfi, box, summaries, observed, self.log_distance), num_initial, seed)
             bolfi.set_objective(num_evidence)
             while not bolfi.finished:
                 bolfi.iterate()
@@ -149,17 +145,10 @@ class Bolfi(Method):
                 "mean of the nearest evaluations after a regression adjustment",
             )
             trace[-1] = trace[-1]._replace(theta=mean)
-        return Estimate(
-            theta=trace[-1].theta,
-            how=how,
-            spread_of="posterior",
-            mean=mean,
-            std=std,
-            trace=trace,
-        )
+        return Estimate(trace[-1].theta, how, "posterior", mean, std, trace)
 
     def _num_evidence(self, budget: int) -> int:
-        """Evaluations that the budget holds."""
+        """The number of evaluations that the budget holds."""
         most = budget // self.events_per_theta
         if self.growth == 1:
             return most
@@ -172,33 +161,22 @@ class Bolfi(Method):
     def _bolfi(
         self, elfi, distance: "Distance", bounds: dict[str, tuple[float, float]], num_initial: int, seed: int
     ) -> "BOLFI":
-        """ELFI's inference of the distance, with the process that is asked for."""
+        """ELFI's inference with the process that is asked for."""
+        settings = {"exploration_rate": self.exploration_rate, "seed": seed}
+        parts = {}
+        if self.surrogate == "fast":
+            from avobench.methods.bolfi_surrogate import fast
+
+            parts = fast(distance.model, bounds, noise_var=float(self.acq_noise_var), **settings)
         return elfi.BOLFI(
             distance,
             bounds=bounds,
             initial_evidence=num_initial,
             update_interval=self.update_interval,
             acq_noise_var=float(self.acq_noise_var),
-            exploration_rate=self.exploration_rate,
-            seed=seed,
-            **(self._fast(distance.model, bounds, seed) if self.surrogate == "fast" else {}),
+            **settings,
+            **parts,
         )
-
-    def _fast(self, model: "ElfiModel", bounds: dict[str, tuple[float, float]], seed: int) -> dict[str, Any]:
-        """What takes the place of ELFI's process and acquisition."""
-        from elfi.model.extensions import ModelPrior
-
-        from avobench.methods.lower_confidence_bound import BatchedLCBSC
-
-        process = GaussianProcess(list(bounds), list(bounds.values()))
-        acquisition = BatchedLCBSC(
-            process,
-            prior=ModelPrior(model, parameter_names=process.parameter_names),
-            noise_var=float(self.acq_noise_var),
-            exploration_rate=self.exploration_rate,
-            seed=seed,
-        )
-        return {"target_model": process, "acquisition_method": acquisition}
 
 
 @dataclass(frozen=True)
@@ -224,7 +202,7 @@ def _distance(
 
 
 def _logarithm(distance: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of distances, but positive, as ELFI's process needs them."""
+    """The logarithm of distances, shifted to be positive, as ELFI's process needs them."""
     return np.log1p(distance / LINEAR_BELOW)
 
 

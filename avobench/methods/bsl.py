@@ -13,11 +13,12 @@ from avobench.methods.regression import Evaluation
 from avobench.tasks.errors import UsageError
 
 FEWEST = 8
-"""Steps of a chain, and thetas from which slopes are taken."""
+"""Least number of steps of a chain, and of thetas from which slopes are taken."""
 PARTS = 2048
-"""Of the observation, among which its summary varies."""
+"""Parts of the observation from whose summaries the covariance is taken: more than the 1024 components of the largest
+summary."""
 RIDGE = 1e-3
-"""Added to the variances of a summary, as a share of their mean: the shares of a histogram sum to 1."""
+"""Share of their mean that is added to the variances of a summary: the shares of a histogram sum to 1."""
 
 
 @dataclass(frozen=True)
@@ -45,21 +46,22 @@ class Bsl(Method):
     )
 
     sets: int = 16
-    """Simulated at each theta."""
+    """Number of sets simulated at each theta."""
     events_per_set: int = 8
-    """At the thetas from the prior."""
+    """Events of a set at the thetas from the prior."""
     chains: int = 3
+    """Number of chains, each with a new statistic."""
     growth: float = 2.0
-    """Events per set in a chain, in those of the chain before: the posterior narrows, and steps with it."""
+    """Factor by which the events of a set grow from chain to chain: the posterior narrows, and steps with it."""
     nearest: float = 0.3
-    """Share of the thetas so far, those of the summaries nearest to the observed one, that tell how it moves."""
+    """Share of the thetas so far, those of the summaries nearest to the observed one, from which slopes are taken."""
 
     def __post_init__(self) -> None:
         if min(self.sets, self.events_per_set, self.chains, self.growth) < 1 or not 0 < self.nearest <= 1:
             raise UsageError("bsl needs sets, events_per_set, chains, growth of at least 1 and 0 < nearest <= 1")
 
     def min_simulations(self, num_parameters: int) -> int:
-        """Enough thetas for slopes. Raises UsageError with fewer sets than a covariance of theta needs."""
+        """The budget that gives enough thetas for slopes. Raises UsageError with fewer sets than a covariance needs."""
         if self.sets < num_parameters + 2:
             raise UsageError(
                 f"bsl.sets = {self.sets} is too few for the covariance of {num_parameters} parameters: "
@@ -124,7 +126,7 @@ class Bsl(Method):
         return _estimate(trace, draws)
 
     def _events(self, number: int) -> int:
-        """Simulated at a theta of a chain, of which 0 is no chain but the draws from the prior."""
+        """Events simulated at a theta of a chain; number 0 are the draws from the prior before the first chain."""
         return self.sets * round(self.events_per_set * self.growth**number)
 
 
@@ -132,23 +134,23 @@ class _Near(NamedTuple):
     """How the summary moves with theta near the observation."""
 
     nearest: NDArray[np.float64]
-    """Of all thetas, the one of the nearest summary (p,)."""
+    """The theta (p,) of the nearest summary."""
     theta: NDArray[np.float64]
-    """In the middle (p,)."""
+    """The mean (p,) of the thetas near the observation."""
     summary: NDArray[np.float64]
-    """There (k,)."""
+    """The mean (k,) of their summaries."""
     weights: NDArray[np.float64]
-    """Slope of theta by generalised least squares in the summary (k, p)."""
+    """Slope of theta in the summary by generalised least squares (k, p)."""
     information: NDArray[np.float64]
-    """On theta in the summary of one event (p, p)."""
+    """Fisher information on theta in the summary of one event (p, p)."""
 
     def statistic(self, summaries: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What theta is by the summary: (m, k) -> (m, p)."""
+        """The estimate of theta from each summary: (m, k) -> (m, p)."""
         return self.theta + (summaries - self.summary) @ self.weights
 
 
 def _near(tried: list[Evaluation], observed: NDArray[np.float64], share: float, inverse: NDArray[np.float64]) -> _Near:
-    """From the evaluations of which the summary is nearest to the observed one (k,)."""
+    """The slopes from the evaluations whose summaries are nearest to the observed one (k,)."""
     distances = [np.linalg.norm(one.summary - observed) for one in tried]
     fewest = max(FEWEST, 2 * len(tried[0].theta))
     order = np.argsort(distances, kind="stable")[: max(fewest, round(share * len(tried)))]
@@ -160,7 +162,7 @@ def _near(tried: list[Evaluation], observed: NDArray[np.float64], share: float, 
 
 
 def _inverse_covariance(problem: Problem) -> NDArray[np.float64]:
-    """Of the summary of one event (k, k), from parts of the observation."""
+    """The inverse covariance of the summary of one event (k, k), from parts of the observation."""
     parts = np.array_split(problem.x_observed, min(PARTS, len(problem.x_observed) // 2))
     covariance = np.atleast_2d(np.cov([problem.summary(part) for part in parts], rowvar=False))
     covariance *= len(problem.x_observed) / len(parts)
@@ -172,7 +174,7 @@ def _point(problem: Problem, draws: NDArray[np.float64]) -> TracePoint:
 
 
 def _estimate(trace: list[TracePoint], draws: NDArray[np.float64]) -> Estimate:
-    """From the draws of the last chain (m, p), which are the last point of the trace."""
+    """The estimate from the draws of the last chain (m, p), which are the last point of the trace."""
     moved = (np.diff(draws, axis=0) != 0).any(axis=1).mean()
     return Estimate(
         theta=trace[-1].theta,

@@ -1,4 +1,4 @@
-"""What the adapters of ELFI have in common: its import, a client of their own, and a model of the prior."""
+"""What the adapters of ELFI share: its import, a client in this process, and a model of the prior."""
 
 import warnings
 from collections.abc import Iterator
@@ -26,7 +26,7 @@ def import_elfi():
 
 @contextmanager
 def own_client(elfi) -> Iterator[None]:
-    """Let ELFI evaluate in this process with a client of our own, and put its global one back afterwards."""
+    """Let ELFI evaluate in this process with a new client, and put its global one back afterwards."""
     previous = elfi.get_client()
     elfi.set_client("native")
     try:

@@ -1,4 +1,4 @@
-"""What the discriminator of `avo` sees of an event."""
+"""Whitened inputs: what the discriminators and the statistic of `avo`, and the moments of `smm`, see of an event."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -21,23 +21,23 @@ from scipy.stats import qmc
 from avobench.methods.polish import SIGNIFICANT, Fold, Polished
 
 OPEN = 0.5
-"""A combination is open whose standard error is above this, in standard deviations of the prior."""
+"""Standard error of a combination of parameters, in standard deviations of the prior, above which it is open."""
 MOST_PARAMETERS = 3
-"""With more of them the points of the box lie too far apart to tell where the posterior is."""
+"""With more parameters the points of the box lie too far apart to tell where the posterior is."""
 LOG_POINTS = 16
-"""Base 2, of the points of the box."""
+"""Logarithm to base 2 of the number of points in the box: a Sobol sequence needs a power of two."""
 LEAST_POINTS = 200
-"""Of them, that must share the posterior: where fewer lie within its width it is widened, as a likelihood to a power
-below 1 is."""
+"""Least effective number of points in the posterior. Where fewer lie within its width it is widened, by taking the
+likelihood to a power below 1."""
 DEGREE = 4
-"""Of the polynomial in theta that describes the means over the box. On development targets of weinberg 2 to 5 do
-alike."""
+"""Degree of the polynomial in theta that describes the means over the box. On development targets of weinberg 2 to 5
+do alike."""
 EDGE = np.sqrt(3)
-"""Of the prior box, in its standard deviations."""
+"""Half the width of the prior box, in its standard deviations."""
 FAR = 20.0
 """Squared standard errors for each combination of features, beyond those of the best point, that rule a point out."""
 STANDARD_ERROR = np.exp(-0.5)
-"""Of its maximum, what a Gaussian has there."""
+"""Value of a Gaussian at one standard deviation, in units of its maximum."""
 
 
 def is_open(answer: Polished) -> bool:
@@ -46,14 +46,14 @@ def is_open(answer: Polished) -> bool:
 
 
 def leaves_open(answer: Polished) -> bool:
-    """Whether it is one of so few that the best of all answers can be looked for."""
+    """Whether a combination is open of so few parameters that the best of all answers can be looked for."""
     return len(answer.mean) <= MOST_PARAMETERS and is_open(answer)
 
 
 class Leeway:
-    """The posterior of theta in standardised coordinates, given what the folds hold: the prior is that of Fold's u.
+    """The posterior of theta in standardised coordinates, given what the folds hold.
 
-    points (n, p) fill the prior box evenly, and weights (n,) sum to 1.
+    The points (n, p) fill the prior box evenly, and their weights (n,) sum to 1.
     """
 
     def __init__(self, folds: Sequence[Fold]) -> None:
@@ -62,7 +62,7 @@ class Leeway:
         self.weights = tempered(log_likelihood(folds, self.points))
 
     def best(self, scale: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of the points that agree with the observed means to a standard error, the one of least expected loss: (p,).
+        """The point (p,) of least expected loss among those that agree with the observed means to a standard error.
 
         The loss is the squared error, summed over parameters in units of 1 / scale (p,).
         """
@@ -70,12 +70,12 @@ class Leeway:
         return agree[(((agree - self.weights @ self.points) * scale) ** 2).sum(axis=1).argmin()]
 
     def error(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Root of the expected squared error of an estimate (p,), for each parameter: (p,)."""
+        """The root of the expected squared error of an estimate (p,), for each parameter: (p,)."""
         return np.sqrt(self.weights @ (self.points - mean) ** 2)
 
 
 def log_likelihood(folds: Sequence[Fold], points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of the observed means at each point (n, p), but for a constant: (n,).
+    """The logarithm of the likelihood of the observed means at each point (n, p), up to a constant: (n,).
 
     Where one combination of p parameters is open, p - 1 are told at most, so as many combinations of features are
     compared, of all folds together: those that depend most on theta. More of them would tell points apart that are
@@ -105,7 +105,7 @@ class _Fit(NamedTuple):
     """Simulated minus observed means as a polynomial in theta, of features with unit covariance."""
 
     gram: NDArray[np.float64]
-    """Of the terms (m, m); its inverse is the covariance of each feature's coefficients."""
+    """Gram matrix of the terms (m, m); its inverse is the covariance of each feature's coefficients."""
     coefficients: NDArray[np.float64]
     """(m, k)"""
 
@@ -118,7 +118,7 @@ class _Fit(NamedTuple):
 
 
 def tempered(log_p: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Weights (n,), summing to 1, of the largest power of p (n,) up to 1 that LEAST_POINTS effective points share."""
+    """Weights (n,) that sum to 1, of the largest power up to 1 of p (n,) that LEAST_POINTS effective points share."""
 
     def weights(power: float) -> NDArray[np.float64]:
         return np.exp(power * log_p - logsumexp(power * log_p))

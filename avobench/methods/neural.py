@@ -1,4 +1,4 @@
-"""What the adapters of sbi have in common: rounds of simulation, one network a round, trained on tensors in memory.
+"""What the adapters of sbi share: rounds of simulation, and one network a round that is trained on tensors in memory.
 
 The networks, their standardisation and their losses are sbi's. The loop is our own, because sbi's data loader hands
 over one row at a time and took most of the time: the same optimiser (Adam), held-out share and choice of the best
@@ -24,18 +24,17 @@ if TYPE_CHECKING:
     from torch import Tensor, nn
 
 HELD_OUT = 0.1
-"""Share of the rows by which the best epoch is chosen; sbi's default."""
+"""The share of the rows by which the best epoch is chosen; sbi's default."""
 LOOKS = 20
-"""Times in a training that the held-out rows are looked at."""
+"""Number of times in a training that the held-out rows are looked at: often enough to stop near the best step."""
 LARGEST_GRADIENT = 5.0
-"""Norm at which a step's gradient is cut; sbi's default."""
+"""The norm at which a step's gradient is cut; sbi's default."""
 SHRINK = 0.5
-"""Width of a round's box in that of the one before, at least: a posterior from few events may be too narrow."""
+"""Least width of a round's box in that of the one before: a posterior from few events may be too narrow."""
 SPREADS = 6.0
-"""Half the width of a round's box in standard deviations of the posterior before it, at least."""
-
+"""Least half width of a round's box in standard deviations of the posterior before it, which then lies well within."""
 EDGE = 1e-3
-"""Share of a box's width at each end that `logit` leaves out."""
+"""Share of a box's width at each end that `logit` leaves out, since the logit is infinite at the end itself."""
 
 
 @dataclass(frozen=True)
@@ -48,20 +47,23 @@ class Neural(Method):
 
     packages: ClassVar = ("sbi",)
     extra: ClassVar = "sbi"
-    first_rows: ClassVar[int]
-    """Of the observation, with which the search of the posterior begins: enough to tell more than the prior does."""
+    first_rows: ClassVar[int] = 400
+    """Rows of the observation with which the search of the posterior begins: enough to tell more than the prior does.
+    """
 
     amortised: bool = False
     """Use the same events and the same network for every target of a task: one budget for all of them."""
     rounds: int = 1
-    """Each with an equal share of the budget."""
+    """Number of rounds, each with an equal share of the budget."""
     hidden: int = 50
     """Nodes of a hidden layer; sbi's default."""
     steps: int = 1800
-    """Of training in each round, however many rows there are; the best of twenty states by the held-out rows counts."""
+    """Training steps in each round, however many rows there are. The best of twenty states by the held-out rows counts.
+    """
     batch_size: int = 1024
+    """Rows of a training step."""
     learning_rate: float = 2e-3
-    """Of Adam at the start; it falls to 0 along a cosine."""
+    """Learning rate of Adam at the start; it falls to 0 along a cosine."""
 
     def __post_init__(self) -> None:
         if min(self.rounds, self.hidden, self.steps, self.batch_size) < 1 or self.learning_rate <= 0:
@@ -76,17 +78,28 @@ class Neural(Method):
         """An amortised network is trained once for all problems."""
         return self.amortised
 
-    @abstractmethod
-    def simulated(self, problem: Problem, box: Box, number: int, rng: np.random.Generator) -> tuple[NDArray, NDArray]:
-        """theta (n, p), uniform in the box, and what is observed at each (n, k), from at most `number` events."""
+    def min_simulations(self, num_parameters: int) -> int:
+        """A thousand events a round: a network for single events knows nothing below that."""
+        return 1000 * self.rounds
 
-    @abstractmethod
+    def rows(self, problem: Problem, x: NDArray, rng: np.random.Generator) -> NDArray[np.float32]:
+        """Events (n, d) as a network sees them, (n, k): an image is summed over its cyclic axes."""
+        if problem.cyclic_axes:
+            x = x.reshape(-1, *problem.event_shape).sum(axis=tuple(1 + axis for axis in problem.cyclic_axes))
+        return x.reshape(len(x), -1).astype(np.float32)
+
+    def simulated(self, problem: Problem, box: Box, number: int, rng: np.random.Generator) -> tuple[NDArray, NDArray]:
+        """Draws of theta (n, p), uniform in the box, and a row for each (n, k), from at most `number` events."""
+        theta = box.sample(number, rng)
+        return theta, self.rows(problem, problem.simulate(theta), rng)
+
     def observed(self, problem: Problem, rng: np.random.Generator) -> NDArray[np.float32]:
-        """The observation in rows alike: (m, k)."""
+        """The observation as independent rows like the simulated ones: (m, k)."""
+        return self.rows(problem, problem.x_observed, rng)
 
     @abstractmethod
     def learned(self, theta: NDArray, rows: NDArray, box: Box, rng: np.random.Generator) -> LogFactors:
-        """What a network learns from theta (n, p), uniform in the box, and rows (n, k) of the posterior's factors."""
+        """The factors of the posterior that a network learns from theta (n, p), uniform in the box, and rows (n, k)."""
 
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
         """As `Method.infer`. Raises BudgetExhausted when the budget is below `min_simulations`."""
@@ -178,22 +191,15 @@ def train(
 
 
 def _batches(low: int, high: int, size: int, rng: np.random.Generator) -> Iterator[NDArray[np.int64]]:
-    """Whole batches (size,) of the rows from low to high, in another order each time round, without end."""
+    """Yield whole batches (size,) of the rows from low to high without end, each time round in another order."""
     while True:
         order = low + rng.permutation(high - low)
         for start in range(0, high - low - size + 1, size):
             yield order[start : start + size]
 
 
-def event_rows(problem: Problem, x: NDArray) -> NDArray[np.float32]:
-    """Events (n, d) as a network sees them, (n, k): an image is summed over its cyclic axes."""
-    if problem.cyclic_axes:
-        x = x.reshape(-1, *problem.event_shape).sum(axis=tuple(1 + axis for axis in problem.cyclic_axes))
-    return x.reshape(len(x), -1).astype(np.float32)
-
-
 def logit(theta: "Tensor", box: Box) -> tuple["Tensor", "Tensor"]:
-    """theta (n, p) in a box on the whole real line, (n, p), and log |d logit / d theta| (n,) but for a constant."""
+    """Move theta (n, p) from a box to the real line (n, p), with log |d logit / d theta| (n,) up to a constant."""
     import torch
 
     unit = (theta - torch.tensor(box.low).float()) / torch.tensor(box.width).float()

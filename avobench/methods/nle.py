@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.methods.neural import Neural, event_rows, train
+from avobench.methods.neural import Neural, train
 from avobench.methods.problem import Problem
 from avobench.methods.product_posterior import LogFactors
 from avobench.tasks import Box
@@ -23,21 +23,15 @@ class Nle(Neural):
     name: ClassVar[str] = "nle"
     source: ClassVar[str] = "Papamakarios, Sterratt, Murray, AISTATS 2019; sbi, JOSS 5 (2020) 2505"
 
-    first_rows: ClassVar[int] = 400
-
     model: str = "mdn"
-    """Density estimator by its name in sbi, e.g. mdn, maf, nsf. A mixture takes a tenth of a flow's time."""
+    """The density estimator by its name in sbi, e.g. mdn, maf, nsf. A mixture takes a tenth of a flow's time."""
 
-    def min_simulations(self, num_parameters: int) -> int:
-        """A thousand events a round: below that the network knows nothing."""
-        return 1000 * self.rounds
-
-    def simulated(self, problem: Problem, box: Box, number: int, rng: np.random.Generator) -> tuple[NDArray, NDArray]:
-        theta = box.sample(number, rng)
-        return theta, _continuous(event_rows(problem, problem.simulate(theta)), rng)
-
-    def observed(self, problem: Problem, rng: np.random.Generator) -> NDArray[np.float32]:
-        return _continuous(event_rows(problem, problem.x_observed), rng)
+    def rows(self, problem: Problem, x: NDArray, rng: np.random.Generator) -> NDArray[np.float32]:
+        """The rows of `Neural`, with uniform noise within half a unit where all of them are whole numbers."""
+        rows = super().rows(problem, x, rng)
+        if not np.array_equal(rows, np.rint(rows)):
+            return rows
+        return rows + rng.uniform(-0.5, 0.5, rows.shape).astype(np.float32)
 
     def learned(self, theta: NDArray, rows: NDArray, box: Box, rng: np.random.Generator) -> LogFactors:
         import torch
@@ -48,10 +42,3 @@ class Nle(Neural):
         train(network, lambda theta, x: network.loss(x, theta).mean(), theta, rows, self, rng)
         # The events are draws of one theta, which its network then sees once.
         return lambda theta, x: network.log_prob(x[:, None], theta[None])[:, 0]
-
-
-def _continuous(x: NDArray[np.float32], rng: np.random.Generator) -> NDArray[np.float32]:
-    """Events (n, k) with uniform noise within half a unit where all of them are whole numbers."""
-    if not np.array_equal(x, np.rint(x)):
-        return x
-    return x + rng.uniform(-0.5, 0.5, x.shape).astype(np.float32)

@@ -12,7 +12,7 @@ from avobench.methods.product_posterior import LogFactors
 from avobench.tasks import Box
 
 MIN_SETS = 40
-"""Simulated observations of the smallest round."""
+"""The least number of simulated observations of a round: with fewer a network knows nothing."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Npe(Neural):
     first_rows: ClassVar[int] = 4
 
     model: str = "mdn"
-    """Density estimator by its name in sbi, e.g. mdn, maf, nsf."""
+    """The density estimator by its name in sbi, e.g. mdn, maf, nsf."""
     events_per_set: int = 128
     """Events of a simulated observation, and of a part of the observed one."""
     batch_size: int = 64

@@ -6,8 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.methods.neural import Neural, event_rows, train
-from avobench.methods.problem import Problem
+from avobench.methods.neural import Neural, train
 from avobench.methods.product_posterior import LogFactors
 from avobench.tasks import Box
 
@@ -26,21 +25,8 @@ class Nre(Neural):
         "Durkan, Murray, Papamakarios, ICML 2020; Hermans, Begy, Louppe, ICML 2020; sbi, JOSS 5 (2020) 2505"
     )
 
-    first_rows: ClassVar[int] = 400
-
     atoms: int = 4
     """Parameters to choose from, for each event."""
-
-    def min_simulations(self, num_parameters: int) -> int:
-        """A thousand events a round: below that the network knows nothing."""
-        return 1000 * self.rounds
-
-    def simulated(self, problem: Problem, box: Box, number: int, rng: np.random.Generator) -> tuple[NDArray, NDArray]:
-        theta = box.sample(number, rng)
-        return theta, event_rows(problem, problem.simulate(theta))
-
-    def observed(self, problem: Problem, rng: np.random.Generator) -> NDArray[np.float32]:
-        return event_rows(problem, problem.x_observed)
 
     def learned(self, theta: NDArray, rows: NDArray, box: Box, rng: np.random.Generator) -> LogFactors:
         import torch

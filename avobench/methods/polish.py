@@ -7,45 +7,47 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 WIDTH = 2.5
-"""Of the kernel over theta with one parameter, in standard deviations of the proposal; with p of them p^(1/4) times
-that, which weighs the proposal's events alike to a few per cent whatever p. Those of wider proposals before it are
-taken in as well, and are needed: how the mean of phi moves with theta shows the better the further they are apart."""
+"""Width of the kernel over theta with one parameter, in standard deviations of the proposal. With p parameters it is
+p^(1/4) times that, which weighs the proposal's events alike to a few per cent whatever p is. Events of earlier, wider
+proposals count as well, and are needed: the further they are apart, the better they show how the mean of phi moves."""
 REACH = 3.0
-"""Events are left out whose squared distance in kernel widths is above REACH^2 plus their number of parameters: most
-others are within that number, and those left out weigh less than 0.7 % of an event at the mean."""
+"""Events are left out whose squared distance in kernel widths is above REACH^2 plus the number of parameters. Each of
+them would weigh less than 0.7 % of an event at the mean."""
 CONSTANT = 1e-6
 """A feature that varies by less than this share of the one that varies most is constant to single precision."""
 RIDGE = 1e-4
 """Share of its variance that is added to each feature's, for features that are nearly copies of each other."""
 SIGNIFICANT = 3.0
-"""Information along a combination of parameters counts where it is so many times what mere noise would show: noise
-itself is a chi-squared over its degrees of freedom, one a feature, and stays well below."""
+"""Least ratio of the information along a combination of parameters to what mere noise would show. Noise itself is a
+chi-squared over its degrees of freedom, one a feature, and stays well below."""
 MAX_STEPS = 50
-"""Several times what it takes where it converges; where it does not, the answer says so."""
+"""Largest number of steps: several times what it takes where the polish converges. Elsewhere the answer says so."""
 STANDS_STILL = 1e-3
 """The polish ends with a step below this share of the standard error, in 3 to 10 steps as a rule."""
 FARTHEST = 2.0
-"""From the center of the fit, in kernel widths: beyond there are next to no events that it describes."""
+"""Largest distance from the center of the fit, in kernel widths: beyond it the fit describes next to no events."""
 MANY = 20
-"""Events a feature from which a misfit of many features can be told: their covariance must be known well."""
+"""Events for each feature from which a misfit can be told: the covariance of the features must be known well."""
 UNLIKE = 100.0
-"""Times by which a simulated event would enlarge the observed variance along its direction, from which the observed
-events do not know that variance. On 15 targets of poisson, and one or two of six other tasks, it stayed below 30; where
-pixels are never hit it is mostly a million and more, by pairs of rare ones some hundred."""
+"""Factor by which a simulated event would enlarge the observed variance along its direction, from which the observed
+events are said not to know that variance. It stayed below 30 on 15 targets of poisson and one or two of six other
+tasks. Where pixels are never hit it is mostly a million and more, and some hundred for pairs of rare ones."""
 SAME = 2.0
 """Standard errors within which, over all parameters, a closer look at the same events must find the answer again."""
 LOOKS = 10
-"""Closer ones, at most; 1 is the rule, and where a far start and a strong curve meet 2 or 3 are needed."""
+"""Largest number of closer looks. One is the rule; a far start with a strong curve needs 2 or 3."""
 FEWEST = 4
-"""Events within reach for each coefficient of the local quadratic; with fewer there is no fit."""
+"""Least number of events within reach for each coefficient of the local quadratic; with fewer there is no fit."""
 
 
 @dataclass(frozen=True)
 class Polished:
+    """The answer of a polish, in the standardised coordinates of the proposal."""
+
     mean: NDArray[np.float64]
     """(p,)"""
     covariance: NDArray[np.float64]
-    """Of the mean (p, p), of the prior's order along a direction that the events leave open."""
+    """Covariance of the mean (p, p); as large as the prior's along a direction that the events leave open."""
     num_steps: int
     converged: bool
 
@@ -56,13 +58,14 @@ class Polished:
 
 
 class TooFewEvents(Exception):
-    """There is no local fit: next to no simulated events are near."""
+    """There is no local fit, since next to no simulated events are near."""
 
 
 class Fold:
     """Events on which a discriminator was not trained, as its last layer sees them.
 
-    real (N, k) of the observed events and synthetic (n, k) of those simulated at u (n, p); see `polish`.
+    `real` (N, k) are the features phi of the observed events, and `synthetic` (n, k) those of the events simulated at
+    u (n, p); see `polish`.
     """
 
     def __init__(self, real: NDArray[np.float32], synthetic: NDArray[np.float32], u: NDArray[np.float64]) -> None:
@@ -105,8 +108,9 @@ class Fold:
         return Response(center, unit, coefficients, inverse @ spread @ inverse, known, self.num_observations)
 
     def inverse_beside(self, synthetic: NDArray[np.float32], weights: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of the covariance (k, k) of the observed events and of those simulated (n, k), weighted (n,), that are unlike
-        any of them, such as one that hits a pixel that was never hit.
+        """The inverse covariance (k, k) of the observed events and of those simulated ones (n, k) that are unlike them.
+
+        The simulated events have weights (n,). Unlike is one that hits a pixel that was never hit, for example.
         """
         leverage = weights * ((synthetic @ self.inverse.astype(np.float32)) * synthetic).sum(axis=1)
         unlike = leverage > UNLIKE * self.num_observations
@@ -116,9 +120,10 @@ class Fold:
         return np.linalg.inv(self.covariance + rows.T @ rows / self.num_observations)
 
     def misfit(self, mean: NDArray[np.float64], root: NDArray[np.float64]) -> float:
-        """Squared difference of the means of phi at mean (p,) from the observed ones, over what chance would make it.
+        """The squared difference of the means of phi at `mean` (p,) from the observed ones, over what chance makes it.
 
-        It is about 1 where mean is right, and taken as 1 where there are too few events to tell. Raises TooFewEvents.
+        It is about 1 where `mean` is right, and 1 by definition where there are too few events to tell. Raises
+        TooFewEvents.
         """
         response = self.near(mean, kernel_of(root))
         difference = response.coefficients[0]
@@ -136,20 +141,20 @@ class Response:
     coefficients: NDArray[np.float64]
     """(m, k)"""
     spread: NDArray[np.float64]
-    """Their covariance where phi has unit variance (m, m)."""
+    """Covariance of the coefficients where phi has unit variance (m, m)."""
     inverse: NDArray[np.float64]
-    """Of the covariance of phi (k, k)."""
+    """Inverse of the covariance of phi (k, k)."""
     num_observations: int
 
     @property
     def num_effective(self) -> float:
-        """Of events, at the center: both kinds together make the difference of the means as uncertain as so many."""
+        """Number of events that would leave the difference of the means at the center as uncertain as it is."""
         return 1 / (1 / self.num_observations + self.spread[0, 0])
 
     def at(self, mean: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Gradient (p,) in the proposal's mean (p,), information (p, p), and what information mere noise would show.
 
-        They are those of all events of the fold together. The Jacobian is that at the center, where it is known best.
+        They hold for all events of the fold together. The Jacobian is that at the center, where it is known best.
         """
         value = quadratic((self.unit @ (mean - self.center))[None])[0]
         linear = slice(1, 1 + len(mean))
@@ -238,7 +243,7 @@ def polish_closer(
 
 
 def kernel_of(root: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Root of the kernel's covariance (p, p), from that of the proposal's."""
+    """The root of the kernel's covariance (p, p), from that of the proposal's covariance."""
     return WIDTH * len(root) ** 0.25 * root
 
 

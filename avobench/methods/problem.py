@@ -51,6 +51,6 @@ class Problem:
     discriminator: Discriminator
     """The network that the paper gives to this task."""
     event_shape: tuple[int, ...] = ()
-    """Of an event whose features form an image; () where they are a plain list."""
+    """Shape of an event whose features form an image; () where they are a plain list."""
     cyclic_axes: tuple[int, ...] = ()
     """Axes of `event_shape` along which a cyclic shift of an event is as probable as the event."""

@@ -20,28 +20,29 @@ if TYPE_CHECKING:
     from torch import Tensor
 
 GROWTH = 4
-"""Times as many rows in each step: half the width."""
+"""Factor by which the number of rows grows from step to step: the posterior then has half the width."""
 FIRST_POINTS = 512
-"""Of a Sobol sequence over the prior box, a power of two."""
+"""Points of a Sobol sequence over the prior box in the first step; a power of two."""
 POINTS = 64
-"""In each later step."""
+"""Points of each later step, whose mixture is near the posterior already."""
 WIDER = 1.2
-"""Times the kernel of Silverman's rule: the next posterior must lie within the mixture that its sample is drawn
-from."""
+"""Width of the kernels in that of Silverman's rule: the next posterior must lie within the mixture that its sample is
+drawn from."""
 EVALUATIONS = 2**17
 """Pairs of a row and a theta in one pass through the network: 50 MiB with 100 hidden nodes."""
 LEAST_WIDTH = 1e-6
-"""Of the mixture's kernels in widths of the box, so that its covariance stays regular."""
+"""Least width of the mixture's kernels in widths of the box, so that its covariance stays regular."""
 SEARCH_STEPS = 30
-"""Of the search for the mode, from the best point of the last sample: a few suffice."""
+"""Steps of the search for the mode, which begins at the best point of the last sample: a few suffice."""
 
 LogFactors = "Callable[[Tensor, Tensor], Tensor]"
-"""The logarithm of each row's factor at a theta: (p,), (n, k) -> (n,), differentiable in theta."""
+"""A function that gives the logarithm of each row's factor at a theta: (p,), (n, k) -> (n,), differentiable in theta.
+"""
 
 
 @dataclass(frozen=True)
 class Posterior:
-    """Its mode, mean and standard deviation (p,), in raw units."""
+    """The mode, mean and standard deviation of a posterior, each (p,), in raw units."""
 
     mode: NDArray[np.float64]
     mean: NDArray[np.float64]
@@ -53,8 +54,8 @@ def posterior(
 ) -> Posterior:
     """The posterior of theta in a box with a uniform prior, given rows (n, k).
 
-    The first step has so many of the rows: with them it is to be a tenth as wide as the box or so, which its points
-    resolve.
+    The first step uses `first_rows` of the rows: its posterior should be about a tenth as wide as the box, which the
+    points of that step resolve.
     """
     sums = _Sums(log_factors, box)
     theta = qmc.Sobol(box.dim, rng=rng).random(FIRST_POINTS)
@@ -97,7 +98,7 @@ def _drawn(
 
 
 class _Sums:
-    """The sum over rows of their log factors, theta in the unit box."""
+    """The sum over rows of their log factors, as a function of theta in the unit box."""
 
     def __init__(self, log_factors: LogFactors, box: Box) -> None:
         self._log_factors, self._box = log_factors, box
@@ -128,7 +129,7 @@ class _Sums:
         return minimize(descent, theta, jac=True, bounds=[(0, 1)] * len(theta), method="L-BFGS-B", options=options).x
 
     def _sum(self, theta: "Tensor", rows: "Tensor", counts: "Tensor", backward: bool = False) -> float:
-        """At one theta (p,) in float64; with `backward` its gradient is added to that of theta."""
+        """The sum at one theta (p,) in float64; with `backward` its gradient is added to that of theta."""
         import torch
 
         total = 0.0
@@ -143,7 +144,7 @@ class _Sums:
 
 
 def _distinct(rows: NDArray[np.float32]) -> tuple["Tensor", "Tensor"]:
-    """Each row that occurs, once, and how often it does: counts repeat, and need not be evaluated again."""
+    """The distinct rows and how often each occurs, since counts repeat and need not be evaluated again."""
     import torch
 
     distinct, counts = np.unique(rows, axis=0, return_counts=True)

@@ -1,7 +1,7 @@
-"""Regression adjustment of ABC: what accepted parameters would have been, had their summaries been the observed one.
+"""The regression adjustment of ABC moves accepted parameters to where their summaries would be the observed one.
 
-Beaumont, Zhang, Balding, Genetics 162 (2002) 2025. There are more summaries than parameters tried, so the regression is
-ridge's, with the strength that leave-one-out errors choose.
+It is that of Beaumont, Zhang, Balding, Genetics 162 (2002) 2025. A summary has more components than parameters were
+tried, so the regression is a ridge regression, whose strength leave-one-out errors choose.
 """
 
 from collections.abc import Sequence
@@ -13,18 +13,18 @@ from numpy.typing import NDArray
 from avobench.tasks import Box
 
 STRENGTHS = np.geomspace(1e-4, 1e4, 25)
-"""Of the ridge, for standardised summaries."""
+"""Strengths of the ridge to choose from, for standardised summaries: from next to no ridge to next to no slope."""
 
 
 class Evaluation(NamedTuple):
-    """What was simulated for one theta."""
+    """The summary of the events that were simulated at one theta."""
 
     theta: NDArray[np.float64]
     """(p,)"""
     summary: NDArray[np.float64]
-    """Of its events: (k,)"""
+    """(k,)"""
     simulations: int
-    """Events simulated until then, those of this theta included."""
+    """Number of events simulated until then, those of this theta included."""
 
 
 def regressed(
@@ -36,8 +36,8 @@ def regressed(
 ) -> NDArray[np.float64]:
     """The weighted mean (p,) of adjusted parameters, within the box.
 
-    Accepted are theta (n, p) with weights (n,) that sum to 1. The slope is learned from all that was tried beside them:
-    what was refused tells of it as well.
+    The accepted parameters are theta (n, p), with weights (n,) that sum to 1. The slope is learned from all that was
+    tried, since what was refused tells of it as well.
     """
     from sklearn.linear_model import RidgeCV
 

@@ -31,12 +31,13 @@ class Smm(Method):
     source: ClassVar[str] = "D. McFadden, Econometrica 57 (1989) 995; A. Pakes, D. Pollard, Econometrica 57 (1989) 1027"
 
     rounds: int = 8
-    """Of simulation, each with an equal share of the budget and around the answer of the one before."""
+    """Number of rounds of simulation, each with an equal share of the budget and around the answer of the one before.
+    """
     shrink: float = 0.5
-    """Width of a round in units of the one before, at least: a first answer may be far off."""
+    """Least width of a round in units of the one before: a first answer may be far off."""
     errors: float = 10.0
-    """Width of a round in standard errors of the answer before it, at least. With 3 one run in twelve on carl went
-    astray, with 10 none; chosen, as the other two, on targets that are not the benchmark's."""
+    """Least width of a round in standard errors of the answer before it. With 3 one run in twelve on carl went astray,
+    with 10 none. It was chosen, as the other two, on targets that are not the benchmark's."""
     symmetric: bool = True
     """Sum an image over its cyclic axes, along which nothing depends on theta."""
 
@@ -45,7 +46,7 @@ class Smm(Method):
             raise ValueError("smm needs rounds of at least 1, 0 < shrink <= 1 and errors above 0")
 
     def min_simulations(self, num_parameters: int) -> int:
-        """Ten events a round for each coefficient of the local quadratic."""
+        """The budget that gives each round ten events for each coefficient of the local quadratic."""
         return self.rounds * 5 * (num_parameters + 1) * (num_parameters + 2)
 
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
@@ -87,5 +88,5 @@ class Smm(Method):
         )
 
     def _narrower(self, std: NDArray[np.float64], answer: Polished) -> NDArray[np.float64]:
-        """Widths of the next round (p,): where the events say nothing of a parameter, as wide as the last."""
+        """The widths of the next round (p,): as wide as the last where the events say nothing of a parameter."""
         return np.minimum(std, np.maximum(self.shrink * std, self.errors * answer.error))

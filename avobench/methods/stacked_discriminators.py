@@ -18,7 +18,7 @@ from avobench.methods.fused_step import FusedStep
 
 
 class Lesson(NamedTuple):
-    """What one problem gives its two discriminators in one iteration, and the events that they are to judge then.
+    """What one problem gives its two discriminators in one iteration, and which events they are to judge afterwards.
 
     Events are counted from the first that was simulated; those in even rows are of the first half, whose network is the
     first, those in odd rows of the second.
@@ -27,10 +27,11 @@ class Lesson(NamedTuple):
     fresh: NDArray[np.float32]
     """Events simulated since the last lesson, as the discriminators see them (m, k)."""
     rows: NDArray[np.int64]
-    """Of the observed and of the simulated events to train with: (2, steps, 2 networks, batch)."""
+    """Rows of the observed and of the simulated events to train with: (2, steps, 2 networks, batch)."""
     judged: slice
     """The simulated events of which log(1 - d) is wanted; from an even row to the last that was simulated."""
     learning_rate: float
+    """Learning rate of Adam in this iteration."""
 
 
 Game = Generator[Lesson, NDArray[np.float64], Estimate]
@@ -40,9 +41,9 @@ Game = Generator[Lesson, NDArray[np.float64], Estimate]
 class StackedDiscriminators:
     """Two networks for each of P problems whose observations, budgets and settings are of one size.
 
-    networks are P pairs; they are trained in place. real are the P sets of observed events (N, k) as the networks see
-    them. As many as `num_events` simulated ones are kept for each. With `cross_fit` a network judges the events that
-    the other of its pair was trained on, else its own.
+    `networks` are P pairs; they are trained in place. `real` are the P sets of observed events (N, k) as the networks
+    see them. Up to `num_events` simulated events are kept for each problem. With `cross_fit` a network judges the
+    events that the other of its pair was trained on, else its own.
     """
 
     def __init__(

@@ -20,17 +20,17 @@ from torch import Tensor
 from torch.nn.functional import leaky_relu
 
 NODES = 32
-"""In either hidden layer of a network."""
+"""Nodes in either hidden layer of a network, which has to tell one parameter only."""
 SLOPE = 0.1
-"""Of the activation below zero."""
+"""Slope of the activation below zero, so that no node dies."""
 BATCH_SIZE = 1024
 """Events of an update: half as many left one tail in three unfound in as many steps."""
 LEARNING_RATE = 8e-3
-"""Of Adam at the beginning of a lesson; it falls linearly to zero."""
+"""Learning rate of Adam at the beginning of a lesson; it falls linearly to zero."""
 MOST_PASSES = 50
-"""Times that an event is learnt from in one lesson, at most: with few events more would learn them by heart."""
+"""Most passes over the events in one lesson: with few events, more would learn them by heart."""
 ROWS_AT_A_TIME = 8192
-"""Events of which the statistic is computed at once, so that what stands between the layers stays small."""
+"""Events of which the statistic is computed at once, so that the values between the layers stay small."""
 
 
 class Statistic:
@@ -61,7 +61,7 @@ class Statistic:
         return t.view(2, self.p, n).transpose(1, 2)
 
     def learn(self, x: NDArray[np.float32], u: NDArray[np.float64], num_steps: int) -> None:
-        """Go on learning, from all events simulated so far: x (n, k) at u (n, p), n even, by num_steps at most."""
+        """Train on, by `num_steps` at most, with all events simulated so far: x (n, k) at u (n, p), n even."""
         num_steps = min(num_steps, -(-MOST_PASSES * len(x) // (2 * BATCH_SIZE)))
         spread = u.std(axis=0)
         target = torch.from_numpy(((u - u.mean(axis=0)) / np.where(spread > 0, spread, 1)).astype(np.float32))
@@ -77,7 +77,7 @@ class Statistic:
             self.adam.step()
 
     def of(self, x: NDArray[np.float32]) -> Sequence[NDArray[np.float32]]:
-        """Of each half of x (n, k), n even, by the version that was learnt on the other half: two of (n / 2, p)."""
+        """The statistic of each half of x (n, k), n even, as learnt on the other half: two arrays of (n / 2, p)."""
         halves = torch.from_numpy(np.stack([x[1::2], x[::2]])).to(self.device)
         with torch.no_grad():
             parts = [self(rows).cpu().numpy() for rows in halves.split(ROWS_AT_A_TIME, dim=1)]

@@ -8,7 +8,7 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
 
-from avobench.bench.cells.status import ESTIMATED
+from avobench.bench.store.status import ESTIMATED
 from avobench.bench.store.table import labels, to_frame
 from avobench.reports.quantities import comparable
 from avobench.reports.style import FLOOR, METHOD_ORDER, STYLE, TASK_ORDER, colours, ordered, panels, save

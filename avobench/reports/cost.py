@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from avobench.bench.cells.status import ESTIMATED
+from avobench.bench.store.status import ESTIMATED
 from avobench.reports.quantities import comparable, labelled
 from avobench.reports.style import FLOOR, MARKERS, METHOD_ORDER, STYLE, TASK_ORDER, colours, note, ordered, panels, save
 

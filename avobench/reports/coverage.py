@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from avobench.bench.cells.status import ESTIMATED
+from avobench.bench.store.status import ESTIMATED
 from avobench.bench.store.table import labels
 from avobench.reports.style import FLOOR, METHOD_ORDER, STYLE, TASK_ORDER, colours, ordered, panels, save
 from avobench.tasks.errors import StoreError

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from avobench.bench.cells.status import ESTIMATED
+from avobench.bench.store.status import ESTIMATED
 from avobench.reports.quantities import comparable, labelled, task_of
 from avobench.reports.style import FLOOR, METHOD_ORDER, STYLE, TASK_ORDER, colours, note, ordered, panels, save
 from avobench.tasks.errors import StoreError

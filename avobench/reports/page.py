@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from avobench.bench.cells.status import ESTIMATED
+from avobench.bench.store.status import ESTIMATED
 from avobench.bench.store.store import Store
 from avobench.bench.store.table import labels, to_frame
 from avobench.reports import html

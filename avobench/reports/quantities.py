@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from scipy.stats import chi2, wilcoxon
 from scipy.stats.qmc import Sobol
 
-from avobench.bench.cells.status import ESTIMATED
 from avobench.bench.plugins import registry
+from avobench.bench.store.status import ESTIMATED
 from avobench.bench.store.table import labels, mean_errors, to_frame
 from avobench.tasks import Task
 

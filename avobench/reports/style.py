@@ -11,7 +11,7 @@ import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.files import write_atomically
 
 TASK_ORDER = ("poisson", "carl", "weinberg", "alignment")
 METHOD_ORDER = ("avo", "avo-paper", "abc-smc", "bolfi")

@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from pythia8mc import Pythia
 
 NUM_ROWS = 32
-"""Of the grid, uniform in pseudorapidity over [-MAX_ETA, MAX_ETA] (paper, Section 4.2)."""
+"""Rows of the grid, uniform in pseudorapidity over [-MAX_ETA, MAX_ETA] (paper, Section 4.2)."""
 NUM_COLUMNS = 32
-"""Of the grid, uniform in azimuth over [0, 2 pi] (paper, Section 4.2)."""
+"""Columns of the grid, uniform in azimuth over [0, 2 pi] (paper, Section 4.2)."""
 MAX_ETA = 5.0
 """What leaves the sphere further forward is lost (paper, Section 4.2)."""
 
@@ -35,12 +35,12 @@ SETTINGS = (
 )
 NEUTRINOS = (12, 14, 16)
 PRIMARY_HADRON = 81
-"""In Pythia's event record, the least |status| of a primary hadron, and of what comes after it."""
+"""The least |status| of a primary hadron, and of what comes after it, in Pythia's event record."""
 DECAY_PRODUCT = 91
-"""In Pythia's event record, the least |status| of what a decay made; `mother1` is what decayed."""
+"""The least |status| of what a decay made in Pythia's event record; `mother1` is what decayed."""
 
 STEP = 0.1
-"""Of the numerical derivative with respect to theta [mm], a tenth of a cell."""
+"""Step of the numerical derivative with respect to theta [mm], a tenth of a cell."""
 INFORMATION_THETA = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5)
 INFORMATION = (1.011, 1.022, 1.048, 1.105, 1.182, 1.308, 1.503)
 """Fisher information per event [1/mm^2] at |theta| = INFORMATION_THETA with the default settings: `fisher_information`
@@ -72,7 +72,7 @@ class Particles:
         return Particles(offsets, self.position[:, own], self.momentum[:, own], self.energy[own], self.reach[own])
 
     def only(self, kept: NDArray[np.bool_]) -> "Particles":
-        """Those of the m particles that are kept: (m,)."""
+        """The particles that are kept, given a mask of all m of them: (m,)."""
         offsets = np.concatenate([[0], np.cumsum(kept)])[self.offsets]
         return Particles(offsets, self.position[:, kept], self.momentum[:, kept], self.energy[kept], self.reach[kept])
 
@@ -100,7 +100,7 @@ class Alignment(Task):
     """
 
     radius: float = 3.2
-    """Of the sphere [mm]. The paper gives only "roughly one pixel" for theta = 1; its code has 10."""
+    """Radius of the sphere [mm]. The paper gives only "roughly one pixel" for theta = 1; its code has 10."""
     response: Literal["hit", "energy"] = "hit"
     """What a cell records: 1 if any particle crossed it, or the summed energy [GeV] of those that did."""
     log1p: bool = False

@@ -15,7 +15,7 @@ from avobench.tasks.alignment import Alignment, Particles
 from avobench.tasks.contract import Box
 
 STEP = 0.2
-"""Of the numerical derivative [mm]: with half of it, what is learnt has twice the noise."""
+"""Step of the numerical derivative [mm]: with half of it, what is learnt has twice the noise."""
 RIDGE = 1e-3
 """Added to every variance, as a share of their mean, when weights are learnt: some cells are seldom hit."""
 RADII = (0.0, 1.07, 2.13)
@@ -28,9 +28,9 @@ FLOORS = ((3.429, 3.126, 2.221), (3.09, 2.837, 1.959), (1.889, 1.712, 1.035))
 Too high by some per cent: with an eighth of NUM_EVENTS the information without an offset is a third less, so weights
 from 32 000 events still miss about 6 % of it."""
 NUM_EVENTS = 64_000
-"""By which FLOORS were measured; half of them tell the weights."""
+"""Number of events by which FLOORS were measured; half of them tell the weights."""
 AZIMUTH = 0.75
-"""At which FLOORS were measured [rad]: on it the detector depends by its columns alone."""
+"""Azimuth at which FLOORS were measured [rad]: the detector depends on it by its columns alone."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def information(
 def _moments(
     task: Alignment3, pieces: list[Particles], theta: NDArray[np.float64], weights: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Of k weighted sums of cells, weights (d, k): slope of the mean in theta (3,), (k, 3), and covariance (k, k)."""
+    """Slope of the mean in theta (3,), (k, 3), and covariance (k, k) of k sums of cells with weights (d, k)."""
 
     def seen(particles: Particles, at: NDArray[np.float64]) -> NDArray[np.float64]:
         return task.detect(particles, np.tile(at, (len(particles), 1))) @ weights

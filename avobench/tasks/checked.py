@@ -8,9 +8,13 @@ from avobench.tasks.errors import SimulatorError
 
 
 def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-    """Events of `task`, or SimulatorError saying what its simulator did wrong: theta (n, p) -> x (n, d)."""
+    """Events of `task`, or SimulatorError saying what its simulator did wrong: theta (n, p) -> x (n, d).
+
+    Theta and events are copied: a simulator may change theta, and may return an array that cannot be written to, or the
+    same one each time.
+    """
     try:
-        x = task.simulate(theta, rng)
+        x = task.simulate(theta.copy(), rng)
     except (Exception, SystemExit) as error:
         raise SimulatorError(f"the simulator of {task.name} raised {type(error).__name__}: {error}") from error
     if not isinstance(x, np.ndarray) or x.shape != (len(theta), task.num_features):
@@ -25,4 +29,4 @@ def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Genera
             f"the simulator of {task.name} returned NaN or infinity in {len(bad)} of {len(x)} events, "
             f"the first at theta = {theta[bad[0]].tolist()}"
         )
-    return x
+    return x.copy()

@@ -112,7 +112,7 @@ class Task(ABC):
     feature_units: ClassVar[tuple[str, ...]] = ()
     """One a feature, where they have units; that of a pure number is "1"."""
     event_shape: ClassVar[tuple[int, ...]] = ()
-    """Of an event whose features form an image, row by row, e.g. (32, 32); () where they are a plain list."""
+    """Shape of an event whose features form an image, row by row, e.g. (32, 32); () where they are a plain list."""
     cyclic_axes: ClassVar[tuple[int, ...]] = ()
     """Axes of `event_shape` along which a cyclic shift of an event is as probable as the event, whatever theta."""
     floor_shares: ClassVar[tuple[float, ...]] = ()
@@ -160,7 +160,7 @@ class Task(ABC):
 
     @property
     def identifiable_scale(self) -> NDArray[np.float64]:
-        """In what differences of `identifiable` are told when several are averaged: (k,), the prior's widths."""
+        """The units (k,) of differences of `identifiable` when several are averaged: the prior's widths."""
         return self.prior.width
 
     def require_support(self, theta: NDArray[np.float64]) -> None:
@@ -182,6 +182,10 @@ class Task(ABC):
     @abstractmethod
     def summary(self, x: NDArray) -> NDArray[np.float64]:
         """The summary statistic of a set of events, for the methods that need one: (n, d) -> (k,)."""
+
+    def with_reference(self, x: NDArray) -> "Task":
+        """This task with a summary that suits events like x (n, d); itself where its summary is fixed."""
+        return self
 
     @abstractmethod
     def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:

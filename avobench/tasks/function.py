@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from functools import cached_property
 from typing import get_args
 
@@ -15,19 +16,21 @@ Simulate = Callable[[NDArray[np.float64], np.random.Generator], ArrayLike]
 """theta (n, p), a generator -> one event per row: (n, d), or (n,) where an event is one number."""
 
 NUM_BINS = 20
-"""Of each feature in the summary, as many as the benchmark's weinberg task has."""
+"""Bins of each feature in the summary, as many as the benchmark's weinberg task has."""
 NUM_REFERENCE = 4000
 """Events over the prior from which the bins of the summary are taken: 200 a bin."""
 
 
 NAME = r"[A-Za-z0-9][A-Za-z0-9.-]*"
-"""Of a task or method: it becomes a part of file names."""
+"""Names that a task or method may have: a name becomes a part of file names."""
 
 
 class FunctionTask(Task):
     """A task whose simulator is a function; made by `task`."""
 
     source = "a function of the user's own"
+    reference: NDArray | None = None
+    """Events (n, d) by which the summary is binned."""
 
     def __init__(
         self,
@@ -80,7 +83,10 @@ class FunctionTask(Task):
         return self._of_their_kinds(x) if self.feature_kinds else x
 
     def summary(self, x: NDArray) -> NDArray[np.float64]:
-        """Shares of the events in bins of each feature that hold equal shares over the prior: (n, d) -> (k,)."""
+        """Shares of the events in bins of each feature: (n, d) -> (k,).
+
+        The bins hold equal shares of the reference events, or over the prior where there are none.
+        """
         return np.concatenate([histogram(x[:, [j]], edges, overflow=True) for j, edges in enumerate(self._edges)])
 
     def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
@@ -88,7 +94,12 @@ class FunctionTask(Task):
         return np.nan
 
     def _events(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        x = np.asarray(self.function(theta, rng))
+        x = self.function(theta, rng)
+        if np.ma.is_masked(x):
+            raise ValueError("it returned masked values, which are no events")
+        x = np.asarray(x)
+        if x.dtype.kind == "c":
+            raise ValueError("it returned complex numbers; return their real part, or both parts as features")
         if x.ndim == 1:
             x = x[:, None]
         return x.astype(np.int64) if x.dtype.kind in "bui" else x.astype(np.float64, copy=False)
@@ -101,11 +112,18 @@ class FunctionTask(Task):
             raise ValueError(f"{self.name} makes {wrong:g} where its kinds promise a count")
         return x.astype(self.dtype, copy=False)
 
+    def with_reference(self, x: NDArray) -> "FunctionTask":
+        """This task with bins of the summary that hold equal shares of events x (n, d), so that none is simulated."""
+        twin = copy(self)
+        twin.reference = x
+        twin.__dict__.pop("_edges", None)
+        return twin
+
     @cached_property
     def _edges(self) -> list[NDArray[np.float64]]:
-        """Edges of the bins of each feature."""
+        """The edges of the bins of each feature."""
         rng = np.random.default_rng(0)
-        x = self.simulate(self.prior.sample(NUM_REFERENCE, rng), rng)
+        x = self.simulate(self.prior.sample(NUM_REFERENCE, rng), rng) if self.reference is None else self.reference
         return [np.unique(np.quantile(feature, np.arange(1, NUM_BINS) / NUM_BINS)) for feature in x.T]
 
 

@@ -16,7 +16,7 @@ class Meter:
     def __init__(self, limit: int | None = None, progress: Callable[[int], None] | None = None) -> None:
         self.limit, self.used, self.refused, self._progress = limit, 0, 0, progress
         self.kept = 0
-        """Of the events that remain, for what is to follow."""
+        """Events among those that remain which are kept for what follows."""
 
     @property
     def remaining(self) -> int | None:

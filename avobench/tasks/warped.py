@@ -19,9 +19,10 @@ WIDE = 2.0
 """Width of its tail. The two overlap: an event says about 40 % of what it would say about their shares if it were known
 which of them it is from."""
 REACH = 12.0
-"""Of the quadrature over the tail's density, in units of SPREAD: six standard deviations of the wide Gaussian."""
+"""Reach of the quadrature over the tail's density, in units of SPREAD: six standard deviations of the wide Gaussian."""
 NODES = 2001
-"""Of that quadrature, the trapezoidal rule: exact to rounding from some 200 on, as the integrand is analytic."""
+"""Nodes of that quadrature by the trapezoidal rule, which is exact to rounding from some 200 on, as the integrand is
+analytic."""
 
 
 @dataclass(frozen=True)

@@ -94,7 +94,7 @@ class Weinberg(Task):
         return (1 / num_observations + (0 if num_simulations is None else 1 / num_simulations)) / information
 
     def density(self, x: NDArray[np.float64], theta: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of cos A at theta (2,): x (n,) within [-1, 1] -> (n,)."""
+        """The density of cos A at theta (2,): x (n,) within [-1, 1] -> (n,)."""
         return 3 / 8 * (1 + x**2 + self.asymmetry(theta[None])[0] * x)
 
     def posterior_mean(self, c: ArrayLike) -> NDArray[np.float64]:

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from avobench.bench.cells.status import Status
+from avobench.bench.store.status import Status
 from avobench.reports.proposals import convergence, density
 from avobench.reports.style import METHOD_COLOURS, STYLE, TRUTH, save
 from avobench.tasks.errors import StoreError

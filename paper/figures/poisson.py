@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.stats import poisson
 
-from avobench.bench.cells.status import Status
+from avobench.bench.store.status import Status
 from avobench.reports.proposals import convergence, density, proposal
 from avobench.reports.style import PALETTE, STYLE, TRUTH, save
 from avobench.tasks.errors import StoreError

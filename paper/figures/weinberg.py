@@ -9,8 +9,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from avobench.bench.cells.status import ESTIMATED
 from avobench.bench.cells.streams import observe
+from avobench.bench.store.status import ESTIMATED
 from avobench.reports.quantities import comparable, labelled, task_of
 from avobench.reports.style import METHOD_ORDER, STYLE, TRUTH, colours, ordered, save
 from avobench.tasks.errors import StoreError

@@ -27,7 +27,7 @@ from avobench.methods.discriminator import mlp
 from avobench.methods.fused_step import FusedStep
 from avobench.tasks import Task
 from avobench.tasks.errors import AvobenchError
-from paper.speed.discriminator_steps import AutogradStep, VmapStep
+from paper.speed.discriminator_steps import AutogradStep, StackedStep
 from paper.speed.plain_avo import PlainAvo
 
 R1 = 10.0
@@ -122,8 +122,8 @@ def discriminator_update(update: Update, rounds: int) -> dict[str, float]:
     ways = {
         "autograd, foreach": AutogradStep(copy.deepcopy(networks), RATE, R1, "foreach"),
         "autograd, fused": AutogradStep(copy.deepcopy(networks), RATE, R1, "fused"),
-        "vmap, foreach": VmapStep(networks, RATE, R1, "foreach"),
-        "vmap, fused": VmapStep(networks, RATE, R1, "fused"),
+        "stacked, foreach": StackedStep(networks, RATE, R1, "foreach"),
+        "stacked, fused": StackedStep(networks, RATE, R1, "fused"),
     }
     by_hand = FusedStep(copy.deepcopy(networks), RATE, R1)
     works = [partial(step, real, synthetic) for step in (by_hand, *ways.values())]

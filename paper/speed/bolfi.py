@@ -11,8 +11,8 @@ import pandas as pd
 from scipy.stats import wilcoxon
 
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.status import Status
 from avobench.bench.cells.trial import execute
+from avobench.bench.store.status import Status
 from avobench.bench.sweep.plan import parse_targets
 from avobench.tasks.errors import AvobenchError
 

@@ -1,15 +1,15 @@
 """Other ways to make FusedStep's update, which PyTorch differentiates: the yardsticks of `make bench-avo`.
 
 Each is made from T networks of one shape and called with observed and simulated events, (T, n, d) and (T, m, d). Its
-result is that of FusedStep to rounding. Nothing else in this package uses them.
+result is that of FusedStep to rounding.
 """
 
 from collections.abc import Sequence
 
 import torch
 from torch import Tensor
-from torch.func import functional_call, grad, stack_module_state, vmap
 from torch.nn import Sequential
+from torch.nn.functional import prelu
 
 from avobench.methods.discriminator import cross_entropy, input_gradient_penalty
 from avobench.methods.fused_step import DECAY, DECAY_SQUARE, EPS
@@ -41,33 +41,32 @@ class AutogradStep:
         self.optimiser.step()
 
 
-class VmapStep:
-    """The networks stacked by `torch.func`: one loss, differentiated by `grad` and mapped over them by `vmap`.
+class StackedStep:
+    """The networks stacked along a first axis of T, with one loss that autograd differentiates, and one optimiser.
 
-    The parameters are copies, in `parameters` by name with a first axis of T; the networks stay as they are.
+    The parameters are copies, in `parameters` in the order of a network's own; the networks stay as they are.
     """
 
     def __init__(self, networks: Sequence[Sequential], learning_rate: float, r1: float, implementation: str) -> None:
-        self.network, self.r1 = networks[0], r1
-        self.parameters, _ = stack_module_state(list(networks))
-        self.optimiser = adam(list(self.parameters.values()), learning_rate, implementation)
-        self.gradients = vmap(grad(self.loss))
+        self.r1 = r1
+        each = zip(*(network.parameters() for network in networks), strict=True)
+        self.parameters = [torch.stack(same).detach().requires_grad_() for same in each]
+        self.optimiser = adam(self.parameters, learning_rate, implementation)
 
     def __call__(self, real: Tensor, synthetic: Tensor) -> None:
-        gradients = self.gradients(self.parameters, real, synthetic)
-        for name, parameter in self.parameters.items():
-            parameter.grad = gradients[name]
+        real = real.detach().requires_grad_(self.r1 > 0)
+        logit_real = self.logits(real)
+        loss = len(real) * cross_entropy(logit_real, self.logits(synthetic))  # from the mean over networks to the sum
+        if self.r1:
+            (gradient,) = torch.autograd.grad(torch.sigmoid(logit_real).sum(), real, create_graph=True)
+            loss = loss + self.r1 * gradient.square().sum() / real.shape[1]
+        self.optimiser.zero_grad()
+        loss.backward()
         self.optimiser.step()
 
-    def loss(self, parameters: dict[str, Tensor], real: Tensor, synthetic: Tensor) -> Tensor:
-        """Of one network: real (n, d), synthetic (m, d) -> ()."""
-
-        def d_and_logit(x: Tensor) -> tuple[Tensor, Tensor]:
-            logit = functional_call(self.network, parameters, (x,))
-            return torch.sigmoid(logit).sum(), logit
-
-        if not self.r1:
-            return cross_entropy(d_and_logit(real)[1], d_and_logit(synthetic)[1])
-        gradient, logit_real = grad(d_and_logit, has_aux=True)(real)
-        penalty = gradient.square().sum(dim=1).mean()
-        return cross_entropy(logit_real, d_and_logit(synthetic)[1]) + self.r1 * penalty
+    def logits(self, x: Tensor) -> Tensor:
+        """The logit of each network for its events: (T, n, d) -> (T, n)."""
+        *hidden, weight, bias = self.parameters
+        for w, b, slope in zip(hidden[::3], hidden[1::3], hidden[2::3], strict=True):
+            x = prelu(torch.baddbmm(b[:, None], x, w.mT)[None], slope[:, 0])[0]  # slopes belong to the second axis
+        return torch.baddbmm(bias[:, None], x, weight.mT)[..., 0]

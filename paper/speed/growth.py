@@ -15,10 +15,10 @@ import numpy as np
 import pandas as pd
 
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.status import Status, reason
+from avobench.bench.cells.memory import peak_memory_mib, reset_peak_memory
 from avobench.bench.cells.trial import execute
 from avobench.bench.processes.local import LocalBackend
-from avobench.bench.processes.memory import peak_memory_mib, reset_peak_memory
+from avobench.bench.store.status import Status, reason
 from avobench.bench.store.store import Store
 from avobench.bench.sweep.plan import plan
 from avobench.bench.sweep.runner import View, run

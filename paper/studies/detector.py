@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from avobench.bench.cells.streams import stream
-from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.files import write_atomically
 from avobench.bench.store.record import SCHEMA_VERSION, encode
 from avobench.bench.store.versions import versions
 from avobench.tasks.alignment import CHUNK, Alignment

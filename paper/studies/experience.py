@@ -1,14 +1,14 @@
 """What effects look like, learnt from random examples: `python -m paper.studies.experience FOLDER`.
 
-Examples are measured events with the hidden shapes of the series SERIES_SEEN and with the catalogue's own, on tasks
-and on small simulators, at random theta, strengths and numbers of events, each seen beside its simulator as the first
+Examples are measured events with hidden shapes that have been seen and with the catalogue's own, on tasks and on small
+simulators, at random theta, strengths and numbers of events, each seen beside its simulator as the first
 fit of a diagnosis finds it. They are kept in FOLDER, a file for each simulator, which a later call does not make again.
 The networks that learn from them are written where a diagnosis reads them. It takes three hours of one processor.
 """
 
 import io
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -21,9 +21,9 @@ from sklearn.neural_network import MLPClassifier
 from sklearn.preprocessing import StandardScaler
 
 from avobench.bench.plugins import registry
-from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.files import write_atomically
 from avobench.challenge.hide import NUM_REFERENCE, OwnShape
-from avobench.challenge.shapes import SERIES, Injection, Place, kind_of_events
+from avobench.challenge.shape import Injection, Place, Shape
 from avobench.diagnosis import experience
 from avobench.diagnosis.effort import effort_for
 from avobench.diagnosis.experience.portrait import portrait
@@ -36,9 +36,8 @@ from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 from avobench.tasks.meter import Meter
 from paper.studies.simulators import SIMULATORS
+from shapes import SEEN
 
-SERIES_SEEN = (1, 2, 3, 4, 5, 6, 7)
-"""Of hidden shapes; later ones are the measure."""
 ROUNDS = {"poisson": 36, "weinberg": 22, "carl": 20, "correlated": 4, "mixed": 4, "chain": 4}
 """Over all shapes, by simulator; USUAL_ROUNDS of others."""
 USUAL_ROUNDS = 8
@@ -76,29 +75,22 @@ class Examples:
     """(m, f)"""
     families: NDArray[np.str_]
     """(m, 2): of both hidden effects, the same twice where there is one."""
-    series: NDArray[np.int64]
-    """(m,): the latest of the shapes, 0 of the catalogue's own."""
 
     @classmethod
     def read(cls, path: Path) -> "Examples":
         with np.load(path) as stored:
-            return cls(stored["portraits"], stored["families"], stored["series"])
+            return cls(stored["portraits"], stored["families"])
 
     def write(self, path: Path) -> None:
         buffer = io.BytesIO()
-        np.savez_compressed(buffer, portraits=self.portraits, families=self.families, series=self.series)
+        np.savez_compressed(buffer, portraits=self.portraits, families=self.families)
         write_atomically(path, buffer.getvalue())
 
     @classmethod
     def joined(cls, parts: "list[Examples]") -> "Examples":
         """Of several simulators."""
-        columns = ([getattr(each, name) for each in parts] for name in ("portraits", "families", "series"))
+        columns = ([getattr(each, name) for each in parts] for name in ("portraits", "families"))
         return cls(*(np.concatenate(column) for column in columns))
-
-    def before(self, series: int) -> "Examples":
-        """Those with no shape of this series or a later one."""
-        kept = self.series < series
-        return Examples(self.portraits[kept], self.families[kept], self.series[kept])
 
 
 def named(simulator: str) -> Task:
@@ -106,30 +98,36 @@ def named(simulator: str) -> Task:
     return SIMULATORS[simulator] if simulator in SIMULATORS else registry.build("task", simulator, {})
 
 
-def examples(simulator: str, rounds: int, rng: np.random.Generator, series: tuple[int, ...] = SERIES_SEEN) -> Examples:
-    """Random examples of all shapes of these series and of the catalogue's own, where they show anything."""
+def examples(simulator: str, rounds: int, rng: np.random.Generator, shapes: Sequence[Shape] = SEEN) -> Examples:
+    """Random examples of all `shapes` and of the catalogue's own, where they show anything."""
     task = named(simulator)
-    known = [(each, shape) for each in series for shape in SERIES[each][kind_of_events(task)]]
-    portraits, families, latest = [], [], []
+    reference = task.simulate(task.prior.sample(NUM_REFERENCE, np.random.default_rng(0)), np.random.default_rng(0))
+    shapes = [shape for shape in shapes if any(shape.suits(place) for place in places(task, reference))]
+    portraits, families = [], []
 
-    def add(make: Callable[[NDArray], Measure | None], names: tuple[str, str], of: int) -> None:
+    def add(make: Callable[[NDArray], Measure | None], names: tuple[str, str]) -> None:
         seen = seen_of(task, make, rng, simulator in SIMULATORS)
         if seen is not None:
             portraits.append(seen)
             families.append(names)
-            latest.append(of)
 
     for _ in range(rounds):
-        for each, shape in known:
-            add(partial(foreign, task, shape, rng), (shape.name, shape.name), each)
+        for shape in shapes:
+            add(partial(foreign, task, shape, rng), (shape.family, shape.family))
         for name in dict.fromkeys(effect.name for effect in catalogue(task)):
             for _ in range(OWN):
-                add(partial(own, task, name, rng), (name, name), 0)
+                add(partial(own, task, name, rng), (name, name))
         for _ in range(TWO):
-            (s, one), (t, other) = (known[k] for k in rng.integers(len(known), size=2))
-            if one.name != other.name:
-                add(partial(both, task, one, other, rng), (one.name, other.name), max(s, t))
-    return Examples(np.array(portraits, np.float32), np.array(families), np.array(latest))
+            one, other = (shapes[k] for k in rng.integers(len(shapes), size=2))
+            if one.family != other.family:
+                add(partial(both, task, one, other, rng), (one.family, other.family))
+    return Examples(np.array(portraits, np.float32), np.array(families))
+
+
+def places(task: Task, reference: NDArray) -> list[Place]:
+    """All places where an effect may act on the events of a task, of which `reference` (m, d) are some."""
+    everywhere = [None, *range(task.num_features), *(["all"] if task.num_features > 1 else [])]
+    return [Place(task, at, reference) for at in everywhere]
 
 
 def seen_of(
@@ -154,17 +152,16 @@ def beside(task: Task, x: NDArray, rng: np.random.Generator) -> tuple[NDArray[np
     return portrait(x, task.simulate(np.tile(fit.params, (m, 1)), rng), kind_of(task) == "count"), fit.p_value
 
 
-def foreign(task: Task, shape: type[Injection], rng: np.random.Generator, reference: NDArray) -> Measure | None:
+def foreign(task: Task, shape: Shape, rng: np.random.Generator, reference: NDArray) -> Measure | None:
     """A hidden shape of random strength at a random place; None where it suits none."""
     injection = placed(task, shape, rng, reference)
     return injection and injection.measure
 
 
-def placed(task: Task, shape: type[Injection], rng: np.random.Generator, reference: NDArray) -> Injection | None:
+def placed(task: Task, shape: Shape, rng: np.random.Generator, reference: NDArray) -> Injection | None:
     """The shape itself."""
-    everywhere = [None, *range(task.num_features), *(["all"] if task.num_features > 1 else [])]
-    places = [place for place in (Place(task, at, reference) for at in everywhere) if shape.suits(place)]
-    return shape.draw(places[rng.integers(len(places))], rng) if places else None
+    suited = [place for place in places(task, reference) if shape.suits(place)]
+    return shape.draw(suited[rng.integers(len(suited))], rng) if suited else None
 
 
 def own(task: Task, name: str, rng: np.random.Generator, reference: NDArray) -> Measure:
@@ -172,9 +169,7 @@ def own(task: Task, name: str, rng: np.random.Generator, reference: NDArray) -> 
     return OwnShape.draw([effect for effect in catalogue(task, reference) if effect.name == name], rng).measure
 
 
-def both(
-    task: Task, one: type[Injection], other: type[Injection], rng: np.random.Generator, reference: NDArray
-) -> Measure | None:
+def both(task: Task, one: Shape, other: Shape, rng: np.random.Generator, reference: NDArray) -> Measure | None:
     """Two hidden shapes, in the order in which they would act."""
     injections = [placed(task, shape, rng, reference) for shape in (one, other)]
     if None in injections:

@@ -13,7 +13,7 @@ import numpy as np
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.streams import stream
 from avobench.bench.plugins import registry
-from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.files import write_atomically
 from avobench.bench.store.record import SCHEMA_VERSION, encode
 from avobench.bench.store.versions import versions
 from avobench.diagnosis.run import diagnose

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
 from avobench.bench.events import check_events
 from avobench.bench.plugins import registry, user_files
-from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.files import write_atomically
 from avobench.bench.store.record import SCHEMA_VERSION, encode
 from avobench.bench.store.versions import versions
 from avobench.diagnosis.run import diagnose

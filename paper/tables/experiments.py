@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import gmean, wilcoxon
 
-from avobench.bench.cells.status import ESTIMATED
+from avobench.bench.store.status import ESTIMATED
 from avobench.reports.coverage import distances, within
 from avobench.reports.quantities import (
     ahead,

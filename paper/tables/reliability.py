@@ -1,8 +1,7 @@
 """Do the probabilities of a diagnosis hold? `python -m paper.tables.reliability RECORDS ...`.
 
-Of effects to which a diagnosis gives 70 %, seven in ten should be those that were hidden. A row a series of hidden
-shapes, since only the last was seen by nobody who developed the search: what stands there is the measure, the others
-are development numbers. Of two effects both count, where each is visible beside the other.
+Of effects to which a diagnosis gives 70 %, seven in ten should be those that were hidden. Each row is one kind of
+hidden effect, and the last row is all of them together. Two effects count where each is visible beside the other.
 """
 
 import sys
@@ -50,7 +49,9 @@ def table(cases: Iterable[tuple[str, Case]]) -> pd.DataFrame:
     groups: dict[str, list[Case]] = {}
     for name, case in cases:
         if case.detected and case.diagnosis.get("probabilities"):
-            groups.setdefault(name, []).append(case)
+            for each in (name, "all"):
+                groups.setdefault(each, []).append(case)
+    groups["all"] = groups.pop("all", [])
     for name, group in groups.items():
         told, hit, brier, logs, first, agrees, within, size = [], [], [], [], [], [], [], []
         for case in group:
@@ -115,9 +116,8 @@ def cases_of(paths: Iterable[Path]) -> list[tuple[str, Case]]:
 
 
 def _name(row: dict[str, Any]) -> str:
-    series = row["effects"][0]["series"]
-    of = "own shapes" if series is None else f"series {series}"
-    return of if row["kind"] in ("own", "foreign") else f"{row['kind']}, {of}"
+    shapes = f"{row['set']} shapes"
+    return shapes if row["kind"] in ("own", "foreign") else f"{row['kind']}, {shapes}"
 
 
 if __name__ == "__main__":

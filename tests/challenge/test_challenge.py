@@ -26,6 +26,23 @@ from avobench.effects.catalogue import catalogue
 from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
+from shapes.primitives import Library
+
+FOREIGN = Library("counts")
+"""Two shapes that the catalogue does not have."""
+
+
+@FOREIGN.thin("inefficiency", strength=(0.02, 0.5), variation=(0.1, 0.3))
+def uneven_loss(x, at, by, rng):
+    """Each pulse is lost with a probability that varies from event to event."""
+    return 1 - by.strength * (1 + by.variation * rng.uniform(-1, 1, x.shape))
+
+
+@FOREIGN.flip("zero_inflation", strength=(0.05, 0.2))
+def blank(x, at, by, rng):
+    """Some events are blank."""
+    return 0 * x
+
 
 HERE = Workers(in_process=True)
 """In this process, where a diagnosis can be replaced by one that takes no time."""
@@ -35,7 +52,7 @@ HERE = Workers(in_process=True)
 def folder(tmp_path_factory):
     """A small challenge of each kind, made once."""
     path = tmp_path_factory.mktemp("challenge") / "poisson"
-    make("poisson", 10, 3, path, num_events=1000)
+    make("poisson", 10, 3, path, num_events=1000, shapes=FOREIGN.shapes)
     return path
 
 
@@ -87,7 +104,7 @@ def said(verdict="no significant disagreement", effects=(), theta=1.0, **changes
 
 def test_data_are_repeated_for_a_seed_and_differ_for_another(folder, tmp_path):
     for seed, same in ((3, True), (4, False)):
-        make("poisson", 10, seed, tmp_path / str(seed), num_events=1000)
+        make("poisson", 10, seed, tmp_path / str(seed), num_events=1000, shapes=FOREIGN.shapes)
         one, other = ((path / "answers.json").read_bytes() for path in (folder, tmp_path / str(seed)))
         assert (one == other) == same
         x, y = (np.load(path / "data" / "0000.npz")["x"] for path in (folder, tmp_path / str(seed)))
@@ -129,6 +146,8 @@ def test_what_cannot_be_made_is_refused_and_leaves_nothing(tmp_path):
             make(*arguments, tmp_path / "new")
     with pytest.raises(UsageError, match="--kinds must be among"):
         make("poisson", 1, 0, tmp_path / "new", kinds=("three",))
+    with pytest.raises(UsageError, match="--kinds foreign needs --shapes"):
+        make("poisson", 1, 0, tmp_path / "new", kinds=("foreign",))
     assert not (tmp_path / "new").exists()
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "file").touch()
@@ -227,7 +246,6 @@ UNEXPLAINED = "disagreement not explained by the catalogue"
 def row(case, kind, hidden=(), diagnosis=None, power=1.0, theta=1.0, source="own", beside=1.0):
     """A line of records."""
     seen = {"distance": 1.0, "power": power, "beside": beside}
-    seen["series"] = 2 if source == "foreign" else None
     effects = [{"name": name, "feature": None, "shape": "", "settings": {}, **seen} for name in hidden]
     answer = {"case": f"{case:04d}", "kind": kind, "set": source, "theta": [theta], "effects": effects}
     return {
@@ -301,8 +319,7 @@ def test_the_score_counts_what_it_says():
     assert len(own["mistaken"]) == 2
     foreign = result["one"]["foreign"]
     assert counts(foreign["right_first"]) == (0, 1)
-    assert [counts(foreign["second_series"][name]) for name in ("right_first", "in_tie_set")] == [(0, 1), (0, 1)]
-    assert counts(own["second_series"]["right_first"]) == (0, 0)
+    assert counts(foreign["in_tie_set"]) == (0, 1)
     assert foreign["tie_size"] is None
     assert "taken for nothing" in foreign["mistaken"][0]
     withheld = result["withheld"]["own"]
@@ -424,6 +441,7 @@ def test_from_the_command_line(tmp_path, monkeypatch, capsys):
     assert json.loads(out)["solved"] == 2
     code, out, _ = avobench("challenge", "score", tmp_path / "records.jsonl")
     assert "poisson: 2 of 2 cases solved, 0 failed, 1000 events each" in out
-    code, _, error = avobench(*made)
-    assert code == 2
-    assert len(error.strip().splitlines()) == 1
+    for wrong in ((), ("--shapes", "math:pi"), ("--shapes", "nowhere:SHAPES"), ("--kinds", "foreign")):
+        code, _, error = avobench(*made, *wrong)
+        assert code == 2
+        assert len(error.strip().splitlines()) == 1

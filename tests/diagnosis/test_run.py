@@ -13,9 +13,9 @@ from avobench.diagnosis.report.quoted import scaled_std
 from avobench.diagnosis.schema import Verdict
 from avobench.effects import Effect, Parameter
 from avobench.effects.catalogue import catalogue
-from avobench.effects.counts.after_pulses import AfterPulses
+from avobench.effects.counts.pulses import AfterPulses
 from avobench.effects.model_file import AugmentedTask
-from avobench.effects.theta.mixture import Mixture
+from avobench.effects.theta import Mixture
 from avobench.tasks.errors import UsageError
 from avobench.tasks.function import task as task_of
 from avobench.tasks.poisson import Poisson

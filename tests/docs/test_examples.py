@@ -1,4 +1,4 @@
-"""The examples of the pages on adding a task and a method: quoted as they are, and every command shown works."""
+"""The code of the pages: it prints what stands below it, examples are quoted as they are, and shown commands work."""
 
 import os
 import re
@@ -17,6 +17,7 @@ from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.streams import observe
 from avobench.bench.plugins import registry
 from avobench.tasks.carl import Carl
+from paper.session import executed
 
 DOCS = Path(__file__).parents[2] / "docs"
 EXAMPLES = DOCS / "examples"
@@ -36,13 +37,39 @@ def folder(tmp_path, monkeypatch):
         sys.modules.pop(path.stem, None)
 
 
+def blocks_of(text, language):
+    return re.findall(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+
+
 def blocks(page, language):
-    return re.findall(rf"^```{language}\n(.*?)^```$", (DOCS / page).read_text(), re.MULTILINE | re.DOTALL)
+    return blocks_of((DOCS / page).read_text(), language)
 
 
 def avobench(*arguments, **variables):
     command = [sys.executable, "-m", "avobench", *arguments]
     return subprocess.run(command, capture_output=True, text=True, env=os.environ | variables)
+
+
+def words_and_numbers(page):
+    """Of the outputs on a page, without how long anything took."""
+    outputs = re.sub(r"simulated events, [\d.]+ s$", "simulated events", "\n".join(blocks_of(page, "text")), flags=re.M)
+    number = r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
+    return re.sub(number, "#", outputs), [float(value) for value in re.findall(number, outputs)]
+
+
+@pytest.mark.parametrize("page", ["index.md", "tutorial.md"])
+def test_the_page_shows_what_its_code_prints_and_draws(page, tmp_path):
+    """Numbers agree within a twentieth, as other processors round in another way."""
+    (tmp_path / "figures").mkdir()
+    shown = (DOCS / page).read_text()
+    now = executed(shown, tmp_path)
+    words, numbers = words_and_numbers(now)
+    words_shown, numbers_shown = words_and_numbers(shown)
+    assert words_shown == words
+    assert numbers_shown == pytest.approx(numbers, rel=0.05)
+    for picture in (tmp_path / "figures").iterdir():
+        assert f"(figures/{picture.name})" in shown
+        assert (DOCS / "figures" / picture.name).stat().st_size < 60_000
 
 
 @every_page

@@ -1,14 +1,19 @@
-"""What the site adds to its pages when it is built. `make docs` builds it whole, in `.ci/run`."""
+"""What the site adds to its pages, that no link is dead, and what a browser makes of the site if it has been built."""
 
 import importlib.util
 import re
+import time
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from markdown.extensions.toc import slugify
 from mkdocs.exceptions import PluginError
 
 ROOT = Path(__file__).parents[2]
+SITE = ROOT / "site"
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "examples").glob("*.ipynb")])
+built = pytest.mark.skipif(not (SITE / "index.html").exists(), reason="`make docs` has not built the site")
 
 
 @pytest.fixture(scope="module")
@@ -19,9 +24,28 @@ def hooks():
     return module
 
 
+def prose(page):
+    """The text of a page without its fenced blocks and code."""
+    return re.sub(r"^```.*?^```$|`[^`\n]*`", "", page.read_text(), flags=re.M | re.S)
+
+
+def anchors(page):
+    return {slugify(title, "-") for title in re.findall(r"^#+ (.*)$", page.read_text().replace("`", ""), re.M)}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_no_link_is_dead_where_the_repository_is_read(page):
+    for target in re.findall(r"\]\(([^)\s]+)\)", prose(page)):
+        if "://" not in target:
+            name, _, anchor = target.partition("#")
+            path = page.parent / name if name else page
+            assert path.exists(), target
+            assert not anchor or anchor in anchors(path), target
+
+
 @pytest.mark.parametrize("task", ["carl", "poisson", "alignment"])
 def test_the_page_of_effects_says_of_each_what_it_does_its_shapes_and_its_parameters(hooks, task):
-    page = hooks.effects_page()
+    page = hooks.on_page_markdown((ROOT / "docs" / "effects.md").read_text())
     sections = dict(re.findall(r"^### (\w+)\n\n(.*?)(?=^##)", page + "\n## ", re.M | re.S))
     for name, family in hooks.families(task).items():
         assert name in sections
@@ -38,7 +62,7 @@ def test_the_page_of_effects_says_of_each_what_it_does_its_shapes_and_its_parame
 
 
 def test_an_effect_on_features_without_negative_values_is_on_the_page_once(hooks):
-    page = hooks.effects_page()
+    page = hooks.on_page_markdown((ROOT / "docs" / "effects.md").read_text())
     assert "decays-second-exponential.png" in page
     for name in ("resolution", "second_exponential", "radiative_tail"):
         assert page.count(f"\n### {name}\n") == 1
@@ -78,12 +102,39 @@ def test_every_page_of_the_folder_is_in_the_navigation():
     assert [page for page in pages if not re.search(rf"(- |: ){re.escape(page)}$", nav, re.M)] == []
 
 
-def test_contributing_answers_five_questions_with_places_that_exist():
+def test_the_places_that_contributing_names_exist():
     text = (ROOT / "CONTRIBUTING.md").read_text()
-    section = text.split("## Where does this change belong?")[1].split("\n## ")[0]
-    assert len(re.findall(r"^\*\*.+?\*\*", section, re.M)) == 5
-    folders = re.findall(r"^\| `(\w+/)` \|", text, re.M)
-    package = {f"{path.name}/" for path in (ROOT / "avobench").iterdir() if (path / "__init__.py").exists()}
-    assert set(folders) == package
-    named = re.findall(r"`(avobench/[\w/]+(?:\.py|/))`", text)
+    package = {path.name for path in (ROOT / "avobench").iterdir() if (path / "__init__.py").exists()}
+    assert set(re.findall(r"^  (\w+)/ ", text, re.M)) == package
+    named = re.findall(r"`((?:avobench|paper|shapes|docs|tests)/[\w/.-]*)`", text)
+    assert len(named) > 5
     assert [path for path in named if not (ROOT / path).exists()] == []
+
+
+@built
+@pytest.mark.parametrize("width", [400, 1200])
+def test_no_page_scrolls_sideways(browser, width):
+    pages = sorted(SITE.rglob("*.html"))
+    with browser.window(width):
+        too_wide = []
+        for page in pages:
+            browser.open(page)
+            end, window = browser.widest()
+            if end > window:
+                too_wide.append((page.name, end))
+    assert len(pages) > 20
+    assert too_wide == []
+
+
+@built
+def test_the_site_is_searched_from_a_folder_without_a_network(browser):
+    browser.open(SITE / "index.html")
+    browser.run("document.querySelector('input.md-search__input').focus()")
+    browser.driver.switch_to.active_element.send_keys("dead_time")
+    found, deadline = [], time.monotonic() + 30
+    while not found and time.monotonic() < deadline:
+        time.sleep(0.2)
+        found = browser.run("return [...document.querySelectorAll('.md-search-result__link')].map(link => link.href)")
+    assert any("effects.html" in link for link in found)
+    assert all(link.startswith("file:") for link in found)
+    assert not any("http" in line for line in browser.complaints())

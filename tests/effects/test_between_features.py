@@ -4,9 +4,14 @@ import numpy as np
 import pytest
 
 from avobench.effects.catalogue import catalogue
-from avobench.effects.continuous.conditional_response import FLOOR, SHIFTS, ConditionalResponse
-from avobench.effects.continuous.correlation import MOST_PAIRS, Correlation
-from avobench.effects.continuous.crosstalk import Crosstalk
+from avobench.effects.continuous.between_features import (
+    FLOOR,
+    MOST_PAIRS,
+    SHIFTS,
+    ConditionalResponse,
+    Correlation,
+    Crosstalk,
+)
 from avobench.effects.ranges import Range
 from avobench.tasks.carl import Carl
 from avobench.tasks.function import task

@@ -6,7 +6,6 @@ from scipy.stats import norm, poisson
 
 from avobench.bench.conformance import effects as suite
 from avobench.effects.catalogue import catalogue, chosen, of_domain
-from avobench.effects.counts.overdispersion import RATES
 from avobench.effects.model import Model
 from avobench.tasks.function import task
 from avobench.tasks.poisson import Poisson
@@ -40,39 +39,90 @@ def events(task, effects, params, n=N):
     return Model(task, tuple(effects)).simulate(np.tile(params, (n, 1)), np.random.default_rng(0))
 
 
-@pytest.mark.parametrize(
-    ("shape", "mean", "variance"),
-    [
-        ("chain", lambda p: 1 / (1 - p), lambda p: (1 + p) / (1 - p) ** 2),
-        ("one_generation", lambda p: 1 + p, lambda p: p + (1 + p) ** 2),
-    ],
-)
-def test_afterpulses_have_the_moments_of_their_generations(shape, mean, variance):
-    """Of a Poisson count both moments are in proportion to its rate (law of total variance)."""
-    x = events(Poisson(), [effect_of(Poisson(), "after_pulses", shape)], [np.log(3.0), 0.3])[:, 0]
-    assert x.mean() == pytest.approx(3 * mean(0.3), abs=5 * x.std() / np.sqrt(N))
-    assert x.var() == pytest.approx(3 * variance(0.3), rel=0.02)
-
-
-@pytest.mark.parametrize("lost", [0.4, 1.0])
-def test_truncated_counts_are_those_up_to_the_limit(lost):
-    x = events(Poisson(), [effect_of(Poisson(), "truncation", "")], [np.log(6.0), lost, 7.0])[:, 0]
-    k = np.arange(25)
-    kept = poisson.pmf(k, 6) * np.where(k > 7, 1 - lost, 1)
-    np.testing.assert_allclose(np.bincount(x, minlength=25)[:25] / N, kept / kept.sum(), atol=5 * 0.5 / np.sqrt(N))
-
-
-def test_a_soft_limit_loses_a_logistic_share():
-    x = events(Poisson(), [effect_of(Poisson(), "truncation", "soft")], [np.log(6.0), 0.9, 7.0, 1.5])[:, 0]
-    k = np.arange(25)
-    kept = poisson.pmf(k, 6) * (1 - 0.9 / (1 + np.exp(-(k - 7) / 1.5)))
-    np.testing.assert_allclose(np.bincount(x, minlength=25)[:25] / N, kept / kept.sum(), atol=5 * 0.5 / np.sqrt(N))
-
-
 def test_a_limit_is_looked_for_among_the_measured_counts():
     x = np.random.default_rng(0).poisson(6, (1000, 1))
     limit = effect_of(Poisson(), "truncation").adapted(x).parameters[1]
     assert (limit.low, limit.high) == (np.median(x), x.max() + 1)
+
+
+PART = 0.25 * 0.8 / 2
+MOMENTS = [  # of a Poisson count of a rate, by the law of total variance
+    ("after_pulses", "chain", 3, [0.3], 3 / 0.7, 3 * 1.3 / 0.7**2),
+    ("after_pulses", "one_generation", 3, [0.3], 3 * 1.3, 3 * (0.3 + 1.3**2)),
+    ("pile_up", "sometimes", 6, [0.8, 0.25], 6 * (1 + PART), 6 * (1 + PART) + 36 * (0.25 * 0.8**2 / 3 - PART**2)),
+    ("pile_up", "several", 6, [0.5, 1.5], 6 * 1.75, 6 * 1.75 + 36 * 0.25 * 1.5),
+    ("overdispersion", "gamma", 20, [0.04], 20, 20 + 0.04 * 400),
+    ("overdispersion", "lognormal", 20, [0.04], 20, 20 + 0.04 * 400),
+    ("overdispersion", "skewed", 20, [0.04, 0.5], 20, 20 + 0.04 * 400),
+    ("overdispersion", "drift", 20, [0.04], 20, 20 + 0.04 * 400),
+    ("overdispersion", "uniform", 20, [0.04], 20, 20 + 0.04 * 400),
+    ("overdispersion", "flares", 20, [0.5, 0.05], 20, 20 + 0.5 * 400),
+    ("overdispersion", "flares", 20, [0.1, 0.3], 20, 20 + 0.1 * 400),
+    ("overdispersion", "decaying", 20, [0.3], 20, 20 + 0.3 * 400),
+    ("overdispersion", "decaying", 20, [1e-6], 20, 20),
+    ("flat_background", "added", 6, [0.2, 8.0], 6 + 0.2 / np.expm1(1 / 8.0), None),  # a whole part of an exponential
+]
+
+
+@pytest.mark.parametrize(("name", "shape", "rate", "phi", "mean", "variance"), MOMENTS)
+def test_counts_have_the_moments_of_what_happened_to_them(name, shape, rate, phi, mean, variance):
+    x = events(Poisson(), [effect_of(Poisson(), name, shape)], [np.log(rate), *phi])[:, 0]
+    assert x.mean() == pytest.approx(mean, abs=5 * x.std() / np.sqrt(N))
+    assert variance is None or x.var() == pytest.approx(variance, rel=0.04)
+
+
+K = np.arange(25)
+PMF, BEYOND = poisson.pmf(K, 6), poisson.sf(8, 6)
+
+
+def weighed(kept):
+    return PMF * kept / (PMF * kept).sum()
+
+
+def at(shares):
+    """Probabilities of counts, of which these are given."""
+    return np.array([shares.get(k, PMF[k]) for k in K])
+
+
+SUPPRESSED = PMF * (1 - 0.8 / (1 + np.exp((K - 4) / 0.6)))
+PROBABILITIES = [
+    ("truncation", "", [0.4, 7.0], weighed(np.where(K > 7, 0.6, 1))),
+    ("truncation", "", [1.0, 7.0], weighed(K <= 7)),
+    ("truncation", "soft", [0.9, 7.0, 1.5], weighed(1 - 0.9 / (1 + np.exp(-(K - 7) / 1.5)))),
+    ("threshold_loss", "suppressed", [0.8, 4.0], np.r_[1 - SUPPRESSED[1:].sum(), SUPPRESSED[1:]]),
+    # between two counts a limit is the upper one for its share, and counts beyond it are recorded as one of them
+    ("censoring", "above", [1.0, 8.3], np.where(K > 9, 0, at({8: PMF[8] + 0.7 * BEYOND, 9: 0.3 * BEYOND}))),
+    (
+        *("censoring", "below", [1.0, 3.6]),
+        np.where(K < 3, 0, at({3: 0.4 * poisson.cdf(3, 6), 4: PMF[4] + 0.6 * poisson.cdf(3, 6)})),
+    ),
+]
+
+
+@pytest.mark.parametrize(("name", "shape", "phi", "expected"), PROBABILITIES)
+def test_counts_have_the_probabilities_of_what_is_lost_or_cut(name, shape, phi, expected):
+    x = events(Poisson(), [effect_of(Poisson(), name, shape)], [np.log(6.0), *phi])[:, 0]
+    np.testing.assert_allclose(np.bincount(x, minlength=25)[:25] / N, expected, atol=5 * 0.5 / np.sqrt(N))
+
+
+READ = [  # of a reading of `at`: values that may be read, how many are not `at`, and the variance
+    ("readout_noise", "sometimes", 50, [6.0, 0.25], None, 0.25 * 2 * norm.sf(0.5 / 6), 0.25 * (6**2 + 1 / 12)),
+    ("readout_noise", "upset", 21, [0.3, 4.0], {21, 20, 23, 17, 29}, 0.3, None),
+    ("readout_noise", "jumps", 100, [5.0, 0.3], {95, 100, 105}, 0.3, 0.3 * 25),
+    ("readout_noise", "hum", 100, [5.0], set(range(93, 108)), None, 25 + 1 / 12),  # a sine wave of rms 5
+    ("flat_background", "swept", 0, [1.0, 200.0], None, None, 200**2 / 8 + 100),  # a rate that is a sine as well
+]
+
+
+@pytest.mark.parametrize(("name", "shape", "at", "phi", "values", "changed", "variance"), READ)
+def test_readings_are_off_by_what_is_said(name, shape, at, phi, values, changed, variance):
+    phi = np.tile(phi, (N, 1))
+    x = effect_of(Poisson(), name, shape).apply(lambda theta, rng: np.full((N, 1), at), phi, phi, rng())[:, 0]
+    assert values is None or set(x) == values
+    assert changed is None or (x != at).mean() == pytest.approx(changed, abs=5 * 0.5 / np.sqrt(N))
+    assert variance is None or x.var() == pytest.approx(variance, rel=0.05)
+    if shape != "upset":
+        assert x.mean() == pytest.approx(100 if shape == "swept" else at, abs=5 * x.std() / np.sqrt(N))
 
 
 @pytest.mark.parametrize(("shape", "limit", "piled"), [("above", 8, poisson.sf(7, 6)), ("below", 4, poisson.cdf(4, 6))])
@@ -85,19 +135,6 @@ def test_censored_counts_are_a_spike_at_the_limit_which_is_read_off_the_data(sha
     assert shown.parameters[1].low <= limit <= shown.parameters[1].high
     outermost = [6, 7, 8] if shape == "above" else [4, 5, 6]
     assert sorted(set(shown.guess(x)[:, 1].tolist())) == outermost
-
-
-def test_a_limit_between_two_counts_is_the_upper_one_for_its_share():
-    """Of counts beyond 8.3, three in ten are recorded as 9, or as themselves if they are, and the others as 8."""
-    x = events(Poisson(), [effect_of(Poisson(), "censoring", "above")], [np.log(6.0), 1.0, 8.3])[:, 0]
-    beyond, error = poisson.sf(8, 6), 5 * 0.5 / np.sqrt(N)
-    assert x.max() == 9
-    assert (x == 9).mean() == pytest.approx(0.3 * beyond, abs=error)
-    assert (x == 8).mean() == pytest.approx(poisson.pmf(8, 6) + 0.7 * beyond, abs=error)
-    x = events(Poisson(), [effect_of(Poisson(), "censoring", "below")], [np.log(6.0), 1.0, 3.6])[:, 0]
-    assert x.min() == 3
-    assert (x == 3).mean() == pytest.approx(0.4 * poisson.cdf(3, 6), abs=error)
-    assert (x == 4).mean() == pytest.approx(poisson.pmf(4, 6) + 0.6 * poisson.cdf(3, 6), abs=error)
 
 
 def test_a_limit_far_within_the_counts_is_where_they_gather():
@@ -118,29 +155,6 @@ def test_of_counts_that_nothing_censors_only_the_outermost_may_be_a_limit(rate):
         assert ((away >= 0) & (away < 3)).all()
         low, high = np.quantile(x, [0.1, 0.9])
         assert (limits >= low if shape.shape == "above" else limits <= max(high, 1)).all()
-
-
-def test_what_a_threshold_suppresses_reads_zero():
-    x = events(Poisson(), [effect_of(Poisson(), "threshold_loss", "suppressed")], [np.log(6.0), 0.8, 4.0])[:, 0]
-    k = np.arange(25)
-    kept = 1 - 0.8 / (1 + np.exp((k - 4) / 0.6))
-    expected = poisson.pmf(k, 6) * kept
-    expected[0] = 1 - expected[1:].sum()
-    np.testing.assert_allclose(np.bincount(x, minlength=25)[:25] / N, expected, atol=5 * 0.5 / np.sqrt(N))
-
-
-def test_a_noise_that_comes_sometimes_leaves_the_other_readings():
-    effect, phi = effect_of(Poisson(), "readout_noise", "sometimes"), np.tile([6.0, 0.25], (N, 1))
-    x = effect.apply(lambda theta, rng: np.full((N, 1), 50), phi, phi, rng())[:, 0]
-    changed = 0.25 * (2 * norm.sf(0.5 / 6))
-    assert (x != 50).mean() == pytest.approx(changed, abs=5 * 0.5 / np.sqrt(N))
-    assert x.var() == pytest.approx(0.25 * (6**2 + 1 / 12), rel=0.05)
-
-
-def test_a_background_that_is_added_has_its_moments():
-    x = events(Poisson(), [effect_of(Poisson(), "flat_background", "added")], [np.log(6.0), 0.2, 8.0])[:, 0]
-    mean = 1 / np.expm1(1 / 8.0)  # of a whole part of an exponential
-    assert x.mean() == pytest.approx(6 + 0.2 * mean, abs=5 * x.std() / np.sqrt(N))
 
 
 def test_an_excess_of_zeros_stands_beside_another_process():
@@ -189,65 +203,3 @@ def test_effects_keep_their_contract_on_any_count(family, which, feature):
     assert len(tried) == 4 * len(wanted)
     for check in tried:
         check()
-
-
-def test_pile_up_that_comes_sometimes_adds_any_part_of_another_event():
-    x = events(Poisson(), [effect_of(Poisson(), "pile_up", "sometimes")], [np.log(6.0), 0.8, 0.25])[:, 0]
-    part, square = 0.25 * 0.4, 0.25 * 0.8**2 / 3
-    assert x.mean() == pytest.approx(6 * (1 + part), abs=5 * x.std() / np.sqrt(N))
-    assert x.var() == pytest.approx(6 * (1 + part) + 36 * (square - part**2), rel=0.02)
-
-
-@pytest.mark.parametrize(("variance", "share"), [(0.1, 0.3), (0.5, 0.05), (1.0, 0.5)])
-def test_flares_keep_the_mean_rate_and_have_the_variance(variance, share):
-    phi = np.tile([variance, share], (N, 1))
-    rates = RATES["flares"].drawn(phi[:, 0], phi, rng())
-    assert rates.mean() == pytest.approx(1, abs=5 * rates.std() / np.sqrt(N))
-    assert rates.var() == pytest.approx(variance, rel=0.06)
-    assert (rates > rates.min() + 1e-9).mean() == pytest.approx(share, abs=5 * 0.5 / np.sqrt(N))
-
-
-def test_a_source_that_decays_keeps_the_mean_rate_and_has_the_variance():
-    for variance in (1e-6, 0.01, 0.3, 1.0):
-        phi = np.tile([variance], (N, 1))
-        rates = RATES["decaying"].drawn(phi[:, 0], phi, rng())
-        assert rates.mean() == pytest.approx(1, abs=5 * rates.std() / np.sqrt(N))
-        assert rates.var() == pytest.approx(variance, rel=0.02)
-        assert rates.max() / rates.min() == pytest.approx(np.exp(np.ptp(np.log(rates))))
-
-
-def test_pile_up_of_several_adds_a_part_of_each():
-    x = events(Poisson(), [effect_of(Poisson(), "pile_up", "several")], [np.log(6.0), 0.5, 1.5])[:, 0]
-    mean, variance = 6 * (1 + 0.75), 6 * (1 + 0.75) + 36 * 0.25 * 1.5
-    assert x.mean() == pytest.approx(mean, abs=5 * x.std() / np.sqrt(N))
-    assert x.var() == pytest.approx(variance, rel=0.02)
-
-
-def test_a_swept_background_gathers_at_both_ends_of_its_range():
-    phi = np.tile([1.0, 200.0], (N, 1))
-    x = effect_of(Poisson(), "flat_background", "swept").apply(
-        lambda theta, rng: np.zeros((N, 1), int), phi, phi, rng()
-    )
-    assert x.mean() == pytest.approx(100, abs=5 * x.std() / np.sqrt(N))
-    assert x.var() == pytest.approx(200**2 / 8 + 100, rel=0.02)
-
-
-def test_an_upset_flips_one_bit_of_some_readings():
-    effect, phi = effect_of(Poisson(), "readout_noise", "upset"), np.tile([0.3, 4.0], (N, 1))
-    x = effect.apply(lambda theta, rng: np.full((N, 1), 21), phi, phi, rng())[:, 0]
-    assert set(x) == {21, 20, 23, 17, 29}
-    assert (x != 21).mean() == pytest.approx(0.3, abs=5 * 0.5 / np.sqrt(N))
-
-
-@pytest.mark.parametrize(("shape", "phi"), [("jumps", [5.0, 0.3]), ("hum", [5.0])])
-def test_a_readout_that_jumps_or_hums_has_the_moments_of_that(shape, phi):
-    effect = effect_of(Poisson(), "readout_noise", shape)
-    phi = np.tile(phi, (N, 1))
-    x = effect.apply(lambda theta, rng: np.full((N, 1), 100), phi, phi, rng())[:, 0]
-    assert x.mean() == pytest.approx(100, abs=5 * x.std() / np.sqrt(N))
-    if shape == "jumps":
-        assert set(x) == {95, 100, 105}
-        assert (x != 100).mean() == pytest.approx(0.3, abs=5 * 0.5 / np.sqrt(N))
-    else:
-        assert x.max() - 100 == 100 - x.min() == 7  # the crest of a sine wave of rms 5
-        assert x.var() == pytest.approx(25 + 1 / 12, rel=0.02)

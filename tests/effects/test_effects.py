@@ -19,20 +19,8 @@ from avobench.effects.ranges import Range, ranges
 from avobench.effects.rejection import DRAWN, accepted
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
-from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
-
-COUNTS = (
-    "zero_inflation overdispersion dead_time threshold_loss flat_background double_counting readout_noise quantisation "
-    "pile_up inefficiency mixture truncation censoring"
-)
-CONTINUOUS = (
-    "resolution offset scale edge_acceptance forward_backward_acceptance flat_background peak_background dead_region "
-    "charge_misid outliers quantisation saturation spread mixture"
-)
-BETWEEN = "crosstalk conditional_response correlation"
-"""Where there are several features."""
 
 
 def effect_of(task, name, shape=None):
@@ -45,42 +33,23 @@ def events(task, effect, theta, phi, n=40_000, seed=0):
     return effect.apply(task.simulate, np.tile(np.atleast_1d(theta), (n, 1)), np.tile(phi, (n, 1)), rng)
 
 
-def test_catalogue_has_the_promised_names():
-    assert list(dict.fromkeys(e.name for e in catalogue(Poisson()))) == COUNTS.split()
-    assert {e.name for e in catalogue(Weinberg())} == set(CONTINUOUS.split())
-    of_carl = catalogue(Carl())
-    assert {e.name for e in of_carl} == {*CONTINUOUS.split(), *BETWEEN.split()}
-    of_theta = 2 + 1  # two parameters, and both in a second population
-    of_each, on_all = 1, 1  # of which an entry a feature, and one on all, would mean nothing
-    assert len({e.key for e in of_carl}) == 13 * 6 + 5 * of_each + on_all + of_theta  # five features
-
-
 CHECKED = (
-    "overdispersion double_counting heaping resolution edge_acceptance censoring second_exponential radiative_tail"
+    "overdispersion double_counting heaping resolution edge_acceptance censoring second_exponential radiative_tail "
+    "afterpulses:Afterpulses"
 )
-"""Of each way to act one or two, since every check simulates; of a family all classes."""
+"""Of each way to act one or two, since every check simulates; of a family all classes; and an example of the docs."""
 
 
 @pytest.mark.parametrize("name", CHECKED.split())
-def test_effects_keep_their_contract(name):
+def test_effects_keep_their_contract(name, monkeypatch):
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "docs" / "examples"))
     results = list(check.run("effect", name))
     assert [f"{r.what}: {r.why}" for r in results if not r.passed] == []
     assert len(results) > 5
 
 
-def test_the_example_of_the_page_is_an_effect_and_the_page_quotes_it(monkeypatch):
-    docs = Path(__file__).parents[2] / "docs"
-    monkeypatch.syspath_prepend(str(docs / "examples"))
-    assert all(result.passed for result in check.run("effect", "afterpulses:Afterpulses"))
-    source = (docs / "examples" / "afterpulses.py").read_text()
-    quoted = (docs / "add-an-effect.md").read_text().split("```python\n")[1].split("```")[0]
-    for line in quoted.splitlines():
-        assert line in source
-
-
-def test_the_example_that_alters_a_stage_stops_its_share_and_the_page_quotes_it(monkeypatch):
-    docs = Path(__file__).parents[2] / "docs"
-    monkeypatch.syspath_prepend(str(docs / "examples"))
+def test_the_example_that_alters_a_stage_stops_its_share(monkeypatch):
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "docs" / "examples"))
     effect, theta = registry.effect("absorber:Absorber"), np.zeros((400, 1))
     task = Alignment(response="energy")  # of hits, two in one cell are one
     seen = [
@@ -88,9 +57,6 @@ def test_the_example_that_alters_a_stage_stops_its_share_and_the_page_quotes_it(
         for stopped in (0.0, 0.6)
     ]
     assert seen[1] / seen[0] == pytest.approx(0.4, abs=0.03)
-    source = (docs / "examples" / "absorber.py").read_text()
-    quoted = (docs / "add-an-effect.md").read_text().split("```python\n")[2].split("```")[0]
-    assert all(line in source for line in quoted.splitlines())
 
 
 @pytest.mark.parametrize(
@@ -117,11 +83,6 @@ def test_a_users_effect_on_counts_keeps_the_contract_whatever_other_events_are(m
     results = list(check.run("effect", "faulty_effects:Sound"))
     assert [f"{r.what}: {r.why}" for r in results if not r.passed] == []
     assert not any("alignment" in result.what for result in results)  # of its hits it makes other numbers
-
-
-def test_check_refuses_an_unknown_effect():
-    with pytest.raises(UsageError, match="no effect 'gremlins'"):
-        list(check.run("effect", "gremlins"))
 
 
 def test_parameter_refuses_a_null_outside_its_bounds():
@@ -171,15 +132,6 @@ def test_a_counter_that_receives_far_too_much_counts_nothing(pulses, tau, counte
         assert (x == counted).all()
 
 
-@pytest.mark.parametrize("shape", ["gamma", "lognormal", "skewed", "drift", "uniform"])
-def test_overdispersion_adds_the_stated_variance(shape):
-    effect = effect_of(Poisson(), "overdispersion", shape)
-    phi = [0.04, 0.5][: len(effect.parameters)]
-    x = events(Poisson(), effect, np.log(20.0), phi)[:, 0]
-    assert x.mean() == pytest.approx(20, rel=0.01)
-    assert x.var() == pytest.approx(20 + 0.04 * 400, rel=0.06)
-
-
 @pytest.mark.parametrize("skewness", [-2.0, -0.3, 0.0, 1.2])
 def test_skewed_noise_has_the_stated_moments(skewness):
     """A share s of a centred exponential beside a Gaussian: excess kurtosis 6 s^4."""
@@ -200,17 +152,7 @@ def test_accepted_events_follow_the_acceptance():
     assert x.mean() == pytest.approx(1 / np.sqrt(np.pi), abs=5 * 0.83 / np.sqrt(50_000))
 
 
-def test_an_acceptance_of_nothing_ends():
-    x = accepted(
-        lambda t, rng: rng.random((len(t), 1)),
-        np.zeros((200, 1)),
-        lambda x, rows: 0 * x[:, 0],
-        np.random.default_rng(0),
-    )
-    assert x.shape == (200, 1)
-
-
-@pytest.mark.parametrize("share", [0.1, 0.01])
+@pytest.mark.parametrize("share", [0.1, 0.01, 0.0])
 def test_one_recorded_event_in_ten_is_waited_for_and_what_is_rarer_costs_no_more(share):
     drawn = []
 
@@ -385,28 +327,6 @@ def test_steps_that_are_blurred_are_those_of_each_feature():
     null = shape.apply(lambda theta, rng: x.copy(), guess, np.tile([0.0, *guess[1:]], (len(x), 1)), rng)
     assert np.array_equal(null, x)
     assert "blurred" not in {s.shape for s in adapted.adapted(x).shapes()}
-
-
-@pytest.mark.parametrize(("compression", "knee"), [(0.0, 0.3), (4.0, 0.3), (50.0, 0.9)])
-def test_beyond_a_knee_the_response_bends_and_below_it_nothing_changes(compression, knee):
-    effect = effect_of(Weinberg(), "saturation", "knee")
-    x = np.linspace(-1, 1, 400)[:, None]
-    phi = np.tile([compression, knee], (400, 1))
-    y = effect.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(0))
-    below = x <= knee
-    assert (y[below] == x[below]).all()
-    assert (np.diff(y[:, 0]) > 0).all()
-    assert y[-1, 0] == pytest.approx(knee + (1 - knee) / (1 + compression * (1 - knee)))
-
-
-@given(low=st.floats(-5, -0.1), high=st.floats(0.1, 5), stretch=st.floats(-0.5, 0.5))
-def test_a_scale_that_grows_is_the_same_whatever_range_the_events_show(low, high, stretch):
-    effect = effect_of(Carl(), "scale", "cubic")
-    x = np.linspace(-6, 6, 50)
-    span, other = Range(low, high, False), Range(-2.0, 2.0, False)
-    same = stretch * (other.high / max(-low, high)) ** 2
-    phi, of_other = (np.full((len(x), 1), value) for value in (stretch, same))
-    np.testing.assert_allclose(effect.changed(x, span, phi, None), effect.changed(x, other, of_other, None))
 
 
 def test_outliers_in_the_angle_stay_within_the_range():

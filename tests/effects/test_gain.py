@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from avobench.effects.images.gain import Gain, odd_line
+from avobench.effects.images.cells import Gain, odd_line
 
 GRID = (12, 16)
 

@@ -2,15 +2,18 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from avobench.challenge.shapes import Place
-from avobench.challenge.shapes.first import tracker
+import avobench
+from avobench.challenge.shape import Injection, Place
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.effects.pool import Pool
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
+from shapes.images import rocking_frame, wandering_beam
 
 N = 2_000
 
@@ -55,8 +58,9 @@ def images(task, name, theta, phi, shape=None):
 @pytest.mark.parametrize(
     ("shape", "settings", "phi"),
     [
-        (tracker.TiltedDetector, {"strength": 0.2, "azimuth": 0.9 + np.pi / 2}, [0.2, 0.9]),  # that of the axis
-        (tracker.MovedBeam, {"strength": 0.8, "azimuth": -0.4}, [0.8 / 3.2, -0.4]),
+        # The azimuth of a shape is in turns, and that of a tilt is the axis's.
+        (rocking_frame, {"strength": 0.2, "azimuth": 0.9 / (2 * np.pi) + 0.25, "rock": 0, "cycles": 5}, [0.2, 0.9]),
+        (wandering_beam, {"strength": 0.8, "azimuth": -0.4 / (2 * np.pi), "wander": 0}, [0.8 / 3.2, -0.4]),
     ],
 )
 def test_a_tracker_out_of_place_is_what_the_challenge_makes_of_it(theta, shape, settings, phi):
@@ -64,8 +68,8 @@ def test_a_tracker_out_of_place_is_what_the_challenge_makes_of_it(theta, shape, 
     task = Alignment()
     where = Place(task, None, np.zeros((1, 1024), np.uint8))
     at = np.full((N, 1), theta)
-    expected = shape(where, **settings).measure(task.simulate, at, np.random.default_rng(3))
-    found = images(task, shape.name, theta, phi)
+    expected = Injection(shape, where, settings).measure(task.simulate, at, np.random.default_rng(3))
+    found = images(task, shape.family, theta, phi)
     assert (found != expected).sum() <= 2
     assert (found != task.simulate(at, np.random.default_rng(3))).any(axis=1).mean() > 0.9
 
@@ -118,3 +122,14 @@ def test_a_task_that_generates_first_need_not_let_its_particles_be_altered():
     pool = Pool(Plain(task), 50, np.random.default_rng(0))
     np.testing.assert_array_equal(pool.fresh(at, np.random.default_rng(1)), task.simulate(at, np.random.default_rng(1)))
     assert pool(at, np.random.default_rng(1)).shape == (20, 1024)
+
+
+HUNDREDTHS = st.integers(-300, 300)
+
+
+@given(HUNDREDTHS, st.integers(1, 300), st.floats(0, 1))
+def test_no_parameter_leaves_its_bounds_by_rounding(low, width, u):
+    prior = {"a": (low / 100, (low + width) / 100)}
+    model = Model(avobench.task(lambda theta, rng: theta[:, 0] + rng.normal(size=len(theta)), prior=prior, name="toy"))
+    params = model.from_cube(np.array([[0.0], [u], [1.0]]))
+    assert model.task.support.contains(params).all()

@@ -27,7 +27,7 @@ MODEL = {
 EVIL = """
 from pathlib import Path
 
-from avobench.effects.counts.inefficiency import Inefficiency
+from avobench.effects.counts.exposure import Inefficiency
 from avobench.tasks.poisson import Poisson
 
 Path(__file__).with_name("ran").touch()

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from avobench.effects.catalogue import catalogue
-from avobench.effects.readings.heaping import Heaping, heaps
+from avobench.effects.heaping import Heaping, heaps
 from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
 

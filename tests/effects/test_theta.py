@@ -9,7 +9,7 @@ from scipy.stats import truncnorm
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.effects.site import Site
-from avobench.effects.theta.spread import Spread
+from avobench.effects.theta import Spread
 from avobench.tasks.function import task
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.warped import Warped5

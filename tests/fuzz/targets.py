@@ -19,11 +19,11 @@ import numpy as np
 from hypothesis import strategies as st
 from sound_records import sound_records
 
-from avobench.bench.cells.status import Status
 from avobench.bench.events import read_events
 from avobench.bench.plugins import registry
 from avobench.bench.store.packed import Row, read_rows, write_rows
 from avobench.bench.store.record import IDENTITY, encode, file_name, identity_hash
+from avobench.bench.store.status import Status
 from avobench.bench.store.store import Store
 from avobench.bench.store.table import to_frame
 from avobench.cli import main as cli
@@ -93,7 +93,7 @@ class Target(ABC):
 
     @contextlib.contextmanager
     def _alone(self) -> Iterator[None]:
-        """In the folder, with its modules first on the path, and not for ever."""
+        """The block runs in the folder, with its modules first on the path, and not for ever."""
         before, modules = Path.cwd(), set(sys.modules)
         plant(self.folder)
         os.chdir(self.folder)
@@ -111,7 +111,7 @@ class Target(ABC):
 
 
 class CommandLines(Target):
-    """Of every command, in a folder with a few files that they may take; `-Q` and the like must be refused."""
+    """Lines of every command, in a folder with a few files that they may take; `-Q` and the like must be refused."""
 
     name = "command lines"
 

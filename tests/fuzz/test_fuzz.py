@@ -6,7 +6,7 @@ from fuzz.__main__ import outcomes
 from fuzz.inputs import Bomb
 from fuzz.targets import GUARD, CommandLines, Events, Manifests, Models, Packed, Records, Results
 
-EXAMPLES = 50
+EXAMPLES = 30
 KINDS = (CommandLines, Records, Packed, Manifests, Results, Models)
 FORMATS = ("npy", "npz", "csv", "parquet", "root")
 

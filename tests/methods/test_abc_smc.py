@@ -1,17 +1,12 @@
-import logging
-import random
-
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from avobench.bench.plugins.registry import settings_of
-from avobench.methods.abc_smc import AbcSmc, AbcSmcTuned, _density_mode
-from avobench.tasks import Box, Task
-from avobench.tasks.errors import BudgetExhausted, SimulatorError, UsageError
+from avobench.methods.abc_smc import AbcSmc, AbcSmcTuned
+from avobench.tasks import Task
+from avobench.tasks.errors import UsageError
 from avobench.tasks.warped import Means20
-from gaussian import TRUTH, Constant, Failing, GaussianMean, GaussianMeans, gaussian_problem
+from gaussian import TRUTH, Constant, GaussianMean, gaussian_problem
 
 METHOD = AbcSmc(population_size=40, events_per_theta=16)
 
@@ -30,13 +25,6 @@ def test_finds_the_mean_of_a_gaussian():
     assert problem.simulate.refused == 16
 
 
-def test_keeps_the_order_of_the_parameters():
-    estimate, _ = infer(16 * 1250, task=GaussianMeans(), truth=np.array([-1.5, 12.0]))
-    assert estimate.theta == pytest.approx([-1.5, 12.0], abs=0.5)
-    assert estimate.mean.shape == estimate.std.shape == (2,)
-    assert estimate.mean == pytest.approx([-1.5, 12.0], abs=0.5)
-
-
 @pytest.mark.parametrize("budget", [4 * 40 * 16, 7001, 12_345])
 def test_budget_is_spent_but_never_exceeded_and_every_event_is_accounted_for(budget):
     estimate, problem = infer(budget)
@@ -46,66 +34,12 @@ def test_budget_is_spent_but_never_exceeded_and_every_event_is_accounted_for(bud
     assert estimate.discarded % METHOD.events_per_theta == 0
 
 
-def test_trace_ends_at_the_estimate_and_narrows():
-    estimate, problem = infer(12_000)
-    simulations = [point.simulations for point in estimate.trace]
-    assert len(simulations) >= 3
-    assert simulations == sorted(set(simulations))
-    assert simulations[0] >= 2 * 40 * 16  # calibration and first generation
-    assert (estimate.trace[-1].theta == estimate.theta).all()
-    assert (estimate.trace[-1].std == estimate.std).all()
-    assert estimate.std < estimate.trace[0].std
-    assert all(problem.prior.contains(point.theta).all() for point in estimate.trace)
-
-
 def test_calibration_costs_one_population_and_the_first_generation_accepts_about_half():
     """What `min_simulations` rests on: N evaluations calibrate, 2 N are expected for the first generation."""
-    first = [infer(3500, seed=seed)[0].trace[0].simulations / (16 * 40) for seed in range(8)]
+    first = [infer(3500, seed=seed)[0].trace[0].simulations / (16 * 40) for seed in range(4)]
     assert min(first) >= 2
     assert np.mean(first) == pytest.approx(3, abs=0.5)
     assert METHOD.min_simulations(1) == 4 * 40 * 16
-
-
-def test_a_budget_that_ends_within_the_first_generation_is_exhausted():
-    with pytest.raises(BudgetExhausted):
-        infer(2 * 40 * 16 - 1)
-    with pytest.raises(BudgetExhausted):
-        infer(15)
-
-
-def test_the_seed_alone_decides():
-    np.random.seed(1)
-    first, _ = infer()
-    np.random.seed(2)
-    np.random.random(7)
-    second, _ = infer()
-    other, _ = infer(seed=2)
-    assert (first.theta == second.theta).all()
-    assert (first.std == second.std).all()
-    assert [p.simulations for p in first.trace] == [p.simulations for p in second.trace]
-    assert first.theta != other.theta
-
-
-def test_leaves_global_state_and_the_working_folder_alone(tmp_path, monkeypatch, capfd):
-    monkeypatch.chdir(tmp_path)
-    infer(3000)  # pyABC is imported
-    numpy_state, python_state, level = (
-        np.random.get_state()[1].copy(),
-        random.getstate(),
-        logging.getLogger("ABC").level,
-    )
-    capfd.readouterr()
-    infer(3000)
-    assert (np.random.get_state()[1] == numpy_state).all()
-    assert random.getstate() == python_state
-    assert logging.getLogger("ABC").level == level
-    assert capfd.readouterr() == ("", "")
-    assert not list(tmp_path.iterdir())
-
-
-def test_an_error_of_the_simulator_propagates():
-    with pytest.raises(SimulatorError, match="the detector is off"):
-        infer(task=Failing())
 
 
 def test_says_why_when_pyabc_stops_before_the_budget():
@@ -113,12 +47,6 @@ def test_says_why_when_pyabc_stops_before_the_budget():
     assert "pyABC stopped by itself" in estimate.message
     assert f"{problem.simulate.remaining} events left" in estimate.message
     assert estimate.discarded == 0
-
-
-@pytest.mark.parametrize("wrong", [{"population_size": 1}, {"events_per_theta": 0}])
-def test_refuses_impossible_settings(wrong):
-    with pytest.raises(UsageError, match="abc-smc needs"):
-        AbcSmc(**wrong)
 
 
 def test_says_what_to_do_where_particles_are_too_few_to_be_weighed():
@@ -145,19 +73,3 @@ def test_settings_that_came_later_do_not_rename_old_records():
     assert settings_of(AbcSmc()) == {"population_size": 100, "events_per_theta": 128}
     assert settings_of(AbcSmc(growth=2.0))["growth"] == 2.0
     assert infer(method=AbcSmcTuned(events_per_theta=8))[0].how.endswith("after a regression adjustment")
-
-
-@settings(max_examples=25, deadline=None)
-@given(st.integers(0, 2**32), st.floats(-0.9, 0.9))
-def test_density_mode_is_the_highest_point_of_the_box(seed, center):
-    rng = np.random.default_rng(seed)
-    theta, weights = rng.normal(center, 0.3, (40, 1)), rng.dirichlet(np.ones(40))
-    inside = np.abs(theta[:, 0]) < 1
-    theta, weights = theta[inside], weights[inside] / weights[inside].sum()
-    mode = _density_mode(theta, weights, Box((-1,), (1,)))
-    grid = np.linspace(-1, 1, 2001)
-    spread = np.sqrt(np.cov(theta[:, 0], aweights=weights) * (weights @ weights) ** 0.4)  # Scott: n_eff^(-1/5)
-    density = (weights * np.exp(-((grid[:, None] - theta[:, 0]) ** 2) / (2 * spread**2))).sum(axis=1)
-    at_mode = (weights * np.exp(-((mode - theta[:, 0]) ** 2) / (2 * spread**2))).sum()
-    assert at_mode >= 0.98 * density.max()  # a second mode within 2 % may win the start among particles
-    assert -1 <= mode <= 1

@@ -2,14 +2,11 @@
 
 import numpy as np
 import pytest
-import torch
 
 from avobench.bench.cells.budget import MeteredSimulator, pose
-from avobench.methods import stacked_discriminators
-from avobench.methods.avo import Avo, geometric, regression
+from avobench.methods.avo import Avo, regression
 from avobench.tasks.function import task
 from gaussian import GaussianMean, GaussianMeans, gaussian_problem
-from paper.speed.discriminator_steps import AutogradStep
 
 FEW = {"iterations": 250, "hidden": (32, 32), "statistic_steps": 100}
 
@@ -78,36 +75,6 @@ def test_problems_that_are_alike_do_not_learn_from_each_other(cross_fit):
     assert not np.allclose(first.theta, other.theta, rtol=1e-2)
 
 
-class ByAutograd(AutogradStep):
-    """In the place of FusedStep."""
-
-    def __init__(self, networks, learning_rate, r1):
-        super().__init__(networks, learning_rate, r1, "foreach")
-
-    @property
-    def learning_rate(self):
-        return self.optimiser.param_groups[0]["lr"]
-
-    @learning_rate.setter
-    def learning_rate(self, rate):
-        self.optimiser.param_groups[0]["lr"] = rate
-
-    @torch.no_grad()
-    def logits(self, x):
-        return torch.stack([network(events) for network, events in zip(self.networks, x, strict=True)])
-
-
-@pytest.mark.parametrize("r1", [0.0, 1.0])
-def test_the_update_by_hand_gives_the_estimate_of_autograd_to_rounding(r1, monkeypatch):
-    def infer():
-        given = gaussian_problem(GaussianMeans(), 3000, np.array([1.0, 12.5]))
-        return Avo(iterations=30, hidden=(16,), statistic_steps=20, r1=r1).infer(given, np.random.default_rng(5)).theta
-
-    by_hand = infer()
-    monkeypatch.setattr(stacked_discriminators, "FusedStep", ByAutograd)
-    np.testing.assert_allclose(by_hand, infer(), rtol=1e-4)
-
-
 def test_estimates_are_those_that_they_were():
     """What this gave when the records of results/reference were made, to the rounding of another machine."""
     given = gaussian_problem(GaussianMeans(), 3000, np.array([1.0, 12.5]))
@@ -115,29 +82,6 @@ def test_estimates_are_those_that_they_were():
     theta, adversarial = [0.995658855, 12.489321387], [0.238239837, 11.731921141]
     np.testing.assert_allclose(estimate.theta, theta, rtol=1e-4)
     np.testing.assert_allclose(estimate.trace[9].theta, adversarial, rtol=1e-4)
-
-
-@pytest.mark.parametrize(
-    "settings",
-    [
-        {"iterations": 0},
-        {"hidden": ()},
-        {"learning_rate": (1e-3, 0.0)},
-        {"max_std": 2.0},
-        {"min_std": 0.0},
-        {"r1": -1.0},
-        {"local_share": 1.0},
-        {"replay": 1},
-        {"entropy": -1.0},
-    ],
-)
-def test_settings_that_make_no_sense_are_refused(settings):
-    with pytest.raises(ValueError, match=r"must|need"):
-        Avo(**settings)
-
-
-def test_schedule_goes_from_one_end_to_the_other():
-    assert [geometric((0.1, 0.001), progress) for progress in (0, 0.5, 1)] == pytest.approx([0.1, 0.01, 0.001])
 
 
 def test_of_many_inputs_each_parameter_has_one_sum():

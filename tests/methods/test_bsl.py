@@ -1,8 +1,5 @@
 """ELFI's synthetic likelihood within a budget."""
 
-import random
-import warnings
-
 import numpy as np
 import pytest
 
@@ -10,8 +7,8 @@ from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.trial import execute
 from avobench.methods.bsl import Bsl
 from avobench.tasks import Task
-from avobench.tasks.errors import BudgetExhausted, SimulatorError, UsageError
-from gaussian import TRUTH, Failing, GaussianMean, GaussianMeans, gaussian_problem
+from avobench.tasks.errors import UsageError
+from gaussian import TRUTH, GaussianMean, gaussian_problem
 
 METHOD = Bsl(events_per_set=2, chains=2)
 
@@ -32,11 +29,6 @@ def test_the_posterior_of_a_mean_is_as_wide_as_the_events_of_a_step_allow():
     assert 40_000 - 128 < problem.simulate.used <= 40_000
 
 
-def test_keeps_the_order_of_the_parameters():
-    estimate, _ = infer(task=GaussianMeans(), truth=np.array([-1.5, 12.0]))
-    assert estimate.theta == pytest.approx([-1.5, 12.0], abs=0.2)
-
-
 def test_spends_what_steps_out_of_the_prior_have_left():
     """The truth is at the prior's end: half of the steps lead out of it and are refused unseen."""
     estimate, problem = infer(truth=np.array([3.0]))
@@ -45,21 +37,9 @@ def test_spends_what_steps_out_of_the_prior_have_left():
     assert problem.simulate.used > 40_000 - 128
 
 
-def test_the_trace_has_a_point_a_chain_and_the_last_is_the_estimate():
-    estimate, problem = infer(method=Bsl(events_per_set=2, chains=3))
+def test_the_trace_has_a_point_a_chain():
+    estimate, _ = infer(method=Bsl(events_per_set=2, chains=3))
     assert len(estimate.trace) == 3
-    simulations = [point.simulations for point in estimate.trace]
-    assert simulations == sorted(set(simulations))
-    assert simulations[-1] == problem.simulate.used
-    assert (estimate.trace[-1].theta == estimate.theta).all()
-
-
-def test_min_simulations_is_the_least_that_works():
-    least = METHOD.min_simulations(1)
-    estimate, _ = infer(least)
-    assert np.isfinite(estimate.theta).all()
-    with pytest.raises(BudgetExhausted):
-        infer(least // 2)
 
 
 def test_more_parameters_than_its_sets_can_tell_apart_are_refused():
@@ -68,47 +48,9 @@ def test_more_parameters_than_its_sets_can_tell_apart_are_refused():
     assert Bsl(sets=5).min_simulations(3) > 0
 
 
-def test_the_seed_alone_decides_and_no_state_is_left(tmp_path, monkeypatch, capfd):
-    import elfi
-
-    monkeypatch.chdir(tmp_path)
-    client, default_model = elfi.get_client(), elfi.get_default_model()
-    infer()
-    capfd.readouterr()
-    np.random.seed(1)
-    first, _ = infer()
-    np.random.seed(2)
-    numpy_state, python_state, filters = np.random.get_state()[1].copy(), random.getstate(), list(warnings.filters)
-    second, _ = infer()
-    other, _ = infer(seed=2)
-    assert (first.theta == second.theta).all()
-    assert (first.std == second.std).all()
-    assert first.theta != other.theta
-    assert (np.random.get_state()[1] == numpy_state).all()
-    assert random.getstate() == python_state
-    assert warnings.filters == filters
-    assert elfi.get_client() is client
-    assert not default_model.nodes
-    assert capfd.readouterr() == ("", "")
-    assert not list(tmp_path.iterdir())
-
-
 def test_finds_both_parameters_of_carl_from_its_histograms():
     record = execute(Cell("carl", {}, "bsl", {}, 0, 0, 80_000, 20_000, 3))
     assert record["status"] == "ok", record["message"]
     away = np.abs(np.subtract(record["theta_hat"], record["theta_true"]))
     assert (away < 3 * np.array(record["standard_error"])).all()
     assert (np.array(record["std"]) < 0.5).all()  # the prior's are 1.15
-
-
-def test_an_error_of_the_simulator_propagates():
-    with pytest.raises(SimulatorError, match="the detector is off"):
-        infer(task=Failing())
-
-
-@pytest.mark.parametrize(
-    "wrong", [{"sets": 0}, {"events_per_set": 0}, {"chains": 0}, {"growth": 0.5}, {"nearest": 0.0}, {"nearest": 1.5}]
-)
-def test_refuses_impossible_settings(wrong):
-    with pytest.raises(UsageError, match="bsl needs"):
-        Bsl(**wrong)

@@ -7,17 +7,14 @@ import torch
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.trial import execute, execute_together
-from avobench.methods import product_posterior
 from avobench.methods.nle import Nle
 from avobench.methods.npe import Npe, Tsnpe
 from avobench.methods.nre import Nre
 from avobench.methods.product_posterior import posterior
 from avobench.tasks import Box
-from avobench.tasks.carl import Carl
-from avobench.tasks.errors import BudgetExhausted, UsageError
 from avobench.tasks.poisson import Poisson
 
-METHODS = [Nre(steps=300), Nle(steps=300), Npe(steps=500), Tsnpe(rounds=2, steps=500)]
+METHODS = [Nre(steps=300), Nle(steps=300), Npe(steps=300), Tsnpe(rounds=2, steps=200)]
 
 
 def problem(task, truth, budget, num_observed=5_000, seed=0):
@@ -54,29 +51,8 @@ def test_the_posterior_of_many_rows_is_the_exact_one():
     assert (np.abs(np.log(found.std / exact)) < 0.7).all()
 
 
-def test_equal_rows_are_evaluated_once():
-    rows = np.repeat(np.arange(3, dtype=np.float32)[:, None], [5, 2, 4], axis=0)
-    distinct, counts = product_posterior._distinct(rows)
-    assert distinct[:, 0].tolist() == [0, 1, 2]
-    assert counts.tolist() == [5, 2, 4]
-
-
-@pytest.mark.parametrize("method", ["nre", "nle", "npe", "tsnpe"])
-def test_the_seed_alone_decides(method):
-    cell = Cell("poisson", {}, method, {"steps": 20}, 0, 0, 26_000, 2_000, 3)
-    torch.manual_seed(1)
-    first = execute(cell)
-    torch.manual_seed(2)
-    state = torch.get_rng_state()
-    again = execute(cell)
-    assert first["status"] == "ok", first["message"]
-    assert [first[field] for field in ("theta_hat", "mean", "std")] == [again[f] for f in ("theta_hat", "mean", "std")]
-    assert torch.equal(torch.get_rng_state(), state)
-    assert again["versions"]["sbi"]
-
-
 def test_an_amortised_network_is_the_same_for_every_target_and_its_records_say_so():
-    cells = [Cell("carl", {}, "nle", {"amortised": True, "steps": 20}, target, 0, 4_000, 500, 0) for target in (0, 1)]
+    cells = [Cell("carl", {}, "nle", {"amortised": True, "steps": 20}, target, 0, 4_000, 100, 0) for target in (0, 1)]
     together = execute_together(cells, [None, None])
     alone = [execute(cell) for cell in cells]
     for one, other in zip(together, alone, strict=True):
@@ -84,16 +60,4 @@ def test_an_amortised_network_is_the_same_for_every_target_and_its_records_say_s
         assert one["theta_hat"] == pytest.approx(other["theta_hat"], rel=1e-4)
         assert one["simulations_used"] == 4_000
         assert one["amortised"] is True
-    assert "amortised" not in execute(Cell("carl", {}, "nle", {"steps": 20}, 0, 0, 4_000, 500, 0))
-
-
-def test_a_budget_below_what_training_needs_is_refused():
-    with pytest.raises(BudgetExhausted):
-        Npe().infer(problem(Carl(), [0.0, 0.0], 2_000), np.random.default_rng(0))
-    assert Tsnpe(rounds=3).min_simulations(2) == 3 * Npe().min_simulations(2)
-
-
-@pytest.mark.parametrize("wrong", [{"rounds": 0}, {"learning_rate": 0.0}, {"amortised": True, "rounds": 2}])
-def test_refuses_impossible_settings(wrong):
-    with pytest.raises(UsageError, match="nre"):
-        Nre(**wrong)
+    assert "amortised" not in execute(Cell("carl", {}, "nle", {"steps": 20}, 0, 0, 4_000, 100, 0))

@@ -35,9 +35,3 @@ def test_two_parameters_are_found_within_the_budget():
     estimate = inferred(carl, truth, 2, budget=40_000, num_observed=40_000)
     assert (np.abs(estimate.theta - truth) < 6 * estimate.error).all()
     assert estimate.trace[-1].simulations == 40_000
-
-
-@pytest.mark.parametrize("settings", [{"rounds": 0}, {"shrink": 0.0}, {"shrink": 1.5}, {"errors": 0.0}])
-def test_settings_that_make_no_sense_are_refused(settings):
-    with pytest.raises(ValueError, match="smm needs"):
-        Smm(**settings)

@@ -63,7 +63,7 @@ class Subject(ABC):
 
     @abstractmethod
     def phase(self, folder: Path, before: int) -> str:
-        """Where the command is, from what lies in the folder; `before` things were finished when it was started."""
+        """The phase of the command, from what lies in the folder; `before` things were finished when it was started."""
 
     def results(self, folder: Path) -> Any:
         """What must be the same in the end, without clocks."""
@@ -152,7 +152,7 @@ class Solve(Subject):
 
     name = "challenge solve"
     phases = ("before the first case", "within cases", "within the write of a result", "after the last")
-    cases = 3
+    cases = 2
 
     def __init__(self) -> None:
         self._made: Path | None = None

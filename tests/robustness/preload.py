@@ -9,10 +9,10 @@ from pathlib import Path
 
 SOURCE = Path(__file__).with_name("faults.c")
 KINDS = ("open", "write", "fsync", "close", "rename", "unlink", "mkdir", "rmdir", "chmod", "opendir")
-"""In the order of the source, from 1."""
+"""The kinds in the order of the source, from 1."""
 MANNERS = {"": 0, "torn": 1, "short": 2, "dies": 3}
 GRANTED = -1
-"""For locks: every one is granted, and none is held."""
+"""Every lock is granted, and none is held."""
 
 
 def compiler() -> str | None:

@@ -59,21 +59,6 @@ def test_components_are_independent_of_one_another():
         assert np.abs(np.corrcoef(w.T) - np.eye(5)).max() < 5 / np.sqrt(len(z))
 
 
-@pytest.mark.parametrize(
-    ("component", "wrong"),
-    [
-        (0, stats.norm(0.05, 1).cdf),
-        (1, stats.norm(0, np.sqrt(3)).cdf),  # 3 taken for a variance
-        (2, lambda z: (stats.norm(-2, 1).cdf(z) + stats.norm(2, np.sqrt(0.5)).cdf(z)) / 2),
-        (3, stats.expon(scale=3).cdf),  # a rate taken for a scale
-        (4, stats.expon(scale=0.5).cdf),
-    ],
-)
-def test_the_check_of_the_distributions_sees_the_usual_mistakes(component, wrong):
-    z = components(np.zeros((40_000, 2)), 0, 1_000)
-    assert stats.kstest(z[:, component], wrong).pvalue < 1e-4
-
-
 def test_each_row_has_its_own_theta_and_its_own_mixture_component():
     theta = np.tile([(-2.0, 1.0), (2.0, -1.0)], (20_000, 1))
     z = components(theta, 2, 1_000)

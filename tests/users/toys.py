@@ -119,7 +119,7 @@ class OutOfMemoryError(RuntimeError):
 
 @dataclass(frozen=True)
 class Lockstep(Moment):
-    """The same for several problems at once, a step of all at a time.
+    """Infer several problems at once, a step of all at a time.
 
     It fails, as `fault` says, where the observed events of any of them have a mean above `limit`, or where there are
     more than `most`.

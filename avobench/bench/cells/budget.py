@@ -49,7 +49,7 @@ class MeteredSimulator:
 
     @property
     def seconds(self) -> float:
-        """Spent in the simulator so far."""
+        """The seconds spent in the simulator so far."""
         return self._seconds
 
     def __call__(self, theta: ArrayLike) -> NDArray:
@@ -81,16 +81,20 @@ class MeteredSimulator:
         return x
 
 
-def pose(task: Task, x_observed: NDArray, simulate: MeteredSimulator) -> Problem:
-    """The problem of finding the parameters behind events x_observed (N, d), which are made read-only."""
+def pose(task: Task, x_observed: NDArray, simulate: MeteredSimulator, reference: NDArray | None = None) -> Problem:
+    """The problem of finding the parameters behind events x_observed (N, d), which are made read-only.
+
+    The summary suits the events `reference` (n, d), those that were observed by default.
+    """
     x_observed.setflags(write=False)
+    summarised = task.with_reference(x_observed if reference is None else reference)
     return Problem(
         parameter_names=task.parameter_names,
         prior=task.prior,
         support=task.support,
         x_observed=x_observed,
         simulate=simulate,
-        summary=lambda x: checked_summary(task, x),
+        summary=lambda x: checked_summary(summarised, x),
         discriminator=task.discriminator,
         event_shape=task.event_shape,
         cyclic_axes=task.cyclic_axes,

@@ -1,4 +1,4 @@
-"""Whether what a method returned is an estimate that a record can hold."""
+"""The check that a method returned an estimate which a record can hold."""
 
 import numpy as np
 

@@ -1,7 +1,6 @@
 """A cell carried out: its problem posed, its method run, its estimate checked and scored, its record made."""
 
 import json
-import math
 import numbers
 import time
 import traceback
@@ -11,26 +10,22 @@ from datetime import UTC, datetime
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.estimates import require_recordable
-from avobench.bench.cells.status import Status
+from avobench.bench.cells.memory import peak_memory_mib, reset_peak_memory
+from avobench.bench.cells.state import put_back
 from avobench.bench.cells.streams import observe, stream
 from avobench.bench.plugins import registry
-from avobench.bench.processes.memory import peak_memory_mib, reset_peak_memory
-from avobench.bench.store.record import SCHEMA_VERSION
+from avobench.bench.store.record import SCHEMA_VERSION, SECONDS, Record
+from avobench.bench.store.status import Status
 from avobench.bench.store.versions import versions
 from avobench.methods import Estimate, Problem
 from avobench.tasks import Task
-from avobench.tasks.errors import (
-    AvobenchError,
-    BudgetExhausted,
-    InvalidEstimate,
-    SimulatorError,
-    SupportError,
-)
+from avobench.tasks.errors import AvobenchError, BudgetExhausted, InvalidEstimate, SimulatorError, SupportError
 
 STATUS_OF = {
     BudgetExhausted: Status.BUDGET_EXHAUSTED,
@@ -42,7 +37,10 @@ STATUS_OF = {
 
 @lru_cache(maxsize=1)
 def _observed(task: str, settings: str, target: int, num_observations: int, seed: int) -> NDArray:
-    """The same from the name of the task and its settings, in JSON; kept, as the next cell often has the same."""
+    """The observed events of a task by name and settings, in JSON; kept, as the next cell often has the same.
+
+    No method is given this array, since it could change it: a read-only array can still be written to by PyTorch.
+    """
     return observe(registry.build("task", task, json.loads(settings)), target, num_observations, seed)
 
 
@@ -58,7 +56,7 @@ class Trial:
         self.cell, self._debug = cell, debug
         self._started = datetime.now(UTC).isoformat(timespec="seconds")
         self._task, self.method = cell.build_task(), cell.build_method()
-        # Of an amortised method the events are the same for every target: one budget for all, whoever simulates first.
+        # An amortised method has the same events for every target: one budget for all, whoever simulates first.
         own = () if self.method.amortised else (cell.target,)
         words = (self._task.name, self.method.name, *own, cell.repetition)
         self.simulate = MeteredSimulator(self._task, cell.budget, stream(cell.seed, "simulator", *words), progress)
@@ -67,15 +65,17 @@ class Trial:
         self.estimate: object = None
         self.failure: BaseException | None = None
         self.method_seconds = 0.0
-        """In the method outside of the simulator."""
+        """The seconds in the method outside of the simulator."""
         self.remark = ""
-        """Added to the message of the estimate."""
+        """A remark that is added to the message of the estimate."""
         self._floors: dict[str, float | None] = {}
         with self.failing():
             self._floors = _floors(self._task, cell)
             settings = json.dumps(cell.task_settings, sort_keys=True)
-            x_observed = _observed(cell.task, settings, cell.target, cell.num_observations, cell.seed)
-            self.problem = pose(self._task, x_observed, self.simulate)
+            # An amortised method shares its simulated summaries among all targets, so these have one reference.
+            reference = _observed(cell.task, settings, 0, cell.num_observations, cell.seed) if not own else None
+            self._x_observed = _observed(cell.task, settings, cell.target, cell.num_observations, cell.seed)
+            self.problem = pose(self._task, self._x_observed.copy(), self.simulate, reference)
         self._observation_seconds = time.perf_counter() - start
 
     @contextmanager
@@ -94,6 +94,8 @@ class Trial:
         scored, status, message = {}, Status.OK, ""
         if self.failure is None:
             with self.failing():
+                if not np.array_equal(self.problem.x_observed, self._x_observed):
+                    raise InvalidEstimate("the method changed the observed events; let it work on a copy")
                 require_recordable(self.estimate, self.problem, self.simulate.used)
                 scored = _scored(self.estimate, self._task, self.cell)
                 message = "; ".join(filter(None, (self.estimate.message, self.remark, self.estimate.doubt)))
@@ -127,12 +129,13 @@ def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bo
     Only KeyboardInterrupt leaves this function. With `debug` the traceback of a failure goes to standard error.
     """
     reset_peak_memory()
-    trial = Trial(cell, progress, debug)
-    if trial.problem is not None:
-        start = time.perf_counter()
-        with trial.failing():
-            trial.estimate = trial.method.infer(trial.problem, trial.rng)
-        trial.method_seconds = time.perf_counter() - start - trial.simulate.seconds
+    with put_back():
+        trial = Trial(cell, progress, debug)
+        if trial.problem is not None:
+            start = time.perf_counter()
+            with trial.failing():
+                trial.estimate = trial.method.infer(trial.problem, trial.rng)
+            trial.method_seconds = time.perf_counter() - start - trial.simulate.seconds
     return trial.record()
 
 
@@ -150,7 +153,10 @@ def execute_together(
     posed = [trial for trial in trials if trial.problem is not None]
     if posed:
         start = time.perf_counter()
-        estimates = posed[0].method.infer_together([trial.problem for trial in posed], [trial.rng for trial in posed])
+        with put_back():
+            estimates = posed[0].method.infer_together(
+                [trial.problem for trial in posed], [trial.rng for trial in posed]
+            )
         seconds = time.perf_counter() - start - sum(trial.simulate.seconds for trial in posed)
         if not isinstance(estimates, list) or len(estimates) != len(posed):
             raise InvalidEstimate(
@@ -163,7 +169,7 @@ def execute_together(
 
 
 def told(error: BaseException) -> str:
-    """What went wrong, for a record or a line to the user."""
+    """The message of an error, for a record or a line to the user."""
     if isinstance(error, AvobenchError):
         return str(error)
     if type(error).__name__ == "OutOfMemoryError":  # PyTorch's, whose message goes on about its allocator
@@ -174,73 +180,54 @@ def told(error: BaseException) -> str:
 
 def blank_record(cell: Cell, status: Status, message: str) -> dict[str, Any]:
     """A record with every field of the schema, for a cell of which nothing more is known."""
-    record = {
+    return {
+        **{name: None for name, field in Record.model_fields.items() if field.is_required()},
         "schema_version": SCHEMA_VERSION,
         "id": cell.id,
         **cell.identity,
         "parameter_names": list(cell.parameter_names),
         "status": str(status),
         "message": message,
-        "theta_hat": None,
-        "squared_error": None,
-        "floor": None,
-        "floor_likelihood": None,
-        "how": None,
-        "spread_of": None,
-        "mean": None,
-        "std": None,
         "trace": [],
-        "simulations_requested": None,
-        "simulations_used": None,
-        "simulations_discarded": None,
-        "simulations_refused": None,
-        "observation_seconds": 0.0,
-        "simulator_seconds": 0.0,
-        "method_seconds": 0.0,
-        "harness_seconds": 0.0,
-        "peak_memory_mib": None,
-        "started": None,
+        **dict.fromkeys(SECONDS, 0.0),
         "versions": versions(cell.packages),
+        **({"amortised": True} if cell.amortised else {}),
     }
-    return record | {"amortised": True} if cell.amortised else record
 
 
 def _floors(task: Task, cell: Cell) -> dict[str, float | None]:
+    """The two floors of the squared error. Raises SimulatorError for what is none."""
     floors = {}
     for name, num_simulations in (("floor", cell.budget), ("floor_likelihood", None)):
         try:
             floor = task.floor(task.targets()[cell.target], cell.num_observations, num_simulations)
         except (Exception, SystemExit) as error:
             raise SimulatorError(f"the floor of {task.name} raised {type(error).__name__}: {error}") from error
-        if not isinstance(floor, numbers.Real):
-            raise SimulatorError(f"the floor of {task.name} must be a number, got {floor!r:.100}")
-        if floor < 0:
-            raise SimulatorError(f"the floor of {task.name} must not be negative, got {floor!r:.100}")
-        floors[name] = _number(floor)
+        if not isinstance(floor, numbers.Real) or floor < 0:
+            raise SimulatorError(f"the floor of {task.name} must be a number, not negative, got {floor!r:.100}")
+        floors[name] = float(floor) if np.isfinite(floor) else None
     return floors
 
 
 def _scored(estimate: Estimate, task: Task, cell: Cell) -> dict[str, Any]:
-    theta_true, error = task.targets()[cell.target], estimate.error
+    """The fields of a record that tell of an estimate."""
+    theta_true = task.targets()[cell.target]
     return {
         "theta_hat": estimate.theta.tolist(),
         "squared_error": float(((estimate.theta - theta_true) ** 2).sum()),
         "how": estimate.how,
         "spread_of": estimate.spread_of,
-        "mean": [_number(value) for value in estimate.mean],
-        "std": [_number(value) for value in estimate.std],
-        **({} if error is None else {"standard_error": [_number(value) for value in error]}),
+        "mean": _numbers(estimate.mean),
+        "std": _numbers(estimate.std),
+        **({} if estimate.error is None else {"standard_error": _numbers(estimate.error)}),
         "trace": [
-            {
-                "simulations": int(point.simulations),
-                "theta": [_number(value) for value in point.theta],
-                "std": None if point.std is None else [_number(value) for value in point.std],
-            }
+            {"simulations": int(point.simulations), "theta": _numbers(point.theta), "std": _numbers(point.std)}
             for point in estimate.trace
         ],
         "simulations_discarded": int(estimate.discarded),
     }
 
 
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
+def _numbers(values: NDArray[np.float64] | None) -> list[float | None] | None:
+    """A vector as a record holds it: what is not finite is null there."""
+    return None if values is None else [float(value) if np.isfinite(value) else None for value in values]

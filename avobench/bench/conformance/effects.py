@@ -20,7 +20,7 @@ from avobench.tasks.errors import UsageError
 ALPHA = 1e-6
 """Chance that a statistical check blames a sound effect: a suite runs hundreds of them."""
 NUM_EVENTS = 4000
-"""Of each statistical check: a tenth of the events too many in one bin of ten is then seen."""
+"""The events of a statistical check: a tenth of the events too many in one bin of ten is then seen."""
 TASKS = {
     "counts": ("poisson",),
     "continuous": ("carl", "avobench.tasks.decays:DECAYS"),

@@ -11,24 +11,24 @@ import numpy as np
 
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.status import Status
 from avobench.bench.cells.streams import observe, stream
 from avobench.bench.cells.trial import execute, execute_together
 from avobench.bench.conformance.promises import BrokenPromise, Round, expect, recordable, state_kept
 from avobench.bench.plugins import registry
+from avobench.bench.store.status import Status
 from avobench.methods import Method
 from avobench.methods.problem import Problem
 from avobench.tasks.errors import SimulatorError
 
 METHOD_TASKS = ("poisson", "carl")
 NUM_OBSERVATIONS = 1000
-"""Enough to infer something from; the checks are not about how good an estimate is."""
+"""So many events are enough to infer something from; the checks are not about how good an estimate is."""
 MODEST_BUDGET = 3001
 """Events of the larger of the two budgets, where twice the method's minimum is not more. Odd on purpose."""
 MAX_LEFT_WITHOUT_REASON = 0.1
 """Share of the budget that a method may leave without a word, as its contract says."""
 MAX_SHIFT = 0.1
-"""Of an estimate made together with others, in units of the spread that the method states: what rounding may do."""
+"""Rounding may shift an estimate made together with others by so many of the spreads that the method states."""
 
 
 def rounds(name: str, method: Method) -> Iterator[Round]:

@@ -1,4 +1,4 @@
-"""What tasks and methods both promise, and how a check says that a promise is broken."""
+"""The promises that tasks and methods share, and the words of a check that finds one broken."""
 
 import json
 import random
@@ -21,7 +21,7 @@ Round = list[tuple[str, Callable[[], None]]]
 
 
 class BrokenPromise(Exception):
-    """What a check found wrong, in a sentence."""
+    """A check found a promise broken; the text says which, in a sentence."""
 
 
 def expect(holds: bool, why: str) -> None:
@@ -31,7 +31,7 @@ def expect(holds: bool, why: str) -> None:
 
 
 def is_text(value: object) -> bool:
-    """A string with something to read in it."""
+    """Whether a value is a string with something to read in it."""
     return isinstance(value, str) and bool(value.strip())
 
 

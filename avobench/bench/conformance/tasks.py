@@ -28,10 +28,10 @@ from avobench.tasks.contract import NUM_TARGETS, Kind
 ALPHA = 1e-6
 """Chance that a statistical check blames a sound task: a suite runs dozens of them."""
 NUM_ALONE = 1000
-"""Events simulated one at a time, which cannot know of each other, at each of two theta."""
+"""The number of events simulated one at a time, which cannot know of each other, at each of two theta."""
 KINDS = ", ".join(get_args(Kind))
 NUM_BATCHES = 5
-"""That alternate between the two theta: what is drawn once for a whole batch differs between them."""
+"""The number of batches that alternate between the two theta: what is drawn once for a batch differs between them."""
 
 
 def rounds(name: str, task: Task) -> Iterator[Round]:
@@ -108,7 +108,7 @@ def _batch_sizes(task: Task) -> None:
 
 
 def _kinds(task: Task) -> None:
-    """Of events over the prior. What is no count would end a diagnosis in an effect that takes it for one."""
+    """Check events over the prior: what is no count would end a diagnosis in an effect that takes it for one."""
     if task.event_shape:
         return
     x = task.simulate(task.prior.sample(1000, np.random.default_rng(0)), np.random.default_rng(1))
@@ -266,7 +266,7 @@ class _Statistics:
 
     @cached_property
     def _contrast(self) -> tuple[NDArray[np.float64], ...]:
-        """Of eight theta in the prior the two whose first and second moments differ most.
+        """The two of eight theta in the prior whose first and second moments differ most.
 
         With them (2, p), the mean event (d,) and the direction (2 d,) in the space of moments in which they differ.
         """

@@ -49,7 +49,7 @@ class Trusted(str):
 
 
 def trusted(spec: str) -> str:
-    """`spec`, marked as a file that the user trusts: reading a model then runs the code that the file names.
+    """Mark `spec` as a file that the user trusts: reading a model then runs the code that the file names.
 
     Without the mark a model may name installed tasks and effects only. The mark stays with the text wherever it is
     sent, to worker processes too.
@@ -71,13 +71,13 @@ def names(kind: str) -> list[str]:
 
 
 def load(kind: str, spec: str) -> Any:
-    """What `spec` names: a class, or an instance that a user's module or file has ready-made.
+    """Load what `spec` names: a class, or an instance that a user's module or file has ready-made.
 
     It is a registered name, `module:Class`, `file.py:Class`, or the file of a model. Raises UsageError in one line.
     """
     if is_model(kind, spec):
         return AugmentedTask
-    found = _import(kind, spec) if ":" in spec else _registered(kind, spec)
+    found = imported(kind, spec) if ":" in spec else _registered(kind, spec)
     base = BASES[kind]
     if not (isinstance(found, base) or (inspect.isclass(found) and issubclass(found, base))):
         raise UsageError(f"'{spec}' is not a subclass of avobench.{kind}s.{base.__name__}, nor an instance of one")
@@ -114,11 +114,10 @@ def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
         if settings:
             raise UsageError(f"{kind} '{spec}' is ready-made; its settings are in {spec.rpartition(':')[0]}")
         return found
-    known = [f.name for f in dataclasses.fields(found) if f.init] if dataclasses.is_dataclass(found) else []
+    known = [field.name for field in _fields(found)]
     for name in settings:
         if name not in known:
-            nearest = difflib.get_close_matches(name, known, n=1)
-            hint = f"did you mean {nearest[0]}?" if nearest else f"it has: {', '.join(known) or 'none'}"
+            hint = _did_you_mean(name, known) or f"it has: {', '.join(known) or 'none'}"
             raise UsageError(f"{kind} {found.name} has no setting '{name}'; {hint}")
     try:
         return blamed(lambda: TypeAdapter(found).validate_python(settings) if known else found(), f"{kind} '{spec}'")
@@ -173,16 +172,16 @@ def effect_families(name: str) -> list[type[Effect]]:
     found = [family for point, family in points.items() if name in (point, point.rpartition(".")[2], family.name)]
     if not found:
         known = points if "." in name else {point.rpartition(".")[2] for point in points}
-        near = difflib.get_close_matches(name, sorted(known), n=3, cutoff=0.5)
-        hint = f"did you mean {' or '.join(near)}? " if near else ""
-        raise UsageError(f"there is no effect '{name}'; {hint}`avobench list effects` shows all")
+        hint = _did_you_mean(name, sorted(known), n=3, cutoff=0.5)
+        raise UsageError(f"there is no effect '{name}'; {hint}{' ' if hint else ''}`avobench list effects` shows all")
     return found
 
 
 def spec_of(kind: str, instance: Any) -> str | None:
-    """How a task or effect is found again in another process; None where it cannot be, as in a notebook.
+    """The name by which a task or effect is found again in another process; None where there is none, as in a notebook.
 
-    By its entry point; or as what its module, or that of the function that it is made of, calls it or its class.
+    It is that of its entry point, or what its module, or that of the function that it is made of, calls it or its
+    class.
     """
     if isinstance(instance, AugmentedTask):
         return instance.name  # its file tells all that it is made of
@@ -201,7 +200,7 @@ def spec_of(kind: str, instance: Any) -> str | None:
 
 
 def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:
-    """What determines the behaviour of a task or method: name, version, settings, and the source if it is not ours.
+    """All that determines the behaviour of a task or method: name, version, settings, and the source if it is not ours.
 
     The source is that of the class, its bases and its `parts`, and what they use of their modules; see `source`. A
     setting with the metadata `{"identifies": "unless default"}` is left out at its default, so one added later keeps
@@ -214,13 +213,17 @@ def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:
 
 
 def settings_of(instance: Any) -> dict[str, Any]:
-    """Its settings by name, as they identify it."""
-    fields = [f for f in dataclasses.fields(instance) if f.init] if dataclasses.is_dataclass(instance) else []
+    """The settings of a task or method by name, as they identify it."""
     return {
         f.name: getattr(instance, f.name)
-        for f in fields
+        for f in _fields(instance)
         if not (f.metadata.get("identifies") == "unless default" and getattr(instance, f.name) == f.default)
     }
+
+
+def _fields(found: Any) -> list[dataclasses.Field]:
+    """The settings that a class, or an instance of it, takes."""
+    return [field for field in dataclasses.fields(found) if field.init] if dataclasses.is_dataclass(found) else []
 
 
 def _made_of(instance: Any) -> list[Any]:
@@ -245,9 +248,9 @@ def require_packages(kind: str, instance: Any) -> None:
 
 
 def blamed(make: Callable[[], Any], what: str) -> Any:
-    """The value of `make()`; what a user's class raises on the way is a UsageError that names it.
+    """The value of `make()`. Raises UsageError that names the class of a user for what this class raises.
 
-    A SimulatorError names it already.
+    A SimulatorError, which names it already, is raised as it is.
     """
     try:
         return make()
@@ -259,24 +262,26 @@ def blamed(make: Callable[[], Any], what: str) -> Any:
 
 @cache
 def _points(kind: str) -> tuple[EntryPoint, ...]:
-    """Asked for once a process: it looks into every installed distribution, which takes longer than a small cell."""
+    """The entry points, looked for once a process: in every installed distribution, which outlasts a small cell."""
     return tuple(entry_points(group=GROUPS[kind]))
 
 
 def _registered(kind: str, name: str) -> Any:
-    """What an entry point names."""
+    """The class that an entry point names."""
     known = names(kind)
     if name not in known:
-        nearest = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
-        near = f"did you mean {nearest[0]}?" if nearest else f"known: {', '.join(known)}, module:Class or file.py:Class"
-        raise UsageError(f"there is no {kind} named '{name}'; {near}")
+        hint = _did_you_mean(name, known, cutoff=0.4) or f"known: {', '.join(known)}, module:Class or file.py:Class"
+        raise UsageError(f"there is no {kind} named '{name}'; {hint}")
     if kind == "effect":
         return families()[name]
     return blamed(next(point for point in _points(kind) if point.name == name).load, f"{kind} '{name}'")
 
 
-def _import(kind: str, spec: str) -> Any:
-    """What a module or a file holds by that name. `my_module:MyTask` is looked for beside the user first."""
+def imported(kind: str, spec: str) -> Any:
+    """What a module or a file holds by the name of `spec`; `my_module:MyTask` is looked for beside the user first.
+
+    Raises UsageError in one line.
+    """
     place, _, name = spec.rpartition(":")
     module_name = place
     if place.endswith(".py"):
@@ -294,6 +299,11 @@ def _import(kind: str, spec: str) -> Any:
     except (Exception, SystemExit) as error:
         raise UsageError(f"{place} of {kind} '{spec}' raised {type(error).__name__}: {error}") from error
     if not hasattr(module, name):
-        nearest = difflib.get_close_matches(name, dir(module), n=1)
-        raise UsageError(f"{place} has no '{name}'" + (f"; did you mean {nearest[0]}?" if nearest else ""))
+        raise UsageError("; ".join(filter(None, (f"{place} has no '{name}'", _did_you_mean(name, dir(module))))))
     return getattr(module, name)
+
+
+def _did_you_mean(name: str, known: list[str], n: int = 1, cutoff: float = 0.6) -> str:
+    """A question after the known names that are spelled alike; nothing where there is none."""
+    near = difflib.get_close_matches(name, known, n, cutoff)
+    return f"did you mean {' or '.join(near)}?" if near else ""

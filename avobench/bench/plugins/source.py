@@ -2,7 +2,9 @@
 
 Of a module only those top-level statements count that bind a name which the class uses, directly or through other
 statements. So an edit of another class in the same file changes nothing, and one of a constant or of a function that is
-used does. What other modules of the user's hold is not followed, except for base classes.
+used does. The hash of the whole file would take 50 lines in place of 160, but then every edit of a script or a notebook
+that makes a sweep, such as of its plots or its budget, would run all cells again. What other modules of the user's hold
+is not followed, except for base classes.
 """
 
 import ast
@@ -21,11 +23,11 @@ import joblib
 from avobench.bench.plugins import user_files
 
 EVERYTHING = "*"
-"""What `from module import *` binds: nobody can tell, so it counts always."""
+"""The name that `from module import *` binds: nobody can tell which it does, so the statement counts always."""
 
 
 class Statement(NamedTuple):
-    """One at the top of a module."""
+    """A statement at the top of a module."""
 
     text: str
     binds: frozenset[str]
@@ -35,10 +37,9 @@ class Statement(NamedTuple):
 def is_ours(thing: Any) -> bool:
     """Whether a class or function belongs to this project, to Python, or to what is compiled into it."""
     module = thing.__module__
-    if module.startswith(user_files.PREFIX):
-        return False
     top = module.partition(".")[0]
-    return top == "avobench" or (top in sys.stdlib_module_names and top != "__main__")
+    ours = top == "avobench" or (top in sys.stdlib_module_names and top != "__main__")
+    return ours and not module.startswith(user_files.PREFIX)
 
 
 def source_hash(things: list[Any]) -> str | None:
@@ -51,7 +52,7 @@ def source_hash(things: list[Any]) -> str | None:
 
 
 def _sources(thing: Any) -> Iterator[str]:
-    """Names and texts that a class or function consists of; of other objects their class."""
+    """Names and texts that a class or function consists of; of other objects those of their class."""
     if isinstance(thing, str):
         yield thing
     elif isinstance(thing, functools.partial):
@@ -62,11 +63,10 @@ def _sources(thing: Any) -> Iterator[str]:
         yield from (base.__qualname__ for base in bases[:1])
         for module in dict.fromkeys(base.__module__ for base in bases):
             yield from _used(module, [base for base in bases if base.__module__ == module])
-    elif inspect.isfunction(thing):
-        if not is_ours(thing):
-            yield thing.__qualname__
-            yield from _used(thing.__module__, [thing])
-    elif not is_ours(type(thing)):
+    elif inspect.isfunction(thing) and not is_ours(thing):
+        yield thing.__qualname__
+        yield from _used(thing.__module__, [thing])
+    elif not inspect.isfunction(thing) and not is_ours(type(thing)):
         yield from _sources(type(thing))
 
 
@@ -84,24 +84,23 @@ def _used(module: str, things: list[Any]) -> list[str]:
 
 def _closure(statements: tuple[Statement, ...], wanted: set[str] | frozenset[str]) -> list[str]:
     """The statements that bind one of these names, or one that such a statement uses."""
-    wanted, chosen, found = {*wanted, EVERYTHING}, set(), True
-    while found:
-        found = [k for k, each in enumerate(statements) if k not in chosen and each.binds & wanted]
-        chosen.update(found)
-        wanted = wanted.union(*(statements[k].uses for k in found))
+    wanted, chosen, more = {*wanted, EVERYTHING}, set(), True
+    while more:
+        more = [k for k, each in enumerate(statements) if k not in chosen and each.binds & wanted]
+        chosen.update(more)
+        wanted = wanted.union(*(statements[k].uses for k in more))
     return [statements[k].text for k in sorted(chosen)]
 
 
 @functools.lru_cache(maxsize=64)
 def _statements(source: str) -> tuple[Statement, ...]:
-    """Those at the top of a module."""
-    lines = source.splitlines(keepends=True)
-    found = []
+    """The statements at the top of a module."""
+    lines, statements = source.splitlines(keepends=True), []
     for node in ast.parse(source).body:
         first = min([node.lineno, *(each.lineno for each in getattr(node, "decorator_list", []))])
         text = "".join(lines[first - 1 : node.end_lineno])
-        found.append(Statement(text, frozenset(_bound(node)), _names(text)))
-    return tuple(found)
+        statements.append(Statement(text, frozenset(_bound(node)), _names(text)))
+    return tuple(statements)
 
 
 def _bound(node: ast.AST) -> Iterator[str]:
@@ -130,20 +129,17 @@ def _root(node: ast.AST) -> str:
 def _names(text: str) -> frozenset[str]:
     """Names of its module that a text uses."""
     try:
-        top = symtable.symtable(text, "source", "exec")
+        tables = [symtable.symtable(text, "source", "exec")]
     except SyntaxError:  # the line of a lambda need not be a whole statement
         return frozenset(re.findall(r"[^\W\d]\w*", text))
-    return frozenset(s.get_name() for s in top.get_symbols() if s.is_referenced()) | _globals(top)
-
-
-def _globals(table: symtable.SymbolTable) -> frozenset[str]:
-    found = set()
-    for child in table.get_children():
-        # A name that a class both sets and uses, as in `rate = rate`, may be that of the module.
-        in_class = child.get_type() == "class"
-        found |= {s.get_name() for s in child.get_symbols() if s.is_global() or (in_class and s.is_referenced())}
-        found |= _globals(child)
-    return frozenset(found)
+    names = {symbol.get_name() for symbol in tables[0].get_symbols() if symbol.is_referenced()}
+    for table in tables:
+        for child in table.get_children():
+            tables.append(child)
+            # A name that a class both sets and uses, as in `rate = rate`, may be that of the module.
+            in_class = child.get_type() == "class"
+            names |= {s.get_name() for s in child.get_symbols() if s.is_global() or (in_class and s.is_referenced())}
+    return frozenset(names)
 
 
 def _text(thing: Any) -> str:

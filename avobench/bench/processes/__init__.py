@@ -1,1 +1,1 @@
-"""Where cells are carried out: worker processes, all cells of a task at once, a Dask cluster."""
+"""Cells are carried out in worker processes of this machine, alone or many at once, or on a Dask cluster."""

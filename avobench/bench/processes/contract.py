@@ -1,10 +1,16 @@
-"""Where cells are carried out: what a sweep asks of it."""
+"""A backend carries out cells for a sweep, and a cell tells it by a heartbeat how far it is."""
 
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from typing import Any
 
 from avobench.bench.cells.cell import Cell
+
+HEARTBEAT_SECONDS = 1.0
+"""A cell tells this often how far it is: as often as the display is drawn."""
+ATTEMPTS = 2
+"""A cell is recorded as crashed when it has lost its worker so often."""
 
 
 class Backend(ABC):
@@ -19,7 +25,7 @@ class Backend(ABC):
     @property
     @abstractmethod
     def workers(self) -> int:
-        """How many cells are carried out at a time."""
+        """The number of cells that are carried out at a time."""
 
     @abstractmethod
     def records(self, cells: list[Cell], note: Callable[[str], None]) -> Iterator[dict[str, Any]]:
@@ -32,3 +38,17 @@ class Backend(ABC):
     @abstractmethod
     def shares(self) -> dict[str, float]:
         """Share of the budget used so far by each running cell, by id."""
+
+
+def heartbeat(cell: Cell, tell: Callable[[float], None]) -> Callable[[int], None]:
+    """A function of the events that a cell has used, which lets `tell` know the share of its budget now and then."""
+    last = 0.0
+
+    def beat(used: int) -> None:
+        nonlocal last
+        if time.monotonic() - last >= HEARTBEAT_SECONDS:
+            last = time.monotonic()
+            tell(used / cell.budget)
+
+    tell(0)
+    return beat

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.status import Status
 from avobench.bench.cells.trial import blank_record, execute
-from avobench.bench.processes.contract import Backend
+from avobench.bench.processes.contract import ATTEMPTS, Backend, heartbeat
+from avobench.bench.store.status import Status
 from avobench.bench.store.versions import versions
 from avobench.tasks.errors import AvobenchError, UsageError
 
@@ -24,15 +24,11 @@ if TYPE_CHECKING:
     from distributed import Client, Future, Worker, as_completed
 
 CONNECT_SECONDS = 5
-"""For the scheduler to answer: on a network that works it takes milliseconds, and a user should not wait long."""
+"""The scheduler must answer within this: a network that works takes milliseconds, and a user should not wait long."""
 WORKERS_SECONDS = 10
-"""For the first worker to be there; one that is started together with the sweep needs a few seconds."""
-HEARTBEAT_SECONDS = 1.0
-"""How often a cell tells how far it is: as often as the display is drawn."""
+"""The first worker must be there within this; one that is started together with the sweep needs a few seconds."""
 LOOK_SECONDS = 0.05
-"""Between two looks for what has ended, where nothing had: cells take seconds."""
-ATTEMPTS = 2
-"""How often a cell may lose its worker before it is recorded as crashed, where the scheduler gives up on it so soon."""
+"""The pause between two looks for what has ended, where nothing had: cells take seconds."""
 TOPIC = "avobench"
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -156,7 +152,7 @@ def _connected(scheduler: str) -> "Client":
 
 
 def facts(dask_worker: "Worker | None" = None) -> dict[str, Any]:
-    """What must be the same wherever cells are carried out, so that the results are. Dask fills in `dask_worker`."""
+    """The facts that must be the same wherever cells are carried out, so that results are. Dask gives `dask_worker`."""
     threads = 1 if dask_worker is None else dask_worker.state.nthreads
     found = {name: version for name, version in versions().items() if name != "commit"}
     return found | {"source": source()} | {name: os.environ.get(name) for name in THREADS} | {"threads": threads}
@@ -192,16 +188,5 @@ def _work(cell: Cell, wanted: dict[str, Any], debug: bool) -> dict[str, Any]:
     require_equal(worker.address, facts(worker), wanted)
     if dataclasses.replace(cell).identity != cell.identity:  # made anew from what is installed here
         raise UsageError(f"the worker at {worker.address} has another version of {cell.task} or {cell.method}")
-    last = 0.0
-
-    def heartbeat(used: int) -> None:
-        nonlocal last
-        if time.monotonic() - last >= HEARTBEAT_SECONDS:
-            last = time.monotonic()
-            tell(used / cell.budget)
-
-    def tell(share: float) -> None:
-        worker.log_event(TOPIC, {"id": cell.id, "share": share, "worker": worker.address})
-
-    tell(0)
-    return execute(cell, heartbeat, debug)
+    topic = {"id": cell.id, "worker": worker.address}
+    return execute(cell, heartbeat(cell, lambda share: worker.log_event(TOPIC, {**topic, "share": share})), debug)

@@ -1,29 +1,26 @@
-"""Cells carried out in worker processes of this machine; or in this process, where that is asked for."""
+"""Cells carried out in processes of this machine, one by one or many as one piece of work; or in this process."""
 
 import json
-import os
 import sys
-import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.status import Status
 from avobench.bench.cells.trial import blank_record, execute, execute_together, told
 from avobench.bench.processes.apart import Call, Limits, here, outcomes
-from avobench.bench.processes.contract import Backend
-from avobench.bench.store.atomic import write_atomically
-from avobench.tasks.errors import ProcessEnded, StoreError
+from avobench.bench.processes.contract import ATTEMPTS, Backend, heartbeat
+from avobench.bench.store.files import store_errors, write_atomically
+from avobench.bench.store.status import Status
+from avobench.tasks.errors import ProcessEnded
 
-HEARTBEAT_SECONDS = 1.0
-"""How often a cell tells how far it is: as often as the display is drawn."""
-ATTEMPTS = 2
-"""How often a cell may lose its worker process before it is recorded as crashed."""
 LIMITS = Limits(seconds=6 * 3600, mib=8192)
-"""Of a cell. The longest of the committed records took 21 minutes, the largest 3.3 GiB."""
+"""What a cell may take. The longest of the committed records took 21 minutes, the largest 3.3 GiB."""
+EACH = ("target", "repetition", "theta_true")
+"""What may differ between the cells of a piece."""
 Piece = tuple[Cell, ...]
 """Cells that a worker carries out as one."""
 
@@ -35,29 +32,38 @@ class LocalBackend(Backend):
     once more when all else is done, by itself, since another may have left it no memory; one that exceeds a limit is
     not.
 
-    A process is given a piece of work at a time, here always of one cell. A subclass may make larger pieces: one that
-    fails as a whole is begun again in halves, one whose process ended in single cells, one after the other, so that
-    only the cell to blame fails.
+    A process is given a piece of work at a time: one cell, or, with `together`, all targets and repetitions of a task
+    and a method that gains from it, so that one batched network may train them all, on a GPU or in fewer and larger
+    matrix products on a CPU; see `Method.infer_together`. A piece that fails as a whole is begun again in halves, one
+    whose process ended in single cells, one after the other, so that only the cell to blame fails.
     """
 
-    name = "local"
-
     def __init__(
-        self, jobs: int, marks: Path, *, limits: Limits = LIMITS, in_process: bool = False, debug: bool = False
+        self,
+        jobs: int,
+        marks: Path,
+        *,
+        together: bool = False,
+        most: int | None = None,
+        limits: Limits = LIMITS,
+        in_process: bool = False,
+        debug: bool = False,
     ) -> None:
-        """`limits` are those of a cell; with `in_process` cells are carried out in this process, without limits."""
+        """`limits` are those of a cell; with `in_process` cells are carried out in this process, without limits.
+
+        A piece is in memory as a whole, with the observed events of each cell: `most` limits the number of its cells.
+        """
+        self.name = "together" if together else "local"
         self._jobs, self._marks, self._limits, self._debug = jobs, marks, limits, debug
-        self._in_process = in_process
+        self._together, self._most, self._in_process = together, most, in_process
 
     @property
     def workers(self) -> int:
         return self._jobs
 
     def records(self, cells: list[Cell], note: Callable[[str], None]) -> Iterator[dict[str, Any]]:
-        try:
+        with store_errors(f"{self._marks} cannot be made"):
             self._marks.mkdir(exist_ok=True)
-        except OSError as error:
-            raise StoreError(f"{self._marks} cannot be made: {error.strerror or error}") from error
         deaths: dict[str, int] = {}
         work, jobs = self.pieces(cells), self._jobs
         while work:
@@ -85,8 +91,17 @@ class LocalBackend(Backend):
             work, jobs = again, 1
 
     def pieces(self, cells: list[Cell]) -> list[Piece]:
-        """The cells in the pieces that workers are given, in the order in which they are begun."""
-        return [(cell,) for cell in cells]
+        """The pieces in the order of their first cells, those of several cells before all others: they take longest."""
+        alike: dict[str, list[Cell]] = {}
+        for cell in cells:
+            shared = {name: value for name, value in cell.identity.items() if name not in EACH}
+            key = json.dumps(shared, sort_keys=True) if self._together and cell.together else cell.id
+            alike.setdefault(key, []).append(cell)
+        pieces = []
+        for group in alike.values():
+            most = self._most or len(group)
+            pieces += [tuple(group[start : start + most]) for start in range(0, len(group), most)]
+        return sorted(pieces, key=lambda piece: len(piece) == 1)
 
     def shares(self) -> dict[str, float]:
         shares = {}
@@ -99,10 +114,7 @@ class LocalBackend(Backend):
         self, work: list[Piece], jobs: int
     ) -> Iterator[tuple[Piece, list[dict[str, Any]] | str | ProcessEnded]]:
         """Pieces as they are finished, each with what `_work` returns, or how its process ended."""
-        calls = [
-            Call(_work, (piece, self._marks, os.getpid(), self._debug), self._limits.times(len(piece)))
-            for piece in work
-        ]
+        calls = [Call(_work, (each, self._marks, self._debug), self._limits.times(len(each))) for each in work]
         for place, outcome in here(calls) if self._in_process else outcomes(jobs, calls):
             if isinstance(outcome, BaseException) and not isinstance(outcome, ProcessEnded):
                 raise outcome
@@ -110,14 +122,14 @@ class LocalBackend(Backend):
 
 
 def label(piece: Piece) -> str:
-    """What a piece of work is, for a line to the user."""
+    """The name of a piece of work in a line to the user."""
     first, n = piece[0], len(piece)
     return first.label if n == 1 else f"{first.identity['task']} {first.identity['method']}, {n} cells together"
 
 
-def _work(piece: Piece, marks: Path, parent: int, debug: bool) -> list[dict[str, Any]] | str:
+def _work(piece: Piece, marks: Path, debug: bool) -> list[dict[str, Any]] | str:
     """A piece in a worker: the records of its cells, or the reason why there are none."""
-    progress = [_heartbeat(cell, marks / cell.id, parent) for cell in piece]
+    progress = [heartbeat(cell, partial(_mark, marks / cell.id)) for cell in piece]
     if len(piece) == 1:
         return [execute(piece[0], progress[0], debug)]
     try:
@@ -131,21 +143,6 @@ def _work(piece: Piece, marks: Path, parent: int, debug: bool) -> list[dict[str,
             torch.cuda.empty_cache()  # what PyTorch keeps of a GPU for later, other workers may need now
 
 
-def _heartbeat(cell: Cell, mark: Path, parent: int) -> Callable[[int], None]:
-    """Marks a cell as running; what it returns tells how far the cell is, and ends the worker if the sweep is gone."""
-    last = 0.0
-
-    def heartbeat(used: int) -> None:
-        nonlocal last
-        if os.getpid() != parent and os.getppid() != parent:
-            os._exit(1)  # the sweep was killed: nobody is left to take the record
-        if time.monotonic() - last >= HEARTBEAT_SECONDS:
-            last = time.monotonic()
-            tell(used / cell.budget)
-
-    def tell(share: float) -> None:
-        with suppress(OSError):  # a full disk costs the display, not the cell
-            write_atomically(mark, json.dumps(share).encode())
-
-    tell(0)
-    return heartbeat
+def _mark(path: Path, share: float) -> None:
+    with suppress(OSError):  # a full disk costs the display, not the cell
+        write_atomically(path, json.dumps(share).encode())

@@ -1,4 +1,4 @@
-"""Which workers carry out a sweep, as a user asks for them."""
+"""The workers that carry out a sweep, as a user asks for them."""
 
 import math
 from dataclasses import dataclass
@@ -11,7 +11,6 @@ from avobench.bench.processes.apart import Limits
 from avobench.bench.processes.contract import Backend
 from avobench.bench.processes.dask import DaskBackend
 from avobench.bench.processes.local import LIMITS, LocalBackend
-from avobench.bench.processes.together import TogetherBackend
 from avobench.tasks.errors import UsageError
 
 
@@ -61,17 +60,22 @@ class Workers:
         """
         if self.scheduler is not None:
             return DaskBackend(self.scheduler, debug=debug)
-        options = {"limits": self.limits, "in_process": self.in_process, "debug": debug}
-        if self.backend == "together":
-            return TogetherBackend(self.processes, marks, self.group, **options)
-        return LocalBackend(self.processes, marks, **options)
+        return LocalBackend(
+            self.processes,
+            marks,
+            together=self.backend == "together",
+            most=self.group,
+            limits=self.limits,
+            in_process=self.in_process,
+            debug=debug,
+        )
 
     @property
     def processes(self) -> int:
-        """Of this machine."""
+        """The number of processes of this machine."""
         return 1 if self.in_process else self.jobs or joblib.cpu_count()
 
     @property
     def limits(self) -> Limits:
-        """Of a cell in a process of this machine."""
+        """The limits of a cell in a process of this machine."""
         return Limits(self.time_limit or LIMITS.seconds, self.memory_limit or LIMITS.mib)

@@ -1,10 +1,95 @@
-"""Folders and files that can be written, or say why not."""
+"""Files that are written whole or not at all, at places that a name cannot lead out of, and folders that take them."""
 
 import os
+import stat
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from avobench.bench.store.atomic import write_atomically
 from avobench.tasks.errors import StoreError, UsageError
+
+
+def write_atomically(path: Path, content: bytes, check: Callable[[Path], None] | None = None) -> Path:
+    """Write `content` to `path` so that a reader, or a crash, sees all of it or nothing.
+
+    `check` is given the written file before it takes its place; what it raises leaves `path` as it was. A link stays a
+    link; what is not a regular file, such as a terminal, is written to as it is, unchecked. An OSError names `path`.
+    """
+    temporary = None
+    try:
+        target = path.resolve()
+        if target.exists() and not target.is_file():
+            target.write_bytes(content)
+            return path
+        handle, temporary = tempfile.mkstemp(prefix=".", suffix=".tmp", dir=target.parent)
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.chmod(temporary, 0o644)
+        if check is not None:
+            check(Path(temporary))
+        os.replace(temporary, target)
+    except BaseException as error:
+        if temporary is not None:
+            os.unlink(temporary)
+        if isinstance(error, OSError) and error.errno is not None:
+            error.filename = str(path)
+        raise
+    return path
+
+
+def write_file(path: Path, content: bytes) -> None:
+    """Write `content` to `path`, whole or not at all. Raises StoreError when the disk does not take it.
+
+    Raises UsageError for a place in a results folder, whose records it might overwrite.
+    """
+    for folder in path.resolve().parents[:2]:
+        if (folder / "store.json").exists():
+            raise UsageError(f"{path} lies in the results folder {folder}; choose a file outside of it")
+    with store_errors(f"{path} could not be written"):
+        write_atomically(path, content)
+
+
+@contextmanager
+def store_errors(what: str) -> Iterator[None]:
+    """What the disk refuses within the block is raised as a StoreError, which says what could not be done and why."""
+    try:
+        yield
+    except OSError as error:
+        raise StoreError(f"{what}: {error.strerror or error}") from error
+
+
+def sync_folder(folder: Path) -> None:
+    """Have the disk keep which files `folder` holds, so that a file renamed into it is there after a power cut."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def within(folder: Path, name: str) -> Path:
+    """The path of the file `name` in `folder`. Raises UsageError where the name would lead to another folder."""
+    path = folder / name
+    if path.parent != folder or path.name in ("", ".", "..") or "\0" in name or "\\" in name:
+        raise UsageError(f"a file named '{name}' would not lie in {folder}; names must not contain a path")
+    return path
+
+
+def not_plain(path: Path) -> str:
+    """Why what is at `path` is no plain file or folder; empty where it is one, or where there is nothing.
+
+    What came from elsewhere may hold a link that leads to a user's own files, or a pipe that nobody writes to.
+    """
+    try:
+        mode = path.lstat().st_mode
+    except FileNotFoundError:
+        return ""
+    if stat.S_ISLNK(mode):
+        return f"is a link to {os.readlink(path)}"
+    return "" if stat.S_ISREG(mode) or stat.S_ISDIR(mode) else "is neither a file nor a folder"
 
 
 def require_folder(path: Path, *, make: bool = True) -> None:
@@ -19,11 +104,3 @@ def require_folder(path: Path, *, make: bool = True) -> None:
         raise UsageError(f"the folder {path} cannot be made: {error.strerror or error}") from error
     if not os.access(path, os.W_OK):
         raise UsageError(f"the folder {path} is read-only")
-
-
-def write_file(path: Path, content: bytes) -> None:
-    """Write `content` to `path`, whole or not at all; StoreError when the disk does not take it."""
-    try:
-        write_atomically(path, content)
-    except OSError as error:
-        raise StoreError(f"{path} could not be written: {error.strerror or error}") from error

@@ -4,7 +4,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from avobench.bench.store.atomic import sync_folder
+from avobench.bench.store.files import store_errors, sync_folder
 from avobench.bench.store.packed import Row, Unreadable, read_rows, write_rows
 from avobench.bench.store.store import Store
 from avobench.tasks.errors import StoreError
@@ -12,7 +12,7 @@ from avobench.tasks.errors import StoreError
 
 @dataclass(frozen=True)
 class Packed:
-    """What packing did."""
+    """The outcome of packing."""
 
     rows: int
     """Records in the table now."""
@@ -43,14 +43,12 @@ def pack(store: Store) -> Packed:
                 files.append(entry.path)
         if not rows and not damaged:
             raise StoreError(f"there are no records in {store.path} to pack")
-        try:
+        with store_errors(f"{store.path} could not be packed"):
             if rows != before:
                 write_rows(store.table, [rows[name] for name in sorted(rows)])
             sync_folder(store.path)  # the table is in its folder for good before the first file goes
             for path in files:
                 path.unlink()
-        except OSError as error:
-            raise StoreError(f"{store.path} could not be packed: {error.strerror or error}") from error
         with suppress(OSError):  # not empty, or not there
             store.records.rmdir()
     return Packed(len(rows), len(files), damaged)

@@ -16,21 +16,21 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.files import write_atomically
 from avobench.bench.store.record import Record, decode_record
 
 SCHEMA = {"schema": "avobench-packed-records", "version": "1"}
-"""In the file's metadata."""
+"""The metadata of the file tell this."""
 NUM_ROWS = "rows"
-"""There too: the part of a Parquet file that tells how many rows there are has no checksum."""
+"""The metadata tell the number of rows too, as the part of a Parquet file that does has no checksum."""
 ROWS_A_GROUP = 128
 """Rows that are compressed together, and that a damaged place in the file takes with it; 256 save 3 % of its size."""
 COMPRESSION_LEVEL = 19
-"""Of zstd; packed once, read often."""
+"""The level of zstd; a table is packed once and read often."""
 QUICK_LEVEL = 6
-"""Of zstd for a large table: ten times as fast, and a fourth larger."""
+"""The level of zstd for a large table: it is ten times as fast, and the file a fourth larger."""
 LARGE = 5000
-"""Rows from which a table is large: at the higher level it would take minutes."""
+"""A table of so many rows is large: at the higher level it would take minutes."""
 LEFT_OUT = ("schema_version", "trace")
 """Fields without a column: the one is that of the file, the other is most of a record and seldom read alone."""
 TYPES = {"integer": pa.int64(), "number": pa.float64(), "string": pa.string()}

@@ -1,4 +1,4 @@
-"""What a record is: its fields, what makes sense in them, and its form as a line of JSON with a checksum.
+"""A record: its fields, what makes sense in them, and its form as a line of JSON with a checksum.
 
 `python -m avobench.bench.store.record` prints the table of the fields in docs/records.md.
 """
@@ -13,21 +13,23 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from avobench.bench.cells.status import ESTIMATED, LOST, Status
+from avobench.bench.store.status import ESTIMATED, LOST, Status
 from avobench.tasks.errors import UsageError
 
 SCHEMA_VERSION = 1
-"""Of records; raised when a field changes its meaning."""
+"""The version of the schema is raised when a field changes its meaning."""
 NAME = r"[A-Za-z0-9][A-Za-z0-9.-]*"
-"""A task's or method's name: part of a file's name, so nothing in it may lead to another folder."""
+"""The name of a task or method is part of a file's name, so nothing in it may lead to another folder."""
 TOLERANCE = 1e-12
-"""Relative; a sum over many parameters depends on its order, by about 1e-16 a term."""
+"""A relative difference: a sum over many parameters depends on its order, by about 1e-16 a term."""
 IDENTITY = (
     *("task", "task_version", "task_settings", "task_source_sha256"),
     *("method", "method_version", "method_settings", "method_source_sha256"),
     *("theta_true", "target", "repetition", "budget", "num_observations", "seed"),
 )
 """The fields that determine a result, as far as a record has them; `id` is their hash."""
+SECONDS = ("observation_seconds", "simulator_seconds", "method_seconds", "harness_seconds")
+"""The fields that share out the time which a cell took."""
 
 Count = Annotated[int, Field(ge=0, lt=2**63)]
 """A whole number that a table of 64-bit integers holds."""
@@ -226,7 +228,7 @@ def identity_hash(identity: dict[str, Any]) -> str:
 
 
 def file_name(record: dict[str, Any]) -> str:
-    """Where a record is kept: what it is of, in words, and its id. Raises UsageError for a name that is no name."""
+    """The name of the file of a record, from its cell and its id. Raises UsageError for a name that is none."""
     for kind in ("task", "method"):
         if not re.fullmatch(NAME, record[kind]):
             raise UsageError(f"the name of a {kind} must be letters, digits, dots and dashes, got '{record[kind]}'")

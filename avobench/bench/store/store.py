@@ -6,7 +6,7 @@ import os
 import sys
 import warnings
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from fnmatch import fnmatch
 from pathlib import Path
@@ -14,8 +14,8 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
-from avobench.bench.store.atomic import within, write_atomically
 from avobench.bench.store.claim import claim
+from avobench.bench.store.files import not_plain, store_errors, within, write_atomically
 from avobench.bench.store.packed import Unreadable, read_rows
 from avobench.bench.store.record import SCHEMA_VERSION, decode_record, encode, file_name
 from avobench.tasks.errors import StoreError, UsageError
@@ -24,6 +24,8 @@ SCHEMA = {"schema": "avobench-records", "version": SCHEMA_VERSION}
 UNREAD = "cannot be read"
 """How the fault of a file begins that the disk does not give: what it holds may be sound, and is never made again."""
 
+NAMES = ("store.json", "records", "records.parquet", "running", "damaged", "sweeps.jsonl", ".lock", ".writer")
+"""What a store uses in its folder, none of which may be a link: a folder from elsewhere could lead out by it."""
 NO_LOCKS = (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP)
 """What a file system says that has no locks."""
 
@@ -54,7 +56,7 @@ class Store:
     """
 
     def __init__(self, path: Path, *, create: bool = False) -> None:
-        """Open the store at `path`; raises UsageError when the folder cannot be one, or is none and not to be made."""
+        """Open the store at `path`. Raises UsageError when the folder cannot be one, or is none and not to be made."""
         self.path = path
         self.records = path / "records"
         self.table = path / "records.parquet"
@@ -65,6 +67,9 @@ class Store:
         if path.exists() and not path.is_dir():
             raise UsageError(f"the results folder {path} is a file; choose a folder with --results")
         try:
+            for name in NAMES:
+                if why := not_plain(path / name):
+                    raise UsageError(f"{path / name} {why}; a results folder holds plain files and folders alone")
             if not marker.exists():
                 if path.exists() and any(not inside.name.startswith(".") for inside in path.iterdir()):
                     raise UsageError(f"{path} holds other files and no store.json; choose an empty or new folder")
@@ -95,26 +100,20 @@ class Store:
                 raise UsageError(f"another avobench run is writing to {self.path}; wait for it or stop it") from error
             except OSError as error:
                 if error.errno not in NO_LOCKS:
-                    raise self._cannot_be_locked(error) from error
-            try:
-                stack.enter_context(claim(self.path / ".writer"))
-            except OSError as error:
-                raise self._cannot_be_locked(error) from error
+                    raise UsageError(f"{self.path} cannot be locked for writing: {error.strerror or error}") from error
+            stack.enter_context(claim(self.path / ".writer"))
             yield
-
-    def _cannot_be_locked(self, error: OSError) -> UsageError:
-        return UsageError(f"{self.path} cannot be locked for writing: {error.strerror or error}")
 
     def write(self, record: dict[str, Any]) -> Path:
         """Write one record, whole or not at all. Raises StoreError when the disk does not take it, or as `place`."""
         path = self.place(record)
+        if why := not_plain(path):
+            raise StoreError(f"{path} {why}; remove it")
         if not (self.path / "store.json").exists():
             raise StoreError(f"the results folder {self.path} was removed while it was in use, and its records with it")
-        try:
+        with store_errors(f"a record could not be written to {self.records}"):
             self.records.mkdir(exist_ok=True)
             return write_atomically(path, encode(record))
-        except OSError as error:
-            raise StoreError(f"a record could not be written to {self.records}: {error.strerror or error}") from error
 
     def place(self, record: dict[str, Any]) -> Path:
         """The file of a record, of which the identity and id are enough. Raises UsageError for a name that is none."""
@@ -125,17 +124,18 @@ class Store:
 
         Raises StoreError when the disk does not take it.
         """
-        try:
-            with (self.path / "sweeps.jsonl").open("a") as file:
-                file.write(json.dumps(entry) + "\n")
-        except OSError as error:
-            raise StoreError(f"{self.path / 'sweeps.jsonl'} could not be written: {error.strerror or error}") from error
+        path = self.path / "sweeps.jsonl"
+        with store_errors(f"{path} could not be written"), path.open("a+b") as file:
+            torn = file.tell() > 0 and (file.seek(-1, os.SEEK_END), file.read(1))[1] != b"\n"
+            file.write(b"\n" * torn + json.dumps(entry).encode() + b"\n")
 
     def sweeps(self) -> list[dict[str, Any]]:
-        """The lines of `sweeps.jsonl`, oldest first; a last line cut short by a crash is left out."""
-        path = self.path / "sweeps.jsonl"
-        lines = path.read_text().splitlines(keepends=True) if path.exists() else []
-        return [json.loads(line) for line in lines if line.endswith("\n")]
+        """The lines of `sweeps.jsonl`, oldest first, without those that a crash cut short."""
+        path, sweeps = self.path / "sweeps.jsonl", []
+        for line in path.read_text(errors="replace").splitlines() if path.exists() else []:
+            with suppress(ValueError, RecursionError):
+                sweeps.append(json.loads(line))
+        return [sweep for sweep in sweeps if isinstance(sweep, dict)]
 
     def entries(self) -> Iterator[Entry]:
         """What is kept, one entry a cell: files first, then the rows of the table; last a table not all readable.
@@ -145,6 +145,8 @@ class Store:
         seen = set()
         for path in self._files():
             try:
+                if why := not_plain(path):
+                    raise OSError(why)
                 content = path.read_bytes()
             except FileNotFoundError:
                 continue
@@ -163,13 +165,13 @@ class Store:
 
     def _files(self) -> list[Path]:
         """The files of records. Raises StoreError when the folder cannot be listed: it would seem to be empty."""
-        try:
-            with os.scandir(self.records) as found:
-                return [self.records / each.name for each in found if fnmatch(each.name, "[!.]*.json")]
-        except FileNotFoundError:
-            return []
-        except OSError as error:
-            raise StoreError(f"{self.records} cannot be listed: {error.strerror or error}") from error
+        with (
+            store_errors(f"{self.records} cannot be listed"),
+            suppress(FileNotFoundError),
+            os.scandir(self.records) as found,
+        ):
+            return [self.records / each.name for each in found if fnmatch(each.name, "[!.]*.json")]
+        return []
 
     def read(self, *, traces: bool = True) -> tuple[list[dict[str, Any]], dict[Path, str]]:
         """All sound records, ordered by file name, and the damaged files and rows with what is wrong with each.
@@ -197,7 +199,7 @@ class Store:
         return sound
 
     def read_all(self, *, traces: bool = True) -> list[dict[str, Any]]:
-        """The same; raises StoreError when there are none."""
+        """All sound records as `read_sound` gives them. Raises StoreError when there are none."""
         sound = self.read_sound(traces=traces)
         if not sound:
             raise StoreError(
@@ -206,14 +208,12 @@ class Store:
         return sound
 
     def remedy(self, path: Path, fault: str = "") -> str:
-        """What to do about a damaged file, row or table."""
+        """The sentence that says what to do about a damaged file, row or table."""
         if path.parent == self.records and fault.startswith(UNREAD):
             return "look at the disk and at the file's permissions, or move it away and `avobench run` makes it again"
         if path == self.table:
             return "restore it from a copy, or move it away and `avobench run` makes its records again"
-        if path.parent == self.table:
-            return "`avobench run` sets it aside and makes it again"
-        return "`avobench run` sets it aside and makes it again, or delete it"
+        return "`avobench run` sets it aside and makes it again" + ", or delete it" * (path.parent == self.records)
 
     def set_aside(self, path: Path) -> Path:
         """Keep a damaged record in `damaged/`, never over another file, and move it out of the way.
@@ -221,35 +221,28 @@ class Store:
         A row stays in the table, unread once its cell is made again, and goes when the store is next packed. Raises
         StoreError when the disk does not take it.
         """
-        try:
-            return self._set_aside(path)
-        except OSError as error:
-            raise StoreError(f"{path} could not be set aside: {error.strerror or error}") from error
-
-    def _set_aside(self, path: Path) -> Path:
-        folder = self.path / "damaged"
-        folder.mkdir(exist_ok=True)
-        target, number = within(folder, path.name), 1
-        row = None
+        folder, row = self.path / "damaged", None
         if path.parent == self.table:
             row = next(entry.content for entry in self.entries() if entry.path == path)
-        while target.exists():
-            if row is not None and target.read_bytes() == row:
-                return target  # by a run that was stopped before it had made the cell again
-            target = within(folder, f"{path.name}.{number}")
-            number += 1
-        return path.rename(target) if row is None else write_atomically(target, row)
+        with store_errors(f"{path} could not be set aside"):
+            folder.mkdir(exist_ok=True)
+            target, number = within(folder, path.name), 1
+            while target.exists():
+                if row is not None and target.read_bytes() == row:
+                    return target  # by a run that was stopped before it had made the cell again
+                target = within(folder, f"{path.name}.{number}")
+                number += 1
+            return path.rename(target) if row is None else write_atomically(target, row)
 
     def remove_leftovers(self) -> None:
         """Delete what a killed run left half-done: temporary files and marks of running cells. Needs the lock.
 
         Raises StoreError when they cannot be deleted.
         """
-        try:
-            for leftover in [*self.path.glob(".*.tmp"), *self.records.glob(".*.tmp"), *self.running.glob("*")]:
+        leftovers = [*self.path.glob(".*.tmp"), *self.path.glob(".writer.*"), *self.records.glob(".*.tmp")]
+        with store_errors(f"{self.path} could not be tidied up"):
+            for leftover in [*leftovers, *self.running.glob("*")]:
                 leftover.unlink(missing_ok=True)  # the workers of a killed run may still be ending
-        except OSError as error:
-            raise StoreError(f"{self.path} could not be tidied up: {error.strerror or error}") from error
 
 
 def _once(value: Any, once: dict[Any, Any]) -> Any:

@@ -1,4 +1,4 @@
-"""Which versions made a record."""
+"""The versions of the packages that made a record."""
 
 import importlib.metadata
 import platform
@@ -43,5 +43,5 @@ def _packages(module: str) -> list[str]:
 
 @cache
 def _distributions() -> Mapping[str, list[str]]:
-    """Asked for once a process: it looks into every installed distribution."""
+    """The packages by module, asked for once a process: Python looks into every installed distribution."""
     return importlib.metadata.packages_distributions()

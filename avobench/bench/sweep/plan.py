@@ -1,4 +1,4 @@
-"""From what a user asks for to the list of cells, in the order in which they are carried out."""
+"""The plan of a sweep: the cells that a user asks for, in the order in which they are carried out."""
 
 import dataclasses
 import json

@@ -10,14 +10,16 @@ from datetime import UTC, datetime
 from typing import Any
 
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.status import Status
 from avobench.bench.processes.contract import Backend
+from avobench.bench.store.files import store_errors
+from avobench.bench.store.record import SECONDS
+from avobench.bench.store.status import Status
 from avobench.bench.store.store import UNREAD, Store
 from avobench.bench.store.versions import versions
 from avobench.tasks.errors import StoreError
 
 TICK_SECONDS = 1.0
-"""How often the display is drawn anew."""
+"""The display is drawn anew this often."""
 
 
 @dataclass
@@ -38,7 +40,7 @@ class Sweep:
         return [cell for cell in self.cells if cell.id not in self.done]
 
     def seconds_left(self) -> tuple[float, bool]:
-        """Expected time to the end, and whether every pending method has a finished cell to judge from.
+        """The expected time to the end, and whether every pending method has a finished cell to judge from.
 
         A pending cell is expected to take as long as finished cells of its task and method did, else of its method;
         one of a method that has none yet counts as nothing.
@@ -59,21 +61,21 @@ class Sweep:
 
 
 def seconds(record: dict[str, Any]) -> float:
-    """What a cell took, all in all."""
-    return sum(record[f"{part}_seconds"] for part in ("observation", "simulator", "method", "harness"))
+    """The time that a cell took, all in all."""
+    return sum(record[name] for name in SECONDS)
 
 
 class View:
-    """What shows a sweep; all methods are called from one process, `tick` from a thread of its own."""
+    """A display of a sweep. All its methods are called from one process, `tick` from a thread of its own."""
 
     def note(self, line: str) -> None:
-        """Something that the user should know, in a line."""
+        """Show the user a line."""
 
     def finished(self, sweep: Sweep, cell: Cell, record: dict[str, Any]) -> None:
-        """A cell was finished and its record written."""
+        """Show that a cell was finished and its record written."""
 
     def tick(self, sweep: Sweep) -> None:
-        """Called every second."""
+        """Show how far the sweep is; this is called every second."""
 
 
 def run(
@@ -86,7 +88,7 @@ def run(
     next run goes on from there. Raises UsageError for names that no file can have, StoreError when the table of packed
     records is damaged, or when the disk does not give or take what it should.
     """
-    with store.lock(), _disk(store):
+    with store.lock(), store_errors(f"the results folder {store.path} cannot be used"):
         store.remove_leftovers()
         wanted = {cell.id: cell for cell in cells}
         for cell in cells:
@@ -123,15 +125,6 @@ def run(
 
 def _brief(record: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in record.items() if name != "trace"}
-
-
-@contextmanager
-def _disk(store: Store) -> Iterator[None]:
-    """What the disk refuses to the sweep or its backend, such as marks of running cells, is told as that."""
-    try:
-        yield
-    except OSError as error:
-        raise StoreError(f"the results folder {store.path} cannot be used: {error.strerror or error}") from error
 
 
 @contextmanager

@@ -20,7 +20,7 @@ CHANCE = 5.0
 LINE = 3.0
 """How far the line of a comb stands above the frequencies beside it."""
 FIRST = 0.9
-"""Of the highest line, that the first of a comb has at least."""
+"""Least height of the first line of a comb in that of the highest: harmonics of sharp steps are nearly as high."""
 
 
 @dataclass(frozen=True)
@@ -29,13 +29,13 @@ class Comb:
 
     step: float
     error: float
-    """Of the step, relative."""
+    """The relative standard error of the step."""
     origin: float
     """One of the values, near the middle."""
     share: float
-    """Of the values that lie in steps, about."""
+    """The approximate share of the values that lie in steps."""
     noise: float
-    """Of each, in steps, about."""
+    """The approximate noise of each value, in steps."""
 
     @classmethod
     def shown(cls, x: NDArray[np.float64]) -> Self | None:

@@ -16,7 +16,7 @@ MOST = 4
 FEWEST = 20
 """Values there at least: of fewer the scatter hides whether an end is sharp."""
 SHARP = 0.6
-"""Of the stretch that holds the outermost values, the length of the next with as many. It is as long where the density
+"""Length of the next stretch with as many values in that of the outermost one. It is as long where the density
 ends in a step, 0.41 of it where it rises evenly from nothing, and a fifth in the tail of an exponential or a normal."""
 
 
@@ -52,7 +52,7 @@ class Spike:
 
     @classmethod
     def shown(cls, x: NDArray[np.float64], side: str) -> Self | None:
-        """That of values (n,) `below` or `above`, if there is one.
+        """The spike of values (n,) at the end `below` or `above`, if there is one.
 
         None where more than two values repeat: those are steps.
         """

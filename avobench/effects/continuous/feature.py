@@ -7,20 +7,20 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.effects.contract import OF_FEATURE, Effect, Parameter
+from avobench.effects.contract import OF_FEATURE, Effect, Family, Parameter
 from avobench.effects.ranges import Range
 from avobench.effects.rejection import accepted
 from avobench.effects.site import Site
 
 REPEATED = 5
-"""So many equal values of a continuous feature are no chance."""
+"""Number of equal values of a continuous feature that are no chance."""
 KNOWN = 1e-9
 """Relative error of a step or a limit that is read off the data."""
 
 
 @dataclass(frozen=True)
-class FeatureEffect(Effect):
-    """An effect on one feature or on all alike; `shape` is one of `variants()`."""
+class FeatureEffect(Family):
+    """An effect on one feature or on all alike."""
 
     feature: int | Literal["all"] = 0
     ranges: tuple[Range, ...] = ()
@@ -39,7 +39,7 @@ class FeatureEffect(Effect):
         return [cls(j, site.ranges) for j in features if not cls.of_positive or site.ranges[j].positive]
 
     def unit(self, parameter: Parameter, units: Sequence[str] = ()) -> str:
-        """That of the feature in place of `of the feature`, and of what range half is meant."""
+        """The unit of the feature in place of `of the feature`; for half a range also which range is meant."""
         if parameter.unit not in (OF_FEATURE, "of half the range"):
             return parameter.unit
         if self.feature == "all":
@@ -73,9 +73,6 @@ class FeatureEffect(Effect):
     def adapted(self, x):
         return replace(self, ranges=tuple(span.shown(x[:, j]) for j, span in enumerate(self.ranges)))
 
-    def strength(self) -> Parameter:
-        raise NotImplementedError
-
     def place(self, narrow: float, wide: float) -> tuple[Parameter, Parameter]:
         """A centre and a width, the bounds of which are given in half ranges: of the feature; of each where all."""
         scale, low, high, unit = self.half, self.low, self.high, "of the feature"
@@ -95,17 +92,6 @@ class FeatureEffect(Effect):
         for j in self.columns:
             x[:, j] = self.ranges[j].wrapped(x[:, j])
         return x
-
-    def variants(self) -> dict[str, tuple[Parameter, ...]]:
-        """The shapes: name -> parameters beside the strength."""
-        return {"": ()}
-
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        return (self.strength(), *self.variants()[self.shape])
-
-    def shapes(self) -> tuple[Effect, ...]:
-        return tuple(replace(self, shape=shape) for shape in self.variants())
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,12 @@ from avobench.effects.site import Site
 
 @dataclass(frozen=True)
 class CountEffect(Family):
-    """An effect on the one count of an event, on one of several, or on all alike; `shape` is one of SHAPES.
+    """An effect on the one count of an event, on one of several, or on all alike.
 
     On all alike, what happens to an event happens to all its counts, what happens to a count to each by itself.
     """
 
+    shape: str = ""
     feature: int | Literal["all"] | None = None
     columns: tuple[int, ...] = (0,)
     """Where the counts stand in an event."""

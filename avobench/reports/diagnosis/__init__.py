@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import NamedTuple
 
-from avobench.bench.store.atomic import write_atomically
+from avobench.bench.store.files import write_atomically
 from avobench.diagnosis import Result
 from avobench.reports.diagnosis.drawn import Drawn
 from avobench.reports.diagnosis.figures import FIGURE, drawings

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from avobench.bench.cells.status import Status
 from avobench.bench.cells.streams import observe
 from avobench.bench.cells.trial import blank_record, execute
 from avobench.bench.store.record import check
+from avobench.bench.store.status import Status
 from avobench.bench.store.versions import versions
 from avobench.bench.sweep.plan import plan
 
@@ -55,8 +55,12 @@ def test_a_record_tells_the_versions_of_what_its_method_and_task_need():
         ("normal.fault=raises", "simulator_error", "the simulator of normal raised RuntimeError"),
         ("normal.fault=nan", "simulator_error", "NaN or infinity"),
         ("normal.fault=exits", "simulator_error", "the simulator of normal raised SystemExit: 0"),
-        ("normal.fault=floor", "simulator_error", "the floor of normal must be a number, got None"),
-        ("normal.fault=negative floor", "simulator_error", "the floor of normal must not be negative, got -1.0"),
+        ("normal.fault=floor", "simulator_error", "the floor of normal must be a number, not negative None"),
+        (
+            "normal.fault=negative floor",
+            "simulator_error",
+            "the floor of normal must be a number, not negative -1.0",
+        ),
         ("moment.fault=exits", "method_error", "SystemExit: 0"),
         ("moment.fault=usage", "method_error", "not like this"),
         ("moment.fault=cheats", "method_error", "AttributeError"),

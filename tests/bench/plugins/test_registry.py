@@ -230,7 +230,7 @@ def test_specs_are_made_absolute_as_far_as_they_are_paths(file, monkeypatch):
 
 
 def identity_of(folder, text, name="First", kind="task"):
-    """Of a class in a file with this text, of which there is a new one each time."""
+    """The identity of a class in a new file with this text."""
     path = folder / f"variant_{len(list(folder.iterdir()))}.py"
     path.write_text(text)
     spec = f"{path}:{name}"
@@ -314,7 +314,7 @@ def _typed(code):
     text = "\n".join(
         [
             "import linecache, avobench",
-            "from avobench.bench import registry",
+            "from avobench.bench.plugins import registry",
             f"code = {code!r}",
             "linecache.cache['<cell 1>'] = (len(code), None, code.splitlines(True), '<cell 1>')",
             "exec(compile(code, '<cell 1>', 'exec'))",
@@ -342,15 +342,15 @@ def test_the_committed_records_keep_their_ids():
 
 @pytest.mark.parametrize("kind", ["task", "method", "effect"])
 def test_our_own_names_are_those_of_the_classes(kind):
-    """Or, where several effects are of one family and share its name, those of the modules that they stand in."""
+    """Or, where several effects are of one family and share its name, those of the classes themselves."""
     for name in registry.names(kind):
         loaded, last = registry.load(kind, name), name.rpartition(".")[2]
-        assert last in (loaded.name, loaded.__module__.rpartition(".")[2])
+        assert last == loaded.name or last.replace("_", "") == loaded.__name__.lower()
     assert isinstance(registry.build("task", "poisson", {}), Task)
 
 
 def test_a_task_of_a_function_that_no_module_knows_has_no_name_but_settings():
-    """As at a prompt, where a function has no source either: its class alone would not make it again."""
+    """So it is at a prompt, where a function has no source either: its class alone would not make it again."""
     scope = {}
     exec("def simulate(theta, rng):\n    return rng.exponential(theta[:, 0])", scope)
     decay = task(scope["simulate"], prior={"lifetime": (1, 4)})

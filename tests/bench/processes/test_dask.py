@@ -14,14 +14,12 @@ import pytest
 from distributed import Client
 
 from avobench.bench.processes.dask import DaskBackend, facts, require_equal, source
-from avobench.bench.processes.local import LocalBackend
 from avobench.bench.store.store import Store
 from avobench.bench.sweep.plan import plan
 from avobench.bench.sweep.runner import View, run
 from avobench.tasks.errors import AvobenchError, UsageError
 
 HERE = Path(__file__).parents[2] / "users"
-TIMED = ("observation_seconds", "simulator_seconds", "method_seconds", "harness_seconds", "peak_memory_mib", "started")
 
 
 class Cluster:
@@ -86,33 +84,8 @@ def toys(targets="0-4", method="toys:Moment", pause=0.1):
     return plan(["toys:Normal"], [method], targets, 1, 400, 100, 0, [f"{method[5:].lower()}.pause={pause}"])
 
 
-def results(records):
-    """Records without what a clock or a meter says."""
-    return [{name: value for name, value in record.items() if name not in TIMED} for record in records]
-
-
 def far(cells, cluster, store, view=None):
     return run(cells, store, DaskBackend(cluster.address), view or Watch())
-
-
-def test_a_killed_worker_costs_its_cell_a_retry_and_every_record_is_that_of_this_machine(cluster, tmp_path):
-    cells = toys(pause=0.3)
-    cells += plan(["weinberg"], ["avo-paper"], "0", 1, 1280, 500, 0, ["avo-paper.hidden=[8]"])
-    workers = [cluster.worker(), cluster.worker()]
-    cluster.wait_for(2)
-
-    def kill():
-        time.sleep(0.5)  # in the middle of the next cell
-        workers[1].kill()
-
-    view, store = Watch(act=kill), Store(tmp_path / "far", create=True)
-    records = far(cells, cluster, store, view)
-    assert view.notes  # one, or two where the worker held a result that was not yet fetched
-    assert all("its worker died, begun again on" in note for note in view.notes)
-    local = Store(tmp_path / "local", create=True)
-    run(cells, local, LocalBackend(1, local.running), View())
-    assert [record["status"] for record in records] == ["ok"] * len(cells)
-    assert results(store.read_all()) == results(local.read_all())
 
 
 def test_a_worker_that_dies_while_it_is_asked_for_its_versions_is_none_the_less(cluster, tmp_path):

@@ -10,10 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from avobench.bench.cells.status import Status
 from avobench.bench.cells.trial import execute
 from avobench.bench.processes.local import LocalBackend
-from avobench.bench.processes.together import TogetherBackend
+from avobench.bench.store.status import Status
 from avobench.bench.store.store import Store
 from avobench.bench.sweep.plan import plan
 from avobench.bench.sweep.runner import View, run, seconds
@@ -41,10 +40,11 @@ def toys(*settings, task="Normal", methods=("Lockstep",), targets="0-3", repetit
     return plan([f"toys:{task}"], specs, targets, repetitions, budget, 100, 0, settings)
 
 
-def together(path, cells, jobs=1, most=None):
+def together(path, cells, jobs=None, most=None):
     """Records with traces in the planned order, and what was noted."""
     store, view = Store(path, create=True), Notes()
-    order = [record["id"] for record in run(cells, store, TogetherBackend(jobs, store.running, most), view)]
+    backend = LocalBackend(jobs or 1, store.running, together=True, most=most, in_process=jobs is None)
+    order = [record["id"] for record in run(cells, store, backend, view)]
     return sorted(store.read_all(), key=lambda record: order.index(record["id"])), view
 
 
@@ -62,7 +62,7 @@ def assert_as_single(records, cells, atol):
         np.testing.assert_allclose(numbers(record), numbers(single), rtol=0, atol=atol)
 
 
-@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize("jobs", [None, 2])
 def test_records_are_those_of_single_cells(tmp_path, jobs):
     cells = toys()
     records, view = together(tmp_path, cells, jobs)
@@ -82,7 +82,7 @@ def test_each_cell_has_its_share_of_the_time_and_together_they_have_all_of_it(tm
 
 def test_pieces_are_of_one_task_and_method_and_the_rest_follows_one_by_one(tmp_path):
     cells = plan(["toys:Normal", "toys:Cliff"], ["toys:Moment", "toys:Lockstep"], "0-2", 1, 400, 100, 0, [])
-    pieces = TogetherBackend(1, tmp_path).pieces(cells)
+    pieces = LocalBackend(1, tmp_path, together=True).pieces(cells)
     assert [len(piece) for piece in pieces] == [3, 3, 1, 1, 1, 1, 1, 1]
     assert [[cell.target for cell in piece] for piece in pieces[:2]] == [[0, 1, 2]] * 2
     assert [piece[0].label.split(" target")[0] for piece in pieces[:3]] == [
@@ -91,11 +91,11 @@ def test_pieces_are_of_one_task_and_method_and_the_rest_follows_one_by_one(tmp_p
         "normal moment",
     ]
     assert sorted(cell.id for piece in pieces for cell in piece) == sorted(cell.id for cell in cells)
-    assert [len(piece) for piece in TogetherBackend(1, tmp_path, 2).pieces(cells)][:2] == [2, 2]
+    assert [len(piece) for piece in LocalBackend(1, tmp_path, together=True, most=2).pieces(cells)][:2] == [2, 2]
 
 
 def test_settings_and_budgets_are_not_mixed(tmp_path):
-    pieces = TogetherBackend(1, tmp_path).pieces([*toys(), *toys("steps=2"), *toys(budget=800)])
+    pieces = LocalBackend(1, tmp_path, together=True).pieces([*toys(), *toys("steps=2"), *toys(budget=800)])
     assert [len(piece) for piece in pieces] == [8, 8, 8]
 
 
@@ -236,8 +236,3 @@ def test_avo_trains_all_targets_at_once_on_a_gpu(avobench, tmp_path):
     for first, second in by_target.values():
         error = np.sqrt(first["floor"])
         assert abs(first["theta_hat"][0] - second["theta_hat"][0]) < 5 * error
-
-
-def test_a_backend_of_single_cells_is_as_it_was(tmp_path):
-    cells = toys(targets="0-1", repetitions=1)
-    assert LocalBackend(1, tmp_path).pieces(cells) == [(cells[0],), (cells[1],)]

@@ -109,7 +109,7 @@ def test_a_record_is_written_nowhere_but_in_the_store(store, name):
 def test_a_name_that_leads_elsewhere_is_told_before_anything_is_made(store):
     cells = plan(["toys:Normal"], ["toys:Moment"], "0-1", 1, 400, 100, 0, [])
     cells[1].identity["task"] = "../../x"  # as a file of a model could say
-    backend = LocalBackend(1, store.running)
+    backend = LocalBackend(1, store.running, in_process=True)
     with pytest.raises(UsageError, match=r"name of a task must be .* got '\.\./\.\./x'"):
         run(cells, store, backend, View())
     assert [path.name for path in store.path.rglob("*.json")] == ["store.json"]

@@ -82,8 +82,6 @@ def test_a_trained_network_says_the_same_with_its_scale_in_its_weights():
     rng = np.random.default_rng(0)
     portraits = 10 * rng.normal(size=(600, 7)) + 5
     names = np.array(["first", "second", "third"])[portraits[:, :3].argmax(axis=1)]
-    families, networks = trained(
-        Examples(portraits.astype(np.float32), np.stack([names, names], 1), np.zeros(600, int))
-    )
+    families, networks = trained(Examples(portraits.astype(np.float32), np.stack([names, names], 1)))
     told = np.array([np.mean([forward(each, row) for each in networks], axis=0) for row in compressed(portraits)])
     assert (np.array(families)[told.argmax(axis=1)] == names).mean() > 0.9

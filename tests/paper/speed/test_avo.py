@@ -40,8 +40,8 @@ def test_an_iteration_of_avo_paper_is_timed_beside_the_plain_one():
 
 def test_every_way_of_an_update_is_timed():
     measured = discriminator_update(SMALL, 3)
-    assert [name for name in measured if name.startswith(("autograd", "vmap"))] == [
-        f"{way}, {adam} / by hand" for way in ("autograd", "vmap") for adam in ("foreach", "fused")
+    assert [name for name in measured if name.startswith(("autograd", "stacked"))] == [
+        f"{way}, {adam} / by hand" for way in ("autograd", "stacked") for adam in ("foreach", "fused")
     ]
     assert all(value > 0 for value in measured.values())
     assert measured["with traffic"] > measured["products / by hand"]

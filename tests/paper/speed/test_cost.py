@@ -2,8 +2,8 @@
 
 import pytest
 
-from avobench.bench.cells.status import Status
 from avobench.bench.processes.local import LocalBackend
+from avobench.bench.store.status import Status
 from avobench.bench.store.store import Store
 from avobench.bench.sweep.plan import plan
 from avobench.bench.sweep.runner import View, run

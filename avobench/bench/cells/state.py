@@ -1,0 +1,63 @@
+"""The state of a process that all its cells share: what one cell changes of it is put back before the next."""
+
+import os
+import random
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import Any
+
+import numpy as np
+
+
+@contextmanager
+def put_back() -> Iterator[None]:
+    """Put back what the code of a method or task changes of the process within the block.
+
+    This is what would change another cell's numbers or make it fail: NumPy's handling of floating-point errors, the
+    legacy random states, PyTorch's defaults, the filters of warnings, the environment and the current folder.
+    """
+    folder, environment = os.getcwd(), dict(os.environ)
+    errors, legacy, python = np.geterr(), np.random.get_state(), random.getstate()  # noqa: NPY002
+    torch = _torch_state()
+    with warnings.catch_warnings():
+        try:
+            yield
+        finally:
+            np.seterr(**errors)
+            np.random.set_state(legacy)  # noqa: NPY002
+            random.setstate(python)
+            _put_torch_back(torch)
+            for name in os.environ.keys() - environment.keys():
+                del os.environ[name]
+            os.environ.update(environment)
+            with suppress(FileNotFoundError):  # nothing leads back to a folder that was removed
+                os.chdir(folder)
+
+
+def _torch_state() -> dict[str, Any]:
+    """PyTorch's defaults; as it begins with where it is not loaded."""
+    if (torch := sys.modules.get("torch")) is None:
+        return {}
+    return {
+        "dtype": torch.get_default_dtype(),
+        "grad": torch.is_grad_enabled(),
+        "deterministic": torch.are_deterministic_algorithms_enabled(),
+        "device": torch.get_default_device(),
+        "threads": torch.get_num_threads(),
+        "random": torch.get_rng_state(),
+    }
+
+
+def _put_torch_back(state: dict[str, Any]) -> None:
+    if (torch := sys.modules.get("torch")) is None:
+        return
+    torch.set_default_dtype(state.get("dtype", torch.float32))
+    torch.set_grad_enabled(state.get("grad", True))
+    torch.use_deterministic_algorithms(state.get("deterministic", False))
+    if torch.get_default_device() != (device := state.get("device", torch.device("cpu"))):
+        torch.set_default_device(None if device.type == "cpu" else device)  # a mode for "cpu" would cost time
+    if state:
+        torch.set_num_threads(state["threads"])
+        torch.set_rng_state(state["random"])

@@ -1,0 +1,289 @@
+"""What may be wrong with measured events, or with the simulator, told before anything is inferred from them."""
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+from scipy.stats import ks_2samp
+
+from avobench.bench.events.files import seconds
+from avobench.tasks import Task
+from avobench.tasks.checked import checked_events
+from avobench.tasks.errors import SimulatorError, UsageError
+
+MIN_EVENTS = 200
+"""A diagnosis needs so many: fewer fill no bins in which an effect could be told from another."""
+LARGEST = 2.0**53
+"""Double precision does not tell a whole number beyond this from the next."""
+FAR = 100
+"""A value that lies so many widths of what the simulator makes outside of it is another quantity."""
+ALIKE = 1e-12
+"""Values that differ by less than this share of the width of what the simulator makes lie at one place in it."""
+NUM_REFERENCE = 20_000
+"""So many simulated events tell which values the simulator can make; a tenth of it does for images."""
+LEAST_REFERENCE = 100
+"""Fewer simulated events do not tell which values the simulator can make."""
+SHARE = 20
+"""The checks take one in so many of the simulated events that are allowed, at most."""
+CERTAIN = 1e-9
+"""A p-value below this is no chance, in whatever many runs of an honest simulator."""
+TAIL = 0.001
+"""A tail is what lies beyond all but this share of the simulated values, and beyond ten of them at least."""
+BY_CHANCE = 0.01
+"""The probability that the largest of all measured values lies beyond the range though the simulator made it."""
+PRIME = 0x9E3779B97F4A7C15
+"""A factor that tells the features of an event apart where one number stands for it: 2^64 over the golden ratio."""
+MANY_REPEATS = 0.01
+"""A larger share of repeated events is worth a warning."""
+
+
+Simulate = Callable[[NDArray[np.float64], np.random.Generator], NDArray]
+"""A simulator whose events may be counted: theta (n, p), rng -> (n, d)."""
+
+
+def check_events(
+    task: Task,
+    x: ArrayLike,
+    *,
+    drop_invalid: bool = False,
+    diagnosis: bool = True,
+    simulate: Simulate | None = None,
+    limit: int | None = None,
+) -> tuple[NDArray, list[str]]:
+    """The events (n, d), or (n,) of one number each, as an array (n, d) of the task's type, and warnings.
+
+    Where a table of events and the task both name their columns, the names say which is which. Raises UsageError where
+    an inference would be meaningless: no numbers, another number of columns, rows that are not finite (unless
+    `drop_invalid` drops them), fractions for counts, none at all, numbers beyond 2^53, or a feature of which most
+    values lie far from all that the simulator makes. A `diagnosis` also takes neither fewer than MIN_EVENTS nor a
+    feature of which all values are alike. Real numbers that happen to be whole are taken: rounding is an effect.
+    Raises SimulatorError for a task whose simulator does not make what it declares, or breaks the contract.
+
+    `simulate` stands for the task's simulator where its events are counted. Of `limit` events one in SHARE is
+    simulated at most, and none where this is too few; a warning then says so.
+    """
+    x, warnings = by_name(task, x)
+    x = x[:, None] if x.ndim == 1 else x
+    if x.dtype.kind not in "biuf":
+        raise UsageError(f"events must be real numbers, got {x.dtype}")
+    if x.ndim != 2 or x.shape[1] != task.num_features:
+        got = x.shape[1] if x.ndim == 2 else f"an array of shape {x.shape}"
+        raise UsageError(f"an event of {task.name} has {task.num_features} columns, the data have {got}")
+    void = ~np.isfinite(x).any(axis=0)
+    if len(x) and void.any() and not task.event_shape:
+        names = ", ".join(name for name, each in zip(task.labels, void, strict=True) if each)
+        raise UsageError(f"all values of {names} are NaN or infinite; choose a column that holds it, by --columns")
+    finite = np.isfinite(x).all(axis=1)
+    if not finite.all():
+        count = f"{(~finite).sum()} of {len(x)} rows hold NaN or infinite values"
+        if not drop_invalid:
+            raise UsageError(f"{count}; mend them, or drop them with --drop-invalid")
+        warnings.append(f"{count} and were dropped")
+        x = x[finite]
+    least = MIN_EVENTS if diagnosis else 1
+    if len(x) < least:
+        raise UsageError(f"{len(x)} events are too few, at least {least} are needed")
+    if x.max() > LARGEST or x.min() < -LARGEST:
+        largest = x.max() if x.max() > LARGEST else x.min()
+        raise UsageError(f"the data reach to {largest:.3g}, beyond 2^53 numbers are not exact; give another unit")
+    whole = np.issubdtype(np.dtype(task.dtype), np.integer)
+    counts = np.array([whole or kind == "count" for kind in task.kinds_of_features])
+    fractions = counts & (x != np.rint(x))
+    if broken := int(fractions.any(axis=1).sum()):
+        names = [name for name, some in zip(task.labels, fractions.any(axis=0), strict=True) if some]
+        what = "" if counts.all() else f" of {', '.join(names)}"
+        raise UsageError(f"{task.name} makes whole numbers{what}, {broken} of {len(x)} rows hold fractions")
+    num_reference = NUM_REFERENCE // (10 if task.event_shape else 1)
+    if limit is not None:
+        num_reference = min(num_reference, limit // SHARE)
+    if num_reference >= LEAST_REFERENCE:
+        made = reference(task, simulate or partial(checked_events, task), num_reference)
+        warnings += _outside(task, x, made, diagnosis)
+    else:
+        warnings.append(
+            f"the events were not compared with what the simulator makes: {SHARE * LEAST_REFERENCE} simulated events "
+            "would allow it"
+        )
+    if diagnosis:
+        _check_for_diagnosis(task, x)
+    if task.event_shape or set(task.kinds_of_features) != {"count"}:
+        repeated = num_repeated(x)
+        if repeated > MANY_REPEATS * len(x):
+            warnings.append(
+                f"{repeated} of {len(x)} events repeat an earlier one: unless the values were rounded, "
+                "repeated events falsify every test"
+            )
+    return _cast(task, x), warnings
+
+
+def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
+    """The columns of events in the order of the features of `task`, as an array, and what is to be said of it.
+
+    Raises UsageError where a table has some of the features and lacks others, or more columns than there are features
+    and none of their names, and for a column that holds no numbers.
+    """
+    if not isinstance(x, pd.DataFrame):
+        return np.asarray(x), []
+    names, wanted = [str(name) for name in x.columns], list(task.feature_names)
+    told = []
+    if wanted and set(wanted) <= set(names):
+        extra = [name for name in names if name not in wanted]
+        told = [f"{', '.join(extra)} is no feature of {task.name} and was left out"] if extra else []
+        x = x.set_axis(names, axis=1)[wanted]
+    elif wanted and set(wanted) & set(names):
+        missing = [name for name in wanted if name not in names]
+        raise UsageError(f"the data have no {', '.join(missing)}; they have: {', '.join(names)}")
+    elif len(names) != task.num_features:
+        raise UsageError(
+            f"an event of {task.name} has {task.num_features} features, {', '.join(task.labels)}, and the data have "
+            f"{len(names)} columns: {', '.join(names)}; choose by name which are meant"
+        )
+    elif wanted and any(not isinstance(name, int) for name in x.columns):
+        told = [f"the columns {', '.join(names)} are taken as {', '.join(wanted)}, in this order"]
+    for name, column in x.items():
+        if not pd.api.types.is_numeric_dtype(column) or pd.api.types.is_complex_dtype(column):
+            raise UsageError(f"the column {name} holds {column.dtype} instead of real numbers")
+    kinds = {pd.api.types.is_float_dtype(column) or column.hasnans for _, column in x.items()}
+    return x.to_numpy(float if kinds == {True} or len(kinds) > 1 else None), told
+
+
+def num_repeated(x: NDArray) -> int:
+    """The number of events (n, d) that repeat an earlier one. A hash of 64 bits stands for each, to save memory."""
+    if len(x) == 0:
+        return 0
+    key = np.zeros(len(x), np.uint64)
+    with np.errstate(over="ignore"):
+        for column in x.T:
+            key = key * np.uint64(PRIME) + pd.util.hash_array(np.ascontiguousarray(column) + 0)
+    key.sort()
+    return int((key[1:] == key[:-1]).sum())
+
+
+def with_times(
+    x: ArrayLike, time: ArrayLike, *, drop_invalid: bool = False
+) -> tuple[NDArray, NDArray[np.float64], list[str]]:
+    """Events (n, ...) and their times (n,), without rows that are not finite if `drop_invalid` says so; and warnings.
+
+    Times are numbers or dates. Raises UsageError for others, for times that are not one an event, not finite, or all
+    alike.
+    """
+    x, time = x if isinstance(x, pd.DataFrame) else np.asarray(x), np.asarray(time)
+    if time.shape != x.shape[:1]:
+        raise UsageError(f"times must be one number for each of {len(x)} events, got {time.dtype} {time.shape}")
+    time, warnings = seconds(time, "time"), []
+    keep = np.isfinite(time)
+    if not keep.all():
+        count = f"{(~keep).sum()} of {len(time)} times are NaN or infinite"
+        if not drop_invalid:
+            raise UsageError(f"{count}; mend them, or drop them with --drop-invalid")
+        warnings.append(f"{count}, and their events were dropped")
+    values = np.asarray(x)
+    if drop_invalid and values.dtype.kind == "f":
+        keep &= np.isfinite(values.reshape(len(x), -1)).all(axis=1)
+    if len(np.unique(time[keep])) < 2:
+        raise UsageError("all times are alike: they say nothing of the order")
+    return x[keep], time[keep], warnings
+
+
+def _check_for_diagnosis(task: Task, x: NDArray) -> None:
+    """Raise UsageError for data in which there is nothing to compare."""
+    features = {"the data": x} if task.event_shape else dict(zip(task.labels, x.T, strict=True))
+    for name, values in features.items():
+        if values.min() == values.max():
+            raise UsageError(f"all values of {name} are {values.flat[0]:g}; a diagnosis needs values that differ")
+
+
+def _cast(task: Task, x: NDArray) -> NDArray:
+    """The events in the task's type, or a wider one where that does not hold the values."""
+    dtype = np.dtype(task.dtype)
+    if np.issubdtype(dtype, np.integer) and not np.iinfo(dtype).min <= x.min() <= x.max() <= np.iinfo(dtype).max:
+        dtype = np.dtype(np.int64)
+    return x.astype(dtype)
+
+
+def reference(task: Task, simulate: Simulate, num_events: int) -> NDArray:
+    """Events over the prior and at its ends, (num_events, d), which show that the simulator keeps its contract.
+
+    They are made by two calls with the same parameters but for the first row, which is at either end of the prior. So
+    the rest of them may be neither the same events, as of a seed within the simulator, nor of another distribution, as
+    where one row's parameters serve all. Raises SimulatorError for these.
+    """
+    rng = np.random.default_rng(0)
+    theta = task.prior.sample(num_events // 2, rng)
+    # Where theta is at an end of the prior there are values that few others make: each coordinate is there for a third.
+    end = rng.integers(-1, 2, theta.shape)
+    theta = np.where(end == 0, theta, np.where(end < 0, task.prior.low, task.prior.high))
+    halves = []
+    for first in (task.prior.low, task.prior.high):
+        theta[0] = first
+        halves.append(simulate(theta, rng))
+    one, other = (half[1:] for half in halves)
+    if np.array_equal(one, other) and len(np.unique(one, axis=0)) > 1:
+        raise SimulatorError(
+            f"the simulator of {task.name} makes the same events in each call; take all randomness from the generator "
+            "that it is given"
+        )
+    pairs = [(one.sum(axis=1), other.sum(axis=1))] if task.event_shape else zip(one.T, other.T, strict=True)
+    if any(ks_2samp(a, b, method="asymp").pvalue < CERTAIN for a, b in pairs):
+        raise SimulatorError(
+            f"the events of {task.name} depend on the parameters of the first row; each row of theta must make its own "
+            "event"
+        )
+    return np.concatenate(halves)
+
+
+def _outside(task: Task, x: NDArray, simulated: NDArray, diagnosis: bool = True) -> list[str]:
+    """A sentence for each feature with values where the `simulated` events (m, d) have none.
+
+    The features of an image are taken together. Raises UsageError where most values lie FAR outside, or, for a
+    `diagnosis`, where those of one side differ and those of the other do not.
+    """
+    if task.event_shape:
+        features = [("cells", simulated.ravel(), x.ravel())]
+    else:
+        features = list(zip(task.labels, simulated.T, x.T, strict=True))
+    sentences = []
+    for name, made, values in features:
+        low, high = float(made.min()), float(made.max())
+        width = high - low
+        if diagnosis and width == 0:
+            raise UsageError(
+                f"the simulator makes {low:g} for every value of {name}; a diagnosis needs one that varies"
+            )
+        if diagnosis and 0 < np.ptp(values) < ALIKE * width:
+            raise UsageError(
+                f"all values of {name} are {np.median(values):.4g}, nearly at one place of what the simulator makes, "
+                f"{low:.4g} to {high:.4g}; are they in another unit?"
+            )
+        below, above = _reach(made, len(values))
+        count = int(((values < below) | (values > above)).sum())
+        if count > len(values) / 2 and np.median(np.maximum(low - values, values - high)) > FAR * width > 0:
+            raise UsageError(
+                f"most values of {name} lie more than {FAR} times the width of {low:.4g} to {high:.4g} outside of it, "
+                "where the simulator makes its events; are they another quantity, or in another unit?"
+            )
+        if count:
+            sentences.append(
+                f"{count} values of {name} lie outside {low:.4g} to {high:.4g}, where the simulator makes its events "
+                f"(they reach from {values.min():.4g} to {values.max():.4g}); this may itself be the disagreement"
+            )
+    return sentences
+
+
+def _reach(made: NDArray, n: int) -> tuple[float, float]:
+    """How far down and up n values may reach by chance, if they are like simulated ones (m,).
+
+    From the last thousandth of the simulated ones to their end a tail grows by some factor about the median. It grows
+    by the same again each time that as many times more values are drawn, at most: that is how a power falls, and all
+    others fall faster. Where values crowd at an end, as a cosine does at 1, the factor is 1, and the range ends there.
+    """
+    tail = max(TAIL, 10 / len(made))
+    low, near_low, middle, near_high, high = (float(q) for q in np.quantile(made, [0, tail, 0.5, 1 - tail, 1]))
+    again = max(np.log(n / BY_CHANCE / len(made)) / np.log(tail * len(made)), 0)
+    ends = []
+    for near, end in ((near_low, low), (near_high, high)):
+        grown = (end - middle) / (near - middle) if near != middle else 1.0
+        ends.append(middle + (end - middle) * grown**again)
+    return ends[0], ends[1]

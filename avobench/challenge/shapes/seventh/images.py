@@ -1,6 +1,0 @@
-"""What happens to images of hits: all shapes of the series."""
-
-from avobench.challenge.shapes.contract import Injection
-from avobench.challenge.shapes.seventh import images_added, images_lines, images_lost
-
-FAMILIES: tuple[type[Injection], ...] = (*images_lost.FAMILIES, *images_added.FAMILIES, *images_lines.FAMILIES)

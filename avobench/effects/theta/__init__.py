@@ -1,1 +1,0 @@
-"""Effects that act through the parameters of a simulator, whatever its events are: one family a file."""

@@ -1,0 +1,40 @@
+"""The number of simulated events that is said is the number that a counter in the simulator counts."""
+
+import numpy as np
+import pytest
+
+import avobench
+
+
+class Counter:
+    """A simulator of decay times that counts its events."""
+
+    def __init__(self):
+        self.used = 0
+
+    def __call__(self, theta, rng):
+        self.used += len(theta)
+        return rng.exponential(theta[:, 0])
+
+
+@pytest.fixture
+def counted():
+    """A task, and the counter in its simulator, from zero."""
+    counter = Counter()
+    task = avobench.task(counter, prior={"lifetime": (1, 4)}, name="decay")
+    counter.used = 0
+    return task, counter
+
+
+MEASURED = np.random.default_rng(0).exponential(2.2, 2000)
+
+
+@pytest.mark.parametrize("budget", [300, 2000, 40_000])
+@pytest.mark.parametrize("method", ["smm", "abc-smc", "avo"])
+def test_a_fit_simulates_what_it_says_and_no_more_than_its_budget(counted, method, budget):
+    task, counter = counted
+    if budget < 2000 and method != "smm":
+        pytest.skip("more is needed")
+    settings = {"population_size": 20, "events_per_theta": 20} if method == "abc-smc" else {}
+    found = avobench.infer(task, MEASURED, method, budget=budget, settings=settings)
+    assert counter.used == found.num_simulations <= budget

@@ -1,0 +1,132 @@
+"""Tables in text files: whatever their form, the values are right, or the file is refused with the line to look at."""
+
+import gzip
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import avobench
+from avobench.bench.events import check_events, read_events, with_times
+from avobench.tasks.errors import UsageError
+
+VALUES = st.floats(-1e6, 1e6).map(lambda value: round(value, 3))
+FORMS = st.fixed_dictionaries(
+    {
+        "separator": st.sampled_from([",", ";", "\t", "|", " ", "   "]),
+        "comma": st.booleans(),
+        "header": st.booleans(),
+        "units": st.booleans(),
+        "comments": st.booleans(),
+        "blank": st.booleans(),
+        "trailing": st.booleans(),
+        "end": st.sampled_from(["\n", "\r\n"]),
+        "bom": st.booleans(),
+        "gz": st.booleans(),
+    }
+)
+
+
+def written(rows, form):
+    """The text of a table, and the number of the line of each row."""
+    separator, blanks = form["separator"], form["separator"].isspace() and form["separator"] != "\t"
+    point = "," if form["comma"] and separator in (";", "\t", "|") else "."
+    ends = separator if form["trailing"] and not blanks else ""
+    lines = ["# measured on a Monday", "# with care"] if form["comments"] else []
+    if form["header"]:
+        lines.append(separator.join("abc"[: len(rows[0])]))
+        if form["units"]:
+            lines.append(separator.join(["keV"] * len(rows[0])))
+    numbers = []
+    for row in rows:
+        lines += ["", "# a pause"] if form["blank"] and len(numbers) == 1 else []
+        lines.append(separator.join(str(value).replace(".", point) for value in row) + ends)
+        numbers.append(len(lines))
+    return ("\ufeff" if form["bom"] else "") + form["end"].join(lines) + form["end"], numbers
+
+
+def kept(folder, text, gz=False):
+    path = folder / ("events.csv.gz" if gz else "events.csv")
+    path.write_bytes(gzip.compress(text.encode()) if gz else text.encode())
+    return str(path)
+
+
+@given(st.integers(2, 3).flatmap(lambda d: st.lists(st.tuples(*[VALUES] * d), min_size=2, max_size=5)), FORMS)
+def test_a_table_is_read_whatever_its_form(tmp_path_factory, rows, form):
+    text, _ = written(rows, form)
+    x = read_events(kept(tmp_path_factory.mktemp("form"), text, form["gz"]))
+    np.testing.assert_array_equal(x, rows)
+    if form["header"]:
+        assert list(x.columns) == list("abc")[: len(rows[0])]
+
+
+@given(st.lists(st.tuples(VALUES, VALUES), min_size=3, max_size=6), FORMS, st.data())
+def test_a_row_of_another_length_is_refused_with_its_line(tmp_path_factory, rows, form, data):
+    form |= {"header": True, "trailing": False, "gz": False}
+    text, numbers = written(rows, form)
+    lines, bad = text.split(form["end"]), data.draw(st.integers(1, len(rows) - 1))
+    separator = form["separator"]
+    longer = data.draw(st.booleans())
+    line = lines[numbers[bad] - 1]
+    lines[numbers[bad] - 1] = separator.join([line, "1"]) if longer else line.split(separator)[0]
+    with pytest.raises(UsageError, match=f"line {numbers[bad]} has {3 if longer else 1} cells"):
+        read_events(kept(tmp_path_factory.mktemp("row"), form["end"].join(lines)))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("energy\n1,234.5\n2\n", "line 2 has 2 cells and the columns are 1"),
+        ('a,b\n"1,234.5",2\n1,3\n', "'a' does not hold one real number an event: line 2 has '1,234.5'"),
+        ("a;b\n1,5;2.5\n1,5;2\n", "decimal commas and others with points"),
+        ("0,1\n1,2\n3,4\n", "may be names or an event"),
+        ("a,a\n1,2\n", "two columns of the name 'a'"),
+        ("a,b\n", "no event"),
+    ],
+)
+def test_what_can_be_read_in_two_ways_is_refused(tmp_path, text, message):
+    with pytest.raises(UsageError, match=message):
+        read_events(kept(tmp_path, text))
+
+
+def test_numbered_columns_are_no_event(tmp_path):
+    pd.DataFrame([[1.5, 2.5], [3.5, 4.5]]).to_csv(tmp_path / "events.csv", index=False)
+    np.testing.assert_array_equal(read_events(str(tmp_path / "events.csv")), [[1.5, 2.5], [3.5, 4.5]])
+
+
+TIMES = avobench.task(
+    lambda theta, rng: rng.exponential(theta), prior={"one": (1, 9), "two": (1, 9)}, features=["t1", "t2"], name="times"
+)
+"""A simulator of two times with names."""
+
+
+def test_names_say_which_column_is_which_feature():
+    x = np.random.default_rng(0).exponential([5, 2], (300, 2))
+    table = pd.DataFrame({"t2": x[:, 1], "run": 7, "t1": x[:, 0]})
+    matched, told = check_events(TIMES, table)
+    np.testing.assert_array_equal(matched, x)
+    assert "run" in told[0]
+
+
+def test_other_names_are_taken_in_order_and_said_so():
+    table = pd.DataFrame(np.ones((300, 2)) + np.random.default_rng(0).random((300, 2)), columns=["a", "b"])
+    matched, told = check_events(TIMES, table)
+    np.testing.assert_array_equal(matched, table)
+    assert "a, b" in told[0]
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"), [(["t1", "u"], "have no t2"), (["a", "b", "c"], "3 columns: a, b, c"), (["t1"], "no t2")]
+)
+def test_missing_features_are_named(columns, message):
+    with pytest.raises(UsageError, match=message):
+        check_events(TIMES, pd.DataFrame(np.ones((300, len(columns))), columns=columns))
+
+
+def test_names_say_which_column_is_which_feature_beside_a_time():
+    x = np.random.default_rng(0).exponential([5, 2], (300, 2))
+    table = pd.DataFrame({"t2": x[:, 1], "t1": x[:, 0]})
+    kept_table, _, _ = with_times(table, np.arange(300))
+    np.testing.assert_array_equal(check_events(TIMES, kept_table)[0], x)
