@@ -22,7 +22,6 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = 
     "misspecification": (misspecification.table, "studies"),
     "rivals": (experiments.rivals, "reference rivals smm plain"),
     "sensitivity": (experiments.sensitivity, "sensitivity"),
-    "surrogates": (experiments.surrogates, "bolfi-gpy reference"),
     "targets": (targets.table, "reference"),
     "tuning": (experiments.tuning, "tuning"),
 }

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import gmean, wilcoxon
+from scipy.stats import gmean
 
 from avobench.bench.store.status import ESTIMATED
 from avobench.reports.coverage import distances, within
@@ -35,9 +35,6 @@ from paper.quantities import (
 from paper.tables.targets import METHOD
 from paper.tasks import DEVELOPMENT as DEVELOPMENT_TASKS
 from paper.tasks import FRESH
-
-LEAST_PAIRS = 6
-"""Targets from which a signed-rank test to both sides can give a p-value below 0.05."""
 
 Records = list[dict[str, Any]]
 
@@ -180,33 +177,3 @@ def _rivals(task: str, frame: pd.DataFrame) -> Iterator[dict[str, Any]]:
                 "seconds": found["seconds"].mean(),
                 "avo ahead": "-" if method == METHOD else f"p = {ahead(own, found):.2g}",
             }
-
-
-def surrogates(records: Records) -> pd.DataFrame:
-    """A row a task: BOLFI with ELFI's own Gaussian process, in GPy, and with the fast one, on the targets of both.
-
-    Errors are in units of the floor; `p` is of Wilcoxon's signed-rank test, to both sides, that their logarithms do not
-    differ.
-    """
-    frame = labelled([record for record in records if record["method"] == "bolfi"])
-    frame["process"] = [
-        "fast" if record["method_settings"].get("surrogate") == "fast" else "elfi" for record in frame["record"]
-    ]
-    rows = []
-    for task in ordered(frame[frame["process"] == "elfi"]["task"], TASK_ORDER):
-        cells = frame[frame["task"] == task].pivot(index="target", columns="process", values=["ratio", "seconds"])
-        pairs = cells.dropna()
-        logs = np.log(pairs["ratio"].astype(float))
-        p = f"{wilcoxon(logs['elfi'], logs['fast']).pvalue:.2g}" if len(pairs) >= LEAST_PAIRS else "-"
-        row = {
-            "task": task,
-            "targets": len(pairs),
-            "ELFI's: median error / floor": pairs["ratio", "elfi"].median(),
-            "fast": pairs["ratio", "fast"].median(),
-            "nearer with ELFI's": int((logs["elfi"] < logs["fast"]).sum()),
-            "p": p,
-            "ELFI's: seconds": pairs["seconds", "elfi"].median(),
-            "fast: seconds": pairs["seconds", "fast"].median(),
-        }
-        rows.append(row)
-    return pd.DataFrame(rows)

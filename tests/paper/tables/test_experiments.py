@@ -72,19 +72,6 @@ def test_each_answer_has_a_row_on_its_own_targets_and_a_test_on_those_in_common(
     assert own["avo ahead"] == "-"
 
 
-@pytest.mark.parametrize(("targets", "p"), [(8, 2 / 2**7), (2, None)])
-def test_only_targets_with_both_processes_are_pairs_and_few_are_not_tested(make_record, targets, p):
-    def run(target, offset, **settings):
-        return make_record("poisson", "bolfi", target, offset) | {"method_settings": settings}
-
-    records = [run(target, 1e-2) for target in range(targets)]
-    records += [run(target, 2e-2, surrogate="fast") for target in range(1, 12)]
-    (row,) = tables.surrogates([*records, make_record("poisson", "avo", 0, 1.0)]).to_dict("records")
-    assert row["targets"] == row["nearer with ELFI's"] == targets - 1
-    assert row["fast"] == pytest.approx(4 * row["ELFI's: median error / floor"])
-    assert row["p"] == "-" if p is None else float(row["p"]) == pytest.approx(p, rel=0.1)
-
-
 def test_fresh_targets_are_scored_by_their_task_and_a_quoted_error_by_what_it_covers():
     chosen = [task for task in FRESH if task.of.name in ("poisson", "warped-2", "weinberg")]
     close, far, *others = [
