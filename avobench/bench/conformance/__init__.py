@@ -51,10 +51,6 @@ def _result(what: str, check: Callable[[], None]) -> Result:
     try:
         check()
     except (Exception, SystemExit) as error:
-        return Result(False, what, _line(error))
+        ours = isinstance(error, (BrokenPromise, SimulatorError))
+        return Result(False, what, " ".join(f"{'' if ours else type(error).__name__ + ': '}{error}".split()))
     return Result(True, what)
-
-
-def _line(error: BaseException) -> str:
-    ours = isinstance(error, (BrokenPromise, SimulatorError))
-    return " ".join(f"{'' if ours else type(error).__name__ + ': '}{error}".split())

@@ -108,30 +108,24 @@ def write_rows(path: Path, rows: list[Row]) -> None:
 
 
 def _table(rows: list[Row]) -> pa.Table:
+    """The rows with the fields of their records as columns."""
     shapes = {name: shape for name, shape in Record.model_json_schema()["properties"].items() if name not in LEFT_OUT}
-    records = [_record(row) for row in rows]
-    fields = [pa.field("file", pa.string())]
-    fields += [pa.field(name, _arrow_type(shape)) for name, shape in shapes.items()]
-    fields += [pa.field("record", pa.string())]
-    columns = [[row.file for row in rows]]
-    columns += [[_plain(record.get(name)) for record in records] for name in shapes]
-    columns += [[row.text for row in rows]]
-    return pa.Table.from_arrays(
-        [pa.array(column, field.type) for column, field in zip(columns, fields, strict=True)],
-        schema=pa.schema(fields, {**SCHEMA, NUM_ROWS: str(len(rows))}),
+    types = {"file": pa.string(), **{name: _arrow_type(shape) for name, shape in shapes.items()}, "record": pa.string()}
+    return pa.Table.from_pylist(
+        [{**_fields(row), "file": row.file, "record": row.text} for row in rows],
+        pa.schema(types, {**SCHEMA, NUM_ROWS: str(len(rows))}),
     )
 
 
-def _record(row: Row) -> dict[str, Any]:
-    """The fields of a row; none of a damaged one, whose text is kept as it is."""
+def _fields(row: Row) -> dict[str, Any]:
+    """The fields of a row, objects as JSON; none of a damaged one, whose text is kept as it is."""
     try:
-        return decode_record(row.text.encode())
+        record = decode_record(row.text.encode())
     except ValueError:
         return {}
-
-
-def _plain(value: Any) -> Any:
-    return json.dumps(value, sort_keys=True) if isinstance(value, dict) else value
+    return {
+        name: json.dumps(value, sort_keys=True) if isinstance(value, dict) else value for name, value in record.items()
+    }
 
 
 def _arrow_type(shape: dict[str, Any]) -> pa.DataType:

@@ -164,10 +164,7 @@ class Record(Strict):
         for name, vector in vectors:
             if vector is not None and len(vector) != p:
                 raise ValueError(f"{name} has {len(vector)} numbers, theta_true has {p}")
-        for name, vector in vectors:
-            if name.startswith(("std", "standard_error")) and any(
-                value is not None and value < 0 for value in vector or ()
-            ):
+            if name.startswith(("std", "standard_error")) and any((value or 0) < 0 for value in vector or ()):
                 raise ValueError(f"{name} is negative")
 
     def _events_add_up(self) -> None:

@@ -116,15 +116,11 @@ def run(
             ):
                 for record in records:
                     store.write(record)
-                    record = _brief(record)
+                    record = {name: value for name, value in record.items() if name != "trace"}
                     sweep.done[record["id"]] = record
                     sweep.fresh.append(record)
                     view.finished(sweep, wanted[record["id"]], record)
     return [sweep.done[cell.id] for cell in cells]
-
-
-def _brief(record: dict[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in record.items() if name != "trace"}
 
 
 @contextmanager

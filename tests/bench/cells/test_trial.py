@@ -55,11 +55,11 @@ def test_a_record_tells_the_versions_of_what_its_method_and_task_need():
         ("normal.fault=raises", "simulator_error", "the simulator of normal raised RuntimeError"),
         ("normal.fault=nan", "simulator_error", "NaN or infinity"),
         ("normal.fault=exits", "simulator_error", "the simulator of normal raised SystemExit: 0"),
-        ("normal.fault=floor", "simulator_error", "the floor of normal must be a number, not negative None"),
+        ("normal.fault=floor", "simulator_error", "the floor of normal must be a number, not negative, got N"),
         (
             "normal.fault=negative floor",
             "simulator_error",
-            "the floor of normal must be a number, not negative -1.0",
+            "the floor of normal must be a number, not negative, got -",
         ),
         ("moment.fault=exits", "method_error", "SystemExit: 0"),
         ("moment.fault=usage", "method_error", "not like this"),

@@ -12,7 +12,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-import avobench
 from avobench.bench.cells.cell import Cell
 from avobench.bench.plugins import registry, user_files
 from avobench.bench.store.store import Store
@@ -176,12 +175,6 @@ def test_an_object_of_a_file_tells_where_it_is_found(file, kind, name):
     instance = registry.effect(spec) if kind == "effect" else registry.build(kind, spec, {})
     assert registry.spec_of(kind, instance) == spec
     assert registry.spec_of("task", registry.build("task", "poisson", {})) == "poisson"
-
-
-def test_a_task_of_a_function_that_no_module_holds_is_found_nowhere():
-    assert (
-        registry.spec_of("task", avobench.task(lambda theta, rng: theta[:, 0], prior={"a": (0, 1)}, name="a")) is None
-    )
 
 
 def _events(pickled):

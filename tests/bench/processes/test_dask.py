@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from distributed import Client
 
-from avobench.bench.processes.dask import DaskBackend, facts, require_equal, source
+from avobench.bench.processes.dask import DaskBackend, facts, require_equal
 from avobench.bench.store.store import Store
 from avobench.bench.sweep.plan import plan
 from avobench.bench.sweep.runner import View, run
@@ -177,8 +177,3 @@ def test_any_fact_that_differs_is_named(name):
     require_equal("tcp://there", dict(ours), ours)
     with pytest.raises(UsageError, match=f"the worker at tcp://there has {name} 0 where this run has"):
         require_equal("tcp://there", {**ours, name: "0"}, ours)
-
-
-def test_the_source_is_that_of_every_module_that_makes_results():
-    assert source() == source()
-    assert len(source()) == 12

@@ -92,9 +92,6 @@ def test_pieces_are_of_one_task_and_method_and_the_rest_follows_one_by_one(tmp_p
     ]
     assert sorted(cell.id for piece in pieces for cell in piece) == sorted(cell.id for cell in cells)
     assert [len(piece) for piece in LocalBackend(1, tmp_path, together=True, most=2).pieces(cells)][:2] == [2, 2]
-
-
-def test_settings_and_budgets_are_not_mixed(tmp_path):
     pieces = LocalBackend(1, tmp_path, together=True).pieces([*toys(), *toys("steps=2"), *toys(budget=800)])
     assert [len(piece) for piece in pieces] == [8, 8, 8]
 

@@ -20,7 +20,7 @@ from avobench.bench.store.record import IDENTITY, decode_record, file_name, iden
 from avobench.bench.store.store import DamagedRecord, Store
 from avobench.bench.sweep.plan import plan
 from avobench.bench.sweep.runner import View, run
-from avobench.tasks.errors import StoreError, UsageError
+from avobench.tasks.errors import StoreError
 
 REFERENCE = Store(Path(__file__).parents[3] / "results" / "reference")
 FORKSERVER = multiprocessing.get_context("forkserver")
@@ -89,7 +89,12 @@ def test_a_packed_store_is_read_as_it_was_and_has_few_files(store):
 
 
 def test_a_record_made_again_wins_over_its_row_and_is_folded_in(store, kept):
+    written = files(store)
     pack(store)
+    store.write(kept[0])  # in both places
+    assert store.read_all() == kept
+    pack(store)
+    assert rows(store) == written
     again = {**kept[1], "message": "made again"}
     store.write(again)
     expected = [again if record["id"] == again["id"] else record for record in kept]
@@ -97,15 +102,6 @@ def test_a_record_made_again_wins_over_its_row_and_is_folded_in(store, kept):
     assert pack(store).folded == 1
     assert not files(store)
     assert store.read_all() == expected
-
-
-def test_a_record_in_both_places_counts_once(store, kept):
-    written = files(store)
-    pack(store)
-    store.write(kept[0])
-    assert store.read_all() == kept
-    pack(store)
-    assert rows(store) == written
 
 
 def test_a_packed_store_makes_nothing_again_and_only_what_failed_on_request(tmp_path, beside_users_modules):
@@ -130,12 +126,6 @@ def test_a_packed_store_makes_nothing_again_and_only_what_failed_on_request(tmp_
     sweep("0-2", retry_failed=True)
     assert len(finished) == 4
     assert len(store.read_all()) == 3
-
-
-def test_a_running_sweep_is_not_packed(store):
-    with store.lock(), pytest.raises(UsageError, match="another avobench run is writing"):
-        pack(Store(store.path))
-    assert not store.table.exists()
 
 
 def test_nothing_to_pack_is_said(tmp_path):

@@ -29,14 +29,8 @@ def test_what_is_written_is_read(store):
     for record in written:
         store.write(record)
     assert Store(store.path).read_all() == written
-
-
-def test_one_line_of_pandas_reads_a_store(store):
-    for record in records():
-        store.write(record)
     frame = pd.DataFrame(json.loads(path.read_text()) for path in store.records.glob("*.json"))
     assert set(frame["target"]) == {0, 1}
-    assert frame["squared_error"].dtype == float
 
 
 @pytest.mark.parametrize(
