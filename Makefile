@@ -5,6 +5,9 @@ METHODS := --method avo --method abc-smc --method bolfi
 # Populations of 25 give ABC-SMC several generations from a tenth of the events.
 QUICK := --budget 16000 --observations 20000 --targets 0-2 --set abc-smc.population_size=25
 
+STUDIES := poisson alignment summary ablation tuning sensitivity dimension fresh rivals plain smm
+STUDIES += detector misspecification real
+
 # TASK-KINDS-CASES-SEED of `make challenge`, and of `make challenge FULL=1`.
 CHALLENGE := poisson-none-10-0 poisson-seen-12-0 weinberg-none-10-0 weinberg-seen-12-0 carl-none-4-0 carl-seen-8-0
 FULL_CHALLENGE := poisson-none-200-1098 poisson-seen-80-1111 weinberg-none-200-1099 weinberg-seen-80-1110
@@ -14,7 +17,7 @@ KINDS_seen := own,foreign,two,withheld --shapes shapes:SEEN
 JOBS ?= 1
 
 .DEFAULT_GOAL := help
-.PHONY: help venv test-wheel benchmark quick figures studies pages bench-avo bench-cost bench-diagnosis bench-scaling bench-speed bench-store challenge demo demo-missing-effect docs fuzz soak constraints audit test browser lint clean
+.PHONY: help venv test-wheel benchmark quick figures studies pages bench-avo bench-cost bench-diagnosis bench-scaling bench-speed bench-store challenge demo demo-missing-effect docs fuzz soak constraints audit test browser lint size clean
 
 help:  ## show these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -42,7 +45,7 @@ figures: venv  ## draw the committed records into docs/figures, and write docs/r
 	$(BIN)/python -m paper.tables.real --out docs/real-data.md
 
 studies: venv  ## the paper's single experiments, the ablation and the studies beyond it into results/, as far as they lack
-	for study in poisson detector summary alignment ablation dimension fresh misspecification real; do $(BIN)/python -m paper.study $$study || exit 1; done
+	for study in $(STUDIES); do $(BIN)/python -m paper.study $$study || exit 1; done
 
 bench-speed: venv  ## side by side: simulators against bare NumPy and Pythia, BOLFI's fast process against ELFI's own
 	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.simulators
@@ -130,6 +133,9 @@ browser:  ## install the Chromium of the tests (Debian, as root); without it the
 lint: venv  ## style, and the direction of imports
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .
 	$(BIN)/lint-imports --no-logo
+
+size: venv  ## lines and numeric constants by room, the longest functions; JUNIT=FILE adds the slowest tests
+	$(BIN)/python -m paper.size $(JUNIT)
 
 clean:  ## remove .venv and caches; keeps every record
 	rm -rf .venv build .pytest_cache .ruff_cache .hypothesis *.egg-info

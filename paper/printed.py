@@ -15,9 +15,7 @@ from pathlib import Path
 
 from avobench.bench.store.files import write_atomically
 
-BLOCK = re.compile(r"(^<!-- printed by: (.+?) -->\n\s*```\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)
-FILE = re.compile(r"(^<!-- (?:code|text) of: (.+?) -->\n```(?:python)?\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)
-OUTPUT = re.compile(r"(^<!-- output of: (.+?) -->\n```\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"(^<!-- (\w+) (?:by|of): (.+?) -->\n\s*```(?:python)?\n)(.*?)(^```$)", re.MULTILINE | re.DOTALL)
 PICTURES = Path("docs/figures")
 PROGRAMS = {"avobench": [sys.executable, "-m", "avobench"], "python": [sys.executable]}
 
@@ -39,18 +37,18 @@ def output(example: str, folder: Path = PICTURES) -> str:
     return subprocess.run(command, cwd=folder, env=one_thread, stdout=subprocess.PIPE, text=True, check=True).stdout
 
 
-def filled(page: str) -> str:
-    """The text of a page, with every block as its command prints it now, or as its file reads."""
-    page = FILE.sub(lambda block: block[1] + Path(block[2]).read_text() + block[4], page)
-    return BLOCK.sub(lambda block: block[1] + printed(block[2]) + block[4], page)
+STEADY = {"printed": printed, "code": lambda path: Path(path).read_text(), "text": lambda path: Path(path).read_text()}
+"""What fills the blocks that are the same on every machine; the numbers of an example's output are not, quite."""
 
 
-def with_outputs(page: str) -> str:
-    """The text of a page, with every block of an example's output as it prints it now."""
-    return OUTPUT.sub(lambda block: block[1] + output(block[2]) + block[4], page)
+def filled(page: str, ways: dict = STEADY) -> str:
+    """The text of a page, with every block of these ways as its command prints it now, or as its file reads."""
+    return BLOCK.sub(
+        lambda block: block[1] + ways[block[2]](block[3]) + block[5] if block[2] in ways else block[0], page
+    )
 
 
 if __name__ == "__main__":
     for name in sys.argv[1:]:
         page = Path(name)
-        write_atomically(page, with_outputs(filled(page.read_text())).encode())
+        write_atomically(page, filled(page.read_text(), {**STEADY, "output": output}).encode())

@@ -1,4 +1,4 @@
-"""How often the truth lies within what is quoted: `avobench figure coverage`, `python -m avobench.reports.coverage`.
+"""How often the truth lies within what is quoted: `avobench figure coverage`.
 
 A method quotes a standard error of its estimate, or a posterior with a mean and a standard deviation; either makes
 Gaussian intervals for each parameter. Of intervals of 68 % such a share should hold the true value. The width of a
@@ -16,12 +16,10 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from avobench.bench.store.status import ESTIMATED
-from avobench.bench.store.store import Store
 from avobench.bench.store.table import labels
 from avobench.reports.style import FLOOR, METHOD_ORDER, STYLE, TASK_ORDER, colours, ordered, panels, save
 from avobench.tasks.errors import StoreError
 
-STORES = tuple(map(Path, ("results/reference", "results/rivals", "results/smm")))
 LEVELS = (0.68, 0.95)
 CURVE = np.linspace(0, 1, 101)
 """The nominal shares at which a curve is drawn."""
@@ -59,6 +57,14 @@ def by_method(records: list[dict[str, Any]]) -> dict[tuple[str, str], NDArray[np
     return {key: np.concatenate(found[key]) for key in keys}
 
 
+def within(away: NDArray[np.float64]) -> dict[str, str]:
+    """The share of distances (n,) that lie within the intervals of each of LEVELS, in words; a dash of none."""
+    return {
+        f"within {level:.0%}": f"{(away <= norm.ppf((1 + level) / 2)).mean():.0%}" if len(away) else "-"
+        for level in LEVELS
+    }
+
+
 def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     """A row a task and method: how many true parameters, and which share of them each level's intervals hold."""
     return pd.DataFrame(
@@ -67,7 +73,7 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
                 "task": task,
                 "method": method,
                 "parameters": len(away),
-                **{f"within {level:.0%}": f"{(away <= norm.ppf((1 + level) / 2)).mean():.0%}" for level in LEVELS},
+                **within(away),
             }
             for (task, method), away in by_method(records).items()
         ]
@@ -75,7 +81,7 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
 
 
 def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write coverage.pdf, coverage.png and coverage.csv to `folder`: share held against share promised, a panel a task.
+    """Write coverage.pdf, coverage.png and coverage.csv to `folder`: a panel a task.
 
     Raises StoreError where no record quotes anything.
     """
@@ -84,7 +90,7 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
         raise StoreError("no record has a standard error or a posterior, so there is no coverage to draw")
     curves = {key: (away[:, None] <= norm.ppf((1 + CURVE) / 2)).mean(axis=0) for key, away in found.items()}
     rows = [
-        pd.DataFrame({"task": task, "method": method, "promised": CURVE, "held": held})
+        pd.DataFrame({"task": task, "method": method, "nominal": CURVE, "empirical": held})
         for (task, method), held in curves.items()
     ]
     with matplotlib.rc_context(STYLE):
@@ -99,13 +105,9 @@ def _figure(curves: dict[tuple[str, str], NDArray[np.float64]]) -> Figure:
         axis.plot([0, 1], [0, 1], color=FLOOR, ls="--", lw=1.2)
         for (of, method), held in curves.items():
             if of == task:
-                axis.plot(CURVE, held, color=colours(methods)[method], label=method)
-        axis.set(xlabel="share promised", ylabel="share held", xlim=(0, 1), ylim=(0, 1.01))
+                axis.plot(CURVE, held, color=colours(methods)[method], label=method, clip_on=False)
+        axis.set(xlabel="nominal coverage", ylabel="empirical coverage", xlim=(0, 1), ylim=(0, 1))
     handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
     shown = [name for name in methods if name in handles]
     figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(5, len(shown)))
     return figure
-
-
-if __name__ == "__main__":
-    print(table([record for store in STORES for record in Store(store).read_all()]).to_string(index=False))

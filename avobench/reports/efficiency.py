@@ -102,4 +102,4 @@ def _panel(axis: Axes, table: pd.DataFrame, methods: list[str]) -> None:
         axis.plot(own["simulations"].iloc[-1], own["median"].iloc[-1], "o", ms=4, color=colour)
     floor = table.drop_duplicates("simulations").sort_values("simulations")
     axis.plot(floor["simulations"], floor["floor"], color=FLOOR, ls="--", lw=1.2, label="floor")
-    axis.set(xscale="log", yscale="log", xlabel="simulations", ylabel="squared error")
+    axis.set(xscale="log", yscale="log", xlabel="simulated events", ylabel="squared error")

@@ -24,6 +24,8 @@ CAPTIONS = {
     "where all of them have an estimate. The dashed line is the floor with as many simulations.",
     "cost": "Wall time that a cell takes, simulator and method together, against its squared error. Small "
     "marks are cells, large ones medians; the dashed line is the median floor.",
+    "coverage": "The share of true parameters that lie within the central intervals a method quotes, from its standard "
+    "error or its posterior, against the share that these intervals promise; on the dashed line the two agree.",
 }
 MOST_CELLS = 2000
 """Rows of the table of cells: a browser sorts and filters so many at once, and the page stays below some megabytes."""

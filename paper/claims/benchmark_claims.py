@@ -23,8 +23,7 @@ from avobench.reports.style import TASK_ORDER
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.errors import StoreError
 from paper.claims.claims import Claim, Evidence, Finding
-from paper.tables.targets import (
-    RIVALS,
+from paper.quantities import (
     beside_ideal,
     in_units_of_the_best,
     inefficiency_of,
@@ -32,6 +31,7 @@ from paper.tables.targets import (
     ratio_of_means,
     told_interval,
 )
+from paper.tables.targets import RIVALS
 
 PRESETS = ("avo-paper", "avo")
 PAPERS = ("avo-paper", *RIVALS)
@@ -284,8 +284,8 @@ CLAIMS = (
             "That avo-paper comes last is said of the printed numbers alone. Its R1 is the gradient of d, which has a "
             "factor d(1-d): where d saturates it vanishes, and nothing holds the network. Within 60 iterations the "
             "logits of weinberg's network, 4 x 1000 nodes, pass 1 000. Where they are so far below 0 on all simulated "
-            "events, log(1-d) is 0 to the last bit and the proposal has no gradient (`python -m "
-            "paper.studies.stillness`). With R1 of the logit and the printed lambda, 10, nothing saturates, but the "
+            "events, log(1-d) is 0 to the last bit and the proposal has no gradient. With R1 of the logit and "
+            "the printed lambda, 10, nothing saturates, but the "
             "proposal moves slower. And it is slow as printed: on poisson, where it never stands still, its error "
             "still falls at the end of the budget (below, where BOLFI's is compared with it). What Algorithm 1 can do "
             "with other numbers, without replay and without polish, is the method `avo-plain` "

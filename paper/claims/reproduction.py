@@ -14,7 +14,7 @@ from avobench.bench.store.store import Store
 from avobench.reports.quantities import comparable, labelled
 from paper.claims import benchmark_claims, example_claims
 from paper.claims.claims import Evidence
-from paper.studies.paper import read_detector
+from paper.studies import detector
 
 CLAIMS = (*example_claims.CLAIMS, *benchmark_claims.CLAIMS)
 INTRODUCTION = """\
@@ -62,7 +62,7 @@ def gather(results: Path, studies: Path, ablation: Path) -> Evidence:
     """The records in the three results folders."""
     frame = labelled(Store(results).read_all())
     frame = pd.concat([comparable(cells) for _, cells in frame.groupby("task", sort=False)])
-    return Evidence(frame, Store(studies).read_all(), read_detector(studies), Store(ablation).read_all())
+    return Evidence(frame, Store(studies).read_all(), detector.read(studies), Store(ablation).read_all())
 
 
 @click.command()

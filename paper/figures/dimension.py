@@ -1,7 +1,4 @@
-"""Inefficiency and seconds against the number of parameters: `python -m paper.figures dimension`.
-
-`python -m paper.figures.dimension` prints the table, from the records of `python -m paper.study dimension`.
-"""
+"""Inefficiency and seconds against the number of parameters: figure and table of the experiment `dimension`."""
 
 from pathlib import Path
 from typing import Any
@@ -13,16 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from avobench.bench.store.store import Store
 from avobench.reports.quantities import labelled, task_of
 from avobench.reports.style import FLOOR, MARKERS, METHOD_ORDER, STYLE, colours, note, ordered, panels, save
 from avobench.tasks.errors import StoreError
-from paper.studies.dimension import DETECTOR, DIMENSIONS, FAMILIES
-from paper.tables.targets import inefficiency_of
+from paper.experiments import DETECTOR, DIMENSIONS, FAMILIES
+from paper.quantities import WORST_RUN, inefficiency_of
 
-STORE = Path("results/dimension")
-WITHIN = 100.0
-"""Floors beyond which a run went astray."""
 WHAT = {"warped": "means say little", "means": "means say all"}
 """Of the families of tasks, what the mean of the events tells of the parameters."""
 SPAN = 5e-2
@@ -48,8 +41,8 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
                 "targets": cells["target"].nunique(),
                 "inefficiency": inefficiency_of(cells),
                 "worst run / floor": ratios.max(),
-                f"above {WITHIN:g}": int((ratios > WITHIN).sum()),
-                "of these ok": int(((ratios > WITHIN) & (cells["status"] == "ok")).sum()),
+                f"above {WORST_RUN:g}": int((ratios > WORST_RUN).sum()),
+                "of these ok": int(((ratios > WORST_RUN) & (cells["status"] == "ok")).sum()),
                 "seconds": cells["seconds"].mean(),
             }
         )
@@ -100,7 +93,3 @@ def _panel(axis: Axes, rows: pd.DataFrame, methods: list[str], what: str) -> Non
         axis.plot(x, own[what], color=colours(methods)[method], marker=MARKERS[i % len(MARKERS)], ms=5, label=method)
     axis.set(xscale="log", yscale="log", xlabel="parameters", ylabel=what, xticks=DIMENSIONS, xticklabels=DIMENSIONS)
     axis.xaxis.set_minor_locator(NullLocator())
-
-
-if __name__ == "__main__":
-    print(table(Store(STORE).read_all()).to_string(index=False, float_format=lambda value: f"{value:.3g}"))

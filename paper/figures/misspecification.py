@@ -1,6 +1,6 @@
 """The width of AVO's proposal against a hidden effect, beside the diagnosis: figure and table.
 
-`python -m paper.figures.misspecification` prints the table, from what `python -m paper.study misspecification` made.
+Both are of the record that `python -m paper.study misspecification` makes.
 """
 
 from pathlib import Path
@@ -9,9 +9,10 @@ from typing import Any
 import matplotlib
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
 
 from avobench.reports.style import FLOOR, MARKERS, PALETTE, STYLE, panels, save
-from paper.studies.misspecification import TASKS, read
+from paper.studies.misspecification import TASKS
 
 LEAST = 1e-300
 """Below this a p-value is drawn and printed as if it were this."""
@@ -19,7 +20,14 @@ LINEAR = 0.01
 """Strength up to which the axis of the strengths is linear, since the first is none."""
 
 
-def table(record: dict[str, Any]) -> pd.DataFrame:
+def table(records: list[dict[str, Any]]) -> pd.DataFrame:
+    """The medians of the one record of the study, to be read."""
+    found = medians(records[0])
+    found["p_value"] = [f"< {LEAST:g}" if p < LEAST else f"{p:.2g}" for p in found["p_value"]]
+    return found
+
+
+def medians(record: dict[str, Any]) -> pd.DataFrame:
     """A row a task and strength: medians over the repetitions of the proposal's width and of the p-value."""
     runs = pd.DataFrame(record["runs"])
     runs["width"] = [sum(width) / len(width) for width in runs["width"]]
@@ -37,7 +45,7 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
     (record,) = records
     runs = pd.DataFrame(record["runs"])
     with matplotlib.rc_context(STYLE):
-        return save(_figure(runs), table(record), folder, "misspecification")
+        return save(_figure(runs), medians(record), folder, "misspecification")
 
 
 def _figure(runs: pd.DataFrame) -> Figure:
@@ -52,22 +60,21 @@ def _figure(runs: pd.DataFrame) -> Figure:
         above.set(ylabel="std / prior's std")
         above.set_yscale("symlog", linthresh=LINEAR)
         above.legend(loc="lower right")
-        below.plot(own["strength"], own["p_value"].clip(lower=LEAST), MARKERS[1], color=PALETTE[1], ms=4, alpha=0.6)
+        below.plot(
+            own["strength"],
+            own["p_value"].clip(lower=LEAST),
+            MARKERS[1],
+            color=PALETTE[1],
+            ms=4,
+            alpha=0.6,
+            clip_on=False,
+        )
         below.axhline(0.05, color=FLOOR, ls="--", lw=1.2, label="0.05")
-        below.set(ylabel="p-value", yscale="log")
+        below.set(ylabel="p-value", yscale="log", ylim=(own["p_value"].clip(lower=LEAST).min() / 10, 1))
+        below.yaxis.set_major_locator(LogLocator(10.0 ** (100 if own["p_value"].min() < 1e-100 else 10)))
+        below.yaxis.set_minor_locator(NullLocator())
         below.legend(loc="lower left")
         for axis in (above, below):
             axis.set_xscale("symlog", linthresh=LINEAR)
             axis.set(xlabel="hidden std / prior's std", xlim=(-LINEAR / 5, 1.5 * ends[1]))
     return figure
-
-
-def format_table(folder: Path = Path("results/studies")) -> str:
-    """`table` of a results folder, to be read."""
-    found = table(read(folder))
-    found["p_value"] = [f"< {LEAST:g}" if p < LEAST else f"{p:.2g}" for p in found["p_value"]]
-    return found.to_string(index=False, float_format=lambda value: f"{value:.3g}")
-
-
-if __name__ == "__main__":
-    print(format_table())

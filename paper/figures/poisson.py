@@ -15,8 +15,11 @@ from avobench.reports.proposals import convergence, density, proposal
 from avobench.reports.style import PALETTE, STYLE, TRUTH, save
 from avobench.tasks.errors import StoreError
 
-GAMMAS = {0.0: (r"$\gamma = 0$", PALETTE[0], "-"), 1e-4: (r"$\gamma = 0.0001$", PALETTE[1], "--")}
-"""The paper's two coefficients: label, colour, line."""
+GAMMAS = {
+    0.0: (r"$\gamma = 0$", PALETTE[0], {"ls": "-", "lw": 3, "alpha": 0.4}),
+    1e-4: (r"$\gamma = 0.0001$", PALETTE[1], {"ls": "--"}),
+}
+"""The paper's two coefficients: label, colour, line; the two lie on each other, so one is wide and pale."""
 THETA, COUNTS = np.linspace(-1.6, 3.2, 241), np.arange(21)
 
 
@@ -50,7 +53,7 @@ def _figure(shown: dict[float, list[dict[str, Any]]]) -> tuple[Figure, pd.DataFr
     rows = []
 
     def line(panel: str, curve: str, repetition: int, x: NDArray, y: NDArray, **look: Any) -> None:
-        axes[panel].plot(x, y, lw=1.2, **look)
+        axes[panel].plot(x, y, **{"lw": 1.2, **look})
         rows.append(pd.DataFrame({"panel": panel, "curve": curve, "repetition": repetition, "x": x, "y": y}))
 
     first = next(record for records in shown.values() for record in records)
@@ -62,7 +65,7 @@ def _figure(shown: dict[float, list[dict[str, Any]]]) -> tuple[Figure, pd.DataFr
     for gamma, (name, colour, style) in GAMMAS.items():
         for record in shown[gamma]:
             repetition = record["repetition"]
-            look = {"color": colour, "ls": style, "label": None if repetition else name}
+            look = {"color": colour, **style, "label": None if repetition else name}
             line("proposals", name, repetition, THETA, density(record, THETA, final=True), **look)
             line("models", name, repetition, COUNTS, model(record, COUNTS), **look)
             curve = convergence(record)

@@ -51,7 +51,7 @@ def draw(cases: Iterable[Case], folder: Path) -> list[Path]:
         axis.plot([0, 1], [0, 1], color=FLOOR, ls="--", lw=1.2)
         low, high = table.true - table.low, table.high - table.true
         axis.errorbar(table.told, table.true, [low, high], fmt="o", capsize=2)
-        axis.set(xlabel="probability told", ylabel="share that was hidden", xlim=(0, 1), ylim=(0, 1))
+        axis.set(xlabel="stated probability", ylabel="share that was hidden", xlim=(0, 1), ylim=(0, 1))
         return save(figure, table, folder, "reliability")
 
 

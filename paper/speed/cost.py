@@ -48,28 +48,23 @@ def _timed(store: Store) -> list[dict[str, Any]]:
 
 def format_cost(store: Store) -> str:
     """The cost table as text, and below it what the harness adds."""
-    table = cost_table(store).reset_index().to_string(index=False, float_format=lambda value: f"{value:.4g}")
-    busy = sum(sweep["cell_seconds"] for sweep in _timed(store))
-    available = sum(sweep["wall_seconds"] * sweep["jobs"] for sweep in _timed(store))
-    target = sum(cost_table(store)[f"{part} [s]"].sum() for part in PARTS) / 60
-    return "\n".join(
-        [
-            table,
-            "",
-            f"one target of every task with every method: {target:.0f} core-minutes; "
-            f"all {NUM_TARGETS}: {NUM_TARGETS * target / 60:.1f} core-hours",
-            f"harness: {harness_share(store):.2%} of the processor time of all sweeps",
-            f"workers were in a cell for {busy / available:.1%} of the time; "
-            "the rest is starting them and waiting for the last cell",
-            "",
-            *(
-                f"{sweep['cells']} cells with {sweep['jobs']} jobs in {sweep['wall_seconds'] / 60:.0f} minutes: "
-                f"{sweep['command']}"
-                for sweep in _timed(store)
-                if sweep["cells"] >= LARGE
-            ),
-        ]
-    )
+    table, timed = cost_table(store), _timed(store)
+    busy = sum(sweep["cell_seconds"] for sweep in timed) / sum(sweep["wall_seconds"] * sweep["jobs"] for sweep in timed)
+    target = sum(table[f"{part} [s]"].sum() for part in PARTS) / 60
+    lines = [
+        table.reset_index().to_string(index=False, float_format=lambda value: f"{value:.4g}"),
+        f"\none target of every task with every method: {target:.0f} core-minutes; "
+        f"all {NUM_TARGETS}: {NUM_TARGETS * target / 60:.1f} core-hours",
+        f"harness: {harness_share(store):.2%} of the processor time of all sweeps",
+        f"workers were in a cell for {busy:.1%} of the time; the rest is starting them and waiting for the last cell\n",
+    ]
+    for sweep in timed:
+        if sweep["cells"] >= LARGE:
+            minutes = sweep["wall_seconds"] / 60
+            lines.append(
+                f"{sweep['cells']} cells with {sweep['jobs']} jobs in {minutes:.0f} minutes: {sweep['command']}"
+            )
+    return "\n".join(lines)
 
 
 if __name__ == "__main__":

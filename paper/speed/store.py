@@ -24,21 +24,13 @@ REFERENCE = Path("results/reference")
 STEP = 10**6
 """Between the repetitions that the copies of two repetitions begin with: larger than the number of copies."""
 COMMANDS = {
-    "status": lambda store, out: ["status", "--results", str(store)],
-    "export": lambda store, out: [
-        "export",
-        "--format",
-        "parquet",
-        "--out",
-        f"{out}/t.parquet",
-        "--results",
-        str(store),
-    ],
-    "figure benchmark": lambda store, out: ["figure", "benchmark", "--results", str(store), "--out", str(out)],
-    "figure efficiency": lambda store, out: ["figure", "efficiency", "--results", str(store), "--out", str(out)],
-    "report": lambda store, out: ["report", "--results", str(store), "--out", str(out)],
+    "status": "status --results {store}",
+    "export": "export --format parquet --out {out}/t.parquet --results {store}",
+    "figure benchmark": "figure benchmark --results {store} --out {out}",
+    "figure efficiency": "figure efficiency --results {store} --out {out}",
+    "report": "report --results {store} --out {out}",
 }
-"""What reads all records, with the arguments for a store and a folder to write to."""
+"""What reads all records, for a store and a folder to write to."""
 
 
 def make(path: Path, size: int, source: Path = REFERENCE) -> None:
@@ -76,7 +68,7 @@ def table(sizes: tuple[int, ...], folder: Path, source: Path = REFERENCE) -> pd.
         for name, arguments in COMMANDS.items():
             out = folder / f"out-{size}"
             out.mkdir(exist_ok=True)
-            seconds, memory = measure(arguments(folder / str(size), out))
+            seconds, memory = measure(arguments.format(store=folder / str(size), out=out).split())
             page = out / "index.html"
             size_of_page = page.stat().st_size / 2**20 if name == "report" else float("nan")
             rows.append({"command": name, "records": size, "seconds": seconds, "memory [MiB]": memory})

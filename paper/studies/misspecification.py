@@ -14,12 +14,12 @@ from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.streams import stream
 from avobench.bench.plugins import registry
 from avobench.bench.store.files import write_atomically
-from avobench.bench.store.record import SCHEMA_VERSION, decode, encode
+from avobench.bench.store.record import SCHEMA_VERSION, encode
 from avobench.bench.store.versions import versions
 from avobench.diagnosis.run import diagnose
 from avobench.methods.avo import Avo
-from avobench.tasks.errors import StoreError
-from paper.studies.paper import NUM_OBSERVATIONS
+from paper.experiments import BUDGET, NUM_OBSERVATIONS
+from paper.studies.files import read_file
 
 FILE = "misspecification.json"
 """The record's name in a results folder."""
@@ -29,13 +29,11 @@ STRENGTHS = (0.0, 0.01, 0.03, 0.1, 0.3)
 """Standard deviation of each parameter between events, in units of the prior's."""
 REPETITIONS = 3
 """A median then has one run on either side."""
-BUDGET = 160_000
-"""Simulated events, as in the benchmark."""
 METHOD = Avo(polish=False, min_std=1e-3)
 """The adversarial phase alone, whose proposal may become as narrow as it will: what is looked at is its width."""
 
 
-def misspecification(path: Path, seed: int = 0) -> dict[str, Any]:
+def made(path: Path, seed: int = 0) -> dict[str, Any]:
     """The record of the study at `path`, of which each run that is lacking is made and written at once.
 
     `runs` holds for each the `task`, `strength` and `repetition`, the `width` of the final proposal in units of the
@@ -81,12 +79,4 @@ def one(
 
 def read(folder: Path) -> dict[str, Any]:
     """The record of the study in a results folder. Raises StoreError when it is missing or damaged."""
-    path = folder / FILE
-    if not path.exists():
-        raise StoreError(f"there is no {path}; `python -m paper.study misspecification --results {folder}` makes it")
-    try:
-        return decode(path.read_bytes())
-    except ValueError as error:
-        raise StoreError(
-            f"{path} {error}; delete it; `python -m paper.study misspecification` makes it again"
-        ) from error
+    return read_file(folder / FILE, "misspecification")

@@ -15,10 +15,11 @@ from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from avobench.bench.events import check_events
 from avobench.bench.plugins import registry, user_files
 from avobench.bench.store.files import write_atomically
-from avobench.bench.store.record import SCHEMA_VERSION, decode, encode
+from avobench.bench.store.record import SCHEMA_VERSION, encode
 from avobench.bench.store.versions import versions
 from avobench.diagnosis.run import diagnose
 from avobench.tasks.errors import StoreError, UsageError
+from paper.studies.files import read_file
 
 EXAMPLES = Path("examples/real")
 FOLDER = Path("results/real")
@@ -79,7 +80,7 @@ def real(folder: Path, seed: int = 0, examples: Path = EXAMPLES, jobs: int = 1) 
         path = folder / f"{name}.json"
         module = importlib.import_module(user_files.module_name(examples / f"{name}.py"))
         identity = identity_of(name, answer, module.task, examples, seed)
-        record = read_one(path) if path.exists() else {}
+        record = read_file(path, "real") if path.exists() else {}
         if {field: record.get(field) for field in identity} != identity:
             record = {"schema_version": SCHEMA_VERSION, **identity, **said(module.task, module.measured, seed, jobs)}
             write_atomically(path, encode(record))
@@ -132,12 +133,4 @@ def read(folder: Path = FOLDER) -> list[dict[str, Any]]:
     paths = sorted(folder.glob("*.json"))
     if not paths:
         raise StoreError(f"no records in {folder}; `python -m paper.study real --results {folder}` makes them")
-    return [read_one(path) for path in paths]
-
-
-def read_one(path: Path) -> dict[str, Any]:
-    """The record in a file. Raises StoreError when it is damaged."""
-    try:
-        return decode(path.read_bytes())
-    except ValueError as error:
-        raise StoreError(f"{path} {error}; delete it, and `python -m paper.study real` makes it again") from error
+    return [read_file(path, "real") for path in paths]

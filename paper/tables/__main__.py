@@ -1,15 +1,41 @@
 """`python -m paper.tables NAME [FOLDER...]` prints a table of the documentation from committed records."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import click
+import pandas as pd
 
-from avobench.bench.store.store import Store
 from avobench.cli.main import main
-from paper.tables import targets
+from avobench.reports import coverage
+from paper.experiments import records_of
+from paper.figures import dimension, misspecification
+from paper.studies.misspecification import read
+from paper.tables import experiments, targets
 
-TABLES = {"targets": (targets.format_table, ("results/reference",))}
-"""What prints a table from records, and the folders of these unless others are named."""
+TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = {
+    "ablation": (experiments.ablation, "reference dimension ablation"),
+    "coverage": (coverage.table, "reference rivals smm"),
+    "dimension": (dimension.table, "dimension"),
+    "fresh": (experiments.fresh, "fresh"),
+    "misspecification": (misspecification.table, "studies"),
+    "rivals": (experiments.rivals, "reference rivals smm plain"),
+    "sensitivity": (experiments.sensitivity, "sensitivity"),
+    "targets": (targets.table, "reference"),
+    "tuning": (experiments.tuning, "tuning"),
+}
+"""What makes each table, and the folders in results of which it is made unless others are named."""
+
+
+def printed(name: str, folders: tuple[Path, ...] = ()) -> str:
+    """A table of TABLES, to be read. Raises UsageError or StoreError where its records are missing."""
+    make, usual = TABLES[name]
+    chosen = folders or tuple(Path("results") / folder for folder in usual.split())
+    kept = [read(chosen[0])] if name == "misspecification" else list(records_of(chosen).values())
+    frame = make(kept)
+    named = not isinstance(frame.index, pd.RangeIndex)
+    return frame.to_string(index=named, na_rep="-", float_format=lambda value: f"{value:.3g}")
 
 
 @click.command()
@@ -17,8 +43,7 @@ TABLES = {"targets": (targets.format_table, ("results/reference",))}
 @click.argument("folders", nargs=-1, type=click.Path(path_type=Path), metavar="[FOLDER]...")
 def table(name: str, folders: tuple[Path, ...]) -> None:
     """Print a table from the records in results folders, by default those that are committed."""
-    format_table, usual = TABLES[name]
-    click.echo(format_table([record for folder in folders or usual for record in Store(Path(folder)).read_all()]))
+    click.echo(printed(name, folders))
 
 
 if __name__ == "__main__":

@@ -9,19 +9,19 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from avobench.reports.numbers import p_equals
-from avobench.reports.quantities import (
-    MOST_CHANCE,
-    ahead,
-    asymmetry_errors,
-    by_mean,
-    comparable,
-    efficient_median,
-    ideal_errors,
-    interval,
-    labelled,
-    task_of,
-)
+from avobench.reports.quantities import MOST_CHANCE, ahead, by_mean, comparable, labelled, task_of
 from avobench.reports.style import METHOD_ORDER, ordered
+from paper.quantities import (
+    WORST_RUN,
+    asymmetry_in_units_of_the_best,
+    beside_ideal,
+    in_units_of_the_best,
+    median,
+    ratio_of_means,
+    ratios,
+    told_interval,
+    worst,
+)
 
 METHOD = "avo"
 RIVALS = ("abc-smc", "bolfi")
@@ -30,8 +30,6 @@ MOST_ASYMMETRY = 3.0
 """Inefficiency in c on weinberg that is wanted at most."""
 MOST_OVER_IDEAL = 2.0
 """Mean squared error on weinberg over that of the ideal posterior mean on the same targets that is wanted at most."""
-WORST_RUN = 100.0
-"""Squared error over the floor that no run should exceed: beyond it a run went astray, as chance does not."""
 
 
 @dataclass(frozen=True)
@@ -57,60 +55,12 @@ class Target:
         return told_interval(self.values(cells), cells["target"], self.statistic)
 
 
-def told_interval(values: NDArray, targets: pd.Series, statistic: Callable[[NDArray], float]) -> str:
-    """`interval`, to be read."""
-    low, high = interval(values, targets, statistic)
-    return "-" if np.isnan(low) else f"[{low:.2g}, {high:.2g}]"
-
-
-def in_units_of_the_best(cells: pd.DataFrame) -> NDArray[np.float64]:
-    """Ratio of squared error to floor, over the median of that ratio for an efficient estimator: (n,)."""
-    return cells["ratio"].to_numpy() / efficient_median(task_of(cells["record"].iloc[0]).floor_shares)
-
-
-def asymmetry_in_units_of_the_best(cells: pd.DataFrame) -> NDArray[np.float64]:
-    """On weinberg, the same for the asymmetry c, the one quantity that the events determine."""
-    return np.divide(*asymmetry_errors(cells)) / efficient_median((1.0,))
-
-
-def beside_ideal(cells: pd.DataFrame) -> NDArray[np.float64]:
-    """On weinberg, the squared error, and that of the ideal posterior mean at the same target: (n, 2)."""
-    return np.column_stack([cells["squared_error"], ideal_errors(cells)])
-
-
-def _ratios(cells: pd.DataFrame) -> NDArray[np.float64]:
-    return cells["ratio"].to_numpy()
-
-
-def median(values: NDArray[np.float64]) -> float:
-    return float(np.median(values))
-
-
-def worst(values: NDArray[np.float64]) -> float:
-    return float(values.max())
-
-
-def ratio_of_means(values: NDArray[np.float64]) -> float:
-    """Of the first column to the second."""
-    return float(values[:, 0].mean() / values[:, 1].mean())
-
-
-def inefficiency_of(cells: pd.DataFrame) -> float:
-    """Median ratio of squared error to floor, over that of an efficient estimator."""
-    return median(in_units_of_the_best(cells))
-
-
-def asymmetry_inefficiency(cells: pd.DataFrame) -> float:
-    """On weinberg, the same for the asymmetry c."""
-    return median(asymmetry_in_units_of_the_best(cells))
-
-
 BEST = in_units_of_the_best, median
 TARGETS = (
     *(Target(task, "inefficiency", *BEST, most) for task, most in MOST_INEFFICIENT.items()),
     Target("weinberg", "inefficiency in c", asymmetry_in_units_of_the_best, median, MOST_ASYMMETRY),
     Target("weinberg", "mean error / ideal", beside_ideal, ratio_of_means, MOST_OVER_IDEAL),
-    *(Target(task, "worst run / floor", _ratios, worst, WORST_RUN) for task in (*MOST_INEFFICIENT, "weinberg")),
+    *(Target(task, "worst run / floor", ratios, worst, WORST_RUN) for task in (*MOST_INEFFICIENT, "weinberg")),
     *(Target(task, "against the rivals", *BEST, None) for task in MOST_INEFFICIENT),
 )
 
@@ -162,8 +112,3 @@ def _verdict(target: Target, by_method: dict[str, pd.DataFrame], values: dict[st
         return "met" if values[METHOD] <= target.most else "not met"
     p = max(ahead(by_method[METHOD], by_method[column]) for rival in RIVALS for column in _columns(rival))
     return f"met, {p_equals(p)}" if p < MOST_CHANCE else f"not met, {p_equals(p)}"
-
-
-def format_table(records: list[dict[str, Any]]) -> str:
-    """`table`, to be read."""
-    return table(records).to_string(index=False, na_rep="-", float_format=lambda value: f"{value:.3g}")

@@ -14,7 +14,7 @@ from paper.claims.reproduction import gather
 from paper.claims.reproduction import page as claims
 from paper.figures.__main__ import FOLDERS
 from paper.figures.__main__ import draw as draw_of_the_paper
-from paper.printed import OUTPUT, filled, output
+from paper.printed import BLOCK, filled, output
 from paper.studies.real import read_all as read_real
 from paper.tables.real import page as real_page
 
@@ -53,7 +53,7 @@ def test_what_the_page_on_cost_quotes_stands_among_the_timings():
 def test_the_readme_shows_what_its_example_prints(tmp_path):
     """Word by word; numbers within a hundredth of them, as another processor rounds, but for how long it took."""
     text = (ROOT / "README.md").read_text()
-    (shown,) = [block[3] for block in OUTPUT.finditer(text)]
+    (shown,) = [block[4] for block in BLOCK.finditer(text) if block[2] == "output"]
     number = r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
 
     def parts(told):

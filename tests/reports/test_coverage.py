@@ -29,7 +29,7 @@ def test_a_curve_of_gaussian_pulls_is_the_diagonal_and_of_too_narrow_ones_below(
     half = norm.cdf(norm.ppf(0.84) / 2) * 2 - 1
     assert float(rows.loc["abc-smc", "within 68%"].rstrip("%")) / 100 == pytest.approx(half, abs=0.006)
     drawn = pd.read_csv(coverage.draw(told, tmp_path)[2]).set_index("method")
-    assert np.abs(drawn.loc["avo", "held"] - drawn.loc["avo", "promised"]).max() < 0.006
+    assert np.abs(drawn.loc["avo", "empirical"] - drawn.loc["avo", "nominal"]).max() < 0.006
 
 
 def test_a_proposal_and_a_failure_quote_nothing_and_an_unknown_spread_holds_nothing(benchmark, tmp_path):

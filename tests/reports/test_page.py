@@ -42,7 +42,7 @@ def opened(page, browser, tmp_path):
 def test_it_opens_without_network_or_complaint_and_shows_its_figures(opened):
     assert opened.complaints() == []
     sizes = opened.run("return [...document.images].map(image => [image.complete, image.naturalWidth, image.alt])")
-    assert len(sizes) == 3
+    assert len(sizes) == 4
     assert all(complete and width > 500 and alt for complete, width, alt in sizes)
     assert opened.run("return document.querySelectorAll('.missing').length") == 0
     links = opened.run(
@@ -253,7 +253,7 @@ def test_a_figure_or_table_that_fails_leaves_the_rest(monkeypatch, store):
     told = "ZeroDivisionError: a user&#39;s &lt;b&gt;floor&lt;/b&gt;"
     assert f"The figure “cost” could not be drawn: {told}" in page
     assert f"The table “settings” could not be made: {told}" in page
-    assert page.count("<figure ") == 2
+    assert page.count("<figure ") == 3
     assert 'id="cells-title"' in page
 
 

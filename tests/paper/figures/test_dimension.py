@@ -1,4 +1,4 @@
-"""The tables of the studies beyond the paper's: inefficiency against parameters, and coverage on fresh targets."""
+"""Inefficiency against the number of parameters."""
 
 import numpy as np
 import pandas as pd
@@ -8,8 +8,6 @@ from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.trial import execute
 from avobench.tasks.errors import StoreError
 from paper.figures import dimension
-from paper.studies.fresh import TASKS
-from paper.tables import fresh
 
 
 @pytest.fixture(scope="module")
@@ -56,27 +54,3 @@ def test_the_detector_with_three_parameters_has_a_row_of_its_own(records):
 def test_without_a_record_of_the_study_there_is_no_figure(records, tmp_path):
     with pytest.raises(StoreError, match="study dimension"):
         dimension.draw([{**records[0], "task": "poisson"}], tmp_path)
-
-
-def test_fresh_targets_are_scored_by_their_task_and_a_quoted_error_by_what_it_covers():
-    own = [task for task in TASKS if task.of.name in ("poisson", "warped-2", "weinberg")]
-    made = [
-        execute(Cell(f"paper.studies.fresh:{task.__name__}", {}, "smm", {}, target, 0, 4000, 2000, 0))
-        for task in own
-        for target in range(2)
-    ]
-    assert {record["status"] for record in made} <= {"ok", "doubtful"}
-    close, far = (at(record, ratio) for record, ratio in zip(made[:2], (0.1, 1e4), strict=True))
-    far["standard_error"] = (np.abs(np.subtract(far["theta_hat"], far["theta_true"])) * 2).tolist()
-    rows = fresh.table([close, far, *made[2:]]).set_index("task")
-    assert rows.index.tolist() == ["poisson", "weinberg", "warped-2"]
-    assert rows.loc["poisson", ["astray", "ok of these"]].tolist() == [1, 1]
-    assert rows.loc["poisson", ["within 68%", "within 95%"]].tolist() == ["50%", "50%"]
-    assert rows.loc["poisson", "mean / floor"] == pytest.approx(
-        (0.1 * close["floor"] + 1e4 * far["floor"]) / (close["floor"] + far["floor"])
-    )
-
-
-def test_without_a_quoted_error_there_is_no_coverage(records):
-    silent = [{name: value for name, value in records[0].items() if name != "standard_error"}]
-    assert fresh.table([{**silent[0], "spread_of": "proposal"}])["within 68%"].tolist() == ["-"]

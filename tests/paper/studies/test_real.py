@@ -132,7 +132,7 @@ def test_what_is_missing_or_damaged_is_told_in_one_line(horse_kicks, tmp_path):
         study.read(tmp_path / "nowhere")
     (tmp_path / "a.json").write_text("{}")
     with pytest.raises(StoreError, match="delete it"):
-        study.read_one(tmp_path / "a.json")
+        study.read(tmp_path)
     (horse_kicks / study.EXPECTED).write_text('{"horse_kicks": {"answer": 3}}')
     with pytest.raises(UsageError, match=r"expected\.json: horse_kicks"):
         study.expected(horse_kicks)

@@ -29,7 +29,8 @@ def case(probabilities, outside, hidden="dead_time", kind="foreign", series=3):
 def test_one_right_and_one_wrong_case_give_their_scores():
     right = case({"dead_time": 0.8, "pile_up": 0.2}, 0.0)
     wrong = case({"dead_time": 0.1, "pile_up": 0.9}, 0.0)
-    (row,) = table([("series 3", right), ("series 3", wrong)]).to_dict("records")
+    row, every = table([("series 3", right), ("series 3", wrong)]).to_dict("records")
+    assert {**every, "hidden": "series 3"} == row
     assert row["most probable right"] == row["wrong, yet agrees"] == 0.5
     assert row["P(truth)"] == pytest.approx(0.45)
     assert row["Brier"] == pytest.approx((2 * 0.2**2 + 2 * 0.9**2) / 2)
@@ -38,7 +39,7 @@ def test_one_right_and_one_wrong_case_give_their_scores():
 
 
 def test_of_a_withheld_effect_the_truth_is_outside():
-    (row,) = table([("withheld", case({"pile_up": 0.3}, 0.7, kind="withheld"))]).to_dict("records")
+    row, _ = table([("withheld", case({"pile_up": 0.3}, 0.7, kind="withheld"))]).to_dict("records")
     assert row["P(truth)"] == row["P(outside)"] == pytest.approx(0.7)
     assert row["P(first name)"] == pytest.approx(0.3)
     assert row["in the 95 % set"] == 1
@@ -49,7 +50,7 @@ def test_of_two_effects_both_count():
     told.answer["effects"].append({"name": "pile_up", "feature": None, "series": 3, "power": 1.0})
     told.diagnosis["models"] = [{"effects": [{"name": name, "feature": None} for name in ("pile_up", "dead_time")]}]
     told.diagnosis["models"][0]["probability"] = 0.96
-    (row,) = table([("two", told)]).to_dict("records")
+    row, _ = table([("two", told)]).to_dict("records")
     assert row["most probable right"] == row["in the 95 % set"] == 1
     assert row["P(truth)"] == 0.6
 
@@ -69,15 +70,18 @@ def test_of_few_cases_chance_alone_gives_a_calibration_error():
     assert by_chance(np.repeat([0.0, 1.0], 50)) == 0
 
 
-def test_cases_are_told_by_their_series(tmp_path):
+def test_cases_are_told_by_the_set_of_their_shapes(tmp_path):
     rows = [
-        {**one.answer, "error": None, "diagnosis": one.diagnosis}
-        for one in (case({"dead_time": 1.0}, 0.0, series=2), case({"dead_time": 1.0}, 0.0, kind="withheld"))
+        {**one.answer, "set": shapes, "error": None, "diagnosis": one.diagnosis}
+        for one, shapes in (
+            (case({"dead_time": 1.0}, 0.0), "seen"),
+            (case({"dead_time": 1.0}, 0.0, kind="withheld"), "sealed"),
+        )
     ]
     lines = [{**RECORDS, "task": "poisson"}, *rows]
     path = tmp_path / "records.jsonl"
     path.write_text("\n".join(map(json.dumps, lines)))
-    assert [name for name, _ in cases_of([path])] == ["series 2", "withheld, series 3"]
+    assert [name for name, _ in cases_of([path])] == ["seen shapes", "withheld, sealed shapes"]
 
 
 def test_the_diagram_has_a_bin_of_what_came_true(tmp_path):

@@ -1,0 +1,61 @@
+"""How far estimates are from the best there is, as the targets, tables and claims measure it."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from avobench.reports.quantities import asymmetry_errors, efficient_median, ideal_errors, interval, task_of
+
+WORST_RUN = 100.0
+"""Squared error over the floor that no run should exceed: beyond it a run went astray, as chance does not."""
+
+
+def told_interval(values: NDArray, targets: pd.Series, statistic: Callable[[NDArray], float]) -> str:
+    """`interval`, to be read."""
+    low, high = interval(values, targets, statistic)
+    return "-" if np.isnan(low) else f"[{low:.2g}, {high:.2g}]"
+
+
+def in_units_of_the_best(cells: pd.DataFrame) -> NDArray[np.float64]:
+    """Ratio of squared error to floor, over the median of that ratio for an efficient estimator: (n,)."""
+    return cells["ratio"].to_numpy() / efficient_median(task_of(cells["record"].iloc[0]).floor_shares)
+
+
+def asymmetry_in_units_of_the_best(cells: pd.DataFrame) -> NDArray[np.float64]:
+    """On weinberg, the same for the asymmetry c, the one quantity that the events determine."""
+    return np.divide(*asymmetry_errors(cells)) / efficient_median((1.0,))
+
+
+def beside_ideal(cells: pd.DataFrame) -> NDArray[np.float64]:
+    """On weinberg, the squared error, and that of the ideal posterior mean at the same target: (n, 2)."""
+    return np.column_stack([cells["squared_error"], ideal_errors(cells)])
+
+
+def ratios(cells: pd.DataFrame) -> NDArray[np.float64]:
+    """Ratio of squared error to floor: (n,)."""
+    return cells["ratio"].to_numpy()
+
+
+def median(values: NDArray[np.float64]) -> float:
+    return float(np.median(values))
+
+
+def worst(values: NDArray[np.float64]) -> float:
+    return float(values.max())
+
+
+def ratio_of_means(values: NDArray[np.float64]) -> float:
+    """Of the first column to the second."""
+    return float(values[:, 0].mean() / values[:, 1].mean())
+
+
+def inefficiency_of(cells: pd.DataFrame) -> float:
+    """Median ratio of squared error to floor, over that of an efficient estimator."""
+    return median(in_units_of_the_best(cells))
+
+
+def asymmetry_inefficiency(cells: pd.DataFrame) -> float:
+    """On weinberg, the same for the asymmetry c."""
+    return median(asymmetry_in_units_of_the_best(cells))

@@ -1,0 +1,179 @@
+"""The tables of the experiments of the grid, from their committed records."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.stats import gmean
+
+from avobench.bench.store.status import ESTIMATED
+from avobench.reports.coverage import distances, within
+from avobench.reports.quantities import (
+    ahead,
+    asymmetry_errors,
+    by_mean,
+    efficient_median,
+    ideal_errors,
+    labelled,
+    still,
+    task_of,
+)
+from avobench.reports.style import METHOD_ORDER, TASK_ORDER, ordered
+from paper.experiments import ABLATION_TASKS, DEVELOPMENT, EXPERIMENTS, Runs
+from paper.quantities import (
+    WORST_RUN,
+    asymmetry_inefficiency,
+    beside_ideal,
+    in_units_of_the_best,
+    inefficiency_of,
+    median,
+    ratio_of_means,
+    told_interval,
+    worst,
+)
+from paper.tables.targets import METHOD
+from paper.tasks import DEVELOPMENT as DEVELOPMENT_TASKS
+from paper.tasks import FRESH
+
+Records = list[dict[str, Any]]
+
+
+def ablation(records: Records) -> pd.DataFrame:
+    """A row a difference between avo and avo-paper that is undone, a column a task.
+
+    A cell has the inefficiency, on weinberg of c, and in brackets the largest ratio of squared error to floor, on the
+    targets of which every row has its record.
+    """
+    by_id = {record["id"]: record for record in records}
+    runs = (Runs("avo as it is", METHOD, {}, ABLATION_TASKS, 5), *EXPERIMENTS["ablation"].runs)
+    columns = {}
+    for task in ABLATION_TASKS:
+        cells = {run.label: run.cells(task) for run in runs if task in run.tasks}
+        missing = {cell.target for own in cells.values() for cell in own if cell.id not in by_id}
+        shown = {
+            label: labelled([by_id[cell.id] for cell in own if cell.target not in missing])
+            for label, own in cells.items()
+            if any(cell.target not in missing for cell in own)
+        }
+        num_targets = max((own["target"].nunique() for own in shown.values()), default=0)
+        columns[f"{task}, {num_targets} targets"] = {label: _worth(own, task) for label, own in shown.items()}
+    return pd.DataFrame(columns, index=[run.label for run in runs], dtype=object).fillna("")
+
+
+def _worth(cells: pd.DataFrame, task: str) -> str:
+    if task == "weinberg":
+        return f"{asymmetry_inefficiency(cells):.2g} ({np.max(np.divide(*asymmetry_errors(cells))):.2g})"
+    return f"{inefficiency_of(cells):.2g} ({cells['ratio'].max():.2g})"
+
+
+def tuning(records: Records) -> pd.DataFrame:
+    """A row a candidate for the settings of a rival, see `_candidates`."""
+    return _candidates("tuning", records).drop(columns="still", errors="ignore")
+
+
+def sensitivity(records: Records) -> pd.DataFrame:
+    """A row a candidate for the settings of avo-plain, see `_candidates`."""
+    return _candidates("sensitivity", records).drop(columns="method", errors="ignore")
+
+
+def _candidates(experiment: str, records: Records) -> pd.DataFrame:
+    """A row a candidate that has all its records: its median inefficiency on each development task, and seconds a cell.
+
+    By the geometric mean over tasks one is chosen. `still` is the largest share of a run in which the proposal stood
+    exactly still. These are development numbers: the best of several is better by luck, too.
+    """
+    by_id, rows = {record["id"]: record for record in records}, []
+    grid, names = EXPERIMENTS[experiment], {spec: name for name, spec in DEVELOPMENT.items()}
+    for run in grid.runs:
+        cells = {names[task]: run.cells(task, grid.root()) for task in run.tasks}
+        if not all(cell.id in by_id for own in cells.values() for cell in own):
+            continue
+        found = {name: [by_id[cell.id] for cell in own] for name, own in cells.items()}
+        values = {name: np.median([_inefficiency(name, record) for record in own]) for name, own in found.items()}
+        every = [record for own in found.values() for record in own]
+        row = {"method": run.method, "settings": run.label, "targets": run.targets, **values}
+        row |= {"geometric mean": gmean(list(values.values())), "still": f"{max(map(still, every)):.0%}"}
+        row["seconds"] = np.mean([record["simulator_seconds"] + record["method_seconds"] for record in every])
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def _inefficiency(name: str, record: dict[str, Any]) -> float:
+    """Squared error over its floor, on weinberg of c, in units of an efficient estimator's; of a failure infinite."""
+    if record["status"] not in ESTIMATED:
+        return np.inf
+    task, true = DEVELOPMENT_TASKS[name](), np.array(record["theta_true"])
+    if name == "weinberg":
+        estimated, wanted = task.asymmetry(np.array([record["theta_hat"], true]))
+        floor = task.asymmetry_floor(true, record["num_observations"], record["budget"])
+        return (estimated - wanted) ** 2 / floor / efficient_median((1.0,))
+    return record["squared_error"] / record["floor"] / efficient_median(task.floor_shares)
+
+
+def fresh(records: Records) -> pd.DataFrame:
+    """A row a task and method on targets that nothing was chosen on.
+
+    `mean / floor` is the mean squared error over the mean floor, on weinberg over the ideal posterior mean's; below 1
+    is chance. `astray` counts runs above 100 floors, and `ok of these` those of them that the method vouched for. The
+    last columns are coverage, as in `avobench.reports.coverage`.
+    """
+    own = {task.name: task.of.name for task in FRESH}  # by which name the floor and the parameters are known
+    return pd.DataFrame(_fresh(labelled([{**record, "task": own[record["task"]]} for record in records])))
+
+
+def _fresh(frame: pd.DataFrame) -> Iterator[dict[str, Any]]:
+    for task in ordered(frame["task"], TASK_ORDER):
+        for method in ordered(frame[frame["task"] == task]["method"], METHOD_ORDER):
+            cells = frame[(frame["task"] == task) & (frame["method"] == method)]
+            best = ideal_errors(cells) if task == "weinberg" else cells["floor"].to_numpy(float)
+            astray = cells["ratio"] > WORST_RUN
+            away = [found for record in cells["record"] if (found := distances(record)) is not None]
+            yield {
+                "task": task,
+                "method": method,
+                "targets": cells["target"].nunique(),
+                "inefficiency": asymmetry_inefficiency(cells) if task == "weinberg" else inefficiency_of(cells),
+                "mean / floor": cells["squared_error"].mean() / best.mean(),
+                "worst": cells["ratio"].max(),
+                "astray": int(astray.sum()),
+                "ok of these": int((astray & (cells["status"] == "ok")).sum()),
+                "doubtful": int((cells["status"] == "doubtful").sum()),
+                "seconds": cells["seconds"].mean(),
+                **within(np.concatenate(away) if away else np.empty(0)),
+            }
+
+
+def rivals(records: Records) -> pd.DataFrame:
+    """A row an answer of a method on a task: the estimate and, where the posterior has another mean, that mean.
+
+    `targets` says of how many targets a row is; a test takes those that both have. The inefficiency is the median
+    squared error over the floor in units of an efficient estimator's; on weinberg, where the events determine c alone,
+    it is the mean squared error over that of the ideal posterior mean. `avo ahead` is the p-value of a paired test, see
+    `avobench.reports.quantities.ahead`. Records of tasks that are not registered are left out.
+    """
+    frame = labelled([record for record in records if task_of(record) is not None])
+    return pd.DataFrame([row for task in ordered(frame["task"], TASK_ORDER) for row in _rivals(task, frame)])
+
+
+def _rivals(task: str, frame: pd.DataFrame) -> Iterator[dict[str, Any]]:
+    cells = frame[frame["task"] == task]
+    own = cells[cells["method"] == METHOD]
+    values, statistic = (beside_ideal, ratio_of_means) if task == "weinberg" else (in_units_of_the_best, median)
+    for method in ordered(cells["method"], METHOD_ORDER):
+        estimates = cells[cells["method"] == method]
+        means = by_mean(estimates)
+        other = (estimates["spread_of"] == "posterior").any() and not means["ratio"].equals(estimates["ratio"])
+        for answer, found in (("estimate", estimates), ("mean", means))[: 1 + other]:
+            measured = values(found)
+            yield {
+                "task": task,
+                "method": method,
+                "answer": answer,
+                "targets": found["target"].nunique(),
+                "inefficiency": statistic(measured),
+                "95 %": told_interval(measured, found["target"], statistic),
+                "worst run / floor": worst(found["ratio"].to_numpy()),
+                "seconds": found["seconds"].mean(),
+                "avo ahead": "-" if method == METHOD else f"p = {ahead(own, found):.2g}",
+            }

@@ -1,0 +1,92 @@
+"""The tables of the experiments compare like with like, from records whose errors are known."""
+
+import numpy as np
+import pytest
+
+from avobench.bench.cells.cell import Cell
+from avobench.bench.cells.trial import blank_record, execute
+from avobench.bench.store.status import Status
+from avobench.reports.quantities import efficient_median
+from paper.experiments import EXPERIMENTS, Runs
+from paper.tables import experiments as tables
+from paper.tasks import FRESH, spec
+
+EFFICIENT = efficient_median((0.1, 0.9))
+"""Median of an efficient estimator's squared error over the floor, for carl's two parameters."""
+
+
+def made(cell, ratio, **more):
+    record = blank_record(cell, Status.OK, "") | {"squared_error": ratio, "floor": 1.0, "trace": []}
+    record |= {"theta_hat": record["theta_true"], "simulator_seconds": 1.0, "method_seconds": 2.0}
+    return record | more
+
+
+def test_a_target_that_lacks_a_record_of_any_row_is_in_none():
+    runs = [Runs("avo as it is", "avo", {}, ("carl",)), *EXPERIMENTS["ablation"].runs]
+    own = [run for run in runs if "carl" in run.tasks]
+    records = [
+        made(cell, 1 + i if cell.target == 0 else 1000.0)
+        for i, run in enumerate(own)
+        for cell in run.cells("carl")[:2]
+        if cell.target == 0 or run.label != "fresh events only"
+    ]
+    shown = tables.ablation(records)
+    column = shown["carl, 1 targets"]
+    for i, run in enumerate(own):
+        inefficiency, worst = column[run.label].split(" ")
+        assert float(inefficiency) == pytest.approx((1 + i) / EFFICIENT, rel=0.05)
+        assert worst == f"({1 + i:.2g})"
+    assert column["images not summed"] == ""
+    assert (shown["poisson, 0 targets"] == "").all()
+
+
+def test_a_candidate_has_its_worst_stillness_and_no_row_without_all_its_records():
+    runs, seed = EXPERIMENTS["sensitivity"].runs[:2], EXPERIMENTS["sensitivity"].seed
+    moving = [{"simulations": n, "theta": [float(n)], "std": [1.0]} for n in range(5)]
+    standing = moving[:3] + [moving[2]] * 2
+    cells = [(task, cell) for run in runs for task in run.tasks for cell in run.cells(task, seed)]
+    records = [made(cell, 10.0, trace=standing if "Carl" in task else moving) for task, cell in cells]
+    assert tables.sensitivity(records[:-1])["settings"].tolist() == [runs[0].label]
+    rows = tables.sensitivity(records)
+    assert rows["still"].tolist() == ["50%", "50%"]
+    assert rows["seconds"].tolist() == [3.0, 3.0]
+    assert rows["geometric mean"].tolist() == pytest.approx(np.sqrt(rows["poisson"] * rows["carl"]).tolist())
+    records[-1] |= {"status": Status.METHOD_ERROR, "theta_hat": None}
+    assert np.isinf(tables.sensitivity(records)["carl"].iloc[1])
+
+
+def test_each_answer_has_a_row_on_its_own_targets_and_a_test_on_those_in_common(benchmark):
+    chosen = [record for record in benchmark if not (record["method"] == "bolfi" and record["target"] >= 5)]
+    exact = [{**r, "mean": r["theta_true"]} if r["method"] == "bolfi" else r for r in chosen]
+    mine = [{**record, "task": "mine"} for record in benchmark[:4]]
+    rows = tables.rivals([*exact, *mine]).set_index(["task", "method", "answer"])
+    assert "mine" not in rows.index.get_level_values("task")
+    assert rows.loc[("carl", "bolfi", "estimate"), "targets"] == 5
+    assert rows.loc[("carl", "bolfi", "estimate"), "avo ahead"] == "p = 0.031"  # five of five: 1 / 2^5
+    assert rows.loc[("carl", "abc-smc", "estimate"), "avo ahead"] == "p = 0.016"
+    assert rows.loc[("carl", "bolfi", "mean"), "inefficiency"] == 0
+    assert rows.loc[("carl", "bolfi", "mean"), "avo ahead"] == "p = 1"
+    assert ("carl", "abc-smc", "mean") not in rows.index  # which is the estimate
+    own = rows.loc[("carl", "avo", "estimate")]
+    assert rows.loc[("carl", "bolfi", "estimate"), "inefficiency"] == pytest.approx(100 * own["inefficiency"], rel=0.5)
+    assert own["avo ahead"] == "-"
+
+
+def test_fresh_targets_are_scored_by_their_task_and_a_quoted_error_by_what_it_covers():
+    chosen = [task for task in FRESH if task.of.name in ("poisson", "warped-2", "weinberg")]
+    close, far, *others = [
+        execute(Cell(spec(task), {}, "smm", {}, target, 0, 4000, 2000, 0)) for task in chosen for target in range(2)
+    ]
+    for record, ratio, quoted in ((close, 0.1, 0.5), (far, 1e4, 2.0)):
+        error = np.sqrt(ratio * record["floor"])
+        record |= {"theta_hat": [record["theta_true"][0] + error], "squared_error": ratio * record["floor"]}
+        record |= {"standard_error": [error * quoted], "status": "ok"}
+    rows = tables.fresh([close, far, *others]).set_index("task")
+    assert rows.index.tolist() == ["poisson", "weinberg", "warped-2"]
+    assert rows.loc["poisson", ["astray", "ok of these"]].tolist() == [1, 1]
+    assert rows.loc["poisson", ["within 68%", "within 95%"]].tolist() == ["50%", "50%"]
+    assert rows.loc["poisson", "mean / floor"] == pytest.approx(
+        (0.1 * close["floor"] + 1e4 * far["floor"]) / (close["floor"] + far["floor"])
+    )
+    del close["standard_error"]
+    assert tables.fresh([{**close, "spread_of": "proposal"}])["within 68%"].tolist() == ["-"]
