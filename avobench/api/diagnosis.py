@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from avobench.bench.events import check_events, with_times
+from avobench.bench.events.checks import Simulate, with_times
 from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder, write_atomically
 from avobench.effects import Effect
@@ -41,6 +41,8 @@ class Diagnosed:
     """Effects of the user's own by name: how each is found again, and the effect as it is before it sees data."""
     spec: str | None = None
     """The name by which the task is loaded again; None where only this process has it."""
+    entries: Sequence[Effect] = ()
+    """The catalogue's entries for the task."""
 
     @property
     def task(self) -> Task:
@@ -93,7 +95,9 @@ class Diagnosed:
 
         plain = {source or effect.name: effect for source, effect in self.own.values()}
         content = self._content()
-        return AugmentedTask.of(content, lambda spec, settings: self.task, lambda source: plain[source])
+        return AugmentedTask.of(
+            content, lambda spec, settings: self.task, lambda source: plain[source], entries=list(self.entries)
+        )
 
     def plot(self, name: str | None = None) -> "Figure":
         """A figure by its name, by default the first: measured events against the simulation before and after.
@@ -211,7 +215,7 @@ def diagnose(
     max_effects
         Effects to add at most.
     simulations
-        Simulated events, at most; as many as it takes where None.
+        Simulated events, at most, with those of the checks; as many as it takes where None.
     fit
         Method that looks for theta first; by default a surrogate of the summary.
     effects
@@ -234,24 +238,26 @@ def diagnose(
     UsageError
         If there is no such task or effect, if the events are not those of the task, or a number makes no sense.
     """
+    from avobench.diagnosis.checks import Checks
     from avobench.diagnosis.run import diagnose as diagnosed
-    from avobench.effects.catalogue import catalogue, chosen
+    from avobench.effects.catalogue import chosen
 
     spec = task if isinstance(task, str) else registry.spec_of("task", task)
     if isinstance(task, str):
         task = registry.build("task", task, {})
     registry.require_packages("task", task)
-    possible = registry.blamed(lambda: catalogue(task), f"task {task.name}")
+    checks = Checks(task, simulations)
+    possible = registry.blamed(checks.entries, f"task {task.name}")
     tried = list(possible) if effects is None else chosen(possible, effects, spec or task.name)
     theirs = {effect.name: (source, effect) for source, effect in map(_own, own)}
     if len(theirs) < len(own) or set(theirs) & {effect.name for effect in possible}:
         raise UsageError(f"two effects have the same name; your own are {', '.join(theirs)}: give them other names")
     for _, effect in theirs.values():
-        require_events(effect, task)
+        require_events(effect, task, checks.simulate)
     notes = []
     if time is not None:
         x, time, notes = with_times(x, time, drop_invalid=drop_invalid)
-    x, remarks = check_events(task, x, drop_invalid=drop_invalid)
+    x, remarks = checks.events(x, drop_invalid=drop_invalid)
     for source, effect in theirs.values():  # what no file can keep would else show when all is done
         registry.blamed(lambda s=source, e=effect: _keepable(e, x, task, s), f"effect {effect.name}")
     result = diagnosed(
@@ -261,6 +267,7 @@ def diagnose(
         alpha=alpha,
         max_effects=max_effects,
         num_simulations=simulations,
+        num_spent=checks.used,
         fit=fit,
         effects=[*tried, *(effect for _, effect in theirs.values())],
         jobs=jobs,
@@ -270,7 +277,7 @@ def diagnose(
     )
     diagnosis = result.diagnosis
     diagnosis = diagnosis.model_copy(update={"notes": notes + remarks + diagnosis.notes})
-    return Diagnosed(replace(result, diagnosis=diagnosis), theirs, spec)
+    return Diagnosed(replace(result, diagnosis=diagnosis), theirs, spec, possible)
 
 
 def _own(given: Effect | type[Effect] | str) -> tuple[str | None, Effect]:
@@ -287,7 +294,7 @@ def _keepable(effect: Effect, x: NDArray, task: Task, source: str | None) -> Non
     kept(effect.adapted(x), task, source, effect)
 
 
-def require_events(effect: Effect, task: Task) -> None:
+def require_events(effect: Effect, task: Task, simulate: Simulate) -> None:
     """Try an effect of the user's on a few events. Raises UsageError if it raises or makes other events than the task.
 
     Before anything is fitted, since a fault would else show minutes later; `avobench check effect` tries much more.
@@ -297,7 +304,7 @@ def require_events(effect: Effect, task: Task) -> None:
 
     def apply() -> NDArray:
         phi = rng.uniform(*np.transpose([(p.low, p.high) for p in effect.parameters]), (TRIED, len(effect.parameters)))
-        return np.asarray(effect.apply(task.simulate, theta, phi, rng))
+        return np.asarray(effect.apply(simulate, theta, phi, rng))
 
     x = registry.blamed(apply, what)
     if x.shape != (TRIED, task.num_features):

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from avobench.bench.events import check_events, read_events
+from avobench.bench.events import read_events
 from avobench.bench.plugins import registry
 from avobench.bench.processes.apart import Call, here, outcomes
 from avobench.bench.processes.workers import Workers
@@ -16,7 +16,7 @@ from avobench.bench.store.files import require_folder, write_file
 from avobench.bench.store.record import NAME
 from avobench.challenge.make import MANIFEST
 from avobench.diagnosis import diagnose
-from avobench.effects.catalogue import catalogue
+from avobench.diagnosis.checks import Checks
 from avobench.tasks.errors import AvobenchError, ProcessEnded, UsageError
 
 RESULTS = "results"
@@ -75,10 +75,10 @@ def _solved(spec: str, data: Path, number: int, case: dict, options: dict[str, A
     try:
         task = registry.build("task", spec, {})
         registry.require_packages("task", task)
-        x, warnings = check_events(task, read_events(str(data / f"{case['case']}.npz")))
-        allowed = case["effects"]
-        effects = None if allowed is None else [effect for effect in catalogue(task) if effect.name in allowed]
-        diagnosis = diagnose(task, x, seed=number, effects=effects, **options).diagnosis
+        checks, allowed = Checks(task, options.get("num_simulations")), case["effects"]
+        x, warnings = checks.events(read_events(str(data / f"{case['case']}.npz")))
+        effects = [effect for effect in checks.entries() if allowed is None or effect.name in allowed]
+        diagnosis = diagnose(task, x, seed=number, effects=effects, num_spent=checks.used, **options).diagnosis
         found = {"warnings": warnings, "diagnosis": diagnosis.model_dump(mode="json")}
         json.dumps(found, allow_nan=False)  # a number that is none is a fault too
         result |= found

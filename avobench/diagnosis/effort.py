@@ -143,17 +143,22 @@ def usual_events(domain: str, num_events: int) -> int:
     return dict(BUDGET.usual)[domain] * max(num_events, Effort.few) // BUDGET.usual_events
 
 
-def effort_for(task: Task, domain: str, num_simulations: int | None, num_events: int = 0) -> Effort:
-    """The effort with which the first fit to so many measured events and the gates fit into `num_simulations`.
+def effort_for(task: Task, domain: str, num_simulations: int | None, num_events: int = 0, num_spent: int = 0) -> Effort:
+    """The effort with which the first fit to so many measured events and the tests fit into `num_simulations`.
 
-    The full one for None. Raises UsageError where even the least does not fit.
+    Of these, `num_spent` were spent before. The full effort for None. Raises UsageError where even the least does not
+    fit.
     """
     full = IMAGES if domain == "images" else MANY if task.num_features > 1 else Effort()
     if num_simulations is None:
         return full
     least = first_fit_events(full.scaled(0), task, num_events)
-    if num_simulations < least:
-        raise UsageError(f"{num_simulations} simulated events are too few: the first fit and the gates need {least}")
+    if num_simulations - num_spent < least:
+        raise UsageError(
+            f"{num_simulations} simulated events are too few: the checks, the first fit and the tests need "
+            f"{int(BUDGET.with_checks * least)}"
+        )
+    num_simulations -= num_spent
     share = float(
         np.clip((num_simulations - BUDGET.least_search) / (BUDGET.several * usual_events(domain, num_events)), 0, 1)
     )

@@ -48,6 +48,7 @@ def diagnose(
     alpha: float = 0.05,
     max_effects: int = 3,
     num_simulations: int | None = None,
+    num_spent: int = 0,
     fit: str = "surrogate",
     effects: list[Effect] | None = None,
     jobs: int = 1,
@@ -57,8 +58,9 @@ def diagnose(
 ) -> Result:
     """Compare measured events x (N, d) with a task, and say what it lacks.
 
-    `ordered` asks whether their order, or that of their `time` (N,), matters. `progress` is told how far it is. Raises
-    UsageError for too few events, for fewer `num_simulations` than the first fit takes, and for impossible settings.
+    Of the `num_simulations` that are allowed, `num_spent` were spent before, on checks. `ordered` asks whether the
+    order of the events, or that of their `time` (N,), matters. `progress` is told how far it is. Raises UsageError for
+    too few events, for fewer `num_simulations` than the first fit takes, and for impossible settings.
     """
     started = perf_counter()
     if len(x) < BUDGET.least_events:
@@ -73,9 +75,10 @@ def diagnose(
         order = exchangeability(task, x, position, "index" if time is None else "time", alpha, seed)
     shuffled = rng.permutation(len(x))
     cut = len(x) - int(TEST.held_out_share * len(x))
-    effort = effort_for(task, domain(task), num_simulations, cut)
+    effort = effort_for(task, domain(task), num_simulations, cut, num_spent)
     phases = Phases(progress, first_fit_events(effort, task, cut) // 2)
     meter = Meter(num_simulations, phases)
+    meter.add(num_spent)
     run = Run(task, x[shuffled[:cut]], len(x), effects, alpha, effort, rng, meter, phases, notes)
 
     null, inferred = run.null_model(fit)

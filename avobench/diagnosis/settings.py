@@ -329,6 +329,9 @@ class BudgetSettings:
     """Searches that are to fit into the events that are allowed, so that they seldom end early."""
     step: float = 0.8
     """The factor by which the effort is made less until it fits."""
+    with_checks: float = 1.06
+    """The factor of the events of the first fit and the tests that also pays for the checks before them: a twentieth of
+    what is allowed, and some."""
     least_share: float = 1e-3
     """Share of the effort below which all is at its least."""
     rounds: int = 30

@@ -8,6 +8,7 @@ from importlib.metadata import entry_points
 from numpy.typing import NDArray
 
 from avobench.effects.contract import Effect
+from avobench.effects.ranges import REFERENCE_EVENTS, Simulate
 from avobench.effects.site import Domain, Site, domain
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
@@ -48,14 +49,17 @@ def of_domain(*kinds: Domain) -> list[type[Effect]]:
     return sorted(own, key=lambda family: (family.position is None, family.position or 0, family.name))
 
 
-def catalogue(task: Task, x: NDArray | None = None) -> list[Effect]:
+def catalogue(
+    task: Task, x: NDArray | None = None, simulate: Simulate | None = None, num_events: int = REFERENCE_EVENTS
+) -> list[Effect]:
     """Every effect that applies to `task`: one entry a class and feature, each in its plainest shape.
 
     Classes of one family have the same name; no two of their shapes have.
 
-    Ranges of features are those that events x (N, d) show, or those over the prior.
+    Ranges of features are those that events x (N, d) show, or those of so many simulated events over the prior, for
+    which `simulate` stands for the task's simulator where its events are counted.
     """
-    site = Site(task, x)
+    site = Site(task, x, simulate, num_events)
     return [entry for family in of_domain(*site.domains) for entry in family.entries(site)]
 
 

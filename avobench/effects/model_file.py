@@ -105,13 +105,17 @@ class AugmentedTask(Task):
         find_effect: FindEffect,
         sha256: str = "",
         path: str = "the model",
+        entries: list[Effect] | None = None,
     ) -> "AugmentedTask":
-        """The task of a file's content. Raises UsageError if there is none, naming `path`."""
+        """The task of a file's content. Raises UsageError if there is none, naming `path`.
+
+        `entries` are those of the catalogue for the task where they are known, so that nothing is simulated for them.
+        """
         if isinstance(content.task, ModelFile):
             base = cls.of(content.task, find_task, find_effect, sha256, path)
         else:
             base = find_task(content.task, content.task_settings)
-        effects = tuple(_effect(added, base, path, find_effect) for added in content.effects)
+        effects = tuple(_effect(added, base, path, find_effect, entries) for added in content.effects)
         model, task = Model(base, effects), cls(sha256)
         if len(content.parameters) != model.dim:
             raise UsageError(f"{path} gives {len(content.parameters)} parameters to a model of {model.dim}")
@@ -147,12 +151,12 @@ class AugmentedTask(Task):
         return np.nan
 
 
-def _effect(added: AddedEffect, base: Task, path: str, find_effect: FindEffect) -> Effect:
+def _effect(added: AddedEffect, base: Task, path: str, find_effect: FindEffect, entries: list[Effect] | None) -> Effect:
     """The effect that a file keeps, with what the data decided of it. Raises UsageError if there is none."""
     if added.source is not None:
         family = [find_effect(added.source)]
     else:
-        family = [effect for effect in catalogue(base) if effect.key == (added.name, added.feature)]
+        family = [effect for effect in entries or catalogue(base) if effect.key == (added.name, added.feature)]
     for plain in family:
         with suppress(AttributeError, TypeError, ValidationError):  # the settings are of another class of the family
             if added.settings:

@@ -38,3 +38,22 @@ def test_a_fit_simulates_what_it_says_and_no_more_than_its_budget(counted, metho
     settings = {"population_size": 20, "events_per_theta": 20} if method == "abc-smc" else {}
     found = avobench.infer(task, MEASURED, method, budget=budget, settings=settings)
     assert counter.used == found.num_simulations <= budget
+
+
+@pytest.mark.parametrize("simulations", [None, 700_000])
+def test_a_diagnosis_simulates_what_it_says_and_no_more_than_its_limit(counted, tmp_path, simulations):
+    """What was saved, and the model in memory, take no further event."""
+    task, counter = counted
+    x = MEASURED.copy()
+    x[:100] = 9.0
+    found = avobench.diagnose(task, x, simulations=simulations, effects=["outliers", "peak_background"])
+    assert found.model.num_features == 1
+    found.plot()
+    assert counter.used == found.diagnosis.num_simulations <= (simulations or 10**9)
+
+
+def test_a_diagnosis_that_is_refused_has_simulated_no_more_than_the_checks_of_its_limit(counted):
+    task, counter = counted
+    with pytest.raises(avobench.UsageError, match="too few"):
+        avobench.diagnose(task, MEASURED, simulations=100_000)
+    assert counter.used <= 5000

@@ -49,7 +49,7 @@ def test_the_limit_holds_whatever_is_found(often_off, allowed):
 
 def test_too_few_simulated_events_are_refused_with_the_least_number(often_off):
     with pytest.raises(
-        UsageError, match="1000 simulated events are too few: the first fit and the gates need"
+        UsageError, match="1000 simulated events are too few: the checks, the first fit and the tests need"
     ) as refused:
         diagnose(Poisson(), often_off, num_simulations=1000)
     least = int(str(refused.value).split()[-1])

@@ -11,7 +11,6 @@ from avobench.bench.plugins import registry
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.settings import REPORT
 from avobench.effects import Effect
-from avobench.effects.catalogue import catalogue
 from avobench.effects.model_file import (
     AddedEffect,
     AugmentedTask,
@@ -73,15 +72,10 @@ def kept(effect: Effect, base: Task, source: str | None = None, own: Effect | No
     Of one of the user's `own` that is as it is before it sees data, and `source` how it is found again: module:Class or
     file.py:Class; its name where it is not.
     """
-    if own is None:
-        alike = (shape for entry in catalogue(base) if entry.key == effect.key for shape in entry.shapes())
-        plain = next((shape for shape in alike if type(shape) is type(effect)), None)
-    else:
-        plain, source = own, registry.absolute(source or effect.name)
-    settings = {}
-    if is_dataclass(effect):
-        changed = {
-            n for n, value in settings_of(effect).items() if n != "shape" and not np.all(value == getattr(plain, n))
-        }
-        settings = TypeAdapter(type(effect)).dump_python(effect, mode="json", include=changed) if changed else {}
+    names, settings = set(settings_of(effect)) - {"shape"} if is_dataclass(effect) else set(), {}
+    if own is not None:
+        source = registry.absolute(source or effect.name)
+        names = {name for name in names if not np.all(getattr(effect, name) == getattr(own, name))}
+    if names:
+        settings = TypeAdapter(type(effect)).dump_python(effect, mode="json", include=names)
     return AddedEffect(name=effect.name, feature=effect.feature, shape=effect.shape, source=source, settings=settings)
