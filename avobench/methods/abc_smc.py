@@ -181,7 +181,7 @@ class AbcSmc(Method):
 
 @dataclass(frozen=True)
 class AbcSmcTuned(AbcSmc):
-    """ABC-SMC at its best: the settings that `avobench study tuning` found, on targets that are not the benchmark's."""
+    """ABC-SMC at its best: settings that were chosen on targets other than the benchmark's, in a study of the paper."""
 
     name: ClassVar[str] = "abc-smc-tuned"
 

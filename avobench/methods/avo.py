@@ -320,8 +320,7 @@ class Avo(Method):
        polishes again: events far away tell how the answer moves, events nearby what it is.
 
     Where the events leave a combination of parameters open, the last round goes to the best point of all that agree
-    with them (`leeway.py`). The version is that from before this: all other estimates are the same to the last bit, as
-    `python -m paper.studies.again` shows, and only records with something open had to be made again.
+    with them (`leeway.py`).
 
     There are two discriminators, each trained on one half of the observed and of the simulated events and used on the
     other: a discriminator knows the events that it was trained on too well, and would bias the answer (cross-fitting).

@@ -227,8 +227,7 @@ class AvoPaper(Method):
 
 @dataclass(frozen=True)
 class AvoPlain(AvoPaper):
-    """Algorithm 1 as it is, no replay and no polish, with the settings that `avobench study sensitivity` found, on
-    targets that are not the benchmark's."""
+    """Algorithm 1 without replay and polish, with settings that were chosen on targets other than the benchmark's."""
 
     name: ClassVar[str] = "avo-plain"
 

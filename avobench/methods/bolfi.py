@@ -181,7 +181,7 @@ class Bolfi(Method):
 
 @dataclass(frozen=True)
 class BolfiTuned(Bolfi):
-    """BOLFI at its best: the settings that `avobench study tuning` found, on targets that are not the benchmark's."""
+    """BOLFI at its best: settings that were chosen on targets other than the benchmark's, in a study of the paper."""
 
     name: ClassVar[str] = "bolfi-tuned"
 

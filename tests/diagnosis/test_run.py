@@ -201,7 +201,7 @@ def test_pairs_of_counts_that_theta_nearly_makes_up_for_are_found():
     rng = np.random.default_rng(1)
     x = rng.poisson(np.exp(3.84), (10_000, 1))
     x += rng.binomial(x, 0.23)
-    # A rate that scatters describes such counts exactly as well: see `paper.tables.indistinguishable`.
+    # A rate that scatters describes such counts exactly as well.
     names = ("double_counting", "overdispersion", "dead_time", "pile_up")
     chosen = [effect for effect in catalogue(Poisson()) if effect.name in names]
     diagnosis = diagnose(Poisson(), x, effects=chosen, num_simulations=15_000_000).diagnosis
