@@ -18,6 +18,7 @@ from avobench.bench.plugins import registry
 from avobench.bench.store.versions import versions
 from avobench.effects.pool import Counted
 from avobench.methods import Estimate, Method
+from avobench.reports.numbers import with_error
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
@@ -89,6 +90,7 @@ class Inference:
             "units": dict(zip(self.task.parameter_names, self.task.parameter_units, strict=True)),
             "how": self.estimate.how,
             "message": self.estimate.message,
+            "doubt": self.estimate.doubt,
             "warnings": list(self.warnings),
             "num_events": self.num_events,
             "num_simulations": self.num_simulations,
@@ -104,20 +106,21 @@ class Inference:
         return draw(self.task, self.estimate)
 
     def __str__(self) -> str:
-        """A line a parameter, and what it took."""
+        """A line for each parameter, a doubt of the method where it has one, and what the fit took."""
         found = zip(self.theta.items(), self._spread, self.task.parameter_units, strict=True)
         lines = [
-            f"{name} = {value:.5g} +- {std:.2g}{'' if unit == '1' else ' ' + unit}"
+            f"{name} = {with_error(value, std)}{'' if unit == '1' else ' ' + unit}"
             for (name, value), std, unit in found
         ]
+        doubt = [f"doubtful: {self.estimate.doubt}"] if self.estimate.doubt else []
         notes = [f"note: {note}" for note in (*self.warnings, self.estimate.message) if note]
-        return "\n".join([*lines, self.how, *notes])
+        return "\n".join([*lines, *doubt, self.how, *notes])
 
     @property
     def how(self) -> str:
         """A line that says how the numbers came about."""
         return (
-            f"{self.method.name} on {self.num_events} events: {self.estimate.how}, +- {self.std_of}; "
+            f"{self.method.name} on {self.num_events} events: {self.estimate.how} ± {self.std_of}; "
             f"{self.num_simulations} simulated events, {self.seconds:.1f} s"
         )
 
@@ -126,7 +129,8 @@ class Inference:
 
     def _repr_html_(self) -> str:
         table = self.to_frame().to_html(float_format=lambda value: f"{value:.5g}", border=0)
-        return f"<p>{html.escape(f'{self.task.name}, {self.how}')}</p>{table}"
+        doubt = f"<p><strong>doubtful</strong>: {html.escape(self.estimate.doubt)}</p>" if self.estimate.doubt else ""
+        return f"<p>{html.escape(f'{self.task.name}, {self.how}')}</p>{doubt}{table}"
 
 
 def infer(
