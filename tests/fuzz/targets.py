@@ -273,7 +273,7 @@ class Results(Target):
     name = "diagnosis files"
 
     def prepare(self) -> None:
-        lines = (REFERENCE.parent / "challenge" / "weinberg-none-200.jsonl").read_text().splitlines()
+        lines = (REFERENCE.parent / "challenge" / "null-weinberg.jsonl").read_text().splitlines()
         self.head, self.row = json.loads(lines[0]), json.loads(lines[1])
 
     def inputs(self) -> st.SearchStrategy:
@@ -343,7 +343,7 @@ class Events(Target):
         except UsageError as error:
             return refused(error)
         assert x.ndim == 2
-        assert x.dtype.kind in "iuf"
+        assert np.asarray(x).dtype.kind in "iuf"
         return True
 
 

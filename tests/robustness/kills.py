@@ -160,7 +160,7 @@ class Solve(Subject):
     def prepare(self, folder: Path) -> None:
         if self._made is None:
             self._made = folder.parent / "made"
-            task = ["--task", "toys:Normal", "--cases", str(self.cases), "--events", "200", "--kinds", "none,foreign"]
+            task = ["--task", "toys:Normal", "--cases", str(self.cases), "--events", "200", "--kinds", "none,own"]
             calmly(["challenge", "make", *task, "--out", str(self._made)], folder.parent / "log")
         shutil.copytree(self._made, folder)
 

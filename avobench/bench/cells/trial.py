@@ -128,14 +128,19 @@ def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bo
 
     Only KeyboardInterrupt leaves this function. With `debug` the traceback of a failure goes to standard error.
     """
-    reset_peak_memory()
     with put_back():
-        trial = Trial(cell, progress, debug)
-        if trial.problem is not None:
-            start = time.perf_counter()
-            with trial.failing():
-                trial.estimate = trial.method.infer(trial.problem, trial.rng)
-            trial.method_seconds = time.perf_counter() - start - trial.simulate.seconds
+        return carried_out(cell, progress, debug)
+
+
+def carried_out(cell: Cell, progress: Callable[[int], None] | None = None, debug: bool = False) -> dict[str, Any]:
+    """The record of a cell as `execute` gives it, in a process that is left as the cell's code leaves it."""
+    reset_peak_memory()
+    trial = Trial(cell, progress, debug)
+    if trial.problem is not None:
+        start = time.perf_counter()
+        with trial.failing():
+            trial.estimate = trial.method.infer(trial.problem, trial.rng)
+        trial.method_seconds = time.perf_counter() - start - trial.simulate.seconds
     return trial.record()
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.streams import observe, stream
-from avobench.bench.cells.trial import execute, execute_together
+from avobench.bench.cells.trial import carried_out, execute, execute_together
 from avobench.bench.conformance.promises import BrokenPromise, Round, expect, recordable, state_kept
 from avobench.bench.plugins import registry
 from avobench.bench.store.status import Status
@@ -98,7 +98,7 @@ class _Trial:
     def global_state(self) -> None:
         """Carries the cell out again, now that packages are loaded: what loading them does is not the method's."""
         with state_kept(by="infer"):
-            self._again = execute(self.cell)
+            self._again = carried_out(self.cell)
 
     def repeats(self) -> None:
         for field in ("status", "simulations_used", "theta_hat", "mean", "std", "trace"):

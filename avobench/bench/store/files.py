@@ -9,6 +9,9 @@ from pathlib import Path
 
 from avobench.tasks.errors import StoreError, UsageError
 
+NAMES = ("store.json", "records", "records.parquet", "running", "damaged", "sweeps.jsonl", ".lock", ".writer")
+"""What a store uses in its folder, none of which may be a link: a folder from elsewhere could lead out by it."""
+
 
 def write_atomically(path: Path, content: bytes, check: Callable[[Path], None] | None = None) -> Path:
     """Write `content` to `path` so that a reader, or a crash, sees all of it or nothing.
@@ -43,11 +46,11 @@ def write_atomically(path: Path, content: bytes, check: Callable[[Path], None] |
 def write_file(path: Path, content: bytes) -> None:
     """Write `content` to `path`, whole or not at all. Raises StoreError when the disk does not take it.
 
-    Raises UsageError for a place in a results folder, whose records it might overwrite.
+    Raises UsageError for a place that a results folder uses: records might be overwritten.
     """
     for folder in path.resolve().parents[:2]:
-        if (folder / "store.json").exists():
-            raise UsageError(f"{path} lies in the results folder {folder}; choose a file outside of it")
+        if path.resolve().relative_to(folder).parts[0] in NAMES and (folder / "store.json").exists():
+            raise UsageError(f"{path} is a place of the results folder {folder}; choose a file outside of it")
     with store_errors(f"{path} could not be written"):
         write_atomically(path, content)
 

@@ -15,7 +15,7 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from avobench.bench.store.claim import claim
-from avobench.bench.store.files import not_plain, store_errors, within, write_atomically
+from avobench.bench.store.files import NAMES, not_plain, store_errors, within, write_atomically
 from avobench.bench.store.packed import Unreadable, read_rows
 from avobench.bench.store.record import SCHEMA_VERSION, decode_record, encode, file_name
 from avobench.tasks.errors import StoreError, UsageError
@@ -24,8 +24,6 @@ SCHEMA = {"schema": "avobench-records", "version": SCHEMA_VERSION}
 UNREAD = "cannot be read"
 """How the fault of a file begins that the disk does not give: what it holds may be sound, and is never made again."""
 
-NAMES = ("store.json", "records", "records.parquet", "running", "damaged", "sweeps.jsonl", ".lock", ".writer")
-"""What a store uses in its folder, none of which may be a link: a folder from elsewhere could lead out by it."""
 NO_LOCKS = (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP)
 """What a file system says that has no locks."""
 
