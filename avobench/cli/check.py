@@ -2,7 +2,6 @@
 
 import click
 
-from avobench.bench import conformance
 from avobench.cli.isolated import Isolated
 from avobench.cli.options import TRUST, named
 from avobench.tasks.errors import AvobenchError
@@ -14,6 +13,8 @@ from avobench.tasks.errors import AvobenchError
 @TRUST
 def check(kind: str, name: str, trust: bool) -> None:
     """Tell whether a task, method or effect keeps its contract; NAME is registered or module:Class."""
+    from avobench.bench import conformance  # here, because SciPy's statistics take a second to load
+
     passed = True
     for result in conformance.run(kind, named(name, trust)):
         passed &= result.passed

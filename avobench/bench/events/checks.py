@@ -6,7 +6,6 @@ from functools import partial
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import ks_2samp
 
 from avobench.bench.events.files import seconds
 from avobench.tasks import Task
@@ -191,6 +190,8 @@ def reference(task: Task, simulate: Simulate, num_events: int) -> NDArray:
     the rest of them may be neither the same events, as of a seed within the simulator, nor of another distribution, as
     where one row's parameters serve all. Raises SimulatorError for these.
     """
+    from scipy.stats import ks_2samp  # here, because SciPy's statistics take a second to load
+
     rng = np.random.default_rng(0)
     theta = task.prior.sample(num_events // 2, rng)
     # Where theta is at an end of the prior there are values that few others make: each coordinate is there for a third.
