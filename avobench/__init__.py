@@ -1,7 +1,7 @@
 """Fit simulators that have no likelihood, know how well that works, and find what a simulator lacks.
 
 What there is stands in `__init__.pyi`, for readers, type checkers and `lazy_loader` alike. A name is imported when it
-is first asked for, so that `import avobench`, and with it the command, starts in milliseconds.
+is first asked for, so that `import avobench` takes milliseconds.
 """
 
 from importlib.metadata import version

@@ -100,7 +100,7 @@ writes from the records in `results/real`. Each data set is an example by itself
 `python examples/real/accidents.py`.
 
 **Right** is to name first what is known to be missing, at its known value if there is one, or to find no disagreement
-where nothing is missing. Each data set is diagnosed with five seeds, of which each keeps another fifth of the events
+where nothing is missing. Each data set is diagnosed with five seeds, of which each keeps another part of the events
 aside: of a few hundred events other ones say other things, and one answer is luck as well. The columns are of the first
 seed, the last three count all. **Defensible** is the right name as one that is tied, or as a later one, or a first name
 that was written down before as one that tells a part of it. All else is **wrong**, and so is to find nothing where
