@@ -100,17 +100,25 @@ class Diagnosed:
         )
 
     def plot(self, name: str | None = None) -> "Figure":
-        """A figure by its name, by default the first: measured events against the simulation before and after.
+        """A figure by its name; by default the measured events against the simulation before and after.
 
-        Names are distribution-1, distribution-2, ... (or maps, for images), gap, theta and candidates. Raises
-        UsageError for another name.
+        The default is of the feature that the first effect acts on, or else in which the events disagree most. Names
+        are distribution-1, distribution-2, ... (or maps, for images), gap, theta and candidates. Raises UsageError for
+        another name.
         """
         from avobench.reports.diagnosis.figures import drawings
 
         available = dict(drawings(self.task, self.diagnosis, self.result.pictures))
         if name is not None and name not in available:
             raise UsageError(f"there is no figure '{name}'; this diagnosis has {', '.join(available)}")
-        return available[name or next(iter(available))]().figure
+        return available[name or self._most_telling(list(available))]().figure
+
+    def _most_telling(self, figures: list[str]) -> str:
+        """The name of the figure of the first effect's feature, or else of where the events disagree most."""
+        regions = sorted(self.diagnosis.regions, key=lambda region: -abs(region.z))
+        wanted = [each.feature for each in (*self.diagnosis.effects[:1], *regions)]
+        drawn = {each.feature: f"distribution-{k}" for k, each in enumerate(self.result.pictures.spectra, start=1)}
+        return next((drawn[feature] for feature in wanted if feature in drawn), figures[0])
 
     def save(self, folder: str | Path, title: str | None = None) -> list[Path]:
         """Write `report.html`, its figures, `diagnosis.json`, `model.json`, and `correction.npz` where there is one.

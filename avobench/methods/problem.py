@@ -35,8 +35,11 @@ class Simulator(Protocol):
 
 @dataclass(frozen=True)
 class Problem:
-    """One inference problem: all that a method may use. It offers neither the true parameters nor a second way to
-    simulate."""
+    """One inference problem: all that an honest method uses.
+
+    It offers neither the true parameters nor a second way to simulate. A method that looks for them all the same, in
+    the private parts of these objects or in the frames of its callers, finds them: it runs in the same process.
+    """
 
     parameter_names: tuple[str, ...]
     prior: Box

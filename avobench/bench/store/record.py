@@ -18,6 +18,10 @@ from avobench.tasks.errors import UsageError
 
 SCHEMA_VERSION = 1
 """The version of the schema is raised when a field changes its meaning."""
+UNREAD = "cannot be read"
+"""How the fault of a file begins that the disk does not give: what it holds may be sound, and is never made again."""
+NEWER = f"{UNREAD} by this version of avobench"
+"""How the fault of a record begins that a newer version wrote."""
 NAME = r"[A-Za-z0-9][A-Za-z0-9.-]*"
 """The name of a task or method is part of a file's name, so nothing in it may lead to another folder."""
 TOLERANCE = 1e-12
@@ -244,7 +248,10 @@ def decode(content: bytes) -> dict[str, Any]:
         claimed = record.pop("sha256")
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise ValueError("is truncated or not a record") from error
-    if record.get("schema_version") != SCHEMA_VERSION:
+    version = record.get("schema_version")
+    if isinstance(version, int) and version > SCHEMA_VERSION:
+        raise ValueError(f"{NEWER}: it has schema version {version}, and {SCHEMA_VERSION} is known here")
+    if version != SCHEMA_VERSION:
         raise ValueError(f"has schema version {record.get('schema_version')}, not {SCHEMA_VERSION}")
     try:
         found = _checksum(record)

@@ -17,13 +17,10 @@ from filelock import FileLock, Timeout
 from avobench.bench.store.claim import claim
 from avobench.bench.store.files import NAMES, not_plain, store_errors, within, write_atomically
 from avobench.bench.store.packed import Unreadable, read_rows
-from avobench.bench.store.record import SCHEMA_VERSION, decode_record, encode, file_name
+from avobench.bench.store.record import NEWER, SCHEMA_VERSION, UNREAD, decode_record, encode, file_name
 from avobench.tasks.errors import StoreError, UsageError
 
 SCHEMA = {"schema": "avobench-records", "version": SCHEMA_VERSION}
-UNREAD = "cannot be read"
-"""How the fault of a file begins that the disk does not give: what it holds may be sound, and is never made again."""
-
 NO_LOCKS = (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP)
 """What a file system says that has no locks."""
 
@@ -207,6 +204,8 @@ class Store:
 
     def remedy(self, path: Path, fault: str = "") -> str:
         """The sentence that says what to do about a damaged file, row or table."""
+        if fault.startswith(NEWER):
+            return "use the avobench that wrote it, or another results folder"
         if path.parent == self.records and fault.startswith(UNREAD):
             return "look at the disk and at the file's permissions, or move it away and `avobench run` makes it again"
         if path == self.table:

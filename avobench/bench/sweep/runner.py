@@ -12,9 +12,9 @@ from typing import Any
 from avobench.bench.cells.cell import Cell
 from avobench.bench.processes.contract import Backend
 from avobench.bench.store.files import store_errors
-from avobench.bench.store.record import SECONDS
+from avobench.bench.store.record import SECONDS, UNREAD
 from avobench.bench.store.status import Status
-from avobench.bench.store.store import UNREAD, Store
+from avobench.bench.store.store import Store
 from avobench.bench.store.versions import versions
 from avobench.tasks.errors import StoreError
 
@@ -97,7 +97,7 @@ def run(
         if store.table in damaged:  # it is not known which records are lost, and they may have taken days
             raise StoreError(f"{store.table} {damaged[store.table]}; {store.remedy(store.table)}")
         for path, reason in damaged.items():
-            if path.parent == store.records and reason.startswith(UNREAD):
+            if reason.startswith(UNREAD):
                 raise StoreError(f"{path} {reason}; {store.remedy(path, reason)}")
             if path.stem.rpartition("_")[2] in wanted:
                 view.note(f"{path.name} {reason}: set aside in {store.set_aside(path).parent}, made again")

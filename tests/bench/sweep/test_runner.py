@@ -212,3 +212,15 @@ def test_an_interrupted_sweep_says_so_in_one_line_and_leaves_no_process(tmp_path
     sound, damaged = Store(tmp_path).read()
     assert sound
     assert not damaged
+
+
+def test_a_record_that_a_newer_version_wrote_is_left_as_it_is_and_told(tmp_path):
+    sweep(tmp_path, targets="0")
+    (path,) = (tmp_path / "records").iterdir()
+    newer = path.read_text().replace('"schema_version": 1', '"schema_version": 2')
+    assert newer != path.read_text()
+    path.write_text(newer)
+    with pytest.raises(StoreError, match="schema version 2.* use the avobench that wrote it"):
+        sweep(tmp_path, targets="0")
+    assert path.read_text() == newer
+    assert not (tmp_path / "damaged").exists()
