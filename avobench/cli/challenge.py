@@ -96,7 +96,7 @@ def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bo
 
     FOLDER may also be a file that --records wrote: one line of JSON a case, its answer and its diagnosis.
     """
-    from avobench.bench.store.files import write_atomically
+    from avobench.bench.store.files import write_file
     from avobench.challenge.records import read_records
     from avobench.challenge.records import records as records_of
     from avobench.challenge.score import score as score_all
@@ -109,7 +109,7 @@ def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bo
         raise UsageError("--targets prints text; leave --format out")
     challenges = [read_records(place) if place.is_file() else records_of(place) for place in places]
     if records is not None:
-        write_atomically(records, "".join(json.dumps(line, allow_nan=False) + "\n" for line in challenges[0]).encode())
+        write_file(records, "".join(json.dumps(line, allow_nan=False) + "\n" for line in challenges[0]).encode())
     if targets:
         click.echo(wanted(*challenges, trust=trust))
         return

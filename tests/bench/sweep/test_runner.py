@@ -220,7 +220,7 @@ def test_a_record_that_a_newer_version_wrote_is_left_as_it_is_and_told(tmp_path)
     newer = path.read_text().replace('"schema_version": 1', '"schema_version": 2')
     assert newer != path.read_text()
     path.write_text(newer)
-    with pytest.raises(StoreError, match="schema version 2.* use the avobench that wrote it"):
+    with pytest.raises(StoreError, match=r"schema version 2.* use the avobench that wrote it"):
         sweep(tmp_path, targets="0")
     assert path.read_text() == newer
     assert not (tmp_path / "damaged").exists()
