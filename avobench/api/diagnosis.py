@@ -131,25 +131,23 @@ class Diagnosed:
 
         folder = Path(folder)
         require_folder(folder)
-        for name in (
-            "diagnosis.json",
-            "correction.npz",
-            "model.json",
-        ):  # of another run, to which what follows does not belong
+        # All that may fail is made before anything of another run is removed, to which this does not belong.
+        lost = self._not_found_again()
+        model = "" if lost else self._content().model_dump_json(indent=1)
+        content = json.dumps(self.diagnosis.model_dump(mode="json"), indent=1)
+        for name in ("diagnosis.json", "correction.npz", "model.json"):
             (folder / name).unlink(missing_ok=True)
         paths = report.write(self.task, self.result, folder, title or self.task.name)
-        if lost := self._not_found_again():
+        if lost:
             warnings.warn(
                 f"no model.json: {lost} has no file; define it in one and name it as file.py:name", stacklevel=2
             )
         else:
-            model = self._content().model_dump_json(indent=1)
             paths.append(write_atomically(folder / "model.json", f"{model}\n".encode()))
         if (weights := self.result.correction) is not None:
-            content = io.BytesIO()
-            np.savez_compressed(content, x=weights.x, weights=weights.weights)
-            paths.append(write_atomically(folder / "correction.npz", content.getvalue()))
-        content = json.dumps(self.diagnosis.model_dump(mode="json"), indent=1)
+            buffer = io.BytesIO()
+            np.savez_compressed(buffer, x=weights.x, weights=weights.weights)
+            paths.append(write_atomically(folder / "correction.npz", buffer.getvalue()))
         return [*paths, write_atomically(folder / "diagnosis.json", f"{content}\n".encode())]
 
     def details(self) -> str:

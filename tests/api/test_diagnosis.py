@@ -23,3 +23,10 @@ def found():
 def test_the_picture_is_of_the_feature_on_which_the_effect_is(found):
     assert found.diagnosis.effects[0].feature == "log_energy"
     assert "log_energy" in [axis.get_xlabel().split(" ")[0] for axis in found.plot().axes]
+
+
+def test_a_title_that_is_no_text_is_written_all_the_same(found, tmp_path):
+    with pytest.warns(UserWarning, match=r"no model\.json"):
+        found.save(tmp_path, title=b"caf\xe9.csv".decode(errors="surrogateescape"))
+    assert "caf?.csv" in (tmp_path / "report.html").read_text()
+    assert (tmp_path / "diagnosis.json").exists()

@@ -31,6 +31,7 @@ def write(task: Task, result: Result, folder: Path, title: str) -> list[Path]:
     for path in folder.iterdir():
         if FIGURE.fullmatch(path.name) and path not in paths:
             path.unlink()
+    title = title.encode(errors="replace").decode()  # the name of a file need not be text
     page = render(task, result, shown, title)
     return [*paths, write_atomically(folder / "report.html", page.encode())]
 
