@@ -20,7 +20,7 @@ from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder, write_atomically
 from avobench.effects import Effect
 from avobench.tasks import Task
-from avobench.tasks.errors import UsageError
+from avobench.tasks.errors import UsageError, whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -196,7 +196,7 @@ def diagnose(
     max_effects: int = 3,
     simulations: int | None = None,
     fit: str = "surrogate",
-    effects: Sequence[str] | None = None,
+    effects: Sequence[str] | str | None = None,
     own: Sequence[Effect | type[Effect] | str] = (),
     drop_invalid: bool = False,
     jobs: int = 1,
@@ -248,6 +248,9 @@ def diagnose(
     from avobench.diagnosis.run import diagnose as diagnosed
     from avobench.effects.catalogue import chosen
 
+    seed, max_effects, jobs = whole("seed", seed, 0), whole("max_effects", max_effects, 0), whole("jobs", jobs, 1)
+    simulations = None if simulations is None else whole("simulations", simulations, 1)
+    effects = [effects] if isinstance(effects, str) else effects
     spec = task if isinstance(task, str) else registry.spec_of("task", task)
     if isinstance(task, str):
         task = registry.build("task", task, {})

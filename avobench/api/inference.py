@@ -20,7 +20,7 @@ from avobench.effects.pool import Counted
 from avobench.methods import Estimate, Method
 from avobench.reports.numbers import with_error
 from avobench.tasks import Task
-from avobench.tasks.errors import UsageError
+from avobench.tasks.errors import UsageError, whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -172,6 +172,7 @@ def infer(
     """
     if isinstance(task, str):
         task = registry.build("task", task, {})
+    budget, seed = whole("budget", budget, 1), whole("seed", seed, 0)
     if method is None:
         method = next(name for name in DEFAULTS if registry.missing_package(registry.load("method", name)) is None)
     if isinstance(method, str):
@@ -180,8 +181,6 @@ def infer(
         raise UsageError("settings are for a method given by name; give them to the class otherwise")
     for kind, subject in (("task", task), ("method", method)):
         registry.require_packages(kind, subject)
-    if not 0 <= seed < 2**63:
-        raise UsageError(f"the seed must lie between 0 and 2^63 - 1, got {seed}")
     least = method.min_simulations(task.prior.dim)
     if budget < least:
         raise UsageError(f"a budget of {budget} is too small for {method.name} on {task.name}: at least {least}")

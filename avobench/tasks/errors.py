@@ -43,3 +43,15 @@ class ProcessEnded(AvobenchError):
 def installed_by(extra: str) -> str:
     """How an optional part of the package is installed, for the end of a message."""
     return f"in a clone of avobench, pip install '.[{extra}]'"
+
+
+def whole(name: str, value: object, least: int) -> int:
+    """A setting that is a whole number from `least` to 2^63 - 1, such as 20000 or 2e4. Raises UsageError for others."""
+    number = None
+    if hasattr(value, "__index__") and not isinstance(value, bool):
+        number = value.__index__()
+    elif isinstance(value, float) and value.is_integer():
+        number = int(value)
+    if number is None or not least <= number < 2**63:
+        raise UsageError(f"{name} must be a whole number from {least} to 2^63 - 1, got {value!r:.40}")
+    return number

@@ -184,6 +184,11 @@ def task(
     label = name or re.sub(r"[^A-Za-z0-9.]+", "-", getattr(simulate, "__name__", "")).strip("-") or "task"
     if not re.fullmatch(NAME, label):
         raise UsageError(f"the name of a task must be letters, digits, dots and dashes, got '{label}'")
+    for parameter, ends in prior.items():
+        if not (isinstance(ends, Sequence | np.ndarray) and not isinstance(ends, str) and len(ends) == 2):
+            raise UsageError(
+                f"the prior of {parameter} must be two numbers, between which it is uniform, got {ends!r:.60}"
+            )
     for given, what in ((support or {}, "support"), (units or {}, "units")):
         for parameter in given:
             if parameter not in prior:

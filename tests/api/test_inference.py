@@ -1,9 +1,11 @@
 """One inference on a user's own events."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.stats
 
 import avobench
 from avobench.bench.plugins import registry
@@ -35,9 +37,10 @@ def test_a_seed_repeats_the_answer_and_another_does_not(found):
 def test_it_shows_itself(found):
     assert str(found).startswith("log_rate = ")
     assert "<table" in found._repr_html_()
-    assert "&lt;" in avobench.Inference.__dict__["_repr_html_"](
-        type("Odd", (), {"task": type("T", (), {"name": "<b>"}), "how": "", "to_frame": found.to_frame})()
-    )
+    doubtful = replace(found, estimate=replace(found.estimate, doubt="<b>far off</b>"))
+    assert "&lt;b&gt;far off" in doubtful._repr_html_()
+    assert "doubtful: <b>far off" in str(doubtful)
+    assert doubtful.to_dict()["doubt"] == "<b>far off</b>"
     frame = found.to_frame()
     assert list(frame.index) == ["log_rate"]
     assert frame.loc["log_rate", "value"] == found.theta["log_rate"]
@@ -67,13 +70,22 @@ def test_the_standard_error_of_avo_covers_what_made_the_events():
         ("poisson", [], {}, "too few"),
         ("poisson", [1, 2], {"method": "avoo"}, "did you mean avo"),
         ("poisson", [1, 2], {"budget": 1}, "at least"),
-        ("poisson", [1, 2], {"seed": -1}, "seed"),
+        ("poisson", [1, 2], {"seed": -1}, "seed must be a whole number from 0"),
+        ("poisson", [1, 2], {"seed": None}, "seed must be a whole number"),
+        ("poisson", [1, 2], {"budget": 2.5}, "budget must be a whole number"),
+        ("poisson", [[1], [2, 3]], {}, "rows of the events differ in length"),
         ("poisson", [1, 2], {"method": "abc-smc", "settings": {"population": 3}}, "did you mean population_size"),
     ],
 )
 def test_what_cannot_be_inferred_is_said_in_a_line(task, x, options, said):
     with pytest.raises(avobench.UsageError, match=said):
         avobench.infer(task, x, **options)
+
+
+def test_a_budget_may_be_written_as_a_power_of_ten_and_a_prior_is_two_numbers():
+    assert avobench.infer("poisson", EVENTS, "smm", budget=4e3).num_simulations <= 4000
+    with pytest.raises(avobench.UsageError, match="the prior of mean must be two numbers"):
+        avobench.task(lambda theta, rng: rng.normal(theta), prior={"mean": scipy.stats.norm(0, 1)})
 
 
 def test_the_command_prints_and_keeps_the_same(avobench, tmp_path, found):

@@ -120,7 +120,10 @@ def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
     and none of their names, and for a column that holds no numbers.
     """
     if not isinstance(x, pd.DataFrame):
-        return np.asarray(x), []
+        try:
+            return np.asarray(x), []
+        except ValueError as error:
+            raise UsageError("the rows of the events differ in length; each must hold all features") from error
     names, wanted = [str(name) for name in x.columns], list(task.feature_names)
     told = []
     if wanted and set(wanted) <= set(names):
