@@ -17,7 +17,7 @@ from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.streams import observe
 from avobench.bench.plugins import registry
 from avobench.tasks.carl import Carl
-from paper.session import executed
+from paper.pages import executed
 
 DOCS = Path(__file__).parents[2] / "docs"
 EXAMPLES = DOCS / "examples"

@@ -2,7 +2,7 @@
 
 import pytest
 
-from paper.session import executed
+from paper.pages import executed
 
 PAGE = """# A page
 

@@ -1,4 +1,4 @@
-"""Pages whose Python is run and whose output stands below it: `python -m paper.session docs/tutorial.md`.
+"""Pages whose Python is run and whose output stands below it: `python -m paper.pages docs/tutorial.md`.
 
 The fenced `python` blocks of a page are run in order, in one namespace and from the folder of the page. What a block
 prints is written into the fenced `text` block that directly follows it, which is made or removed as needed. The code
