@@ -238,12 +238,12 @@ class Own(Effect):
 
 
 def test_an_effect_of_the_users_is_tried_before_anything_is_fitted():
-    require_events(Own(lambda x: x), Weinberg())
+    require_events(Own(lambda x: x), Weinberg(), Weinberg().simulate)
     with pytest.raises(UsageError, match="effect own cannot be used, it raised ZeroDivisionError"):
-        require_events(Own(lambda x: 1 / 0), Weinberg())
+        require_events(Own(lambda x: 1 / 0), Weinberg(), Weinberg().simulate)
     with pytest.raises(UsageError, match=r"effect own makes events of shape \(50,\), not \(50, 1\)"):
-        require_events(Own(lambda x: x[:, 0]), Weinberg())
+        require_events(Own(lambda x: x[:, 0]), Weinberg(), Weinberg().simulate)
     with pytest.raises(UsageError, match="must make finite events of float64, and makes float64: "):
-        require_events(Own(lambda x: x * np.nan), Weinberg())
+        require_events(Own(lambda x: x * np.nan), Weinberg(), Weinberg().simulate)
     with pytest.raises(UsageError, match="must make finite events of int64, and makes float64: "):
-        require_events(Own(lambda x: x / 2), Poisson())
+        require_events(Own(lambda x: x / 2), Poisson(), Poisson().simulate)

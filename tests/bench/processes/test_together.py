@@ -169,7 +169,7 @@ def test_an_interrupted_piece_leaves_what_was_finished_and_the_next_run_goes_on(
     assert process.returncode == 130
     assert error.decode().strip().splitlines()[-1].startswith("avobench: stopped; ")
     sound, damaged = Store(tmp_path).read()
-    assert len(sound) == 10
+    assert 10 <= len(sound) < 15
     assert not damaged
     subprocess.run(command, cwd=HERE, capture_output=True, check=True)
     assert len(Store(tmp_path).read_all()) == 15
