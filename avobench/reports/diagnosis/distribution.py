@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.report.result import Spectrum
 from avobench.diagnosis.schema import Region
-from avobench.reports.diagnosis.drawn import AFTER, BEFORE, HATCH, REGION, Drawn, sigma
+from avobench.reports.diagnosis.drawn import AFTER, BEFORE, REGION, Drawn, sigma
 
 STEEP = 5.0
 """A density whose highest bin is so many times the middle one is drawn on a logarithmic axis."""
@@ -101,7 +101,7 @@ def _pulls(axis: Axes, spectrum: Spectrum, model: Model) -> None:
 
 
 def _regions(axes: Sequence[Axes], regions: Sequence[Region], span: tuple[float, float]) -> None:
-    """Hatch the regions, and write above the first panel how much each stands out, without one label on another."""
+    """Shade the regions, and write above the first panel how much each stands out, without one label on another."""
     low, high = span
     rows: list[list[float]] = []
     labelled = regions[:MOST_LABELS]
@@ -109,8 +109,7 @@ def _regions(axes: Sequence[Axes], regions: Sequence[Region], span: tuple[float,
         left, right = _seen(max(region.low, low), min(region.high, high), low, high)
         if region.low >= high or region.high <= low:
             continue
-        colour = REGION[region.kind]
-        look = {"fc": (*colour, 0.15), "ec": (*colour, 0.4), "hatch": HATCH[region.kind], "lw": 0, "zorder": 0}
+        look = {"fc": (*REGION[region.kind], 0.2), "lw": 0, "zorder": 0}
         for axis in axes:
             axis.axvspan(left, right, label=region.kind, **look)
         if region not in labelled:

@@ -11,7 +11,6 @@ from avobench.reports.style import PALETTE, save
 
 BEFORE, AFTER = PALETTE[1], PALETTE[0]
 REGION = {"excess": PALETTE[2], "deficit": PALETTE[4]}
-HATCH = {"excess": "//", "deficit": "\\\\"}
 
 
 @dataclass(frozen=True, eq=False)

@@ -218,7 +218,7 @@ def test_the_page_says_what_the_numbers_say():
     assert "The simulator lacks" not in ranked  # of two that are tied
 
 
-def hatched(axis):
+def shaded(axis):
     """The limits with which the one excess is drawn."""
     (span,) = (patch for patch in axis.patches if patch.get_label() == "excess")
     return tuple(span.get_extents().transformed(axis.transData.inverted()).intervalx)
@@ -227,10 +227,10 @@ def hatched(axis):
 def test_a_narrow_region_at_the_edge_is_seen_labelled_and_enlarged():
     region = Region.model_validate({**NARROW, "low": 0.995, "high": 1.0})
     main, enlarged = distribution(edge(12.0), [region], "distribution-1").figure.axes[:2]
-    assert hatched(main) == pytest.approx((1 - 0.012, 1))
+    assert shaded(main) == pytest.approx((1 - 0.012, 1))
     assert [text.get_text() for text in main.texts] == [r"$+12.1\,\sigma$"]
     assert enlarged.get_xlim() == pytest.approx((0.99, 1))
-    assert hatched(enlarged) == pytest.approx((0.995, 1))
+    assert shaded(enlarged) == pytest.approx((0.995, 1))
     wide = distribution(edge(12.0), [region.model_copy(update={"low": 0.5})], "distribution-1")
     assert len(wide.figure.axes) == 3  # nothing to enlarge
 
