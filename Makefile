@@ -119,7 +119,7 @@ audit: venv  ## look for known vulnerabilities of what constraints.txt pins; nee
 	$(BIN)/python -m pip_audit --requirement constraints.txt --no-deps --disable-pip --strict
 
 test: venv browser  ## the test suite, on all cores
-	$(BIN)/python -m pytest --numprocesses auto --dist loadfile
+	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 test-wheel: venv  ## the wheel in a new environment; AVOBENCH_WHEEL_PYTHON=python3.13 for another Python
 	$(BIN)/python -m pytest tests/test_wheel.py
