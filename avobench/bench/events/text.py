@@ -83,8 +83,8 @@ def _form(path: str, lines: list[str], comments: list[str], separator: str) -> F
     named = not all(_number(cell) for cell in rows[0]) or _numbered(path, rows)
     names = [cell.strip() for cell in rows[0]] if named else None
     skip = int(named)
-    if named and len(rows) > 2 and all(cell.strip() and not _number(cell) for cell in rows[1]):
-        skip += any(_number(cell) for cell in rows[2])
+    if named and len(rows) > 2:
+        skip += _units(rows[1], rows[2])
     events = rows[skip:]
     width = len(rows[0])
     if not named and comments:
@@ -107,6 +107,13 @@ def _form(path: str, lines: list[str], comments: list[str], separator: str) -> F
 
 def _number(cell: str) -> bool:
     return cell.strip() in VOID or NUMBER.fullmatch(cell.strip()) is not None
+
+
+def _units(row: list[str], event: list[str]) -> bool:
+    """Whether a row below the names holds units: words and no number, with a number below at least one word."""
+    words = [k for k, cell in enumerate(row) if not _number(cell)]
+    numbers = any(_number(cell) and cell.strip() not in VOID for cell in row)
+    return not numbers and any(k < len(event) and _number(event[k]) and event[k].strip() for k in words)
 
 
 def _numbered(path: str, rows: list[list[str]]) -> bool:

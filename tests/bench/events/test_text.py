@@ -91,6 +91,13 @@ def test_what_can_be_read_in_two_ways_is_refused(tmp_path, text, message):
         read_events(kept(tmp_path, text))
 
 
+def test_a_line_of_units_may_have_blanks_and_a_first_event_may_lack_its_number(tmp_path):
+    text = "run;time;note\n;us;\n7;1,5;ok\n7;2,5;ok\n"
+    np.testing.assert_array_equal(read_events(kept(tmp_path, text), ["time"]), [[1.5], [2.5]])
+    text = "time,note\n,late\n1.5,ok\n2.5,ok\n"
+    np.testing.assert_array_equal(read_events(kept(tmp_path, text), ["time"]), [[np.nan], [1.5], [2.5]])
+
+
 def test_numbered_columns_are_no_event(tmp_path):
     pd.DataFrame([[1.5, 2.5], [3.5, 4.5]]).to_csv(tmp_path / "events.csv", index=False)
     np.testing.assert_array_equal(read_events(str(tmp_path / "events.csv")), [[1.5, 2.5], [3.5, 4.5]])
