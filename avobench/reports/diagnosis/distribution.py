@@ -65,7 +65,7 @@ def distribution(spectrum: Spectrum, regions: Sequence[Region], name: str, unit:
         f"Measured and simulated {spectrum.feature}. Pulls are differences in standard errors, the band spans 2, and "
         "all panels of pulls have one scale"
         + (f", linear up to {LINEAR_PULLS:g} and logarithmic beyond. " if far else ". ")
-        + "Hatched: regions that stand out though all were looked at, each with its significance"
+        + "Shaded: regions that stand out though all were looked at, each with its significance"
         + ("; what is too narrow to be seen is drawn wider, and enlarged beside it." if enlarged else ".")
     )
     return Drawn(name, caption, figure, _table(spectrum, models))
