@@ -154,7 +154,7 @@ def test_a_folder_that_cannot_be_listed_is_not_an_empty_one(tmp_path, monkeypatc
 
 COMMAND = [sys.executable, "-m", "avobench", "run", "--task", "toys:Normal", "--method", "toys:Moment"]
 COMMAND += ["--budget", "400", "--observations", "100", "--targets", "0-9", "--jobs", "2"]
-COMMAND += ["--set", "moment.pause=0.05"]
+COMMAND += ["--set", "moment.pause=0.15"]
 
 
 def start(path):
