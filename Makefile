@@ -40,6 +40,7 @@ quick: venv  ## all tasks and methods on 3 targets at a tenth of the budget, int
 figures: venv  ## draw the committed records into docs/figures, and write docs/reproduction.md and docs/real-data.md
 	$(BIN)/avobench figure benchmark efficiency cost coverage --results results/reference --out docs/figures
 	$(BIN)/python -m paper.figures poisson alignment detector weinberg dimension misspecification --out docs/figures
+	OMP_NUM_THREADS=1 $(BIN)/python -m paper.gallery
 	$(BIN)/python -m paper.figures.reliability_diagram docs/figures results/challenge/sealed-*.jsonl
 	$(BIN)/python -m paper.claims.reproduction --out docs/reproduction.md
 	$(BIN)/python -m paper.tables.real --out docs/real-data.md

@@ -14,6 +14,7 @@ is that of the shape, its docstring tells a person what happens, and its argumen
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -256,7 +257,7 @@ class Library:
             return place.kind == self.kind and fits(place, on) and (suits is None or suits(place))
 
         def declare(f: Callable) -> Shape:
-            act: Measure = lambda simulate, theta, at, by, rng: measure(f, simulate, theta, at, by, rng)  # noqa: E731
+            act: Measure = partial(measure, f)
             sentence = " ".join(f.__doc__.split("\n\n")[0].split())
             shape = Shape(f.__name__, family, sentence, stage, ranges, there, act)
             self.shapes.append(shape)

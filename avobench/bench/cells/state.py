@@ -18,7 +18,9 @@ def put_back() -> Iterator[None]:
     This is what would change another cell's numbers or make it fail: NumPy's handling of floating-point errors, the
     legacy random states, PyTorch's defaults, the filters of warnings, the environment and the current folder.
     """
-    folder, environment = os.getcwd(), dict(os.environ)
+    folder, environment = None, dict(os.environ)
+    with suppress(FileNotFoundError):  # nothing leads back to a folder that was removed
+        folder = os.getcwd()
     errors, legacy, python = np.geterr(), np.random.get_state(), random.getstate()  # noqa: NPY002
     torch = _torch_state()
     with warnings.catch_warnings():
@@ -32,8 +34,9 @@ def put_back() -> Iterator[None]:
             for name in os.environ.keys() - environment.keys():
                 del os.environ[name]
             os.environ.update(environment)
-            with suppress(FileNotFoundError):  # nothing leads back to a folder that was removed
-                os.chdir(folder)
+            if folder is not None:
+                with suppress(FileNotFoundError):
+                    os.chdir(folder)
 
 
 def _torch_state() -> dict[str, Any]:
