@@ -3,7 +3,9 @@
 Eight workers of this machine carry out 2 000 short cells. Every few seconds one of them, drawn at random, is ended by
 SIGKILL and another one started in its place. Once, when half of the cells are finished, the scheduler is killed with
 all that it knew; the sweep then ends with a line, a new scheduler and new workers are started, and the same sweep is
-begun again, as a user would. In the end every cell must be finished once, with the numbers of this machine.
+begun again, as a user would. A cell that loses two workers is recorded as crashed, and may be innocent here: such
+cells are made again with `--retry-failed` when nobody kills any more. In the end every cell must be finished once, with
+the numbers of this machine.
 """
 
 import json
@@ -106,6 +108,7 @@ def soak(folder: Path, cells: int, workers: int, seconds: float, seed: int) -> s
     from avobench.tasks.errors import AvobenchError
 
     finished: list[str] = []
+    crashed: list[str] = []
     notes: list[str] = []
 
     class Watch(View):
@@ -113,7 +116,7 @@ def soak(folder: Path, cells: int, workers: int, seconds: float, seed: int) -> s
             notes.append(line)
 
         def finished(self, sweep: object, cell: object, record: dict) -> None:
-            finished.append(record["id"])
+            (finished if record["status"] == "ok" else crashed).append(record["id"])
 
     pause = ["moment.pause=0.005"]
     asked = plan(["toys:Normal"], ["toys:Moment"], "0-9", -(-cells // 10), 400, 100, 0, pause)[:cells]
@@ -138,6 +141,11 @@ def soak(folder: Path, cells: int, workers: int, seconds: float, seed: int) -> s
             if ends[-1] == "finished":
                 break
             assert "went away" in ends[-1], ends[-1]
+        if crashed:
+            messages = {record["message"] for record in store.read()[0] if record["status"] != "ok"}
+            assert all("worker process died" in message for message in messages), messages
+            cluster.begin(workers)
+            run(asked, store, DaskBackend(cluster.address), Watch(), retry_failed=True)
     finally:
         cluster.end()
     took = time.monotonic() - begun
@@ -160,6 +168,7 @@ def soak(folder: Path, cells: int, workers: int, seconds: float, seed: int) -> s
         [
             f"{cells} cells on {workers} workers in {took:.0f} s, {len(ends)} sweeps: {'; '.join(ends)}",
             f"{killer.workers} workers and {killer.schedulers} scheduler killed, {again} cells begun again elsewhere",
+            f"{len(crashed)} cells lost two workers and were made again with --retry-failed",
             f"{len(records)} records, each made once, all ok; {len(near)} of them made here too, the same bit for bit",
         ]
     )
