@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from avobench.diagnosis.settings import BUDGET, SEARCH
+from avobench.diagnosis.settings import BUDGET
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
@@ -37,19 +37,19 @@ class Effort:
 
     rounds: float = 3
     """Events of each round of the first fit, a measured one."""
-    sharpen: float = 12
-    """Events where a p-value is at stake, a measured one: simulation then adds a tenth to the variance."""
-    reference: float = 48
+    sharpen: float = 8
+    """Events where a p-value is at stake, a measured one: simulation then adds a quarter to the variance."""
+    reference: float = 10
     """Events of the model that candidates are added to, a measured one."""
-    rounds_of_search: tuple[tuple[float, int], ...] = ((1, 7), (4, 4), (16, 2))
+    rounds_of_search: tuple[tuple[float, int], ...] = ((1, 7), (3, 4), (8, 2))
     """Events of the fits that go on, a measured one, and the steps of each."""
-    few: int = 10_000
-    """Measured events that fewer count as in the line above: where simulation is cheap, its noise is made small."""
-    settle: tuple[float, ...] = (3, 9)
+    few: int = 1000
+    """Measured events that fewer count as in the line above."""
+    settle: tuple[float, ...] = (1, 2)
     """Multiples of a sharpening, for the last step of a fit, and to tell what the data say nothing about."""
-    least: int = 30_000
+    least: int = 3000
     """Events of a round, at least."""
-    fit: int = 25_000
+    fit: int = 20_000
     """Events of each round of a candidate's first fit."""
     sample: int = 50_000
     """Events from which effects are screened."""
@@ -59,9 +59,9 @@ class Effort:
     """Events of a screening grid; each of its points gets a fiftieth of them at least."""
     card: int = 3_000
     """Events of each strength on the identifiability card."""
-    covariance: int = 100_000
+    covariance: int = 60_000
     """Events from which the covariance that a model predicts is taken."""
-    scan: tuple[int, int] = (200, 300)
+    scan: tuple[int, int] = (60, 150)
     """Points of each search for theta, and events at each."""
     starts: int = 45
     """Fits that begin, at most."""
@@ -75,11 +75,20 @@ class Effort:
 
     @property
     def gaps(self) -> int:
-        """Simulated events, at most, of the gaps before and after, and of those with each effect that was tried alone.
+        """Simulated events, at most, of the gaps before and after; those of candidates use events of their fits."""
+        return BUDGET.gap * 2 * self.covariance
 
-        Those that the first search leaves, and the two that are tried again from where they are beside each other.
-        """
-        return BUDGET.gap * (2 * self.covariance + (SEARCH.most[0] + 2) * self.fit)
+    def of(self, num_events: int) -> "Effort":
+        """The effort for so few measured events: their own scatter is more than that of fewer simulated ones."""
+        points, events = self.scan
+        return replace(
+            self,
+            fit=min(self.fit, max(num_events, 2000)),
+            sample=min(self.sample, max(3 * num_events, 10_000)),
+            card=min(self.card, max(num_events // 7, 300)),
+            covariance=min(self.covariance, max(3 * num_events, 2000)),
+            scan=(points, min(events, max(num_events // 100, 20))),
+        )
 
     def scaled(self, share: float) -> "Effort":
         """The effort with less of everything, but not so little that fits fail."""
@@ -90,14 +99,14 @@ class Effort:
             reference=max(self.reference * share, 1),
             rounds_of_search=tuple((n * max(share, BUDGET.coarsest), steps) for n, steps in self.rounds_of_search),
             few=max(int(self.few * share), 1000),
-            least=max(int(self.least * share), 3000),
-            fit=max(int(self.fit * share), 3000),
-            sample=max(int(self.sample * share), 20_000),
+            least=max(int(self.least * share), 1000),
+            fit=max(int(self.fit * share), 2000),
+            sample=max(int(self.sample * share), 10_000),
             generated=max(self.generated * share, 2),
             screen=max(int(self.screen * share), 4000),
             card=max(int(self.card * share), 300),
-            covariance=max(int(self.covariance * share), 5000),
-            scan=(max(int(self.scan[0] * share), 60), max(int(self.scan[1] * share), 100)),
+            covariance=max(int(self.covariance * share), 2000),
+            scan=(self.scan[0], max(int(self.scan[1] * share), 20)),
         )
 
 
@@ -105,6 +114,7 @@ IMAGES = Effort(
     rounds=2,
     sharpen=8,
     reference=12,
+    few=10_000,
     rounds_of_search=((1, 6), (4, 2), (8, 1)),
     settle=(2,),
     least=8000,
@@ -118,7 +128,7 @@ IMAGES = Effort(
     begun=6,
 )
 """The effort for images, which are slow to simulate and to summarise."""
-MANY = Effort(reference=12, rounds_of_search=((1, 6), (4, 2), (12, 1)), screen=8000, starts=20, begun=8)
+MANY = Effort(rounds_of_search=((1, 6), (3, 2), (8, 1)), screen=8000, starts=20, begun=8)
 """The effort for several features, each of which has its entries in the catalogue."""
 
 
@@ -128,14 +138,16 @@ def first_fit_events(effort: Effort, task: Task, num_events: int) -> int:
         return int(max(effort.generated * num_events, effort.least)) + 2 * num_events
     points, events = effort.scan
     rounds = max(effort.least, effort.rounds * num_events)
-    gates = (BUDGET.sharpening * effort.sharpen + BUDGET.tests) * num_events
+    gates = (BUDGET.sharpenings * effort.sharpen + BUDGET.tests) * num_events
     return int(9 * points * events * 1.1 + BUDGET.rounds * rounds + gates) + BUDGET.gap * effort.covariance
 
 
 def addition_events(effort: Effort, num_events: int) -> int:
-    """Simulated events, at most about, with which an effect that was chosen is fitted and the gates look again."""
-    ratio, _ = effort.rounds_of_search[-2]
-    return int((BUDGET.refined * ratio + (BUDGET.sharpening * effort.sharpen + BUDGET.tests) / 2) * num_events)
+    """Simulated events, at most about, with which an effect that was chosen is fitted and the gates look again.
+
+    Most of those that they take were simulated when it was looked for.
+    """
+    return int((effort.sharpen + BUDGET.tests) * num_events)
 
 
 def usual_events(domain: str, num_events: int) -> int:
@@ -143,13 +155,13 @@ def usual_events(domain: str, num_events: int) -> int:
     return dict(BUDGET.usual)[domain] * max(num_events, Effort.few) // BUDGET.usual_events
 
 
-def effort_for(task: Task, domain: str, num_simulations: int | None, num_events: int = 0, num_spent: int = 0) -> Effort:
+def effort_for(task: Task, domain: str, num_simulations: int | None, num_events: int, num_spent: int = 0) -> Effort:
     """The effort with which the first fit to so many measured events and the tests fit into `num_simulations`.
 
     Of these, `num_spent` were spent before. The full effort for None. Raises UsageError where even the least does not
     fit.
     """
-    full = IMAGES if domain == "images" else MANY if task.num_features > 1 else Effort()
+    full = IMAGES if domain == "images" else (MANY if task.num_features > 1 else Effort()).of(num_events)
     if num_simulations is None:
         return full
     least = first_fit_events(full.scaled(0), task, num_events)
@@ -159,9 +171,7 @@ def effort_for(task: Task, domain: str, num_simulations: int | None, num_events:
             f"{int(BUDGET.with_checks * least)}"
         )
     num_simulations -= num_spent
-    share = float(
-        np.clip((num_simulations - BUDGET.least_search) / (BUDGET.several * usual_events(domain, num_events)), 0, 1)
-    )
+    share = float(np.clip((num_simulations - least) / usual_events(domain, num_events), 0, 1))
     while first_fit_events(full.scaled(share), task, num_events) > num_simulations:
         share = share * BUDGET.step if share > BUDGET.least_share else 0.0
     return full.scaled(share)

@@ -32,12 +32,14 @@ from avobench.diagnosis.search.search import Search, refined
 from avobench.diagnosis.settings import BUDGET, FIT, TEST
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
+from avobench.effects.bank import Bank, Given
 from avobench.effects.catalogue import catalogue, domain
 from avobench.effects.model import Model
-from avobench.effects.pool import Counted, Pool
+from avobench.effects.pool import Pool
 from avobench.tasks import Task
 from avobench.tasks.errors import BudgetExhausted, UsageError
 from avobench.tasks.meter import Meter
+from avobench.tasks.sample import SampleTask
 
 
 def diagnose(
@@ -79,10 +81,10 @@ def diagnose(
     phases = Phases(progress, first_fit_events(effort, task, cut) // 2)
     meter = Meter(num_simulations, phases)
     meter.add(num_spent)
-    run = Run(task, x[shuffled[:cut]], len(x), effects, alpha, effort, rng, meter, phases, notes)
+    run = Run(task, x[shuffled[:cut]], len(x), effects, alpha, effort, rng, meter, phases, notes, jobs)
 
     null, inferred = run.null_model(fit)
-    extended, posterior = run.extended_model(null, max_effects, jobs) if null.p_value < alpha else (None, None)
+    extended, posterior = run.extended_model(null, max_effects) if null.p_value < alpha else (None, None)
     phases.begin("checks")
     held_out = HeldOut(run.target, run.target.summary.mean(x[shuffled[cut:]])[0], len(x) - cut)
     outcome = Outcome.of(null, extended, posterior, alpha, held_out, rng, effort)
@@ -108,6 +110,8 @@ class Run:
     meter: Meter
     phases: Phases
     notes: list[str]
+    jobs: int = 1
+    """Processes that simulate."""
     target: Target = field(init=False)
     """What is fitted of the events, once the null model was."""
 
@@ -137,8 +141,10 @@ class Run:
             if method != "surrogate":
                 inferred = Inferred.by(method, task, x, self.meter.limit and self.meter.limit // FIT.method_share, rng)
                 self.meter.charge(inferred.num_simulations)
-            source: Counted | Pool = Counted(task, self.meter)
-            if task.generates:
+            source: Bank | Pool = Bank(task, self.meter, int(rng.integers(2**63)), self.jobs)
+            if isinstance(task, SampleTask):
+                source = Given(task, self.meter)
+            elif task.generates:
                 size = int(max(effort.generated * len(x), effort.least))
                 source = Pool(task, size, rng.spawn(1)[0], self.meter)
             model = Model(task, events=source)
@@ -155,13 +161,11 @@ class Run:
         """A fitted model with all tests of it."""
         return ExtendedModel.of(fit, self.target, self.events, self.rng, self.effort)
 
-    def extended_model(
-        self, null: ExtendedModel, max_effects: int, jobs: int
-    ) -> tuple[ExtendedModel | None, Posterior | None]:
+    def extended_model(self, null: ExtendedModel, max_effects: int) -> tuple[ExtendedModel | None, Posterior | None]:
         """Weigh all sets of effects that may be missing, and add the most probable one; None where none is."""
         meter, target, n = self.meter, self.target, len(self.events)
         self.phases.begin("search", usual_events(domain(self.task), n) if meter.limit is None else 0)
-        search = Search(target, self.events, self.effects, max_effects, self.rng, self.effort, jobs, self.phases)
+        search = Search(target, self.events, self.effects, max_effects, self.rng, self.effort, self.jobs, self.phases)
         extended = None
         with meter.keeping(self.later + self.effort.gaps):
             with meter.keeping(addition_events(self.effort, n)):
@@ -182,7 +186,7 @@ class Run:
         with self.affordable("the last step of the fit"):
             fit = outcome.final_fit(target, rng, effort)
         with self.meter.keeping(self.later), self.affordable("theta with other effects: its error may be too small"):
-            if outcome.posterior and outcome.effects:
+            if outcome.posterior and outcome.effects and self.task.parameter_names:
                 events = int(effort.sharpen * target.num_events)
                 moves = ambiguity(fit, final.fit, outcome.posterior.allowed, target, rng, events)
         view = target.summary.view(self.events)

@@ -45,6 +45,9 @@ class FitSettings:
     """Half the width of a design, in standard errors, at least: the minimum moves about one of them within it."""
     slope_noise: float = 0.2
     """Standard error of a slope over a design, in units of the slope that is one standard error of the parameter."""
+    cell: float = 6.0
+    """Spacing of the nodes at which events are simulated, at most, in standard errors of a parameter beside the others:
+    over so short a way the mean of events is linear, and neighbouring fits use the same events."""
     identified: float = 5.0
     """Standard errors by which a direction must change the summary across its range to count as identified."""
     dear: float = 5.0
@@ -320,13 +323,8 @@ class BudgetSettings:
     """Least share of events of the fits that go on: by fewer, all that they tell would be noise."""
     usual_events: int = 50_000
     """Measured events for which `usual` was counted: as many as a data set of `avobench challenge` has."""
-    usual: tuple[tuple[str, int], ...] = (("counts", 54_000_000), ("continuous", 42_000_000), ("images", 1_500_000))
+    usual: tuple[tuple[str, int], ...] = (("counts", 2_000_000), ("continuous", 2_500_000), ("images", 1_500_000))
     """Simulated events that a diagnosis of so many takes, by domain; a little more or less with what it finds."""
-    least_search: int = 2_000_000
-    """Simulated events of a search for one effect at the least effort, of 3 000 counts or angles: with fewer it ends
-    early."""
-    several: int = 2
-    """Searches that are to fit into the events that are allowed, so that they seldom end early."""
     step: float = 0.8
     """The factor by which the effort is made less until it fits."""
     with_checks: float = 1.06
@@ -334,11 +332,11 @@ class BudgetSettings:
     what is allowed, and some."""
     least_share: float = 1e-3
     """Share of the effort below which all is at its least."""
-    rounds: int = 30
-    """Rounds of the five fits of theta before a disagreement is believed, and of all tests: the most that were seen."""
-    sharpening: int = 20
-    """Events of two looks through the tests, in those of a sharpening."""
-    tests: int = 9
+    rounds: int = 2
+    """Rounds of the fits of theta, in events that are simulated: most rounds find those of others."""
+    sharpenings: int = 3
+    """The same of the fits in which a p-value is at stake."""
+    tests: int = 5
     """Events of two looks through the tests beside these, a measured one."""
     gap: int = 2
     """Samples of simulated events that a gap takes: for its covariance, and for its scatter."""

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.effects import Effect
+from avobench.effects.bank import Bank
 from avobench.effects.pool import Alter, Pool
 from avobench.tasks import Task
 
@@ -19,7 +20,7 @@ LEAST_STRENGTH = 0.003
 """Least such share for a small strength: below, a step is lost in the noise of the simulation."""
 AT_ONCE = 100_000
 """Events simulated at a time, to bound memory."""
-Events = Callable[..., NDArray]
+Source = Callable[..., NDArray]
 """theta (n, p), rng and, of a task that generates something first, what alters that -> (n, d)"""
 
 
@@ -29,12 +30,12 @@ class Model:
 
     They act on events one after the other, those of an earlier stage first.
 
-    `events` is what stands for the simulator: that of the task, or a cheaper source of the same events.
+    `events` is what stands for the simulator: that of the task, a bank of its events, or a cheaper source of them.
     """
 
     task: Task
     effects: tuple[Effect, ...] = ()
-    events: Events | None = field(default=None, compare=False)
+    events: Bank | Source | None = field(default=None, compare=False)
     stretch: tuple[float, ...] = ()
     """Factor by which the upper bound of each effect's strength is raised; 1 where it is not."""
 
@@ -130,15 +131,19 @@ class Model:
         u[..., columns] = np.log(params[..., columns] / low) / np.log(high / low)
         return u
 
-    def simulate(self, params: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        """One event per row: (n, P) -> (n, d).
+    def source(self) -> Source:
+        """The simulator without effects; of a bank one that hands out each event once."""
+        return self.events.session() if isinstance(self.events, Bank) else self.events or self.task.simulate
+
+    def simulate(self, params: NDArray[np.float64], rng: np.random.Generator, source: Source | None = None) -> NDArray:
+        """One event per row, from `source` if it is given: (n, P) -> (n, d).
 
         Each effect has a stream of random numbers of its own, so that from one seed a model with one more effect makes
         the same events but for what this changes.
         """
         seed = int(rng.spawn(1)[0].integers(2**63))
         streams = [np.random.default_rng([seed, crc32(repr(effect.key).encode())]) for effect in self.effects]
-        return self._with_effects(len(self.effects), params, rng, streams)
+        return self._with_effects(len(self.effects), params, rng, streams, source or self.source())
 
     @cached_property
     def _chain(self) -> list[tuple[int, slice]]:
@@ -159,16 +164,17 @@ class Model:
         params: NDArray[np.float64],
         rng: np.random.Generator,
         streams: list[np.random.Generator],
+        source: Source,
         alter: Alter | None = None,
     ) -> NDArray:
         """Events with the first k effects that act. An effect sees those before it as the simulator, and all parameters
         as theta, so that it may ask for any rows again."""
         if k == 0:
-            events, theta = self.events or self.task.simulate, params[:, : self.num_theta]
-            return events(theta, rng) if alter is None else events(theta, rng, alter)
+            theta = params[:, : self.num_theta]
+            return source(theta, rng) if alter is None else source(theta, rng, alter)
 
         def before(params: NDArray, _: np.random.Generator, earlier: Alter | None = None) -> NDArray:
-            return self._with_effects(k - 1, params, rng, streams, _both(earlier, alter))
+            return self._with_effects(k - 1, params, rng, streams, source, _both(earlier, alter))
 
         added, columns = self._chain[k - 1]
         return self.effects[added].apply(before, params, params[:, columns], streams[added])

@@ -119,7 +119,7 @@ class Mixture(Effect):
 
     @classmethod
     def entries(cls, site):
-        """One, or one a parameter where there are more than MOST."""
+        """One, or one a parameter where there are more than MOST; none for a simulator without parameters."""
         task = site.task
         low = np.maximum(task.prior.low - BEYOND * task.prior.width, task.support.low)
         high = np.minimum(task.prior.high + BEYOND * task.prior.width, task.support.high)
@@ -127,7 +127,7 @@ class Mixture(Effect):
             Parameter(f"other_{name}", float(a), float(b), None, unit)
             for name, a, b, unit in zip(task.parameter_names, low, high, task.parameter_units, strict=True)
         )
-        if len(others) <= MOST:
+        if 0 < len(others) <= MOST:
             return [cls(None, tuple(range(len(others))), others)]
         return [cls(task.parameter_names[j], (j,), (other,)) for j, other in enumerate(others)]
 

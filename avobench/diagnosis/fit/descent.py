@@ -51,6 +51,8 @@ def descend(
 
     Designs are as narrow as it takes for a quadratic to do. An effect with hard edges is none over a wide one.
     """
+    if model.dim == 0:  # nothing is free
+        return fit_at(model, surrogate(model, target, design, num_events, rng), target, design.centre)
     best, lowest, q, error = None, None, np.inf, 0.0
     scale = float(np.abs(design.axes / model.reach(design.centre)[:, None]).max())
     rounds, promises_much, narrow = 0, False, 1.0
@@ -136,6 +138,8 @@ def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int,
     may be none. It uses no `ReferenceModel`: a polynomial over so wide a design is not exact enough where the data say
     nearly nothing.
     """
+    if fit.model.dim == 0:
+        return descend(fit.model, target, fit.design, rng, num_events, 1)
     centre, best = fit.point, None
     for ratio in ratios:
         more = int(ratio * num_events)
@@ -174,6 +178,8 @@ def scan(
     points, events = size
     fixed = np.empty(0) if fixed is None else fixed
     p = model.dim - len(fixed)
+    if p == 0:
+        return fixed, np.empty(0)
 
     def distances(u: NDArray[np.float64], events: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         params = model.from_cube(np.hstack([u, np.tile(fixed, (len(u), 1))]))

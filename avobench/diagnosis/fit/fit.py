@@ -175,7 +175,9 @@ def fit_at(model: Model, s: Surrogate, target: Target, u: NDArray[np.float64]) -
         residual=target.whiten(target.mean - mean),
         jacobian=target.whiten(slope).T,
         jacobian_noise=target.num_events * target.rank * back.T @ steps.T @ s.inverse @ steps @ back,
-        slope_error=float(np.sqrt(target.num_events * target.rank * np.diag(s.inverse)[1 : model.dim + 1].mean())),
+        slope_error=float(
+            np.sqrt(target.num_events * target.rank * np.diag(s.inverse)[1 : model.dim + 1].sum() / max(model.dim, 1))
+        ),
         noise=target.num_events * s.variance_at(u),
         predicted=mean,
         num_events=s.num_events,

@@ -12,6 +12,7 @@ from avobench.diagnosis.fit.descent import refine, scan, sharpen
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.settings import FIT
 from avobench.diagnosis.summary.target import Target, summary_of, target_of
+from avobench.effects.bank import Bank
 from avobench.effects.model import Model
 from avobench.methods import Estimate
 from avobench.tasks import Task
@@ -72,8 +73,10 @@ def fit_null(
     near = 0.03
     if centre is None:
         centre, near = scan(model, target, rng, size=effort.scan)
-    per_round = max(effort.least, int(effort.rounds * len(x)))
-    fit = refine(model, target, centre, np.maximum(near, 0.005), rng, num_events=per_round)
+    coarse, per_round = max(effort.least, len(x)), max(effort.least, int(effort.rounds * len(x)))
+    fit = refine(model, target, centre, np.maximum(near, 0.005), rng, num_events=coarse)
+    if isinstance(model.events, Bank):
+        model.events.resolve(FIT.cell / np.sqrt(np.maximum(np.diag(fit.information[0]), 1)))
     simulated = np.concatenate([model.simulate(np.tile(fit.params, (len(x), 1)), rng), others])
     target = target_of(x, summary_of(model.task, x, simulated), simulated)
     return refine(model, target, fit.point, 0.005, rng, num_events=per_round), target

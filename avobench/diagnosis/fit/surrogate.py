@@ -1,6 +1,7 @@
 """The mean summary of a black-box simulator as a quadratic polynomial in its parameters, fitted to simulated events."""
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +9,8 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.settings import FIT
 from avobench.diagnosis.summary.target import Target, Vectors
-from avobench.effects.model import Model
+from avobench.effects.bank import Session
+from avobench.effects.model import Model, Source
 
 
 @dataclass(frozen=True)
@@ -107,6 +109,7 @@ def surrogate(model: Model, vectors: Vectors, design: Design, num_events: int, r
     does. Places and events come from two streams, so that from one seed all models get the same events.
     """
     places, happenings = rng.spawn(2)
+    source = model.source()
     pairs, k = max(num_events // 2, 1), (model.dim + 1) * (model.dim + 2) // 2
     normal, at_centre, spread, unlike = np.zeros((k, k)), 0.0, 0.0, 0.0
     left = pairs
@@ -115,14 +118,14 @@ def surrogate(model: Model, vectors: Vectors, design: Design, num_events: int, r
         u = design.to_u(places.uniform(-1, 1, (n, model.dim)))
         b = basis(design.to_t(u))
         seed = int(happenings.integers(2**63))
-        twins = model.simulate(model.from_cube(np.tile(design.centre, (n, 1))), np.random.default_rng(seed))
-        x = model.simulate(model.from_cube(u), np.random.default_rng(seed))
+        twins = model.simulate(model.from_cube(np.tile(design.centre, (n, 1))), np.random.default_rng(seed), source)
+        x = model.simulate(model.from_cube(u), np.random.default_rng(seed), source)
         normal += b.T @ b
         at_centre = at_centre + vectors.moments(twins, b)
         spread = spread + vectors.moments(x, b)
         unlike += n / pairs * float(vectors.moved(twins[: FIT.compared_twins], x[: FIT.compared_twins]).mean())
         left -= n
-    alone = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
+    alone, again = np.linalg.pinv(normal, rcond=1e-12, hermitian=True), repeats(source)
     if unlike < 1:
         bend, bend_variance = alone[0] @ (spread - at_centre), unlike * alone[0, 0]
         inverse = np.zeros((k, k))
@@ -130,12 +133,12 @@ def surrogate(model: Model, vectors: Vectors, design: Design, num_events: int, r
         slopes = np.linalg.pinv(normal[1:, 1:], rcond=1e-12, hermitian=True)
         inverse[1:, 1:] = unlike * slopes
         coefficients = np.vstack([at_centre[0] / pairs, slopes @ (spread - at_centre)[1:]])
-        return Surrogate(design, coefficients, num_events, inverse, bend, bend_variance)
+        return Surrogate(design, coefficients, num_events, again * inverse, bend, again * bend_variance)
     constant = np.eye(k)[0]  # the basis at the centre
     inverse = np.linalg.pinv(normal + pairs * np.outer(constant, constant), rcond=1e-12, hermitian=True)
     coefficients = inverse @ (spread + np.outer(constant, at_centre[0]))
     bend, bend_variance = alone[0] @ spread - at_centre[0] / pairs, alone[0, 0] + 1 / pairs
-    return Surrogate(design, coefficients, num_events, inverse, bend, bend_variance)
+    return Surrogate(design, coefficients, num_events, again * inverse, bend, again * bend_variance)
 
 
 def quadratic(make: Callable[[Design], Surrogate], design: Design, target: Target) -> Surrogate:
@@ -164,8 +167,7 @@ class ReferenceModel:
     def design(self, start: NDArray[np.float64], half: NDArray[np.float64]) -> Design:
         """A design for the larger model from `start` (P,): a box of half-widths `half` (P,), or what of it is known."""
         p, region = self.model.dim, self.surrogate.design
-        inside = np.abs(region.to_t(start[:p])).max() < 1 - FIT.first_share
-        if not inside:
+        if p == 0 or np.abs(region.to_t(start[:p])).max() >= 1 - FIT.first_share:
             return Design.box(start, half)
         axes = np.diag(half).astype(float)
         lengths = np.abs(region.axes / half[:p, None]).max(axis=0)
@@ -175,6 +177,8 @@ class ReferenceModel:
     def within(self, design: Design) -> Design | None:
         """The design, narrowed to where this model is known; None where that leaves next to nothing."""
         p, region = self.model.dim, self.surrogate.design
+        if p == 0:
+            return design
         room = 1 + FIT.beyond - np.abs(region.to_t(design.centre[:p]))
         extent = np.abs(np.linalg.inv(region.axes) @ design.axes[:p]) * len(design.axes)
         factor = np.minimum((room[:, None] / np.maximum(extent, 1e-12)).min(axis=0), 1)
@@ -190,13 +194,13 @@ class ReferenceModel:
         p, k = self.model.dim, (model.dim + 1) * (model.dim + 2) // 2
         normal, change, unlike = np.zeros((k, k)), 0.0, 0.0
         num_centre, change_there = 0, 0.0
-        left = num_events
+        left, source = num_events, self.model.source()
         while left > 0:
             n = min(left, model.at_once)
             u = design.to_u(rng.uniform(-1, 1, (n, model.dim)))
             u[: n // 2] = design.centre
             b = basis(design.to_t(u))
-            x, y = with_and_without(self.model, model, model.from_cube(u), rng)
+            x, y = with_and_without(self.model, model, model.from_cube(u), rng, source)
             some = slice(None, None, max(n // FIT.compared_twins, 1))
             moved = float(vectors.moved(x[some], y[some]).mean())
             if left == num_events and moved > 1:
@@ -216,6 +220,7 @@ class ReferenceModel:
         there = basis(self.surrogate.design.to_t((design.centre + t @ design.axes.T)[:, :p]))
         translate = np.linalg.lstsq(basis(t), there, rcond=None)[0]
         coefficients = inverse @ change + translate @ self.surrogate.coefficients
+        unlike *= repeats(source)
         noise = unlike * inverse + translate @ self.surrogate.inverse @ translate.T
         constant = np.eye(k)[0]
         alone = np.linalg.pinv(normal - num_centre * np.outer(constant, constant), rcond=1e-12, hermitian=True)
@@ -223,27 +228,32 @@ class ReferenceModel:
         return Surrogate(design, coefficients, num_events, noise, bend, unlike * (alone[0, 0] + 1 / num_centre))
 
 
+def repeats(source: Source) -> float:
+    """How often a source handed out each event, on average."""
+    return source.repeats if isinstance(source, Session) else 1.0
+
+
 def with_and_without(
-    before: Model, model: Model, params: NDArray[np.float64], rng: np.random.Generator
+    before: Model, model: Model, params: NDArray[np.float64], rng: np.random.Generator, source: Source
 ) -> tuple[NDArray, NDArray]:
     """Events of a model `before`, and the same with one more effect: params (n, P) of the latter -> (n, d) twice.
 
     The same as far as the effect asks the simulator for them first, at the parameters that it was given, or, where
-    others act after it, as one seed makes them the same.
+    others act after it, as one seed makes them the same. Both come from `source`.
     """
     p = before.dim
     theta, phi = params[:, :p], params[:, p:]
     if not model.newest_acts_last:
         seed = int(rng.integers(2**63))
-        unchanged = before.simulate(theta, np.random.default_rng(seed))
-        return unchanged, model.simulate(params, np.random.default_rng(seed))
+        unchanged = before.simulate(theta, np.random.default_rng(seed), copy(source))
+        return unchanged, model.simulate(params, np.random.default_rng(seed), source)
     first: list[NDArray] = []
 
     def simulate(params: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        x = before.simulate(params, rng)
+        x = before.simulate(params, rng, source)
         if not first and np.array_equal(params, theta):
             first.append(x.copy())
         return x
 
     changed = model.effects[-1].apply(simulate, theta, phi, rng)
-    return (first[0] if first else before.simulate(theta, rng)), changed
+    return (first[0] if first else before.simulate(theta, rng, source)), changed

@@ -18,6 +18,7 @@ from avobench.diagnosis.settings import TEST
 from avobench.diagnosis.summary.bins import Summary
 from avobench.diagnosis.summary.pixels import Pixels
 from avobench.diagnosis.summary.target import Target
+from avobench.effects.bank import Bank
 from avobench.effects.pool import Pool
 
 if TYPE_CHECKING:
@@ -128,7 +129,7 @@ class Score:
         return (a - self.of(after)) ** 2 / max(a.var(), 1e-30)
 
 
-def classifier_gate(fit: Fit, target: Target, x: NDArray, rng: np.random.Generator) -> GateResult:
+def classifier_gate(fit: Fit, target: Target, x: NDArray, rng: np.random.Generator, effort: Effort) -> GateResult:
     """Does a classifier, trained on one half of the events x (N, d), tell the other half from simulated ones?
 
     The statistic is the mean log odds of the second half, less what the model expects, in standard errors; one-sided,
@@ -141,11 +142,11 @@ def classifier_gate(fit: Fit, target: Target, x: NDArray, rng: np.random.Generat
     training, test = x[:half], x[half:]
     at = np.tile(fit.params, (len(x), 1))
     view, model = features_of(target), fit.model
-    if isinstance(model.events, Pool):
-        # The pool serves the expectation below; a classifier knows again the events that it learned from.
+    if isinstance(model.events, Bank | Pool):
+        # They serve the expectation below; a classifier knows again the events that it learned from.
         model = replace(model, events=model.events.fresh)
     score = Score(trained(view(training), view(model.simulate(at[:half], rng)), int(rng.integers(2**31))), view)
-    expected = surrogate(fit.model, score, fit.design, TEST.check_events * len(x), rng)
+    expected = surrogate(fit.model, score, fit.design, int(min(TEST.check_events, effort.sharpen) * len(x)), rng)
     at_fit, slope = expected.at(fit.point)
     g = score.of(test)
     # Where theta moves if the summary of one event is added, in the directions that the data identify.
@@ -178,7 +179,7 @@ class ExtendedModel:
         gates = {"summary": gate}
         if fit.model.task.event_shape:
             gates["cells"] = cell_gate(efficient, x, rng, effort)
-        gates["classifier"] = classifier_gate(efficient, metric, x, rng)
+        gates["classifier"] = classifier_gate(efficient, metric, x, rng, effort)
         shares = dict(TEST.image_shares if "cells" in gates else TEST.shares)
         return cls(
             fit, efficient, {name: gate.model_copy(update={"share": shares[name]}) for name, gate in gates.items()}

@@ -23,8 +23,8 @@ def noncentrality(dof: int, alpha: float) -> float:
 
 
 def card_events(effects: list[Effect], effort: Effort) -> int:
-    """Simulated events that the card takes at most: for each effect, with it and without."""
-    return (2 * len(effects) + 1) * effort.card * len(SEARCH.strengths)
+    """Simulated events that the card takes at most: for all effects together, and for each that moves theta."""
+    return (2 + sum(effect.moves_theta for effect in effects)) * effort.card * len(SEARCH.strengths)
 
 
 def card(

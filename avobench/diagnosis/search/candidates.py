@@ -25,7 +25,8 @@ from avobench.diagnosis.search.screening import Look, Sample, Start, closer, gla
 from avobench.diagnosis.settings import SCORE, SEARCH
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
-from avobench.effects.pool import Counted, Pool
+from avobench.effects.bank import Bank
+from avobench.effects.pool import Pool
 from avobench.tasks.errors import BudgetExhausted, ProcessEnded
 from avobench.tasks.meter import Meter
 
@@ -180,13 +181,16 @@ def same(fit: Fit, other: Fit) -> bool:
 
 
 def in_processes(
-    jobs: int, events: Counted | Pool | None, fitting: Callable[..., Fit], calls: list[tuple]
+    jobs: int, events: Bank | Pool | None, fitting: Callable[..., Fit], calls: list[tuple]
 ) -> list[Fit | None]:
     """The fits of all calls, by so many processes; `events` is what simulates, and its meter counts it.
+
+    With a bank it is one process, so that all find the events that others had made; the bank simulates in many.
 
     Under a limit each other process has an equal share of what remains. A fit that needs more is made here, from the
     rest; None where that is too little.
     """
+    jobs = 1 if isinstance(events, Bank) else jobs
     left = events.meter.remaining if events is not None else None
     share = None if jobs == 1 or left is None else max(left, 0) // max(len(calls), 1)
     try:

@@ -1,0 +1,195 @@
+"""Simulated events at the nodes of a lattice of parameters, made on demand, kept, and used again."""
+
+import joblib
+import numpy as np
+from joblib.externals.loky.process_executor import TerminatedWorkerError
+from numpy.typing import NDArray
+
+from avobench.tasks import Task
+from avobench.tasks.checked import checked_events
+from avobench.tasks.errors import ProcessEnded
+from avobench.tasks.meter import Meter
+from avobench.tasks.sample import SampleTask
+
+COARSEST = 4
+"""The lattice begins with a spacing of 2^-4 of the range of each parameter: to look for theta it need not be finer."""
+FINEST = 40
+"""Nodes are numbered in steps of 2^-40 of the range, so that those of a lattice are nodes of all finer ones."""
+
+PIECE = 20_000
+"""Events that a process makes at a time. Each piece has a stream of its own, so that their number changes no event."""
+
+
+class Bank:
+    """A simulator whose events are never made twice: each is of a node of a lattice in theta, and is kept there.
+
+    An event that is asked for at theta is one of a corner of the cell of the lattice that theta lies in. The corners
+    are those of Freudenthal's triangulation, drawn with the weights of linear interpolation: the mean of any function
+    of the events is that of the simulator, interpolated between nodes (H. Freudenthal, Ann. Math. 43 (1942) 580).
+
+    Every session begins with the first events of each node, and a node makes more only where a session asks for more
+    than it has. So no event comes twice within a session, and what one fit has simulated serves all others.
+    """
+
+    def __init__(self, task: Task, meter: Meter, seed: int, jobs: int = 1) -> None:
+        """The `meter` counts the events of the task that are made, by so many processes."""
+        self.task, self.meter, self.jobs = task, meter, jobs
+        self._seed, self._fills, self._size = seed, 0, 0
+        self._low, self._high = np.array(task.support.low), np.array(task.support.high)
+        self._step = np.full(len(self._low), 1 << (FINEST - COARSEST))
+        self._events = np.empty((0, task.num_features), task.dtype)
+        """With room for more: the first `_size` rows are events."""
+        self._nodes: dict[bytes, NDArray[np.intp]] = {}
+        """Where the events of each node stand among all."""
+
+    @property
+    def used(self) -> int:
+        """Events that were simulated."""
+        return self.meter.used
+
+    def resolve(self, scale: NDArray[np.float64]) -> None:
+        """Make the lattice so fine that its spacing is at most `scale` (p,), in shares of each parameter's range."""
+        finest = np.clip(np.floor(np.log2(scale)), COARSEST - FINEST, -COARSEST)
+        self._step = 2 ** (FINEST + finest.astype(int))
+
+    def fresh(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        """Events that are not in the bank, and do not come into it: theta (n, p) -> (n, d)."""
+        self.meter.charge(len(theta))
+        return checked_events(self.task, theta, rng)
+
+    def repeats(self, taken: dict[bytes, int]) -> float:
+        """How often a session that has `taken` so many events of each node had each of them: once."""
+        return 1.0
+
+    def session(self) -> "Session":
+        """A simulator that hands out each event of the bank once."""
+        return Session(self)
+
+    def take(self, theta: NDArray[np.float64], rng: np.random.Generator, taken: dict[bytes, int]) -> NDArray:
+        """An event for each row of theta, beyond those of each node that are `taken`: (n, p) -> (n, d).
+
+        Raises BudgetExhausted.
+        """
+        nodes, which, counts = distinct_rows(self._corners(theta, rng))
+        keys = [node.tobytes() for node in nodes]
+        first = np.array([taken.get(key, 0) for key in keys], np.intp)
+        self._make(nodes, keys, first + counts - [len(self._nodes.get(key, ())) for key in keys])
+        taken.update(zip(keys, (first + counts).tolist(), strict=True))
+        rows = np.empty(len(theta), np.intp)
+        chosen = [self._nodes[key][a : a + n] for key, a, n in zip(keys, first.tolist(), counts.tolist(), strict=True)]
+        rows[np.argsort(which, kind="stable")] = np.concatenate([rows[:0], *chosen])
+        return self._events[rows]
+
+    def _corners(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.int64]:
+        """A random corner of the cell around each row of theta (n, p), in steps of 2^-FINEST of the range: (n, p)."""
+        at = (theta - self._low) / (self._high - self._low) * (2.0**FINEST / self._step)
+        below = np.floor(at)
+        return (below + (at - below > rng.random((len(theta), 1)))).astype(np.int64) * self._step
+
+    def _make(self, nodes: NDArray[np.int64], keys: list[bytes], lacking: NDArray[np.int64]) -> None:
+        """Simulate so many more events (k,) at each of these nodes (k, p)."""
+        lacking = np.maximum(lacking, 0)
+        if not lacking.any():
+            return
+        share = np.repeat(nodes, lacking, axis=0) / 2.0**FINEST
+        theta = np.clip(self._low + share * (self._high - self._low), self._low, self._high)
+        self.meter.charge(len(theta))
+        seeds = np.random.SeedSequence([self._seed, self._fills]).spawn(-(-len(theta) // PIECE))
+        pieces = [theta[k * PIECE : (k + 1) * PIECE] for k in range(len(seeds))]
+        calls = [
+            joblib.delayed(checked_events)(self.task, piece, np.random.default_rng(seed))
+            for piece, seed in zip(pieces, seeds, strict=True)
+        ]
+        try:
+            made = joblib.Parallel(n_jobs=min(self.jobs, len(calls)))(calls)
+        except TerminatedWorkerError as error:
+            raise ProcessEnded("crashed", "a worker process was ended (killed, or out of memory)") from error
+        at, end = self._size, self._size + len(theta)
+        if end > len(self._events):
+            room = np.empty((2 * end, self.task.num_features), self.task.dtype)
+            room[:at] = self._events[:at]
+            self._events = room
+        self._events[at:end] = np.concatenate(made)
+        self._fills, self._size = self._fills + 1, end
+        for key, count in zip(keys, lacking.tolist(), strict=True):
+            if count:
+                self._nodes[key] = np.r_[self._nodes.get(key, np.empty(0, np.intp)), at : at + count]
+                at += count
+
+
+class Given(Bank):
+    """The events of a sample: there are no more of them than were made before, and those that were kept aside.
+
+    A session that asks for more gets the first ones again.
+    """
+
+    def __init__(self, task: SampleTask, meter: Meter) -> None:
+        self.task, self.meter = task, meter
+        meter.add(len(task.events))
+
+    def resolve(self, scale: NDArray[np.float64]) -> None:
+        """The nodes are those that there are."""
+
+    def fresh(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        """Events that were kept aside: theta (n, p) -> (n, d)."""
+        return self._rows(self.task.aside, theta, rng, {})
+
+    def take(self, theta: NDArray[np.float64], rng: np.random.Generator, taken: dict[bytes, int]) -> NDArray:
+        """An event for each row of theta, after those of each node that are `taken`: (n, p) -> (n, d)."""
+        return self._rows(self.task.groups, theta, rng, taken)
+
+    def _rows(
+        self,
+        groups: list[NDArray[np.intp]],
+        theta: NDArray[np.float64],
+        rng: np.random.Generator,
+        taken: dict[bytes, int],
+    ) -> NDArray:
+        nodes, which, counts = np.unique(self.task.corner(theta, rng), return_inverse=True, return_counts=True)
+        rows, order, start = np.empty(len(theta), np.intp), np.argsort(which, kind="stable"), 0
+        for node, count in zip(nodes, counts.tolist(), strict=True):
+            group, first = groups[node], taken.get(node.tobytes(), 0)
+            rows[order[start : start + count]] = group[np.arange(first, first + count) % len(group)]
+            taken[node.tobytes()] = first + count
+            start += count
+        return self.task.events[rows]
+
+    def repeats(self, taken: dict[bytes, int]) -> float:
+        """How often a session that has `taken` so many events of each node had each of them, on average."""
+        have = sum(min(count, len(self.task.groups[int(np.frombuffer(k, np.intp)[0])])) for k, count in taken.items())
+        return sum(taken.values()) / max(have * self.task.worth, 1) if taken else 1.0
+
+
+class Session:
+    """A simulator with the events of a bank, of which each comes once."""
+
+    def __init__(self, bank: Bank) -> None:
+        self._bank = bank
+        self._taken: dict[bytes, int] = {}
+
+    def __copy__(self) -> "Session":
+        """A session that will hand out the same events as this one."""
+        other = Session(self._bank)
+        other._taken = self._taken.copy()
+        return other
+
+    def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        """theta (n, p) -> (n, d). Raises BudgetExhausted."""
+        return self._bank.take(theta, rng, self._taken)
+
+    @property
+    def repeats(self) -> float:
+        """How often each event was handed out, on average: by that the variance of a mean is larger than it seems."""
+        return self._bank.repeats(self._taken)
+
+
+def distinct_rows(rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.intp], NDArray[np.intp]]:
+    """The distinct rows (k, p) among these (n, p), which of them each one is (n,), and how often each comes (k,)."""
+    if not len(rows):
+        return rows, np.empty(0, np.intp), np.empty(0, np.intp)
+    number = np.zeros(len(rows), np.int64)
+    for column in rows.T:
+        values, which = np.unique(column, return_inverse=True)
+        _, number = np.unique(number * len(values) + which, return_inverse=True)
+    _, first, which, counts = np.unique(number, return_index=True, return_inverse=True, return_counts=True)
+    return rows[first], which, counts

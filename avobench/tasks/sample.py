@@ -1,0 +1,230 @@
+"""A task from events that were simulated before: a sample is a simulator, at the parameters that it was made at."""
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from avobench.tasks.contract import Box, Task, histogram
+from avobench.tasks.errors import UsageError
+
+ASIDE = 5
+"""One in so many events of each theta is kept aside, for whoever needs events that nothing has learned from."""
+LEAST = 200
+"""Events at each theta, at least: fewer fill no bins."""
+
+
+class SampleTask(Task):
+    """A simulator whose events were all made before, at a few values of theta; made by `bank`.
+
+    Between those values of theta, of which each is a node, an event is one of a node around it, drawn with the weights
+    of linear interpolation; beyond them it is one of the nearest node.
+    """
+
+    source = "a sample of simulated events"
+    by_default = False
+
+    def __init__(
+        self,
+        events: NDArray,
+        theta: NDArray[np.float64],
+        parameters: Sequence[str],
+        features: Sequence[str],
+        prior: Box,
+        worth: float,
+        name: str,
+    ) -> None:
+        """Events (M, d) without weights, in random order, at theta (M, p). Weighted ones were `worth` so many each."""
+        self.name, self.events, self.worth = name, events, worth
+        self.parameter_names, self.parameter_units = tuple(parameters), ("1",) * len(parameters)
+        self.prior = self.support = prior
+        self.num_features, self.dtype, self.feature_names = events.shape[1], events.dtype, tuple(features)
+        self.nodes, which = np.unique(theta, axis=0, return_inverse=True)
+        """The values of theta (k, p)."""
+        order = np.argsort(which, kind="stable")
+        groups = np.split(order, np.cumsum(np.bincount(which, minlength=len(self.nodes)))[:-1])
+        self.groups = [group[len(group) // ASIDE :] for group in groups]
+        """The rows of the events of each node, but for those kept aside."""
+        self.aside = [group[: len(group) // ASIDE] for group in groups]
+        """The rows of those."""
+
+    @property
+    def parts(self) -> tuple[object, ...]:
+        """What decides which events there are."""
+        return (self.events.tobytes().hex()[:4096], len(self.events), repr(self.nodes))
+
+    def corner(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.intp]:
+        """The number of a random node around each row of theta: (n, p) -> (n,)."""
+        n, p = theta.shape
+        if len(self.nodes) == 1:
+            return np.zeros(n, np.intp)
+        at = self._scaled(theta)
+        if p == 1:
+            known = self._scaled(self.nodes)[:, 0]  # in rising order
+            above = np.clip(np.searchsorted(known, at[:, 0]), 1, len(known) - 1)
+            share = (at[:, 0] - known[above - 1]) / (known[above] - known[above - 1])
+            return above - 1 + (share > rng.random(n))
+        triangles = self._triangles
+        simplex = triangles.find_simplex(at)
+        inside = simplex >= 0
+        corner = self._nearest.query(at)[1]
+        transform = triangles.transform[simplex[inside]]
+        weights = np.einsum("nij,nj->ni", transform[:, :p], at[inside] - transform[:, p])
+        drawn = (np.cumsum(weights, axis=1) < rng.random((len(weights), 1))).sum(axis=1)
+        corner[inside] = triangles.simplices[simplex[inside], drawn]
+        return corner
+
+    def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        """One event of the sample per row: theta (n, p) -> (n, d). Raises ValueError outside the support."""
+        self.require_support(theta)
+        corner = self.corner(theta, rng)
+        sizes = np.array([len(group) for group in self.groups])
+        first, place = np.cumsum(sizes) - sizes, (rng.random(len(theta)) * sizes[corner]).astype(np.intp)
+        return self.events[np.concatenate(self.groups)[first[corner] + place]]
+
+    def summary(self, x: NDArray) -> NDArray[np.float64]:
+        """Shares of the events in twenty bins of each feature that hold equal shares of the sample: (n, d) -> (k,)."""
+        return np.concatenate([histogram(x[:, [j]], edges, overflow=True) for j, edges in enumerate(self._edges)])
+
+    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
+        """Not known: NaN."""
+        return np.nan
+
+    def _scaled(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        return (theta - self.prior.low) / self.prior.width
+
+    @cached_property
+    def _triangles(self) -> Any:
+        from scipy.spatial import Delaunay, QhullError
+
+        try:
+            return Delaunay(self._scaled(self.nodes))
+        except QhullError as error:
+            p = self.nodes.shape[1]
+            raise UsageError(f"the {len(self.nodes)} thetas of {self.name} do not span {p} parameters") from error
+
+    @cached_property
+    def _nearest(self) -> Any:
+        from scipy.spatial import cKDTree
+
+        return cKDTree(self._scaled(self.nodes))
+
+    @cached_property
+    def _edges(self) -> list[NDArray[np.float64]]:
+        return [np.unique(np.quantile(feature, np.arange(1, 20) / 20)) for feature in self.events.T]
+
+
+def bank(
+    events: ArrayLike,
+    *,
+    theta: ArrayLike | Mapping[str, ArrayLike] | Sequence[str] | None = None,
+    weights: ArrayLike | str | None = None,
+    prior: Mapping[str, tuple[float, float]] | None = None,
+    features: Sequence[str] = (),
+    name: str = "sample",
+    seed: int = 0,
+) -> SampleTask:
+    """A task from events that were simulated before, wherever that was done.
+
+    Parameters
+    ----------
+    events
+        Simulated events: an array (M, d), or (M,) where an event is one number, or a DataFrame.
+    theta
+        Parameters at which each event was made: an array (M, p), columns by name of the parameter, or, of a DataFrame,
+        the names of its columns. None where all were made at the same, unknown or fixed parameters.
+    weights
+        Weights of the events (M,), or the name of their column; not negative. Events are drawn by them once; what
+        that costs in precision is taken into account.
+    prior
+        Ends of each parameter by its name; those of theta where None.
+    features
+        A name for each of the d numbers of an event; of a DataFrame its columns.
+    name
+        What pages call the task.
+    seed
+        Of the order of the events, and of the draw by weights.
+
+    Raises
+    ------
+    UsageError
+        For events that are no finite numbers, weights that are negative, none or not finite, thetas outside the prior,
+        and fewer than 200 events at one theta.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(0)
+    >>> simulated = bank(rng.exponential(2.0, 10_000), features=["lifetime"])
+    >>> simulated.simulate(np.empty((3, 0)), rng).shape
+    (3, 1)
+    """
+    rng = np.random.default_rng(seed)
+    if hasattr(events, "columns"):
+        if isinstance(weights, str):
+            weights, events = _column(events, weights), events.drop(columns=weights)
+        if isinstance(theta, Sequence) and theta and all(isinstance(column, str) for column in theta):
+            theta = {column: _column(events, column) for column in theta}
+            events = events.drop(columns=list(theta))
+        features = features or [str(column) for column in events.columns]
+    x = _finite("the simulated events", events)
+    x = x[:, None] if x.ndim == 1 else x
+    x = x.astype(np.int64) if x.dtype.kind in "bui" else x.astype(np.float64)
+    if x.ndim != 2 or (features and len(features) != x.shape[1]):
+        raise UsageError(f"simulated events must be (M, d) with d = {len(features) or 'features'}, got {x.shape}")
+    if isinstance(theta, Mapping):
+        names, columns = list(theta), np.column_stack([np.asarray(column, float) for column in theta.values()])
+    else:
+        columns = np.empty((len(x), 0)) if theta is None else np.asarray(theta, float).reshape(len(x), -1)
+        names = list(prior or [f"theta{j + 1}" for j in range(columns.shape[1])])
+    columns = _finite("theta", columns)
+    if len(columns) != len(x) or columns.shape[1] != len(names):
+        raise UsageError(f"{len(x)} events need as many rows of {len(names)} parameters, got {columns.shape}")
+    constant = [one for one, column in zip(names, columns.T, strict=True) if np.ptp(column) == 0]
+    if constant:
+        raise UsageError(f"all events were made at one {constant[0]}: leave it out of theta")
+    ends = prior or {one: (c.min(), c.max()) for one, c in zip(names, columns.T, strict=True)}
+    if set(ends) != set(names):
+        raise UsageError(f"the prior is of {', '.join(ends)}, theta of {', '.join(names)}")
+    box = Box(tuple(ends[one][0] for one in names), tuple(ends[one][1] for one in names))
+    if outside := int((~box.contains(columns)).sum()):
+        raise UsageError(f"{outside} of {len(x)} events were made outside the prior of theta: widen it, or drop them")
+    rows, worth = rng.permutation(len(x)), 1.0
+    if weights is not None:
+        w = _finite("weights", weights).astype(float).ravel()
+        if len(w) != len(x):
+            raise UsageError(f"{len(x)} events need as many weights, got {len(w)}")
+        if (w < 0).any():
+            raise UsageError(
+                f"{(w < 0).sum()} weights are negative; add up positive and negative events that lie close together"
+            )
+        if not w.sum() > 0:
+            raise UsageError("all weights are zero")
+        worth = float(w.sum() ** 2 / (w**2).sum() / len(w))
+        steps = (np.arange(len(w)) + rng.random()) / len(w)
+        drawn = np.searchsorted(np.cumsum(w[rows]) / w.sum(), steps)
+        rows = rng.permutation(rows[np.minimum(drawn, len(w) - 1)])
+    made = SampleTask(x[rows], columns[rows], names, features, box, worth, name)
+    least = min(range(len(made.groups)), key=lambda k: len(made.groups[k]))
+    if (few := len(made.groups[least]) + len(made.aside[least])) < LEAST:
+        where = f" at theta = {made.nodes[least].tolist()}" if names else ""
+        raise UsageError(f"{few} simulated events{where} are too few, at least {LEAST} are needed at each theta")
+    return made
+
+
+def _column(table: Any, name: str) -> NDArray:
+    """A column of a DataFrame. Raises UsageError where it is not there."""
+    if name not in table.columns:
+        raise UsageError(f"there is no column '{name}'; the columns are {', '.join(map(str, table.columns))}")
+    return table[name].to_numpy()
+
+
+def _finite(what: str, values: Any) -> NDArray:
+    """An array of real, finite numbers. Raises UsageError."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "biuf":
+        raise UsageError(f"{what} must be real numbers, got {array.dtype}")
+    if not np.isfinite(array).all():
+        raise UsageError(f"{what} hold NaN or infinite values: mend or drop them")
+    return array
