@@ -3,11 +3,13 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
+from avobench.bench.store.bank import KeptBank
 from avobench.diagnosis.effort import (
     Effort,
     Phases,
@@ -57,12 +59,14 @@ def diagnose(
     ordered: bool = False,
     time: NDArray[np.float64] | None = None,
     progress: Progress | None = None,
+    bank: Path | None = None,
 ) -> Result:
     """Compare measured events x (N, d) with a task, and say what it lacks.
 
     Of the `num_simulations` that are allowed, `num_spent` were spent before, on checks. `ordered` asks whether the
-    order of the events, or that of their `time` (N,), matters. `progress` is told how far it is. Raises UsageError for
-    too few events, for fewer `num_simulations` than the first fit takes, and for impossible settings.
+    order of the events, or that of their `time` (N,), matters. `progress` is told how far it is. Simulated events are
+    kept in the folder `bank`, and taken from there. Raises UsageError for too few events, for fewer `num_simulations`
+    than the first fit takes, and for impossible settings.
     """
     started = perf_counter()
     if len(x) < BUDGET.least_events:
@@ -81,7 +85,7 @@ def diagnose(
     phases = Phases(progress, first_fit_events(effort, task, cut) // 2)
     meter = Meter(num_simulations, phases)
     meter.add(num_spent)
-    run = Run(task, x[shuffled[:cut]], len(x), effects, alpha, effort, rng, meter, phases, notes, jobs)
+    run = Run(task, x[shuffled[:cut]], len(x), effects, alpha, effort, rng, meter, phases, notes, jobs, bank)
 
     null, inferred = run.null_model(fit)
     extended, posterior = run.extended_model(null, max_effects) if null.p_value < alpha else (None, None)
@@ -112,6 +116,8 @@ class Run:
     notes: list[str]
     jobs: int = 1
     """Processes that simulate."""
+    bank: Path | None = None
+    """The folder in which simulated events are kept, and from which they are taken."""
     target: Target = field(init=False)
     """What is fitted of the events, once the null model was."""
 
@@ -131,6 +137,17 @@ class Run:
         """Simulated events that are kept for the identifiability card and the correction."""
         return card_events(self.effects, self.effort) + 2 * len(self.events)
 
+    def source(self, seed: int) -> Bank | Pool:
+        """What stands for the simulator: whatever it makes is used again."""
+        if isinstance(self.task, SampleTask):
+            return Given(self.task, self.meter)
+        if self.task.generates:
+            size = int(max(self.effort.generated * len(self.events), self.effort.least))
+            return Pool(self.task, size, np.random.default_rng(seed), self.meter)
+        if self.bank is not None:
+            return KeptBank(self.task, self.meter, seed, self.jobs, self.bank)
+        return Bank(self.task, self.meter, seed, self.jobs)
+
     def null_model(self, method: str) -> tuple[ExtendedModel, Inferred | None]:
         """Fit theta, from where a registered `method` has it if it is one, and test whether that describes the events.
 
@@ -141,13 +158,7 @@ class Run:
             if method != "surrogate":
                 inferred = Inferred.by(method, task, x, self.meter.limit and self.meter.limit // FIT.method_share, rng)
                 self.meter.charge(inferred.num_simulations)
-            source: Bank | Pool = Bank(task, self.meter, int(rng.integers(2**63)), self.jobs)
-            if isinstance(task, SampleTask):
-                source = Given(task, self.meter)
-            elif task.generates:
-                size = int(max(effort.generated * len(x), effort.least))
-                source = Pool(task, size, rng.spawn(1)[0], self.meter)
-            model = Model(task, events=source)
+            model = Model(task, events=self.source(int(rng.integers(2**63))))
             with self.meter.keeping(BUDGET.gap * effort.covariance):
                 fit, self.target = fit_null(model, x, rng, effort, inferred and inferred.centre(model))
                 self.phases.begin("gates")

@@ -34,7 +34,9 @@ class Bank:
     def __init__(self, task: Task, meter: Meter, seed: int, jobs: int = 1) -> None:
         """The `meter` counts the events of the task that are made, by so many processes."""
         self.task, self.meter, self.jobs = task, meter, jobs
-        self._seed, self._fills, self._size = seed, 0, 0
+        self._seed, self._size = seed, 0
+        self.fills = 0
+        """How often events came into the bank."""
         self._low, self._high = np.array(task.support.low), np.array(task.support.high)
         self._step = np.full(len(self._low), 1 << (FINEST - COARSEST))
         self._events = np.empty((0, task.num_features), task.dtype)
@@ -73,7 +75,7 @@ class Bank:
         nodes, which, counts = distinct_rows(self._corners(theta, rng))
         keys = [node.tobytes() for node in nodes]
         first = np.array([taken.get(key, 0) for key in keys], np.intp)
-        self._make(nodes, keys, first + counts - [len(self._nodes.get(key, ())) for key in keys])
+        self._make(nodes, first + counts - [len(self._nodes.get(key, ())) for key in keys])
         taken.update(zip(keys, (first + counts).tolist(), strict=True))
         rows = np.empty(len(theta), np.intp)
         chosen = [self._nodes[key][a : a + n] for key, a, n in zip(keys, first.tolist(), counts.tolist(), strict=True)]
@@ -86,35 +88,44 @@ class Bank:
         below = np.floor(at)
         return (below + (at - below > rng.random((len(theta), 1)))).astype(np.int64) * self._step
 
-    def _make(self, nodes: NDArray[np.int64], keys: list[bytes], lacking: NDArray[np.int64]) -> None:
+    def _make(self, nodes: NDArray[np.int64], lacking: NDArray[np.int64]) -> None:
         """Simulate so many more events (k,) at each of these nodes (k, p)."""
         lacking = np.maximum(lacking, 0)
         if not lacking.any():
             return
-        share = np.repeat(nodes, lacking, axis=0) / 2.0**FINEST
+        rows = np.repeat(nodes, lacking, axis=0)
+        share = rows / 2.0**FINEST
         theta = np.clip(self._low + share * (self._high - self._low), self._low, self._high)
         self.meter.charge(len(theta))
-        seeds = np.random.SeedSequence([self._seed, self._fills]).spawn(-(-len(theta) // PIECE))
-        pieces = [theta[k * PIECE : (k + 1) * PIECE] for k in range(len(seeds))]
+        seeds = np.random.SeedSequence([self._seed, self.fills]).spawn(-(-len(theta) // PIECE))
         calls = [
-            joblib.delayed(checked_events)(self.task, piece, np.random.default_rng(seed))
-            for piece, seed in zip(pieces, seeds, strict=True)
+            joblib.delayed(checked_events)(self.task, theta[k * PIECE : (k + 1) * PIECE], np.random.default_rng(seed))
+            for k, seed in enumerate(seeds)
         ]
         try:
             made = joblib.Parallel(n_jobs=min(self.jobs, len(calls)))(calls)
         except TerminatedWorkerError as error:
             raise ProcessEnded("crashed", "a worker process was ended (killed, or out of memory)") from error
-        at, end = self._size, self._size + len(theta)
+        self._keep(rows, theta, np.concatenate(made))
+
+    def _keep(self, nodes: NDArray[np.int64], theta: NDArray[np.float64], x: NDArray) -> None:
+        """Keep events x (n, d) of these nodes (n, p), which are at theta (n, p)."""
+        self.add(nodes, x)
+
+    def add(self, nodes: NDArray[np.int64], x: NDArray) -> None:
+        """Put events x (n, d) of these nodes (n, p) into the bank."""
+        at, end = self._size, self._size + len(x)
         if end > len(self._events):
             room = np.empty((2 * end, self.task.num_features), self.task.dtype)
             room[:at] = self._events[:at]
             self._events = room
-        self._events[at:end] = np.concatenate(made)
-        self._fills, self._size = self._fills + 1, end
-        for key, count in zip(keys, lacking.tolist(), strict=True):
-            if count:
-                self._nodes[key] = np.r_[self._nodes.get(key, np.empty(0, np.intp)), at : at + count]
-                at += count
+        self._events[at:end] = x
+        self.fills, self._size = self.fills + 1, end
+        distinct, which, counts = distinct_rows(nodes)
+        groups = np.split(at + np.argsort(which, kind="stable"), np.cumsum(counts)[:-1])
+        for node, more in zip(distinct, groups, strict=True):
+            key = node.tobytes()
+            self._nodes[key] = np.r_[self._nodes[key], more] if key in self._nodes else more
 
 
 class Given(Bank):

@@ -1,0 +1,104 @@
+"""A bank of simulated events that is kept in a folder, so that a later question costs nothing."""
+
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from avobench.bench.plugins.source import source_hash
+from avobench.bench.store.files import not_plain, require_folder, write_file
+from avobench.effects.bank import Bank
+from avobench.tasks import Task
+from avobench.tasks.errors import UsageError
+from avobench.tasks.meter import Meter
+
+SCHEMA, VERSION = "avobench-bank", 1
+NODE = "node of "
+"""What the columns of a node's coordinates begin with; those of theta and of the features have their own names."""
+
+
+class KeptBank(Bank):
+    """A bank whose events are also Parquet files of a folder: one for each time that events were simulated.
+
+    Events of the folder are handed out before any is simulated, and are not counted by the meter. A file is written
+    whole before its events are used, so what ends the process loses what was being simulated and no more.
+    """
+
+    def __init__(self, task: Task, meter: Meter, seed: int, jobs: int, folder: Path) -> None:
+        """Raises UsageError where the folder cannot be used, or holds events of another simulator."""
+        super().__init__(task, meter, seed, jobs)
+        self.folder = folder
+        require_folder(folder)
+        self._claim()
+        for path in sorted(folder.glob("events-*.parquet")):
+            self._read(path)
+
+    def _claim(self) -> None:
+        """Write whose events the folder holds, or raise UsageError if they are another simulator's."""
+        path, ours = self.folder / "bank.json", _identity(self.task)
+        if why := not_plain(path):
+            raise UsageError(f"{path} {why}")
+        if not path.exists():
+            if any(self.folder.glob("events-*.parquet")):
+                raise UsageError(f"{self.folder} has events, but no bank.json that says of which simulator")
+            write_file(path, (json.dumps(ours, indent=1) + "\n").encode())
+            return
+        try:
+            theirs = json.loads(path.read_text())
+        except ValueError as error:
+            raise UsageError(f"{path} is damaged: {error}") from error
+        if theirs != ours:
+            differ = [name for name in ours if not isinstance(theirs, dict) or theirs.get(name) != ours[name]]
+            raise UsageError(
+                f"{self.folder} holds events of another simulator than {self.task.name} as it is now (its "
+                f"{', '.join(differ) or 'bank.json'} differs); choose another folder"
+            )
+
+    def _columns(self) -> tuple[list[str], list[str], list[str]]:
+        names = list(self.task.parameter_names)
+        return [NODE + name for name in names], names, [f"event: {label}" for label in self.task.labels]
+
+    def _read(self, path: Path) -> None:
+        nodes, _, features = self._columns()
+        try:
+            if why := not_plain(path):
+                raise ValueError(f"it {why}")
+            table = pd.read_parquet(path, columns=[*nodes, *features])
+            x = table[features].to_numpy(self.task.dtype)
+            at = table[nodes].to_numpy(np.int64)
+        except Exception as error:  # a damaged file may raise anything
+            raise UsageError(
+                f"{path} cannot be read ({error}); delete it, and its events are simulated again"
+            ) from error
+        self.add(at, x)
+
+    def _keep(self, nodes: NDArray[np.int64], theta: NDArray[np.float64], x: NDArray) -> None:
+        columns, names, features = self._columns()
+        table = pd.DataFrame(dict(zip(columns, nodes.T, strict=True)) | dict(zip(names, theta.T, strict=True)))
+        table = pd.concat([table, pd.DataFrame(x, columns=features)], axis=1)
+        content = io.BytesIO()
+        table.to_parquet(content, index=False)
+        write_file(self.folder / f"events-{self.fills:06d}.parquet", content.getvalue())
+        super()._keep(nodes, theta, x)
+
+
+def _identity(task: Task) -> dict[str, Any]:
+    """What decides which events a task makes. Raises UsageError where its source cannot be read."""
+    try:
+        source = source_hash([type(task), *task.parts])
+    except (OSError, TypeError) as error:
+        raise UsageError(f"a bank can only be kept of a task whose source is in a file ({error})") from error
+    return {
+        "schema": SCHEMA,
+        "version": VERSION,
+        "task": task.name,
+        "task version": task.version,
+        "source": source,
+        "support": [list(task.support.low), list(task.support.high)],
+        "parameters": list(task.parameter_names),
+        "features": list(task.labels),
+    }
