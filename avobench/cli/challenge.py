@@ -6,7 +6,8 @@ from pathlib import Path
 import click
 
 from avobench.bench.processes.workers import Workers
-from avobench.cli.isolated import Isolated, State
+from avobench.cli.isolated import Isolated
+from avobench.cli.state import State
 from avobench.cli.options import TRUST, named
 from avobench.tasks.errors import UsageError
 
