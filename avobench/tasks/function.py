@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from functools import cached_property
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -75,6 +75,19 @@ class FunctionTask(Task):
         if self.feature_kinds or self.feature_units:
             said += (self.feature_kinds, self.feature_units)
         return (self.function, repr(said))
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What `task` is given beside the function to make this task again, of plain numbers and texts."""
+        prior, support = (
+            dict(zip(self.parameter_names, zip(box.low, box.high, strict=True), strict=True))
+            for box in (self.prior, self.support)
+        )
+        said = {"prior": prior, "support": support, "units": dict(zip(prior, self.parameter_units, strict=True))}
+        said |= {"features": self.feature_names, "name": self.name}
+        for name, values in (("kinds", self.feature_kinds), ("feature_units", self.feature_units)):
+            said |= {name: dict(zip(self.labels, values, strict=True))} if values else {}
+        return said
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """One event per row: theta (n, p) -> (n, d). Raises ValueError outside the support."""

@@ -150,8 +150,8 @@ def named_in(file: str | Path, kind: str, name: str, trust: bool) -> str:
     """
     if ":" in name and not trust:
         raise UsageError(
-            f"{file} names {kind} '{name}', and reading it would run that code: only a file that is trusted (--trust) "
-            "may name what is not installed"
+            f"{file} names {kind} '{name}', and reading it would run that code: only a file that is trusted "
+            "(--trust, in Python trust=True) may name what is not installed"
         )
     if ":" not in name and not is_model(kind, name) and name not in names(kind):
         raise UsageError(f"{file} names {kind} '{name}', which is not installed")
