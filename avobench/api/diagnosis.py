@@ -280,8 +280,7 @@ def diagnose(
     simulations = None if simulations is None else whole("simulations", simulations, 1)
     effects = [effects] if isinstance(effects, str) else effects
     spec = task if isinstance(task, str) else registry.spec_of("task", task)
-    if isinstance(task, str):
-        task = registry.build("task", registry.trusted(task) if trust else task, {})
+    task = registry.task_of(task, trust)
     registry.require_packages("task", task)
     checks = Checks(task, simulations)
     possible = registry.blamed(checks.entries, f"task {task.name}")

@@ -211,7 +211,8 @@ class Inference:
         try:
             from arviz import from_dict
         except ImportError as error:
-            raise UsageError("to_inference_data needs ArviZ, which is not installed: pip install 'arviz<1'") from error
+            how = "pip install 'arviz<1'"
+            raise UsageError(f"to_inference_data needs ArviZ below version 1, which is not installed: {how}") from error
         draws = self.samples(n, seed)
         told = {"samples_of": self.samples_of, "method": self.method}
         return from_dict({name: draws[name].to_numpy()[None] for name in draws}, attrs=told)
@@ -303,13 +304,14 @@ def infer(
     SimulatorError
         If the simulator fails; SupportError, BudgetExhausted or InvalidEstimate if the method does.
     """
-    if isinstance(task, str):
-        task = registry.build("task", registry.trusted(task) if trust else task, {})
+    task = registry.task_of(task, trust)
     budget, seed = whole("budget", budget, 1), whole("seed", seed, 0)
     if method is None:
         method = next(name for name in DEFAULTS if registry.missing_package(registry.load("method", name)) is None)
     if isinstance(method, str):
         method = registry.build("method", method, dict(settings or {}))
+    elif not isinstance(method, Method):
+        raise UsageError(f"a method is wanted, or its name, got {method!r:.60}")
     elif settings:
         raise UsageError("settings are for a method given by name; give them to the class otherwise")
     for kind, subject in (("task", task), ("method", method)):

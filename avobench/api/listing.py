@@ -38,8 +38,7 @@ def list_effects(task: Task | str, trust: bool = False) -> pd.DataFrame:
     `trust` runs the code that a model.json names. Raises UsageError where there is no such task, or no catalogue for
     its events.
     """
-    if isinstance(task, str):
-        task = registry.build("task", registry.trusted(task) if trust else task, {})
+    task = registry.task_of(task, trust)
     entries, rows = catalogue(task), []
     for name in dict.fromkeys(effect.name for effect in entries):
         own = [effect for effect in entries if effect.name == name]

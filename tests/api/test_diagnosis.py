@@ -65,7 +65,8 @@ def test_the_model_of_a_function_is_found_again_with_its_function(found, saved):
     assert list(again.theta) == list(model.parameter_names)
 
 
-def test_a_simulator_that_no_file_could_hold_is_named_in_a_warning(found, tmp_path):
+def test_a_simulator_that_no_file_could_hold_is_named_in_a_warning(found, tmp_path, monkeypatch):
+    monkeypatch.setattr("avobench.reports.diagnosis.write", lambda *given: [])
     task = avobench.task(lambda theta, rng: simulate(theta, rng), prior={"mean": (-1, 1)}, name="burst")
     with pytest.warns(UserWarning, match=r"no model\.json: another process does not find the simulator of burst"):
         replace(found, result=replace(found.result, task=task)).save(tmp_path)
@@ -76,7 +77,7 @@ def test_the_code_of_a_notebook_is_that_of_its_cells():
     cells = [
         "import numpy as np",
         "%matplotlib inline",
-        "RATE = 2\nleft_out = 1 / 0",
+        "RATE = 2\nout = 1 / 0",
         "def sim(theta, rng):\n    return RATE",
     ]
     notebook = ModuleType("notebook")

@@ -63,7 +63,7 @@ def fitted():
 
 
 def test_draws_have_the_covariance_that_theory_says(fitted):
-    """Of the means (a, a + b) it is the identity over n, hence of (a, b) [[1, -1], [-1, 2]] / n; the budget adds 4 %."""
+    """Of (a, a + b) it is the identity over n, so of (a, b) it is [[1, -1], [-1, 2]] / n; the budget adds 4 %."""
     expected = np.array([[1, -1], [-1, 2]]) / 4000
     assert fitted.samples_of == "sampling distribution of the estimate"
     assert np.allclose(fitted.covariance, expected, atol=0.3 * expected.max())
@@ -156,6 +156,8 @@ def test_the_standard_error_of_avo_covers_what_made_the_events():
         ("poisson", [1.0, np.nan], {}, "NaN"),
         ("poisson", ["a", "b"], {}, "real numbers"),
         ("poisson", [], {}, "too few"),
+        (lambda theta, rng: theta, [1, 2], {}, "avobench.task makes one from a function"),
+        ("poisson", [1, 2], {"method": min}, "a method is wanted"),
         ("poisson", [1, 2], {"method": "avoo"}, "did you mean avo"),
         ("poisson", [1, 2], {"budget": 1}, "at least"),
         ("poisson", [1, 2], {"seed": -1}, "seed must be a whole number from 0"),
