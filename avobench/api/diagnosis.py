@@ -226,7 +226,6 @@ def diagnose(
     jobs: int = 1,
     ordered: bool = False,
     time: ArrayLike | None = None,
-    trust: bool = False,
     progress: Progress | bool | None = None,
 ) -> Diagnosed:
     """Say whether measured events disagree with a simulator, where, which effect is missing, and add it.
@@ -261,8 +260,6 @@ def diagnose(
         Whether the order of the events is theirs: then drift, change points, seasons and clustering are looked for.
     time
         When each event was (N,), in any unit and order: the same along the time.
-    trust
-        Run the code that a model.json names, if it names any.
     progress
         Is told now and then the phase, the simulated events so far, and about how many there will be. By default a bar
         on a terminal, or a line in a notebook, shows them; False shows nothing.
@@ -280,16 +277,12 @@ def diagnose(
     simulations = None if simulations is None else whole("simulations", simulations, 1)
     effects = [effects] if isinstance(effects, str) else effects
     spec = task if isinstance(task, str) else registry.spec_of("task", task)
-    task = registry.task_of(task, trust)
+    task = registry.task_of(task)
     registry.require_packages("task", task)
     checks = Checks(task, simulations)
     possible = registry.blamed(checks.entries, f"task {task.name}")
     tried = list(possible) if effects is None else chosen(possible, effects, spec or task.name)
-    theirs = {effect.name: (source, effect) for source, effect in map(_own, own)}
-    if len(theirs) < len(own) or set(theirs) & {effect.name for effect in possible}:
-        raise UsageError(f"two effects have the same name; your own are {', '.join(theirs)}: give them other names")
-    for _, effect in theirs.values():
-        require_events(effect, task, checks.simulate)
+    theirs = _theirs(own, possible, task, checks.simulate)
     notes = []
     if time is not None:
         x, time, notes = with_times(x, time, drop_invalid=drop_invalid)
@@ -314,11 +307,23 @@ def diagnose(
         )
     diagnosis = result.diagnosis
     diagnosis = diagnosis.model_copy(update={"notes": notes + remarks + diagnosis.notes})
-    content = _content(replace(result, diagnosis=diagnosis), spec, theirs)
+    return _diagnosed(replace(result, diagnosis=diagnosis), spec, theirs, possible)
+
+
+def _diagnosed(
+    result: "Result", spec: str | None, own: Mapping[str, tuple[str | None, Effect]], entries: Sequence[Effect]
+) -> Diagnosed:
+    """What is shown and kept of a result.
+
+    `spec` is the name by which the task is loaded again. `own` are the user's effects by name: how each is found again,
+    and the effect as it is before it sees data. `entries` are those of the catalogue.
+    """
     used = {effect.name for effect in result.fit.model.effects}
-    lost = [f"the effect {name}" for name, (source, _) in theirs.items() if source is None and name in used]
-    build = partial(_in_memory, task, {source or name: effect for name, (source, effect) in theirs.items()}, possible)
-    return Diagnosed(replace(result, diagnosis=diagnosis), content, build, next(iter(lost), ""))
+    lost = [f"the effect {name}" for name, (source, _) in own.items() if source is None and name in used]
+    build = partial(
+        _in_memory, result.task, {source or name: effect for name, (source, effect) in own.items()}, entries
+    )
+    return Diagnosed(result, _content(result, spec, own), build, next(iter(lost), ""))
 
 
 def _content(result: "Result", spec: str | None, own: Mapping[str, tuple[str | None, Effect]]) -> "ModelFile":
@@ -356,6 +361,18 @@ def _code(task: Task) -> tuple[str, str | None]:
     if not function:
         return thing.__name__, text
     return "task", f"{text}\nimport avobench\n\ntask = avobench.task({thing.__name__}, **{task.arguments!r})\n"
+
+
+def _theirs(
+    own: Sequence[Effect | type[Effect] | str], possible: Sequence[Effect], task: Task, simulate: Simulate
+) -> dict[str, tuple[str | None, Effect]]:
+    """The effects of the user's by name, each tried on a few events: how it is found again, and the effect."""
+    theirs = {effect.name: (source, effect) for source, effect in map(_own, own)}
+    if len(theirs) < len(own) or set(theirs) & {effect.name for effect in possible}:
+        raise UsageError(f"two effects have the same name; your own are {', '.join(theirs)}: give them other names")
+    for _, effect in theirs.values():
+        require_events(effect, task, simulate)
+    return theirs
 
 
 def _own(given: Effect | type[Effect] | str) -> tuple[str | None, Effect]:

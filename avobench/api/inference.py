@@ -269,7 +269,6 @@ def infer(
     seed: int = 0,
     settings: Mapping[str, Any] | None = None,
     drop_invalid: bool = False,
-    trust: bool = False,
     progress: Progress | bool | None = None,
 ) -> Inference:
     """Infer the parameters of a task behind observed events, in this process: what ends it ends all.
@@ -291,8 +290,6 @@ def infer(
         Of the method, where it is given by name.
     drop_invalid
         Leave out rows that hold NaN or infinite values.
-    trust
-        Run the code that a model.json names, if it names any.
     progress
         Is told now and then the method, the simulated events so far, and the budget. By default a bar on a terminal, or
         a line in a notebook, shows them; False shows nothing.
@@ -304,7 +301,7 @@ def infer(
     SimulatorError
         If the simulator fails; SupportError, BudgetExhausted or InvalidEstimate if the method does.
     """
-    task = registry.task_of(task, trust)
+    task = registry.task_of(task)
     budget, seed = whole("budget", budget, 1), whole("seed", seed, 0)
     if method is None:
         method = next(name for name in DEFAULTS if registry.missing_package(registry.load("method", name)) is None)

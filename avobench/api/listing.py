@@ -32,13 +32,12 @@ def list_methods() -> pd.DataFrame:
     return pd.DataFrame(rows).set_index("method")
 
 
-def list_effects(task: Task | str, trust: bool = False) -> pd.DataFrame:
+def list_effects(task: Task | str) -> pd.DataFrame:
     """A row for each effect of the catalogue that applies to a task: what it does, its shapes and its parameters.
 
-    `trust` runs the code that a model.json names. Raises UsageError where there is no such task, or no catalogue for
-    its events.
+    Raises UsageError where there is no such task, or no catalogue for its events.
     """
-    task = registry.task_of(task, trust)
+    task = registry.task_of(task)
     entries, rows = catalogue(task), []
     for name in dict.fromkeys(effect.name for effect in entries):
         own = [effect for effect in entries if effect.name == name]

@@ -44,6 +44,6 @@ def pairs(draws: pd.DataFrame, draws_of: str) -> Figure:
 
     with matplotlib.rc_context(STYLE):
         figure = seaborn.pairplot(draws, corner=True, kind="hist", diag_kind="hist").figure
-        figure.suptitle(draws_of)
+        figure.suptitle(draws_of, x=0.98, ha="right")
         plt.close(figure)  # pyplot would keep it, and a notebook would show it twice
     return figure

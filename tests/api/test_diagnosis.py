@@ -61,7 +61,7 @@ def test_the_model_of_a_function_is_found_again_with_its_function(found, saved):
     assert np.array_equal(model.simulate(theta, rngs[0]), found.model.simulate(theta, rngs[1]))
     assert model.content.task == f"{saved / 'task.py'}:task"
     x = model.simulate(theta, np.random.default_rng(1))
-    again = avobench.infer(str(saved / "model.json"), x, "smm", budget=5000, trust=True)
+    again = avobench.infer(model, x, "smm", budget=5000)
     assert list(again.theta) == list(model.parameter_names)
 
 

@@ -133,10 +133,10 @@ def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
         raise UsageError(f"setting{where} of {kind} {found.name}: {reason}") from error
 
 
-def task_of(given: Task | str, trust: bool = False) -> Task:
-    """The task that is given, itself or by name; `trust` as for `trusted`. Raises UsageError for what is no task."""
+def task_of(given: Task | str) -> Task:
+    """The task that is given, itself or by name. Raises UsageError for what is no task."""
     if isinstance(given, str):
-        return build("task", trusted(given) if trust else given, {})
+        return build("task", given, {})
     if not isinstance(given, Task):
         raise UsageError(f"a task is wanted, or its name, got {given!r:.60}; avobench.task makes one from a function")
     return given
@@ -165,7 +165,7 @@ def named_in(file: str | Path, kind: str, name: str, trust: bool) -> str:
     if ":" in name and not trust:
         raise UsageError(
             f"{file} names {kind} '{name}', and reading it would run that code: only a file that is trusted "
-            "(--trust, in Python trust=True) may name what is not installed"
+            "(--trust, in Python avobench.load(file, trust=True)) may name what is not installed"
         )
     if ":" not in name and not is_model(kind, name) and name not in names(kind):
         raise UsageError(f"{file} names {kind} '{name}', which is not installed")
