@@ -4,10 +4,15 @@ What there is stands in `__init__.pyi`, for readers, type checkers and `lazy_loa
 is first asked for, so that `import avobench` takes milliseconds.
 """
 
-from importlib.metadata import version
-
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
-__version__ = version("avobench")
-del lazy_loader, version
+_load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+del lazy_loader
+
+
+def __getattr__(name: str) -> object:
+    if name == "__version__":
+        from importlib.metadata import version  # here, since it takes longer than all else of the import
+
+        return version("avobench")
+    return _load(name)

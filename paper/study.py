@@ -11,7 +11,7 @@ from avobench.bench.store.status import ESTIMATED, reason
 from avobench.bench.store.store import Store
 from avobench.bench.sweep.runner import run
 from avobench.cli import listing
-from avobench.cli.isolated import State
+from avobench.cli.state import State
 from avobench.cli.main import main
 from avobench.cli.progress import ProgressView
 from avobench.tasks.errors import AvobenchError, UsageError

@@ -4,23 +4,29 @@ import base64
 import html
 import io
 import json
+import os
+import sys
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
+from avobench.api.described import Described, array, description, plain
+from avobench.api.progress import Progress, shown
 from avobench.bench.events.checks import Simulate, with_times
 from avobench.bench.plugins import registry
+from avobench.bench.plugins.source import as_module
 from avobench.bench.store.files import require_folder, write_atomically
 from avobench.effects import Effect
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError, whole
+from avobench.tasks.function import FunctionTask
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,17 +38,21 @@ TRIED = 50
 """Events on which an effect of the user's is tried before anything is fitted."""
 
 
+def _no_model(content: "ModelFile | None") -> Task:
+    raise UsageError("the folder of this diagnosis has no model.json")
+
+
 @dataclass(frozen=True, repr=False)
 class Diagnosed:
     """What a simulator lacks, by measured events; shows itself in a notebook, and is kept by `save`."""
 
     result: "Result"
-    own: Mapping[str, tuple[str | None, Effect]] = field(default_factory=dict)
-    """Effects of the user's own by name: how each is found again, and the effect as it is before it sees data."""
-    spec: str | None = None
-    """The name by which the task is loaded again; None where only this process has it."""
-    entries: Sequence[Effect] = ()
-    """The catalogue's entries for the task."""
+    content: "ModelFile | None" = None
+    """What model.json holds; its task is "" where only this process has it. None where a folder has no such file."""
+    build: Callable[["ModelFile | None"], Task] = _no_model
+    """What makes the model of its content."""
+    lost: str = ""
+    """An effect of the user's own that no file could say how to find again; empty where there is none."""
 
     @property
     def task(self) -> Task:
@@ -91,13 +101,7 @@ class Diagnosed:
     @cached_property
     def model(self) -> Task:
         """The task with the effects that were found: its parameters are those of the task and of the effects."""
-        from avobench.effects.model_file import AugmentedTask
-
-        plain = {source or effect.name: effect for source, effect in self.own.values()}
-        content = self._content()
-        return AugmentedTask.of(
-            content, lambda spec, settings: self.task, lambda source: plain[source], entries=list(self.entries)
-        )
+        return self.build(self.content)
 
     def plot(self, name: str | None = None) -> "Figure":
         """A figure by its name; by default the measured events against the simulation before and after.
@@ -123,32 +127,67 @@ class Diagnosed:
     def save(self, folder: str | Path, title: str | None = None) -> list[Path]:
         """Write `report.html`, its figures, `diagnosis.json`, `model.json`, and `correction.npz` where there is one.
 
-        Each file is written whole or not at all, and diagnosis.json last, so that a folder that has it has all. There
-        is no model.json, and a warning says so, where no file could say how to find the task or an effect again, such
-        as one that was defined in a notebook. Raises UsageError where the folder cannot be used.
+        `avobench.load` reads the folder again, and commands accept `model.json` as a task. A task that has no name by
+        which another process finds it, such as one that was made in a script or a notebook, is kept in `task.py`: its
+        function or class, and what that uses of its module. There is no model.json, and a warning says why, where that
+        cannot be. Each file is written whole or not at all, and diagnosis.json last, so that a folder that has it has
+        all. Raises UsageError where the folder cannot be used.
         """
         from avobench.reports import diagnosis as report
 
         folder = Path(folder)
         require_folder(folder)
         # All that may fail is made before anything of another run is removed, to which this does not belong.
-        lost = self._not_found_again()
-        model = "" if lost else self._content().model_dump_json(indent=1)
-        content = json.dumps(self.diagnosis.model_dump(mode="json"), indent=1)
-        for name in ("diagnosis.json", "correction.npz", "model.json"):
+        if self.result.fit is None:
+            raise UsageError("this diagnosis was read from a folder; copy that folder")
+        lost, content, code = self.lost, self.content, None
+        if not lost and not content.task:
+            name, code = _code(self.task)
+            lost = "" if code else f"the simulator of {self.task.name}"
+            content = content.model_copy(update={"task": f"{folder.resolve() / 'task.py'}:{name}"})
+        pictures = json.dumps({"task": description(self.task), **asdict(self.result.pictures)}, default=plain)
+        said = json.dumps(self.diagnosis.model_dump(mode="json"), indent=1)
+        for name in ("diagnosis.json", "correction.npz", "model.json", "task.py"):
             (folder / name).unlink(missing_ok=True)
         paths = report.write(self.task, self.result, folder, title or self.task.name)
         if lost:
             warnings.warn(
-                f"no model.json: {lost} has no file; define it in one and name it as file.py:name", stacklevel=2
+                f"no model.json: another process does not find {lost}; define it by `def` or `class` at the top of a "
+                "file or of a cell",
+                stacklevel=2,
             )
         else:
-            paths.append(write_atomically(folder / "model.json", f"{model}\n".encode()))
+            paths += [write_atomically(folder / "task.py", code.encode())] if code else []
+            paths.append(write_atomically(folder / "model.json", f"{content.model_dump_json(indent=1)}\n".encode()))
+        paths.append(write_atomically(folder / "figures.json", f"{pictures}\n".encode()))
         if (weights := self.result.correction) is not None:
             buffer = io.BytesIO()
             np.savez_compressed(buffer, x=weights.x, weights=weights.weights)
             paths.append(write_atomically(folder / "correction.npz", buffer.getvalue()))
-        return [*paths, write_atomically(folder / "diagnosis.json", f"{content}\n".encode())]
+        return [*paths, write_atomically(folder / "diagnosis.json", f"{said}\n".encode())]
+
+    @classmethod
+    def read(cls, folder: Path, trust: bool = False) -> "Diagnosed":
+        """The diagnosis that `save` wrote to a folder; `trust` as for `avobench.load`.
+
+        Raises OSError, AttributeError, KeyError, TypeError or ValueError where it is none.
+        """
+        from avobench.diagnosis import Diagnosis, Result
+        from avobench.diagnosis.report.result import Maps, Pictures, Spectrum
+        from avobench.effects.model_file import ModelFile
+
+        def arrays(said: dict[str, Any]) -> dict[str, Any]:
+            return {name: array(value) if isinstance(value, list) else value for name, value in said.items()}
+
+        diagnosis = Diagnosis.model_validate_json((folder / "diagnosis.json").read_bytes())
+        drawn = json.loads((folder / "figures.json").read_bytes())
+        spectra, maps = (Spectrum(**arrays(each)) for each in drawn["spectra"]), drawn["maps"]
+        pictures = Pictures(tuple(spectra), None if maps is None else Maps(**arrays(maps)))
+        result, file = Result(Described(drawn["task"]), diagnosis, None, pictures, None), folder / "model.json"
+        if not file.exists():
+            return cls(result)
+        spec = registry.trusted(str(file)) if trust else str(file)
+        return cls(result, ModelFile.model_validate_json(file.read_bytes()), partial(_from_file, spec))
 
     def details(self) -> str:
         """All that a screen of text holds: tests, probabilities, regions and notes beside what `print` shows."""
@@ -171,21 +210,6 @@ class Diagnosed:
         picture = f'<img src="data:image/png;base64,{image}" alt="measured and simulated events">'
         return f"<pre>{html.escape(str(self))}</pre>{picture}"
 
-    def _not_found_again(self) -> str:
-        """What another process could not find; empty where it finds all."""
-        used = {effect.name for effect in self.result.fit.model.effects}
-        lost = [f"the effect {name}" for name, (source, _) in self.own.items() if source is None and name in used]
-        return f"the task {self.task.name}" if self.spec is None else next(iter(lost), "")
-
-    def _content(self) -> "ModelFile":
-        from avobench.diagnosis.report.model_file import describe
-        from avobench.diagnosis.report.uncertainties import QuotedFit
-
-        fit, theta = self.result.fit, self.diagnosis.theta_after or self.diagnosis.theta_before
-        std = QuotedFit(fit).std
-        std[: fit.model.num_theta] = [value.std for value in theta.values()]
-        return describe(fit, std, self.spec or self.task.name, self.own)
-
 
 def diagnose(
     task: Task | str,
@@ -202,7 +226,7 @@ def diagnose(
     jobs: int = 1,
     ordered: bool = False,
     time: ArrayLike | None = None,
-    progress: Callable[[str, int, int], None] | None = None,
+    progress: Progress | bool | None = None,
 ) -> Diagnosed:
     """Say whether measured events disagree with a simulator, where, which effect is missing, and add it.
 
@@ -237,7 +261,8 @@ def diagnose(
     time
         When each event was (N,), in any unit and order: the same along the time.
     progress
-        Is told now and then the phase, the simulated events so far, and about how many there will be.
+        Is told now and then the phase, the simulated events so far, and about how many there will be. By default a bar
+        on a terminal, or a line in a notebook, shows them; False shows nothing.
 
     Raises
     ------
@@ -252,41 +277,102 @@ def diagnose(
     simulations = None if simulations is None else whole("simulations", simulations, 1)
     effects = [effects] if isinstance(effects, str) else effects
     spec = task if isinstance(task, str) else registry.spec_of("task", task)
-    if isinstance(task, str):
-        task = registry.build("task", task, {})
+    task = registry.task_of(task)
     registry.require_packages("task", task)
     checks = Checks(task, simulations)
     possible = registry.blamed(checks.entries, f"task {task.name}")
     tried = list(possible) if effects is None else chosen(possible, effects, spec or task.name)
-    theirs = {effect.name: (source, effect) for source, effect in map(_own, own)}
-    if len(theirs) < len(own) or set(theirs) & {effect.name for effect in possible}:
-        raise UsageError(f"two effects have the same name; your own are {', '.join(theirs)}: give them other names")
-    for _, effect in theirs.values():
-        require_events(effect, task, checks.simulate)
+    theirs = _theirs(own, possible, task, checks.simulate)
     notes = []
     if time is not None:
         x, time, notes = with_times(x, time, drop_invalid=drop_invalid)
     x, remarks = checks.events(x, drop_invalid=drop_invalid)
     for source, effect in theirs.values():  # what no file can keep would else show when all is done
         registry.blamed(lambda s=source, e=effect: _keepable(e, x, task, s), f"effect {effect.name}")
-    result = diagnosed(
-        task,
-        x,
-        seed=seed,
-        alpha=alpha,
-        max_effects=max_effects,
-        num_simulations=simulations,
-        num_spent=checks.used,
-        fit=fit,
-        effects=[*tried, *(effect for _, effect in theirs.values())],
-        jobs=jobs,
-        ordered=ordered,
-        time=time,
-        progress=progress,
-    )
+    with shown(progress) as tell:
+        result = diagnosed(
+            task,
+            x,
+            seed=seed,
+            alpha=alpha,
+            max_effects=max_effects,
+            num_simulations=simulations,
+            num_spent=checks.used,
+            fit=fit,
+            effects=[*tried, *(effect for _, effect in theirs.values())],
+            jobs=jobs,
+            ordered=ordered,
+            time=time,
+            progress=tell,
+        )
     diagnosis = result.diagnosis
     diagnosis = diagnosis.model_copy(update={"notes": notes + remarks + diagnosis.notes})
-    return Diagnosed(replace(result, diagnosis=diagnosis), theirs, spec, possible)
+    return _diagnosed(replace(result, diagnosis=diagnosis), spec, theirs, possible)
+
+
+def _diagnosed(
+    result: "Result", spec: str | None, own: Mapping[str, tuple[str | None, Effect]], entries: Sequence[Effect]
+) -> Diagnosed:
+    """What is shown and kept of a result.
+
+    `spec` is the name by which the task is loaded again. `own` are the user's effects by name: how each is found again,
+    and the effect as it is before it sees data. `entries` are those of the catalogue.
+    """
+    used = {effect.name for effect in result.fit.model.effects}
+    lost = [f"the effect {name}" for name, (source, _) in own.items() if source is None and name in used]
+    build = partial(
+        _in_memory, result.task, {source or name: effect for name, (source, effect) in own.items()}, entries
+    )
+    return Diagnosed(result, _content(result, spec, own), build, next(iter(lost), ""))
+
+
+def _content(result: "Result", spec: str | None, own: Mapping[str, tuple[str | None, Effect]]) -> "ModelFile":
+    """What model.json says of the final fit. `own` are the user's effects by name, with how each is found again."""
+    from avobench.diagnosis.report.model_file import describe
+    from avobench.diagnosis.report.uncertainties import QuotedFit
+
+    fit, theta = result.fit, result.diagnosis.theta_after or result.diagnosis.theta_before
+    std = QuotedFit(fit).std
+    std[: fit.model.num_theta] = [value.std for value in theta.values()]
+    return describe(fit, std, spec or "", own)
+
+
+def _in_memory(task: Task, own: Mapping[str, Effect], entries: Sequence[Effect], content: "ModelFile") -> Task:
+    """The task with effects of a content, of the objects that this process has."""
+    from avobench.effects.model_file import AugmentedTask
+
+    return AugmentedTask.of(content, lambda spec, settings: task, own.__getitem__, entries=list(entries))
+
+
+def _from_file(spec: str, content: "ModelFile") -> Task:
+    """The task with effects of a file."""
+    return registry.build("task", spec, {})
+
+
+def _code(task: Task) -> tuple[str, str | None]:
+    """The name of a task in a module of its own, and the text of that module; None where it cannot be read."""
+    function = isinstance(task, FunctionTask)
+    thing = task.function if function else type(task)
+    text = as_module(thing)
+    if text is None:
+        return "", None
+    folder = os.path.dirname(os.path.abspath(getattr(sys.modules[thing.__module__], "__file__", None) or "x"))
+    text = f"import sys\n\nsys.path.append({folder!r})  # where other modules of its own are\n\n{text}"
+    if not function:
+        return thing.__name__, text
+    return "task", f"{text}\nimport avobench\n\ntask = avobench.task({thing.__name__}, **{task.arguments!r})\n"
+
+
+def _theirs(
+    own: Sequence[Effect | type[Effect] | str], possible: Sequence[Effect], task: Task, simulate: Simulate
+) -> dict[str, tuple[str | None, Effect]]:
+    """The effects of the user's by name, each tried on a few events: how it is found again, and the effect."""
+    theirs = {effect.name: (source, effect) for source, effect in map(_own, own)}
+    if len(theirs) < len(own) or set(theirs) & {effect.name for effect in possible}:
+        raise UsageError(f"two effects have the same name; your own are {', '.join(theirs)}: give them other names")
+    for _, effect in theirs.values():
+        require_events(effect, task, simulate)
+    return theirs
 
 
 def _own(given: Effect | type[Effect] | str) -> tuple[str | None, Effect]:

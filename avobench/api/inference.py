@@ -1,31 +1,45 @@
 """One inference on a user's own events, from Python as from the command line."""
 
 import html
+import json
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
+from avobench.api.described import Described, array, description, plain
+from avobench.api.progress import Progress, shown
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.estimates import require_recordable
 from avobench.bench.cells.streams import stream
 from avobench.bench.events.checks import SHARE, check_events
 from avobench.bench.plugins import registry
+from avobench.bench.store.files import require_folder, write_file
 from avobench.bench.store.versions import versions
 from avobench.effects.pool import Counted
-from avobench.methods import Estimate, Method
+from avobench.methods import Estimate, Method, TracePoint, WeightedSample
 from avobench.reports.numbers import with_error
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError, whole
 
 if TYPE_CHECKING:
+    from arviz import InferenceData
     from matplotlib.figure import Figure
 
+KIND = "avobench-fit"
+"""What the file of a fit says that it is."""
+TRIES = 1000
+"""So many times more draws than asked for are made of a Gaussian, of which those within the support count."""
+PAIRED = 2000
+"""Draws that the figure of pairs shows."""
 
+VECTORS = ("theta", "mean", "std", "error", "covariance")
+"""The arrays of an estimate."""
 DEFAULTS = ("avo", "smm")
 """The first of these methods whose packages are installed is the default; `smm` needs none."""
 
@@ -35,7 +49,9 @@ class Inference:
     """What a method found for the parameters of a task behind a set of events; shows itself in a notebook."""
 
     task: Task
-    method: Method
+    """Of a fit that was read from a file, what the file says of it, without the simulator."""
+    method: str
+    """The name of the method."""
     estimate: Estimate
     num_events: int
     """Observed."""
@@ -45,6 +61,8 @@ class Inference:
     seed: int
     warnings: tuple[str, ...] = ()
     """What may be wrong with the events, a sentence each."""
+    versions: Mapping[str, Any] = field(default_factory=versions)
+    """Of Python and the packages with which it was made."""
 
     @property
     def theta(self) -> dict[str, float]:
@@ -83,7 +101,7 @@ class Inference:
         """Everything but the trace, of plain numbers and texts."""
         return {
             "task": self.task.name,
-            "method": self.method.name,
+            "method": self.method,
             "theta": self.theta,
             "std": {name: value if np.isfinite(value) else None for name, value in self.std.items()},
             "std_of": self.std_of,
@@ -96,14 +114,123 @@ class Inference:
             "num_simulations": self.num_simulations,
             "seconds": self.seconds,
             "seed": self.seed,
-            "versions": versions(),
+            "versions": dict(self.versions),
         }
 
-    def plot(self) -> "Figure":
-        """The estimate of each parameter against the number of simulated events, with its spread as a band."""
-        from avobench.reports.trace import draw
+    def save(self, path: str | Path) -> Path:
+        """Write all of it, as JSON, to a file that `avobench.load` reads.
 
-        return draw(self.task, self.estimate)
+        Raises UsageError where there is no such folder, StoreError where the disk does not take it.
+        """
+        path = Path(path)
+        require_folder(path.parent, make=False)
+        estimate = {each.name: getattr(self.estimate, each.name) for each in fields(Estimate)}
+        estimate |= {name: plain(estimate[name]) for name in VECTORS}
+        estimate["trace"] = [[int(n), plain(theta), plain(std)] for n, theta, std in self.estimate.trace]
+        estimate["sample"] = None if self.estimate.sample is None else list(map(plain, self.estimate.sample))
+        estimate["discarded"] = int(self.estimate.discarded)
+        content = {"kind": KIND, **self.to_dict(), "described": description(self.task), "estimate": estimate}
+        write_file(path, (json.dumps(content, indent=1) + "\n").encode())
+        return path
+
+    @classmethod
+    def of(cls, content: dict[str, Any]) -> "Inference":
+        """The fit that `save` wrote. Raises AttributeError, KeyError, TypeError or ValueError for what is none."""
+        told = dict(content["estimate"])
+        told |= {name: array(told[name]) for name in VECTORS}
+        told["trace"] = [TracePoint(n, array(theta), array(std)) for n, theta, std in told["trace"]]
+        told["sample"] = told["sample"] and WeightedSample(*map(array, told["sample"]))
+        task, estimate = Described(content["described"]), Estimate(**told)
+        if not estimate.theta.shape == estimate.std.shape == (task.prior.dim,):
+            raise ValueError("the estimate has another number of parameters")
+        names = ("method", "num_events", "num_simulations", "seconds", "seed", "versions")
+        kept = {name: content[name] for name in names}
+        return cls(task, estimate=estimate, warnings=tuple(content["warnings"]), **kept)
+
+    @property
+    def samples_of(self) -> str:
+        """What `samples` draws from: "posterior", "proposal", or "sampling distribution of the estimate"."""
+        if self.estimate.sample is not None:
+            return "posterior"
+        return self.estimate.spread_of if self.estimate.error is None else "sampling distribution of the estimate"
+
+    @property
+    def covariance(self) -> pd.DataFrame:
+        """The covariance (p, p) of what `samples_of` says, by the names of the parameters.
+
+        Raises UsageError where the method does not tell how its parameters are correlated.
+        """
+        estimate, sample = self.estimate, self.estimate.sample
+        if sample is not None:
+            away = sample.theta - sample.weights @ sample.theta
+            values = (sample.weights * away.T) @ away
+        elif estimate.covariance is not None:
+            values = estimate.covariance
+        elif len(self._spread) == 1:
+            values = self._spread[:, None] ** 2
+        else:
+            raise UsageError(f"{self.method} does not tell how the errors of the parameters are correlated")
+        names = pd.Index(self.task.parameter_names, name="parameter")
+        return pd.DataFrame(values, index=names, columns=self.task.parameter_names)
+
+    def samples(self, n: int = 4000, seed: int = 0) -> pd.DataFrame:
+        """Draws (n, p) of the parameters, a column each; `samples_of` says from what.
+
+        Of a posterior they are drawn again from the points that the method has. The sampling distribution of the
+        estimate, and a proposal, is a Gaussian with `covariance` within the support. Raises UsageError where the method
+        does not tell how its parameters are correlated, or no finite spread.
+        """
+        n, rng, sample = whole("n", n, 1), np.random.default_rng(seed), self.estimate.sample
+        if sample is not None:
+            draws = sample.theta[rng.choice(len(sample.theta), n, p=sample.weights / sample.weights.sum())]
+        else:
+            draws = self._gaussian(n, rng)
+        return pd.DataFrame(draws, columns=self.task.parameter_names)
+
+    def _gaussian(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
+        """Draws within the support: (n, p)."""
+        estimate, covariance = self.estimate, self.covariance.to_numpy()
+        if not np.isfinite(covariance).all():
+            raise UsageError(f"{self.method} tells no finite spread of the parameters")
+        centre, std = estimate.theta if estimate.error is not None else estimate.mean, np.sqrt(np.diag(covariance))
+        units = np.outer(std, std)
+        correlation = np.divide(covariance, units, out=np.eye(len(std)), where=units > 0)
+        draws = np.empty((0, len(std)))
+        for _ in range(TRIES):
+            new = centre + std * rng.multivariate_normal(np.zeros(len(std)), correlation, n, check_valid="ignore")
+            draws = np.concatenate([draws, new[self.task.support.contains(new)]])
+            if len(draws) >= n:
+                return draws[:n]
+        raise UsageError(f"less than one in {TRIES} draws of {self.samples_of} lies within the support")
+
+    def to_inference_data(self, n: int = 4000, seed: int = 0) -> "InferenceData":
+        """The draws of `samples` as one chain of ArviZ's InferenceData, whose attribute `samples_of` says of what.
+
+        Raises UsageError where ArviZ, of a version below 1, is not installed.
+        """
+        try:
+            from arviz import from_dict
+        except ImportError as error:
+            how = "pip install 'arviz<1'"
+            raise UsageError(f"to_inference_data needs ArviZ below version 1, which is not installed: {how}") from error
+        draws = self.samples(n, seed)
+        told = {"samples_of": self.samples_of, "method": self.method}
+        return from_dict({name: draws[name].to_numpy()[None] for name in draws}, attrs=told)
+
+    def plot(self, name: str = "trace") -> "Figure":
+        """The figure "trace" or "pairs".
+
+        The first is the estimate of each parameter against the number of simulated events: one band is the spread that
+        the method had at that point, the other the error that is quoted. The second shows the draws of `samples`, each
+        parameter and each pair. Raises UsageError for another name.
+        """
+        from avobench.reports import trace
+
+        if name == "trace":
+            return trace.draw(self.task, self.estimate, self._spread, self.std_of)
+        if name == "pairs":
+            return trace.pairs(self.samples(PAIRED), self.samples_of)
+        raise UsageError(f"there is no figure '{name}'; a fit has trace, pairs")
 
     def __str__(self) -> str:
         """A line for each parameter, a doubt of the method where it has one, and what the fit took."""
@@ -120,7 +247,7 @@ class Inference:
     def how(self) -> str:
         """A line that says how the numbers came about."""
         return (
-            f"{self.method.name} on {self.num_events} events: {self.estimate.how} ± {self.std_of}; "
+            f"{self.method} on {self.num_events} events: {self.estimate.how} ± {self.std_of}; "
             f"{self.num_simulations} simulated events, {self.seconds:.1f} s"
         )
 
@@ -142,13 +269,14 @@ def infer(
     seed: int = 0,
     settings: Mapping[str, Any] | None = None,
     drop_invalid: bool = False,
+    progress: Progress | bool | None = None,
 ) -> Inference:
     """Infer the parameters of a task behind observed events, in this process: what ends it ends all.
 
     Parameters
     ----------
     task
-        A task, or its name, `module:Class` or `path/to/file.py:Class`.
+        A task, or its name, `module:Class`, `path/to/file.py:Class`, or the path of a model.json.
     x
         Observed events (N, d), or (N,) where an event is one number.
     method
@@ -162,6 +290,9 @@ def infer(
         Of the method, where it is given by name.
     drop_invalid
         Leave out rows that hold NaN or infinite values.
+    progress
+        Is told now and then the method, the simulated events so far, and the budget. By default a bar on a terminal, or
+        a line in a notebook, shows them; False shows nothing.
 
     Raises
     ------
@@ -170,13 +301,14 @@ def infer(
     SimulatorError
         If the simulator fails; SupportError, BudgetExhausted or InvalidEstimate if the method does.
     """
-    if isinstance(task, str):
-        task = registry.build("task", task, {})
+    task = registry.task_of(task)
     budget, seed = whole("budget", budget, 1), whole("seed", seed, 0)
     if method is None:
         method = next(name for name in DEFAULTS if registry.missing_package(registry.load("method", name)) is None)
     if isinstance(method, str):
         method = registry.build("method", method, dict(settings or {}))
+    elif not isinstance(method, Method):
+        raise UsageError(f"a method is wanted, or its name, got {method!r:.60}")
     elif settings:
         raise UsageError("settings are for a method given by name; give them to the class otherwise")
     for kind, subject in (("task", task), ("method", method)):
@@ -190,11 +322,16 @@ def infer(
         task, x, drop_invalid=drop_invalid, diagnosis=False, simulate=checks, limit=room
     )
     start = time.perf_counter()
-    simulate = MeteredSimulator(task, budget - checks.used, stream(seed, "simulator", task.name, method.name))
-    problem = pose(task, x_observed, simulate)
-    estimate = method.infer(problem, stream(seed, "method", task.name, method.name))
+    words = (task.name, method.name)
+    with shown(progress) as tell:
+        simulate = MeteredSimulator(
+            *(task, budget - checks.used, stream(seed, "simulator", *words)),
+            progress=lambda used: tell(method.name, checks.used + used, budget),
+        )
+        problem = pose(task, x_observed, simulate)
+        estimate = method.infer(problem, stream(seed, "method", *words))
     require_recordable(estimate, problem, simulate.used)
     seconds = time.perf_counter() - start
     return Inference(
-        task, method, estimate, len(x_observed), checks.used + simulate.used, seconds, seed, tuple(warnings)
+        task, method.name, estimate, len(x_observed), checks.used + simulate.used, seconds, seed, tuple(warnings)
     )

@@ -37,8 +37,7 @@ def list_effects(task: Task | str) -> pd.DataFrame:
 
     Raises UsageError where there is no such task, or no catalogue for its events.
     """
-    if isinstance(task, str):
-        task = registry.build("task", task, {})
+    task = registry.task_of(task)
     entries, rows = catalogue(task), []
     for name in dict.fromkeys(effect.name for effect in entries):
         own = [effect for effect in entries if effect.name == name]

@@ -6,8 +6,9 @@ from pathlib import Path
 import click
 
 from avobench.bench.processes.workers import Workers
-from avobench.cli.isolated import Isolated, State
+from avobench.cli.isolated import Isolated
 from avobench.cli.options import TRUST, named
+from avobench.cli.state import State
 from avobench.tasks.errors import UsageError
 
 FOLDER = click.argument("folder", type=click.Path(path_type=Path))

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import click
 
-from avobench.bench.store.store import DamagedRecord
+from avobench.bench.store.damage import DamagedRecord
 
 
 def naming_damaged(command: Callable[[], int | None]) -> int:

@@ -4,15 +4,14 @@ from pathlib import Path
 from typing import Any
 
 import click
-from rich.console import Console
 
 from avobench.api.diagnosis import diagnose as diagnose_events
+from avobench.api.progress import shown
 from avobench.bench.events import read_timed
 from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder
 from avobench.cli.isolated import Isolated
 from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
-from avobench.cli.progress import DiagnosisProgress
 
 
 @click.command(cls=Isolated)
@@ -53,7 +52,7 @@ def diagnose(
     registry.load("task", spec)  # what is wrong with the request is said before a folder is made
     x, when = read_timed(data, [c.strip() for c in columns.split(",")] if columns else None, time)
     require_folder(out)
-    with DiagnosisProgress(Console(stderr=True)) as progress:
+    with shown(None, plain=True) as progress:
         found = diagnose_events(
             spec,
             x,

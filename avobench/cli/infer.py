@@ -1,14 +1,14 @@
 """`avobench infer`: from a file of measured events to the parameters of a simulator."""
 
-import json
 from pathlib import Path
 
 import click
 
 from avobench.api.inference import infer as infer_events
+from avobench.api.progress import shown
 from avobench.bench.events import read_events
 from avobench.bench.plugins import registry
-from avobench.bench.store.files import require_folder, write_file
+from avobench.bench.store.files import require_folder
 from avobench.bench.sweep.plan import parse_settings
 from avobench.cli.isolated import Isolated
 from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
@@ -24,7 +24,7 @@ from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
 @COLUMNS
 @DROP_INVALID
 @TRUST
-@click.option("--out", type=click.Path(path_type=Path), default=None, metavar="FILE", help="Write the result as JSON.")
+@click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="JSON file to write the result to.")
 def infer(
     spec: str,
     data: str,
@@ -42,15 +42,19 @@ def infer(
         require_folder(out.parent, make=False)
     spec = named(spec, trust)
     chosen = parse_settings(list(settings), {"task": [spec], "method": [method] if method else []})
-    found = infer_events(
-        registry.build("task", spec, chosen[spec]),
-        read_events(data, [c.strip() for c in columns.split(",")] if columns else None),
-        method,
-        budget=budget,
-        seed=seed,
-        settings=chosen[method] if method else None,
-        drop_invalid=drop_invalid,
-    )
+    task = registry.build("task", spec, chosen[spec])
+    x = read_events(data, [c.strip() for c in columns.split(",")] if columns else None)
+    with shown(None, plain=True) as progress:
+        found = infer_events(
+            task,
+            x,
+            method,
+            budget=budget,
+            seed=seed,
+            settings=chosen[method] if method else None,
+            drop_invalid=drop_invalid,
+            progress=progress,
+        )
     if out is not None:
-        write_file(out, (json.dumps(found.to_dict(), indent=1) + "\n").encode())
+        found.save(out)
     click.echo(found)

@@ -1,37 +1,16 @@
 """Commands that run code of the user's: in another process, so that code which ends its process ends no command."""
 
 import importlib
-import signal
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
-from types import FrameType
 from typing import Any
 
 import click
 
 from avobench.bench.plugins import registry
 from avobench.bench.processes.apart import Call, apart
+from avobench.cli.state import State
 from avobench.tasks.errors import AvobenchError, ProcessEnded
-
-
-@dataclass
-class State:
-    """What holds for the whole command, whichever it is."""
-
-    debug: bool = False
-    """Show tracebacks."""
-    in_process: bool = False
-    """Run the user's code in this process, for a debugger."""
-    resumes: bool = False
-    """Whether the command, when it was stopped and is given again, goes on from what was finished; it sets this."""
-    interrupted: bool = False
-    """Whether Ctrl-C came, whatever was made of it by what it interrupted."""
-
-    def interrupt(self, number: int, frame: FrameType | None) -> None:
-        """The handler of Ctrl-C: as Python's own, and remembered."""
-        self.interrupted = True
-        signal.default_int_handler(number, frame)
 
 
 class Isolated(click.Command):

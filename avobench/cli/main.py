@@ -3,26 +3,50 @@
 import errno
 import signal
 import sys
+from importlib import import_module
 from typing import NoReturn
 
 import click
 
-from avobench.bench.processes.apart import Fault
-from avobench.cli.challenge import challenge
-from avobench.cli.check import check
 from avobench.cli.damaged import naming_damaged
-from avobench.cli.diagnose import diagnose
-from avobench.cli.effects import effects, list_
-from avobench.cli.infer import infer
-from avobench.cli.isolated import State
-from avobench.cli.pack import pack
-from avobench.cli.records import export, status
-from avobench.cli.reports import figure, report
-from avobench.cli.run import run
-from avobench.tasks.errors import AvobenchError, UsageError
+from avobench.cli.state import State
+
+COMMANDS = {
+    "list": ("effects:list_", "Show the tasks, the methods and the effects."),
+    "infer": ("infer:infer", "Infer the parameters of a simulator behind measured events."),
+    "run": ("run:run", "Carry out the cells that a results folder lacks."),
+    "status": ("records:status", "Summarise the records of a results folder."),
+    "export": ("records:export", "Write all records as one table, a row a cell."),
+    "pack": ("pack:pack", "Put the records of a results folder into one file."),
+    "check": ("check:check", "Tell whether a task, method or effect keeps its contract."),
+    "figure": ("reports:figure", "Draw figures from records."),
+    "report": ("reports:report", "Write one page with everything."),
+    "diagnose": ("diagnose:diagnose", "Say what a simulator lacks, by measured events."),
+    "challenge": ("challenge:challenge", "Hide effects in measured data, find them again, and score that."),
+    "effects": ("effects:effects", "Draw what a simulator may lack."),
+}
+"""The commands by name: where each is, and what it does. What they need takes a second to load, so that each is
+imported when it is asked for."""
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+class Commands(click.Group):
+    """The commands of COMMANDS, none of which is loaded to be listed."""
+
+    def list_commands(self, context: click.Context) -> list[str]:
+        return sorted(COMMANDS)
+
+    def get_command(self, context: click.Context, name: str) -> click.Command | None:
+        if name not in COMMANDS:
+            return None
+        module, _, command = COMMANDS[name][0].partition(":")
+        return getattr(import_module(f"avobench.cli.{module}"), command)
+
+    def format_commands(self, context: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, COMMANDS[name][1]) for name in self.list_commands(context)])
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
 @click.version_option(package_name="avobench")
 @click.option("--debug", is_flag=True, help="Show tracebacks; may stand anywhere.")
 @click.option("--in-process", is_flag=True, help="Run your code in this process, for a debugger; may stand anywhere.")
@@ -30,12 +54,6 @@ from avobench.tasks.errors import AvobenchError, UsageError
 def cli(state: State, debug: bool, in_process: bool) -> None:
     """Fit simulators that have no likelihood, compare methods under one budget, find what a simulator lacks."""
     state.debug, state.in_process = debug, in_process
-
-
-COMMANDS = (list_, infer, run, status, export, pack, check, figure, report, diagnose, challenge, effects)
-
-for command in COMMANDS:
-    cli.add_command(command)
 
 
 ANYWHERE = ("--debug", "--in-process")
@@ -63,6 +81,8 @@ def main(command: click.Command = cli) -> None:
             _stop(state)
         if state.debug or "--debug" in anywhere:
             raise
+        from avobench.tasks.errors import UsageError  # here, as in `_said`, because help needs no NumPy
+
         click.echo(f"avobench: {' '.join(_said(error).split())}", err=True)
         sys.exit(2 if isinstance(error, (UsageError, click.UsageError)) else 1)
 
@@ -75,6 +95,9 @@ def _stop(state: State) -> NoReturn:
 
 def _said(error: Exception) -> str:
     """What went wrong, for a person."""
+    from avobench.bench.processes.apart import Fault
+    from avobench.tasks.errors import AvobenchError
+
     if isinstance(error, click.ClickException):
         return error.format_message()
     if isinstance(error, AvobenchError):

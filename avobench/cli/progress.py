@@ -6,16 +6,13 @@ from typing import Any
 
 from rich.console import Console
 from rich.live import Live
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.progress_bar import ProgressBar
 from rich.table import Table
 
+from avobench.api.progress import QUIET_SECONDS, clock
 from avobench.bench.cells.cell import Cell
 from avobench.bench.store.status import Status, reason
 from avobench.bench.sweep.runner import Sweep, View
-
-QUIET_SECONDS = 30.0
-"""How often plain output tells how far the running cells are."""
 
 
 class ProgressView(View):
@@ -45,7 +42,7 @@ class ProgressView(View):
             outcome = f"squared error {record['squared_error']:.3g}{ratio}"
         else:
             outcome = reason(record)
-        self._line(f"[{len(sweep.done)}/{len(sweep.cells)}] {cell.label}: {outcome}, {_clock(seconds)}{_left(sweep)}")
+        self._line(f"[{len(sweep.done)}/{len(sweep.cells)}] {cell.label}: {outcome}, {clock(seconds)}{_left(sweep)}")
         self.after_cell(sweep, cell)
         self.last = time.monotonic()
 
@@ -71,45 +68,8 @@ class ProgressView(View):
         self.console.print(line, markup=False, highlight=False, soft_wrap=True)
 
 
-class DiagnosisProgress:
-    """Called with the phase of a diagnosis, its simulated events so far, and about how many there will be."""
-
-    def __init__(self, console: Console) -> None:
-        self.console, self.began, self.last = console, time.monotonic(), time.monotonic()
-        columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-        self.shown = Progress(*columns, console=console, transient=True) if console.is_terminal else None
-        self.row = self.shown.add_task("first fit", total=None) if self.shown else None
-
-    def __enter__(self) -> "DiagnosisProgress":
-        if self.shown:
-            self.shown.start()
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        if self.shown:
-            self.shown.stop()
-
-    def __call__(self, phase: str, done: int, total: int) -> None:
-        if self.shown:
-            self.shown.update(self.row, description=phase, completed=done, total=total)
-        elif (now := time.monotonic()) - self.last >= QUIET_SECONDS:
-            self.last = now
-            left = (now - self.began) * (total - done) / done if done else 0
-            share = f", {done / total:.0%} of what is usual, about {_clock(left)} left" if left else ""
-            self.console.print(
-                f"{phase}: {done} simulated events{share}", markup=False, highlight=False, soft_wrap=True
-            )
-
-
 def _left(sweep: Sweep) -> str:
     if not sweep.pending:
         return ""
     left, known = sweep.seconds_left()
-    return f"; {'about' if known else 'at least'} {_clock(left)} left" if left else ""
-
-
-def _clock(seconds: float) -> str:
-    if seconds < 60:
-        return f"{seconds:.0f} s" if seconds >= 10 else f"{seconds:.1f} s"
-    minutes = round(seconds / 60)
-    return f"{minutes} min" if minutes < 60 else f"{minutes // 60} h {minutes % 60:02d} min"
+    return f"; {'about' if known else 'at least'} {clock(left)} left" if left else ""

@@ -1,6 +1,6 @@
 """How theta is inferred: one readable module a method, and the base class that a user's own method derives from."""
 
-from avobench.methods.contract import Estimate, Method, TracePoint
+from avobench.methods.contract import Estimate, Method, TracePoint, WeightedSample
 from avobench.methods.problem import Problem, Simulator
 
-__all__ = ["Estimate", "Method", "Problem", "Simulator", "TracePoint"]
+__all__ = ["Estimate", "Method", "Problem", "Simulator", "TracePoint", "WeightedSample"]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.stats import gaussian_kde
 
-from avobench.methods.contract import Estimate, Method, TracePoint, global_seed
+from avobench.methods.contract import Estimate, Method, TracePoint, WeightedSample, global_seed
 from avobench.methods.problem import Problem
 from avobench.methods.regression import Evaluation, regressed
 from avobench.tasks import Box
@@ -131,6 +131,7 @@ class AbcSmc(Method):
                 generations = [history.get_distribution(t=t) for t in range(history.n_populations)]
 
         trace, mean = self._traced(generations, ends, tried, observed, problem)
+        particles, weights = generations[-1]
         return Estimate(
             theta=trace[-1].theta,
             how=HOW[self.estimate],
@@ -139,6 +140,7 @@ class AbcSmc(Method):
             std=trace[-1].std,
             trace=trace,
             discarded=problem.simulate.used - trace[-1].simulations,
+            sample=WeightedSample(particles[list(problem.parameter_names)].to_numpy(), weights),
             message=message,
         )
 

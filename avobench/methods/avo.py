@@ -124,7 +124,9 @@ class Inference:
         told = ", ".join(f"{e:.3g}" for e in error)
         comment = f"; the polish {state} in {answer.num_steps} steps, with a standard error of {told}"
         estimate = self.estimate(answer.mean, std, "mean of the proposal after the polish", comment)
-        return replace(estimate, error=error, doubt=self.doubt(answer, root))
+        covariance = leeway.covariance(answer.mean) if leeway else answer.covariance
+        covariance = np.outer(self.proposal.scale, self.proposal.scale) * covariance
+        return replace(estimate, error=error, covariance=covariance, doubt=self.doubt(answer, root))
 
     def draws(self, n: int) -> NDArray[np.float64]:
         """Draws from the proposal, but for a share that is drawn as at the start: (n, p). See `Avo.wide_share`."""
@@ -262,7 +264,11 @@ class Inference:
         """The estimate from the mean and std (p,) of the proposal, in its coordinates."""
         self.note(mean, std)
         last, message = self.trace[-1], f"{len(self.means) - 1} iterations{comment}"
-        return Estimate(last.theta, how, "proposal", last.theta, last.std, trace=self.trace, message=message)
+        return Estimate(
+            *(last.theta, how, "proposal", last.theta, last.std, self.trace),
+            message=message,
+            covariance=np.diag(last.std**2),
+        )
 
 
 class Turn(NamedTuple):

@@ -220,6 +220,7 @@ class AvoPaper(Method):
             spread_of="proposal",
             mean=q.to_raw(mean),
             std=std * q.scale,
+            covariance=np.diag((std * q.scale) ** 2),
             trace=trace,
             message=f"{num_iterations} iterations; the {problem.simulate.remaining} events left are less than one more",
         )

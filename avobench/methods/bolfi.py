@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.stats import qmc
 
-from avobench.methods.contract import Estimate, Method, TracePoint, global_seed
+from avobench.methods.contract import Estimate, Method, TracePoint, WeightedSample, global_seed
 from avobench.methods.elfi_model import import_elfi, own_client, prior_model
 from avobench.methods.problem import Problem
 from avobench.methods.regression import Evaluation, regressed
@@ -145,7 +145,8 @@ class Bolfi(Method):
                 "mean of the nearest evaluations after a regression adjustment",
             )
             trace[-1] = trace[-1]._replace(theta=mean)
-        return Estimate(trace[-1].theta, how, "posterior", mean, std, trace)
+        sample = WeightedSample(raw(points), weights)
+        return Estimate(trace[-1].theta, how, "posterior", mean, std, trace, sample=sample)
 
     def _num_evidence(self, budget: int) -> int:
         """The number of evaluations that the budget holds."""

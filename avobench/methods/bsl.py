@@ -6,7 +6,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.methods.contract import Estimate, Method, TracePoint, global_seed
+from avobench.methods.contract import Estimate, Method, TracePoint, WeightedSample, global_seed
 from avobench.methods.elfi_model import import_elfi, own_client, prior_model
 from avobench.methods.problem import Problem
 from avobench.methods.regression import Evaluation
@@ -185,4 +185,5 @@ def _estimate(trace: list[TracePoint], draws: NDArray[np.float64]) -> Estimate:
         trace=trace,
         message=f"{len(draws)} draws in the last chain, {moved:.0%} of its steps were taken",
         error=trace[-1].std,
+        sample=WeightedSample.equal(draws),
     )

@@ -23,6 +23,20 @@ class TracePoint(NamedTuple):
     """Spread of the proposal or posterior at that point (p,), where the method knows it."""
 
 
+class WeightedSample(NamedTuple):
+    """Points of a posterior, and how probable each is beside the others."""
+
+    theta: NDArray[np.float64]
+    """(m, p), in raw units."""
+    weights: NDArray[np.float64]
+    """(m,), not negative, of sum 1."""
+
+    @classmethod
+    def equal(cls, theta: NDArray[np.float64]) -> "WeightedSample":
+        """Draws (m, p) that are all as probable."""
+        return cls(theta, np.full(len(theta), 1 / len(theta)))
+
+
 @dataclass(frozen=True)
 class Estimate:
     """What a method learned. All parameters in raw units."""
@@ -47,6 +61,11 @@ class Estimate:
     record is `doubtful`, and its message ends with this."""
     error: NDArray[np.float64] | None = None
     """Standard error of `theta` (p,), where the method knows one; the width of a proposal is none."""
+    covariance: NDArray[np.float64] | None = None
+    """Covariance (p, p) of which `error` is the root of the diagonal, or `std` where there is no error; where the
+    method knows it."""
+    sample: WeightedSample | None = None
+    """The posterior of which `std` is the spread, where the method has points of it."""
 
 
 class Method(ABC):

@@ -73,6 +73,11 @@ class Leeway:
         """The root of the expected squared error of an estimate (p,), for each parameter: (p,)."""
         return np.sqrt(self.weights @ (self.points - mean) ** 2)
 
+    def covariance(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The expected products of the errors of an estimate (p,): (p, p)."""
+        away = self.points - mean
+        return (self.weights * away.T) @ away
+
 
 def log_likelihood(folds: Sequence[Fold], points: NDArray[np.float64]) -> NDArray[np.float64]:
     """The logarithm of the likelihood of the observed means at each point (n, p), up to a constant: (n,).

@@ -143,6 +143,7 @@ def _estimate(found: Posterior, trace: list[TracePoint]) -> Estimate:
         mean=found.mean,
         std=found.std,
         trace=trace,
+        sample=found.sample,
     )
 
 

@@ -14,6 +14,7 @@ from scipy.optimize import minimize
 from scipy.special import logsumexp
 from scipy.stats import multivariate_normal, qmc
 
+from avobench.methods.contract import WeightedSample
 from avobench.tasks import Box
 
 if TYPE_CHECKING:
@@ -42,11 +43,12 @@ LogFactors = "Callable[[Tensor, Tensor], Tensor]"
 
 @dataclass(frozen=True)
 class Posterior:
-    """The mode, mean and standard deviation of a posterior, each (p,), in raw units."""
+    """The mode, mean and standard deviation of a posterior, each (p,), in raw units, and points of it."""
 
     mode: NDArray[np.float64]
     mean: NDArray[np.float64]
     std: NDArray[np.float64]
+    sample: WeightedSample
 
 
 def posterior(
@@ -73,7 +75,8 @@ def posterior(
     mean = weights @ theta
     std = np.sqrt(weights @ (theta - mean) ** 2)
     mode = sums.mode(theta[log_p.argmax()], kept)
-    return Posterior(sums.raw(mode), sums.raw(mean), std * box.width)
+    sample = WeightedSample(sums.raw(theta), weights)
+    return Posterior(sums.raw(mode), sums.raw(mean), std * box.width, sample)
 
 
 def _drawn(

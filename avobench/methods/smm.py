@@ -85,6 +85,8 @@ class Smm(Method):
             trace=trace,
             message=f"the last of {self.rounds} fits {'converged' if answer.converged else 'did not converge'}",
             error=error * proposal.scale,
+            covariance=np.outer(proposal.scale, proposal.scale)
+            * (leeway.covariance(mean) if leeway else answer.covariance),
         )
 
     def _narrower(self, std: NDArray[np.float64], answer: Polished) -> NDArray[np.float64]:

@@ -4,7 +4,8 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from functools import cached_property
-from typing import get_args
+from traceback import walk_tb
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -48,9 +49,10 @@ class FunctionTask(Task):
         self.parameter_units = tuple(units.get(parameter, "1") for parameter in prior)
         self.prior = Box(*zip(*prior.values(), strict=True))
         self.support = Box(*zip(*(support.get(parameter, prior[parameter]) for parameter in prior), strict=True))
-        x = self._events(np.tile(self.prior.center, (2, 1)), np.random.default_rng(0))
-        if x.ndim != 2 or len(x) != 2:
-            raise ValueError(f"theta of shape (2, {self.prior.dim}) gave events of shape {x.shape}, not (2, d) or (2,)")
+        n, p = self.prior.dim + 1, self.prior.dim  # another number of rows than of parameters, so none is taken for one
+        x = self._events(np.tile(self.prior.center, (n, 1)), np.random.default_rng(0))
+        if x.ndim != 2 or len(x) != n:
+            raise ValueError(f"theta of shape ({n}, {p}) gave events of shape {x.shape}, not ({n}, d) or ({n},)")
         self.num_features, self.dtype = x.shape[1], x.dtype
         self.feature_names = tuple(feature_names)
         if feature_names and len(feature_names) != self.num_features:
@@ -75,6 +77,19 @@ class FunctionTask(Task):
         if self.feature_kinds or self.feature_units:
             said += (self.feature_kinds, self.feature_units)
         return (self.function, repr(said))
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What `task` is given beside the function to make this task again, of plain numbers and texts."""
+        prior, support = (
+            dict(zip(self.parameter_names, zip(box.low, box.high, strict=True), strict=True))
+            for box in (self.prior, self.support)
+        )
+        said = {"prior": prior, "support": support, "units": dict(zip(prior, self.parameter_units, strict=True))}
+        said |= {"features": self.feature_names, "name": self.name}
+        for name, values in (("kinds", self.feature_kinds), ("feature_units", self.feature_units)):
+            said |= {name: dict(zip(self.labels, values, strict=True))} if values else {}
+        return said
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """One event per row: theta (n, p) -> (n, d). Raises ValueError outside the support."""
@@ -177,7 +192,13 @@ def task(
     >>> decay.simulate(np.full((3, 1), 2.0), np.random.default_rng(0)).shape
     (3, 1)
     """
+    if not callable(simulate):
+        raise UsageError(f"a task is made from a function of theta and a generator, got {simulate!r:.60}")
+    if isinstance(features, str):
+        raise UsageError(f"features must be a list of names, such as ['{features}']")
     if not isinstance(prior, Mapping):
+        if not isinstance(prior, Sequence | np.ndarray):
+            raise UsageError(f"the prior must give two numbers for each parameter by its name, got {prior!r:.60}")
         if names is None or len(names) != len(prior):
             raise UsageError(f"names must give a name to each of the {len(prior)} parameters of the prior, got {names}")
         prior = dict(zip(names, prior, strict=True))
@@ -196,5 +217,12 @@ def task(
     try:
         made = FunctionTask(simulate, label, prior, support or {}, units or {}, features, kinds, feature_units)
     except Exception as error:  # a user's function may raise anything
-        raise UsageError(f"the task {label} cannot be made: {type(error).__name__}: {error}") from error
+        hint = "; theta has a row for each event, so theta[:, 0] is the first parameter" if _in(simulate, error) else ""
+        raise UsageError(f"the task {label} cannot be made: {type(error).__name__}: {error}{hint}") from error
     return made
+
+
+def _in(function: Simulate, error: Exception) -> bool:
+    """Whether an error came out of a function, or tells of the shape of what it returned."""
+    frames = (frame.f_code for frame, _ in walk_tb(error.__traceback__))
+    return getattr(function, "__code__", None) in frames or "gave events of shape" in str(error)

@@ -1,9 +1,14 @@
 """What a diagnosis shows and keeps."""
 
+import sys
+from dataclasses import replace
+from types import ModuleType
+
 import numpy as np
 import pytest
 
 import avobench
+from avobench.bench.plugins.source import as_module
 
 
 def simulate(theta, rng):
@@ -25,8 +30,65 @@ def test_the_picture_is_of_the_feature_on_which_the_effect_is(found):
     assert "log_energy" in [axis.get_xlabel().split(" ")[0] for axis in found.plot().axes]
 
 
-def test_a_title_that_is_no_text_is_written_all_the_same(found, tmp_path):
-    with pytest.warns(UserWarning, match=r"no model\.json"):
-        found.save(tmp_path, title=b"caf\xe9.csv".decode(errors="surrogateescape"))
-    assert "caf?.csv" in (tmp_path / "report.html").read_text()
-    assert (tmp_path / "diagnosis.json").exists()
+@pytest.fixture(scope="module")
+def saved(found, tmp_path_factory):
+    """The folder of the diagnosis, with a title that is no text."""
+    folder = tmp_path_factory.mktemp("saved")
+    found.save(folder, title=b"caf\xe9.csv".decode(errors="surrogateescape"))
+    return folder
+
+
+def test_a_title_that_is_no_text_is_written_all_the_same(saved):
+    assert "caf?.csv" in (saved / "report.html").read_text()
+
+
+def test_what_was_saved_is_read_again_without_running_code(found, saved):
+    again = avobench.load(saved)
+    assert again.details() == found.details()
+    assert again.effects.equals(found.effects)
+    drawn, shown = ([line.get_xydata() for line in each.plot().axes[0].lines] for each in (again, found))
+    assert all(np.array_equal(a, b) for a, b in zip(drawn, shown, strict=True))
+    with pytest.raises(avobench.UsageError, match="trust=True"):
+        _ = again.model
+    with pytest.raises(avobench.UsageError, match="copy that folder"):
+        again.save(saved)
+
+
+def test_the_model_of_a_function_is_found_again_with_its_function(found, saved):
+    """The task was made in a function, so that it has no name: its simulator goes along in a file."""
+    model = avobench.load(saved / "model.json", trust=True)
+    theta, rngs = np.tile(model.prior.center, (50, 1)), [np.random.default_rng(0) for _ in range(2)]
+    assert np.array_equal(model.simulate(theta, rngs[0]), found.model.simulate(theta, rngs[1]))
+    assert model.content.task == f"{saved / 'task.py'}:task"
+    x = model.simulate(theta, np.random.default_rng(1))
+    again = avobench.infer(model, x, "smm", budget=5000)
+    assert list(again.theta) == list(model.parameter_names)
+
+
+def test_a_simulator_that_no_file_could_hold_is_named_in_a_warning(found, tmp_path, monkeypatch):
+    monkeypatch.setattr("avobench.reports.diagnosis.write", lambda *given: [])
+    task = avobench.task(lambda theta, rng: simulate(theta, rng), prior={"mean": (-1, 1)}, name="burst")
+    with pytest.warns(UserWarning, match=r"no model\.json: another process does not find the simulator of burst"):
+        replace(found, result=replace(found.result, task=task)).save(tmp_path)
+    assert avobench.load(tmp_path).verdict == found.verdict
+
+
+def test_the_code_of_a_notebook_is_that_of_its_cells():
+    cells = [
+        "import numpy as np",
+        "%matplotlib inline",
+        "RATE = 2\nout = 1 / 0",
+        "def sim(theta, rng):\n    return RATE",
+    ]
+    notebook = ModuleType("notebook")
+    notebook.In = cells
+    exec(cells[-1], vars(notebook))
+    notebook.sim.__module__ = "notebook"
+    sys.modules["notebook"] = notebook
+    try:
+        text = as_module(notebook.sim)
+    finally:
+        del sys.modules["notebook"]
+    home = {}
+    exec(text, home)
+    assert home["sim"](None, None) == 2

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import avobench
+from avobench.cli.main import COMMANDS, cli
 
 
 @pytest.mark.parametrize("name", avobench.__all__)
@@ -14,10 +15,20 @@ def test_each_name_is_there_and_documented(name):
     assert getattr(avobench, name).__doc__
 
 
-def test_the_import_loads_no_library_before_it_is_needed():
-    heavy = "{'numpy', 'pandas', 'scipy', 'torch', 'matplotlib'} & set(sys.modules)"
-    command = [sys.executable, "-c", f"import sys, avobench; avobench.__version__; print({heavy})"]
-    assert subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip() == "set()"
+HELP = "from avobench.cli.main import main; sys.argv[1:] = ['--help']; main()"
+
+
+@pytest.mark.parametrize("code", ["import avobench", HELP])
+def test_the_import_and_the_help_load_no_library_before_it_is_needed(code):
+    heavy = "{'numpy', 'pandas', 'scipy', 'torch', 'matplotlib', 'rich', 'importlib.metadata'} & set(sys.modules)"
+    told = f"import atexit, sys; atexit.register(lambda: print({heavy})); {code}"
+    said = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True).stdout
+    assert said.splitlines()[-1] == "set()"
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_each_command_that_the_help_lists_is_there(name):
+    assert cli.get_command(None, name).name == name
 
 
 def test_the_version_is_said_once():

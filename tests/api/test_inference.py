@@ -1,7 +1,9 @@
 """One inference on a user's own events."""
 
 import json
+import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -48,6 +50,92 @@ def test_it_shows_itself(found):
     assert len(found.plot().axes) == 1
 
 
+def normals(theta, rng):
+    """Two means, of which the second number tells the sum."""
+    return rng.normal(np.stack([theta[:, 0], theta.sum(axis=1)], axis=1), 1)
+
+
+@pytest.fixture(scope="module")
+def fitted():
+    task = avobench.task(normals, prior={"a": (-2, 2), "b": (-2, 2)}, units={"a": "m"})
+    x = normals(np.tile([0.5, -0.3], (4000, 1)), np.random.default_rng(1))
+    return avobench.infer(task, x, "smm", budget=100_000)
+
+
+def test_draws_have_the_covariance_that_theory_says(fitted):
+    """Of (a, a + b) it is the identity over n, so of (a, b) it is [[1, -1], [-1, 2]] / n; the budget adds 4 %."""
+    expected = np.array([[1, -1], [-1, 2]]) / 4000
+    assert fitted.samples_of == "sampling distribution of the estimate"
+    assert np.allclose(fitted.covariance, expected, atol=0.3 * expected.max())
+    assert np.allclose(np.sqrt(np.diag(fitted.covariance)), list(fitted.std.values()))
+    draws = fitted.samples(20_000)
+    assert np.allclose(draws.cov(), fitted.covariance, atol=0.1 * expected.max())
+    assert np.allclose(draws.mean(), list(fitted.theta.values()), atol=0.001)
+
+
+def test_draws_of_a_posterior_are_points_that_the_method_has(found):
+    assert found.samples_of == "posterior"
+    draws = found.samples(2000, seed=1)
+    assert set(draws["log_rate"]) <= set(found.estimate.sample.theta[:, 0])
+    assert draws["log_rate"].std() == pytest.approx(found.std["log_rate"], rel=0.1)
+
+
+def test_draws_stay_within_the_support_and_need_the_correlations(fitted):
+    at_the_end = replace(fitted.estimate, theta=np.array([2.0, 2.0]), covariance=np.eye(2))
+    assert fitted.task.support.contains(replace(fitted, estimate=at_the_end).samples(500)).all()
+    unknown = replace(fitted, estimate=replace(fitted.estimate, covariance=None))
+    with pytest.raises(avobench.UsageError, match="does not tell how"):
+        unknown.samples()
+
+
+@pytest.mark.parametrize("which", ["found", "fitted"])
+def test_a_fit_that_was_saved_is_read_again(which, request, tmp_path):
+    fit = request.getfixturevalue(which)
+    again = avobench.load(fit.save(tmp_path / "fit.json"))
+    assert str(again) == str(fit)
+    assert again.to_dict() == fit.to_dict()
+    assert again.samples(50).equals(fit.samples(50))
+    assert again.to_frame().equals(fit.to_frame())
+    assert len(again.plot("pairs").axes) >= len(fit.theta)
+    with pytest.raises(avobench.UsageError, match="no simulator"):
+        again.task.simulate(np.zeros((1, 2)), RNG)
+
+
+@pytest.mark.parametrize("content", ["", "[]", "{}", '{"kind": "avobench-fit"}', '{"kind": 3}', None])
+def test_what_is_no_saved_result_is_said_in_a_line(content, tmp_path):
+    path = tmp_path / "x.json"
+    if content is not None:
+        path.write_text(content)
+    with pytest.raises(avobench.UsageError, match=str(path)):
+        avobench.load(path)
+
+
+def test_arviz_is_given_the_draws_or_asked_for(fitted, monkeypatch):
+    arviz = SimpleNamespace(from_dict=lambda posterior, attrs: (posterior, attrs))
+    monkeypatch.setitem(sys.modules, "arviz", arviz)
+    posterior, attrs = fitted.to_inference_data(30)
+    assert posterior["b"].shape == (1, 30)
+    assert attrs["samples_of"] == fitted.samples_of
+    monkeypatch.setitem(sys.modules, "arviz", None)
+    with pytest.raises(avobench.UsageError, match="pip install 'arviz<1'"):
+        fitted.to_inference_data()
+
+
+def test_the_figure_names_both_bands(fitted):
+    axis = fitted.plot().axes[0]
+    shown = {text.get_text() for text in axis.get_legend().get_texts()}
+    assert shown == {"spread while it ran", "estimate ± standard error"}
+    with pytest.raises(avobench.UsageError, match="has trace, pairs"):
+        fitted.plot("corner")
+
+
+def test_progress_counts_to_what_was_simulated():
+    told = []
+    fit = avobench.infer("poisson", EVENTS, "smm", budget=4000, progress=lambda *said: told.append(said))
+    assert [done for _, done, _ in told] == sorted(done for _, done, _ in told)
+    assert told[-1] == ("smm", fit.num_simulations, 4000)
+
+
 def test_the_standard_error_of_avo_covers_what_made_the_events():
     """A pull of 5 has a probability of 6e-7."""
     truth, task = 0.5, GaussianMean()
@@ -68,6 +156,8 @@ def test_the_standard_error_of_avo_covers_what_made_the_events():
         ("poisson", [1.0, np.nan], {}, "NaN"),
         ("poisson", ["a", "b"], {}, "real numbers"),
         ("poisson", [], {}, "too few"),
+        (lambda theta, rng: theta, [1, 2], {}, "avobench.task makes one from a function"),
+        ("poisson", [1, 2], {"method": min}, "a method is wanted"),
         ("poisson", [1, 2], {"method": "avoo"}, "did you mean avo"),
         ("poisson", [1, 2], {"budget": 1}, "at least"),
         ("poisson", [1, 2], {"seed": -1}, "seed must be a whole number from 0"),
@@ -103,5 +193,5 @@ def test_without_pytorch_the_default_is_a_method_that_is_installed(monkeypatch):
     present = registry.find_spec
     monkeypatch.setattr(registry, "find_spec", lambda name: None if name == "torch" else present(name))
     found = avobench.infer("poisson", EVENTS, budget=4000)
-    assert found.method.name == "smm"
+    assert found.method == "smm"
     assert not avobench.list_methods().loc["avo", "available"]

@@ -126,7 +126,7 @@ class CommandLines(Target):
 
     def inputs(self) -> st.SearchStrategy:
         commands = {}
-        for name, command in cli.cli.commands.items():
+        for name, command in ((name, cli.cli.get_command(None, name)) for name in cli.COMMANDS):
             inner = getattr(command, "commands", None)
             commands |= {name: command} if inner is None else {f"{name} {each}": inner[each] for each in inner}
         return inputs.command_lines(commands)

@@ -14,6 +14,7 @@ from pathlib import Path
 TESTS = Path(__file__).parents[1]
 USERS = TESTS / "users"
 LOADED = (
+    *("avobench.cli.run", "avobench.cli.records", "avobench.cli.diagnose", "avobench.cli.challenge"),
     *("avobench.cli.main", "avobench.api.diagnosis", "avobench.challenge.solve", "avobench.challenge.make"),
     *(
         "avobench.bench.cells.trial",

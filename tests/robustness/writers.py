@@ -93,7 +93,8 @@ def main(rounds: int, seed: int, place: Path | None) -> None:
         warm.environment()
         import avobench.bench.cells.trial
         import avobench.bench.store.pack
-        import avobench.cli.main  # noqa: F401
+        import avobench.cli.records
+        import avobench.cli.run  # noqa: F401
 
         click.echo(json.dumps(campaign(place, rounds, seed)))
         return

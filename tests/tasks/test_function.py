@@ -17,6 +17,11 @@ def pair(theta, rng):
     return np.column_stack([rng.normal(theta[:, 0]), rng.poisson(np.exp(theta[:, 1]))])
 
 
+def unpacked(theta, rng):
+    mu, sd = theta
+    return rng.normal(mu, sd)
+
+
 def test_it_has_all_that_a_task_has():
     made = task(decay, prior={"lifetime": (1, 4)}, units={"lifetime": "us"}, support={"lifetime": (0.1, 20)})
     assert (made.name, made.parameter_names, made.parameter_units) == ("decay", ("lifetime",), ("us",))
@@ -79,8 +84,22 @@ def test_any_prior_makes_a_task_whose_rows_have_their_own_theta(low, width, n):
         (lambda theta, rng: 1 / 0, {"prior": {"t": (1, 4)}}, "ZeroDivisionError"),
         (lambda theta, rng: np.ones(7), {"prior": {"t": (1, 4)}}, "events of shape"),
         (lambda theta: theta, {"prior": {"t": (1, 4)}}, "TypeError"),
+        (unpacked, {"prior": {"m": (0, 1), "s": (1, 2)}}, r"theta\[:, 0\] is the first parameter"),
+        (lambda theta, rng: rng.normal(theta[0]), {"prior": {"m": (0, 1), "s": (1, 2)}}, r"theta\[:, 0\]"),
+        (lambda theta, rng: 1.0, {"prior": {"t": (1, 4)}}, r"theta\[:, 0\]"),
+        (3, {"prior": {"t": (1, 4)}}, "made from a function"),
+        (decay, {"prior": None}, "two numbers for each parameter"),
+        (decay, {"prior": {"t": (1, 4)}, "features": "time"}, r"list of names, such as \['time'\]"),
     ],
 )
 def test_what_makes_no_task_is_said_in_a_line(function, options, said):
     with pytest.raises(UsageError, match=said):
         task(function, **options)
+
+
+def test_its_arguments_make_it_again():
+    stated = {"kinds": {"n": "count"}, "feature_units": {"x": "GeV"}, "support": {"a": (-1, 2)}, "name": "pair.2"}
+    made = task(pair, prior=[(0, 1), (1, 2)], names=["a", "b"], features=["x", "n"], units={"b": "s"}, **stated)
+    again = task(pair, **eval(repr(made.arguments)))
+    assert (again.parts, again.parameter_units) == (made.parts, made.parameter_units)
+    assert (again.name, again.prior, again.support, again.dtype) == (made.name, made.prior, made.support, made.dtype)

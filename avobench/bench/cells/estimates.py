@@ -26,6 +26,10 @@ def require_recordable(estimate: object, problem: Problem, used: int) -> None:
     for name, value in vectors:
         if not isinstance(value, np.ndarray) or value.shape != (p,) or value.dtype.kind != "f":
             raise InvalidEstimate(f"{name} of the estimate must be a float array of shape ({p},), got {value!r}")
+    if (covariance := estimate.covariance) is not None and np.shape(covariance) != (p, p):
+        raise InvalidEstimate(f"covariance of the estimate must have shape ({p}, {p}), got {covariance!r:.100}")
+    if (sample := estimate.sample) is not None and np.shape(sample.theta) != (len(sample.weights), p):
+        raise InvalidEstimate(f"the sample of the estimate must be thetas (m, {p}) and weights (m,)")
     simulations = [point.simulations for point in estimate.trace]
     if simulations != sorted(simulations) or not all(0 <= number <= used for number in simulations):
         raise InvalidEstimate(f"the trace must go from 0 towards the {used} used, got {simulations!r:.100}")

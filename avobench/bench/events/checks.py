@@ -81,7 +81,7 @@ def check_events(
         x = x[finite]
     least = MIN_EVENTS if diagnosis else 1
     if len(x) < least:
-        raise UsageError(f"{len(x)} events are too few, at least {least} are needed")
+        raise UsageError(f"{len(x)} events are too few, at least {least} are needed; a row is an event, not a bin")
     if x.max() > LARGEST or x.min() < -LARGEST:
         largest = x.max() if x.max() > LARGEST else x.min()
         raise UsageError(f"the data reach to {largest:.3g}, beyond 2^53 numbers are not exact; give another unit")

@@ -12,6 +12,7 @@ from functools import cache, partial
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
@@ -79,6 +80,10 @@ def load(kind: str, spec: str) -> Any:
         return AugmentedTask
     found = imported(kind, spec) if ":" in spec else _registered(kind, spec)
     base = BASES[kind]
+    if kind == "task" and inspect.isfunction(found):
+        raise UsageError(
+            f"'{spec}' is a function; write NAME = avobench.task({found.__name__}, prior=...) beside it and name that"
+        )
     if not (isinstance(found, base) or (inspect.isclass(found) and issubclass(found, base))):
         raise UsageError(f"'{spec}' is not a subclass of avobench.{kind}s.{base.__name__}, nor an instance of one")
     missing = [name for name in REQUIRED[kind] if not hasattr(found, name)]
@@ -128,6 +133,15 @@ def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
         raise UsageError(f"setting{where} of {kind} {found.name}: {reason}") from error
 
 
+def task_of(given: Task | str) -> Task:
+    """The task that is given, itself or by name. Raises UsageError for what is no task."""
+    if isinstance(given, str):
+        return build("task", given, {})
+    if not isinstance(given, Task):
+        raise UsageError(f"a task is wanted, or its name, got {given!r:.60}; avobench.task makes one from a function")
+    return given
+
+
 def read_model(spec: str) -> AugmentedTask:
     """The task of the file of a model. Raises UsageError for code that it names and the user has not trusted."""
     trust = isinstance(spec, Trusted)
@@ -150,8 +164,8 @@ def named_in(file: str | Path, kind: str, name: str, trust: bool) -> str:
     """
     if ":" in name and not trust:
         raise UsageError(
-            f"{file} names {kind} '{name}', and reading it would run that code: only a file that is trusted (--trust) "
-            "may name what is not installed"
+            f"{file} names {kind} '{name}', and reading it would run that code: only a file that is trusted "
+            "(--trust, in Python avobench.load(file, trust=True)) may name what is not installed"
         )
     if ":" not in name and not is_model(kind, name) and name not in names(kind):
         raise UsageError(f"{file} names {kind} '{name}', which is not installed")
@@ -301,8 +315,17 @@ def imported(kind: str, spec: str) -> Any:
     except (Exception, SystemExit) as error:
         raise UsageError(f"{place} of {kind} '{spec}' raised {type(error).__name__}: {error}") from error
     if not hasattr(module, name):
-        raise UsageError("; ".join(filter(None, (f"{place} has no '{name}'", _did_you_mean(name, dir(module))))))
+        raise UsageError(
+            "; ".join(filter(None, (f"{place} has no '{name}'", _did_you_mean(name, _of_kind(kind, module)))))
+        )
     return getattr(module, name)
+
+
+def _of_kind(kind: str, module: ModuleType) -> list[str]:
+    """The names of a module that may be meant by one of a task, method or effect."""
+    base, own = BASES[kind], module.__name__
+    meant = {name: value for name, value in vars(module).items() if isinstance(value, base) or callable(value)}
+    return [name for name, value in meant.items() if isinstance(value, base) or value.__module__ == own]
 
 
 def _did_you_mean(name: str, known: list[str], n: int = 1, cutoff: float = 0.6) -> str:

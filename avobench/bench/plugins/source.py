@@ -51,6 +51,33 @@ def source_hash(things: list[Any]) -> str | None:
     return hashlib.sha256("\0".join(theirs).encode()).hexdigest() if theirs else None
 
 
+def as_module(thing: Any) -> str | None:
+    """The statements of its module that a function or class consists of and uses, as a module of its own.
+
+    None where they cannot be read, or where it has no name at the top of its module, as a lambda has not. In a notebook
+    the module is what was run so far.
+    """
+    name = getattr(thing, "__qualname__", "<")
+    if "<" in name or "." in name:
+        return None
+    home = sys.modules.get(thing.__module__)
+    try:
+        source = inspect.getsource(home)
+    except (OSError, TypeError):
+        source = "\n".join(filter(_is_python, getattr(home, "In", ())))
+    statements = _closure(_statements(source), {name})
+    return "\n\n".join(text.rstrip() for text in statements) + "\n" if statements else None
+
+
+def _is_python(cell: str) -> bool:
+    """Whether the cell of a notebook is nothing but Python: a line that begins with % is not."""
+    try:
+        ast.parse(cell)
+    except SyntaxError:
+        return False
+    return True
+
+
 def _sources(thing: Any) -> Iterator[str]:
     """Names and texts that a class or function consists of; of other objects those of their class."""
     if isinstance(thing, str):

@@ -42,6 +42,7 @@ PARENT_SECONDS = 0.5
 """A process looks this often whether the one that started it is still there."""
 ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL", "BLIS", "NUMEXPR", "NUMBA")}
 """What the libraries read that would else share a product of matrices out to threads, with other rounding."""
+SAFE_PATH = "PYTHONSAFEPATH"
 MIB = 2**20  # bytes
 _KEPT: "ContextVar[list[_Process] | None]" = ContextVar("kept", default=None)
 """Processes without work, within `kept`."""
@@ -152,10 +153,11 @@ class _Process:
         self._process: multiprocessing.process.BaseProcess = context.Process(
             target=_serve, args=(theirs, os.getpid()), env=ONE_THREAD
         )
-        for tracker in (multiprocessing.resource_tracker, resource_tracker):
-            tracker.ensure_running()  # its own start would unblock the signal
-        with _interrupts_held():
-            self._process.start()
+        with _safe_path():
+            for tracker in (multiprocessing.resource_tracker, resource_tracker):
+                tracker.ensure_running()  # its own start would unblock the signal
+            with _interrupts_held():
+                self._process.start()
         theirs.close()
         self.alive = True
         self._began, self._limits = 0.0, Limits()
@@ -225,6 +227,19 @@ class _Process:
 
 
 @contextmanager
+def _safe_path() -> Iterator[None]:
+    """Within the block Python starts without the current folder on its path: a random.py in it is not Python's."""
+    before = os.environ.get(SAFE_PATH)
+    os.environ[SAFE_PATH] = "1"
+    try:
+        yield
+    finally:
+        os.environ.pop(SAFE_PATH)
+        if before is not None:
+            os.environ[SAFE_PATH] = before
+
+
+@contextmanager
 def _interrupts_held() -> Iterator[None]:
     """Ctrl-C waits within the block; a process that is started in it is not reached by it while it loads packages."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -236,6 +251,7 @@ def _interrupts_held() -> Iterator[None]:
 
 def _serve(pipe: Connection, parent: int) -> None:
     """The life of a process: it carries out what it is sent until nobody sends anything more."""
+    os.environ.pop(SAFE_PATH)  # what a simulator starts finds its own files
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; the one that began it ends the others
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     signal.signal(signal.SIGTERM, signal.default_int_handler)

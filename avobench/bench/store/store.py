@@ -15,6 +15,7 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from avobench.bench.store.claim import claim
+from avobench.bench.store.damage import DamagedRecord
 from avobench.bench.store.files import NAMES, not_plain, store_errors, within, write_atomically
 from avobench.bench.store.packed import Unreadable, read_rows
 from avobench.bench.store.record import NEWER, SCHEMA_VERSION, UNREAD, decode_record, encode, file_name
@@ -23,10 +24,6 @@ from avobench.tasks.errors import StoreError, UsageError
 SCHEMA = {"schema": "avobench-records", "version": SCHEMA_VERSION}
 NO_LOCKS = (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP)
 """What a file system says that has no locks."""
-
-
-class DamagedRecord(UserWarning):
-    """A record that was left out because it is damaged; the text says which, what is wrong and what to do."""
 
 
 @dataclass(frozen=True)

@@ -99,8 +99,8 @@ class Result:
     task: Task
     diagnosis: Diagnosis
     """All that is said, as it stands in `diagnosis.json`."""
-    fit: Fit
-    """The fit of the final model, of which `model.json` is written."""
+    fit: Fit | None
+    """The fit of the final model, of which `model.json` is written; None where all was read from a file."""
     pictures: Pictures
     """What figures are drawn from."""
     correction: Correction | None

@@ -14,6 +14,11 @@ LEAST_PROBABLE = 0.01
 SIDES = {1: "one-sided", 2: "two-sided"}
 OUTSIDE = "something outside the catalogue"
 AS_IT_IS = "the simulator as it is"
+THETA = (
+    "Errors of theta are those of the summary, with room for what the simulator lacks; "
+    "infer takes the simulator as right."
+)
+"""Why the errors differ from those that a fit quotes for the same parameters."""
 ASSUMED = "Errors on effect parameters assume that the fitted shape is true."
 
 
@@ -22,7 +27,7 @@ def summary(diagnosis: Diagnosis) -> str:
     lines = [_verdict(diagnosis), meaning(diagnosis)]
     lines += [f"missing: {_effect(effect)}" for effect in diagnosis.effects]
     lines += [f"95 % set of models: {models}" for models in [likely_models(diagnosis)] if models]
-    lines += [_gap(diagnosis), *_theta(diagnosis)]
+    lines += [_gap(diagnosis), *_theta(diagnosis), THETA]
     lines.append(f"{diagnosis.num_simulations} simulated events; details() tells the rest.")
     return "\n".join(lines)
 
@@ -40,7 +45,7 @@ def details(diagnosis: Diagnosis) -> str:
         where = f"{region.feature} " if region.feature else ""
         ends = f"{region.low:.4g} to {region.high:.4g}{in_unit(region.unit)}"
         lines.append(f"{region.kind} at {where}{ends}: {abs(region.z):.1f} sigma")
-    lines += _theta(diagnosis)
+    lines += [*_theta(diagnosis), THETA]
     if diagnosis.effects:
         lines.append(ASSUMED)
     lines += [f"order: {sentence}" for sentence in sentences(diagnosis)[:MOST_REGIONS]]

@@ -155,6 +155,8 @@ def test_a_file_finds_what_lies_beside_it(tmp_path):
     ("spec", "said"),
     [
         ("{file}:Frist", "their.tasks.py has no 'Frist'; did you mean First"),
+        ("{file}:nq", "their.tasks.py has no 'nq'$"),
+        ("{file}:falling", r"is a function; write NAME = avobench.task\(falling, prior"),
         ("{file}:Middle", "is not a subclass of avobench.tasks.Task, nor an instance of one"),
         ("{file}:UNUSED", "is not a subclass of avobench.tasks.Task"),
         ("{file.parent}/none.py:First", "there is no file '.*none.py', for task"),

@@ -98,3 +98,10 @@ def interrupt(processes):
     for process in processes:
         if "resource_tracker" not in " ".join(process.cmdline()):
             process.send_signal(signal.SIGINT)
+
+
+def test_a_file_that_is_called_like_a_module_of_python_is_not_taken_for_it(tmp_path, monkeypatch):
+    (tmp_path / "random.py").write_text("raise SystemExit('this is no module of Python')")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("PYTHONSAFEPATH", raising=False)
+    assert apart(Call(os.getenv, ("PYTHONSAFEPATH",))) is None

@@ -3,8 +3,8 @@ import io
 import pytest
 from rich.console import Console
 
-from avobench.cli import progress
-from avobench.cli.progress import DiagnosisProgress
+from avobench.api import progress
+from avobench.api.progress import Bar
 
 
 @pytest.fixture
@@ -16,7 +16,7 @@ def clock(monkeypatch):
 
 def test_a_diagnosis_says_now_and_then_how_far_it_is_and_what_is_left(clock):
     console = Console(file=io.StringIO(), width=200)
-    with DiagnosisProgress(console) as shown:
+    with Bar(console) as shown:
         shown("first fit", 1, 100)
         assert console.file.getvalue() == ""
         clock[0] += 40
@@ -31,7 +31,7 @@ def test_a_diagnosis_says_now_and_then_how_far_it_is_and_what_is_left(clock):
 
 def test_on_a_terminal_it_is_a_bar():
     console = Console(file=io.StringIO(), width=100, force_terminal=True)
-    with DiagnosisProgress(console) as shown:
+    with Bar(console) as shown:
         shown("search for effect 1", 30, 100)
         shown.shown.refresh()
     assert "search for effect 1" in console.file.getvalue()

@@ -1,0 +1,56 @@
+"""What a file says of a task: enough to read and to draw what was found, and no simulator."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.tasks import Box, Task
+from avobench.tasks.errors import UsageError
+
+
+class Described(Task):
+    """A task as the file of a fit or of a diagnosis has it. It cannot simulate, so that a file runs no code."""
+
+    source = "read from a file"
+
+    def __init__(self, said: dict[str, Any]) -> None:
+        """`said` is what `description` gave. Raises KeyError, TypeError or ValueError for what is none."""
+        self.name = str(said["name"])
+        for name in ("parameter_names", "parameter_units", "feature_names", "feature_units"):
+            setattr(self, name, tuple(map(str, said[name])))
+        self.num_features = int(said["num_features"])
+        self.prior, self.support = Box(*said["prior"]), Box(*said["support"])
+        if not len(self.parameter_names) == len(self.parameter_units) == self.prior.dim == self.support.dim:
+            raise ValueError("parameters and bounds differ in number")
+
+    def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        raise UsageError(f"{self.name} was read from the file of a result, which holds no simulator; load the task")
+
+    def summary(self, x: NDArray) -> NDArray[np.float64]:
+        raise UsageError(f"{self.name} was read from the file of a result, which holds no summary; load the task")
+
+    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
+        """Not known: NaN."""
+        return np.nan
+
+
+def description(task: Task) -> dict[str, Any]:
+    """What a file keeps of a task, of plain numbers and texts."""
+    names = ("name", "parameter_names", "parameter_units", "feature_names", "feature_units", "num_features")
+    return {name: getattr(task, name) for name in names} | {
+        box: [getattr(task, box).low, getattr(task, box).high] for box in ("prior", "support")
+    }
+
+
+def plain(values: Any) -> Any:
+    """An array as JSON holds it, nested lists in which what is not finite is null; None stays None."""
+    if values is None:
+        return None
+    values = np.asarray(values, float)
+    return np.where(np.isfinite(values), values.astype(object), None).tolist()
+
+
+def array(values: Any) -> NDArray[np.float64] | None:
+    """The array of what `plain` gave, NaN where it is null."""
+    return None if values is None else np.array(values, float)
