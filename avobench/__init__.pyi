@@ -13,6 +13,7 @@ from .methods.problem import Problem
 from .tasks.contract import Box, Task
 from .tasks.errors import AvobenchError, SimulatorError, UsageError
 from .tasks.function import task
+from .tasks.sample import bank
 
 __version__: str
 
@@ -32,6 +33,7 @@ __all__ = [
     "UsageError",
     "WeightedSample",
     "Workers",
+    "bank",
     "diagnose",
     "infer",
     "list_effects",

@@ -27,6 +27,8 @@ from avobench.effects import Effect
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError, whole
 from avobench.tasks.function import FunctionTask
+from avobench.tasks.sample import SampleTask
+from avobench.tasks.sample import bank as sample_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -212,8 +214,8 @@ class Diagnosed:
 
 
 def diagnose(
-    task: Task | str,
-    x: ArrayLike,
+    task: Task | str | ArrayLike | pd.DataFrame,
+    x: ArrayLike | pd.DataFrame,
     *,
     seed: int = 0,
     alpha: float = 0.05,
@@ -227,6 +229,7 @@ def diagnose(
     ordered: bool = False,
     time: ArrayLike | None = None,
     progress: Progress | bool | None = None,
+    bank: str | Path | None = None,
 ) -> Diagnosed:
     """Say whether measured events disagree with a simulator, where, which effect is missing, and add it.
 
@@ -235,7 +238,8 @@ def diagnose(
     Parameters
     ----------
     task
-        A task, or its name, `module:Class`, `path/to/file.py:Class`, or the path of a model.json.
+        A task, or its name, `module:Class`, `path/to/file.py:Class`, or the path of a model.json; or simulated events
+        that were made before, (M, d) or (M,), which `avobench.bank` takes with their parameters and weights.
     x
         Measured events (N, d), or (N,) where an event is one number.
     seed
@@ -263,6 +267,8 @@ def diagnose(
     progress
         Is told now and then the phase, the simulated events so far, and about how many there will be. By default a bar
         on a terminal, or a line in a notebook, shows them; False shows nothing.
+    bank
+        Folder in which simulated events are kept; those that it has of this simulator are used before any is made.
 
     Raises
     ------
@@ -276,7 +282,12 @@ def diagnose(
     seed, max_effects, jobs = whole("seed", seed, 0), whole("max_effects", max_effects, 0), whole("jobs", jobs, 1)
     simulations = None if simulations is None else whole("simulations", simulations, 1)
     effects = [effects] if isinstance(effects, str) else effects
-    spec = task if isinstance(task, str) else registry.spec_of("task", task)
+    if not isinstance(task, Task | str | type) and not callable(task):
+        task = sample_of(task)
+    sample = isinstance(task, SampleTask)
+    if sample and (simulations is not None or bank is not None):
+        raise UsageError("simulated events that were made before are all there are: leave simulations and bank out")
+    spec = task if isinstance(task, str) else None if sample else registry.spec_of("task", task)
     task = registry.task_of(task)
     registry.require_packages("task", task)
     checks = Checks(task, simulations)
@@ -297,13 +308,14 @@ def diagnose(
             alpha=alpha,
             max_effects=max_effects,
             num_simulations=simulations,
-            num_spent=checks.used,
+            num_spent=0 if sample else checks.used,
             fit=fit,
             effects=[*tried, *(effect for _, effect in theirs.values())],
             jobs=jobs,
             ordered=ordered,
             time=time,
             progress=tell,
+            bank=None if bank is None else Path(bank),
         )
     diagnosis = result.diagnosis
     diagnosis = diagnosis.model_copy(update={"notes": notes + remarks + diagnosis.notes})

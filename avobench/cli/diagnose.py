@@ -7,15 +7,21 @@ import click
 
 from avobench.api.diagnosis import diagnose as diagnose_events
 from avobench.api.progress import shown
-from avobench.bench.events import read_timed
+from avobench.bench.events import read_events, read_timed
 from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder
 from avobench.cli.isolated import Isolated
 from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
+from avobench.tasks import Task
+from avobench.tasks.errors import UsageError
+from avobench.tasks.sample import bank
 
 
 @click.command(cls=Isolated)
-@click.option("--task", "spec", required=True, metavar="NAME", help="Task, file.py:Class, or a model.json.")
+@click.option("--task", "spec", default=None, metavar="NAME", help="Task, file.py:Class, or a model.json.")
+@click.option("--simulated", default=None, metavar="FILE", help="Simulated events, in place of a task.")
+@click.option("--theta-columns", default=None, metavar="A,B,...", help="Columns of --simulated that are parameters.")
+@click.option("--weights", default=None, metavar="COLUMN", help="Column of --simulated with weights.")
 @DATA
 @click.option("--out", required=True, type=click.Path(path_type=Path), metavar="DIR", help="Folder of the results.")
 @COLUMNS
@@ -32,9 +38,13 @@ from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
 )
 @click.option("--effects", default=None, metavar="A,B,...", help="Effects of the catalogue to try.  [all that apply]")
 @click.option("--effect", "own", multiple=True, metavar="EFFECT", help="module:Class or file.py:Class; repeatable.")
+@click.option("--bank", type=click.Path(path_type=Path), default=None, help="Folder that keeps simulated events.")
 @click.option("--jobs", "-j", type=click.IntRange(1), default=1, show_default=True, help="Worker processes.")
 def diagnose(
-    spec: str,
+    spec: str | None,
+    simulated: str | None,
+    theta_columns: str | None,
+    weights: str | None,
     data: str,
     out: Path,
     columns: str | None,
@@ -48,18 +58,40 @@ def diagnose(
     Writes diagnosis.json, model.json (a task, for wherever a task is accepted), and correction.npz, weights for
     simulated events, where the catalogue does not explain all.
     """
-    spec = named(spec, trust)
-    registry.load("task", spec)  # what is wrong with the request is said before a folder is made
-    x, when = read_timed(data, [c.strip() for c in columns.split(",")] if columns else None, time)
+    if (spec is None) == (simulated is None):
+        raise UsageError("give a simulator by --task, or events that it made by --simulated: one of the two")
+    if (theta_columns or weights) and simulated is None:
+        raise UsageError("--theta-columns and --weights are columns of --simulated, which is not given")
+    chosen = _listed(columns)
+    task: Task | str
+    if simulated is not None:
+        task = _sample(simulated, chosen, _listed(theta_columns), weights)
+    else:
+        task = named(spec or "", trust)
+        registry.load("task", task)  # what is wrong with the request is said before a folder is made
+    x, when = read_timed(data, chosen, time)
     require_folder(out)
     with shown(None, plain=True) as progress:
         found = diagnose_events(
-            spec,
+            task,
             x,
-            effects=None if effects is None else [name.strip() for name in effects.split(",")],
+            effects=_listed(effects),
             time=when,
             progress=progress,
             **asked,
         )
-    found.save(out, f"{Path(data).name} against {spec}")
+    found.save(out, f"{Path(data).name} against {spec or Path(simulated or '').name}")
     click.echo(found.details())
+
+
+def _listed(names: str | None) -> list[str] | None:
+    return None if names is None else [name.strip() for name in names.split(",")]
+
+
+def _sample(file: str, columns: list[str] | None, theta: list[str] | None, weights: str | None) -> Task:
+    """A task of the events in a file. Raises UsageError."""
+    beside = [*(theta or []), *([weights] if weights else [])]
+    events = read_events(file, [*columns, *beside] if columns else None)
+    if beside and not hasattr(events, "columns"):
+        raise UsageError(f"{file} has no columns with names, by which theta or weights could be chosen")
+    return bank(events, theta=theta, weights=weights)
