@@ -62,7 +62,7 @@ def _panel(axis: Axes, cells: pd.DataFrame, methods: list[str]) -> None:
         axis.plot(*median, ms=9, **{**look, "mec": "white", "mew": 1}, label=method)
     if cells["floor"].notna().any():
         axis.axhline(cells.drop_duplicates("target")["floor"].median(), color=FLOOR, ls="--", lw=1.2, label="floor")
-    axis.set(xscale="log", yscale="log", xlabel="seconds a cell", ylabel="squared error")
+    axis.set(xscale="log", yscale="log", xlabel="seconds per cell", ylabel="squared error")
     axis.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5), numticks=12))
     axis.xaxis.set_major_formatter("{x:g}")
     axis.xaxis.set_minor_locator(NullLocator())

@@ -28,7 +28,7 @@ LARGEST = 1e300
 
 
 def labelled(records: list[dict[str, Any]]) -> pd.DataFrame:
-    """One row a cell, with the labels of its task and method in place of their names, and the `record` itself.
+    """One row per cell, with the labels of its task and method in place of their names, and the `record` itself.
 
     `ratio` is the squared error over the floor. A cell that failed has an infinite squared error: it is as far from the
     truth as can be, and no median leaves it out. A doubtful one has the error that it has.

@@ -228,8 +228,8 @@ def test_ctrl_c_promises_only_what_is_kept(tmp_path, task):
         command = ("run", *CELLS, "--task", task, "--results", tmp_path / "r")
     code, error = stopped(command[-1], *command)
     assert code in (130, -signal.SIGINT), error  # a shell says 130 of both
-    kept = "what was finished is kept, and the same command goes on from there"
-    said = "the same command begins anew" if task == "poisson" else kept
+    kept = "finished work is kept, and the same command continues from it"
+    said = "nothing was kept, and the same command starts again" if task == "poisson" else kept
     assert error.splitlines()[-1] == f"avobench: stopped; {said}"
     assert not list((tmp_path / "d").glob("*"))
 
@@ -248,4 +248,4 @@ def test_ctrl_c_is_a_stop_whatever_a_library_makes_of_it(monkeypatch, capsys):
         main.main()
     signal.signal(signal.SIGINT, before)
     assert left.value.code == 130
-    assert capsys.readouterr().err == "avobench: stopped; the same command begins anew\n"
+    assert capsys.readouterr().err == "avobench: stopped; nothing was kept, and the same command starts again\n"
