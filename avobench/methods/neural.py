@@ -80,7 +80,7 @@ class Neural(Method):
         return self.amortised
 
     def min_simulations(self, num_parameters: int) -> int:
-        """A thousand events a round: a network for single events knows nothing below that."""
+        """A thousand events per round: a network for single events knows nothing below that."""
         return 1000 * self.rounds
 
     def rows(self, problem: Problem, x: NDArray, rng: np.random.Generator) -> NDArray[np.float32]:
@@ -105,11 +105,11 @@ class Neural(Method):
         """The factors of the posterior that a network learns from theta (n, p), uniform in the box, and rows (n, k)."""
 
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
-        """As `Method.infer`. Raises BudgetExhausted when the budget is below `min_simulations`."""
+        """Infer as `Method.infer` describes. Raises BudgetExhausted when the budget is below `min_simulations`."""
         return self.infer_together([problem], [rng])[0]
 
     def infer_together(self, problems: Sequence[Problem], rngs: Sequence[np.random.Generator]) -> list[Estimate]:
-        """As `Method.infer_together`: an amortised network is trained once, for all observations."""
+        """Infer as `Method.infer_together` describes. An amortised network is trained once, for all observations."""
         import torch  # noqa: F401 - global_seed seeds what has been imported
 
         estimates, kept = [], None

@@ -18,7 +18,7 @@ SHAPES = dict(zip(METHOD_ORDER, MARKERS, strict=False))
 
 
 def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write cost.pdf, cost.png and cost.csv to `folder`, a panel a task.
+    """Write cost.pdf, cost.png and cost.csv to `folder`, one panel per task.
 
     A small mark is a cell: the seconds it took in simulator and method, one thread, and its squared error. The large
     mark is the median of both. The dashed line is the median floor. The panel of a task whose cells all failed says so.
@@ -30,7 +30,7 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
 
 
 def numbers(frame: pd.DataFrame) -> pd.DataFrame:
-    """A row a task and method: cells, median seconds in simulator and method, median squared error and floor."""
+    """One row per task and method: cells, median seconds in simulator and method, median squared error and floor."""
     groups = frame.groupby(["task", "method"], sort=False)
     columns = ["simulator_seconds", "method_seconds", "seconds", "squared_error", "floor"]
     return groups[columns].median().add_prefix("median_").assign(cells=groups.size()).reset_index()

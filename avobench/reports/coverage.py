@@ -26,9 +26,9 @@ CURVE = np.linspace(0, 1, 101)
 
 
 def distances(record: dict[str, Any]) -> NDArray[np.float64] | None:
-    """Of the true parameters from the middle of what is quoted, in its standard errors: (p,); None where there is none.
+    """The distances of the true parameters from the quoted ones, in quoted standard errors: (p,).
 
-    A parameter without a finite one is infinitely far.
+    The result is None if nothing is quoted. A parameter without a finite standard error is infinitely far.
     """
     if record["status"] not in ESTIMATED:
         return None
@@ -66,7 +66,7 @@ def within(away: NDArray[np.float64]) -> dict[str, str]:
 
 
 def table(records: list[dict[str, Any]]) -> pd.DataFrame:
-    """A row a task and method: how many true parameters, and which share of them each level's intervals hold."""
+    """One row per task and method: how many true parameters, and which share of them each level's intervals hold."""
     return pd.DataFrame(
         [
             {
@@ -81,7 +81,7 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
 
 
 def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write coverage.pdf, coverage.png and coverage.csv to `folder`: a panel a task.
+    """Write coverage.pdf, coverage.png and coverage.csv to `folder`: one panel per task.
 
     Raises StoreError where no record quotes anything.
     """

@@ -20,7 +20,7 @@ NUM_POINTS = 24
 
 
 def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write efficiency.pdf, efficiency.png and efficiency.csv to `folder`, a panel a task.
+    """Write efficiency.pdf, efficiency.png and efficiency.csv to `folder`, one panel per task.
 
     A line is the median over the cells of the squared error that the estimate of that moment has; the band is its
     quartiles. It begins where all cells have an estimate. The dashed line is the floor with as many simulations. The
@@ -35,7 +35,9 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
 
 
 def numbers(cells: pd.DataFrame) -> pd.DataFrame:
-    """Of the cells of one task, a row a method and number of simulations: quartiles of the squared error, the floor.
+    """Quartiles of the squared error and the floor, for the cells of one task.
+
+    There is one row per method and number of simulations.
 
     The floor, with so many simulations and a median over targets, is missing for a task that is not registered here.
     A method without any estimate has no rows.

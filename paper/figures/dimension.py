@@ -17,7 +17,7 @@ from paper.experiments import DETECTOR, DIMENSIONS, FAMILIES
 from paper.quantities import WORST_RUN, inefficiency_of
 
 WHAT = {"warped": "means say little", "means": "means say all"}
-"""Of the families of tasks, what the mean of the events tells of the parameters."""
+"""What the mean of the events says about the parameters in each family of tasks."""
 SPAN = 5e-2
 """Share of the number of parameters by which marks of different methods are moved apart."""
 

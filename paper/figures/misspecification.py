@@ -28,7 +28,7 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
 
 
 def medians(record: dict[str, Any]) -> pd.DataFrame:
-    """A row a task and strength: medians over the repetitions of the proposal's width and of the p-value."""
+    """One row per task and strength: medians over the repetitions of the proposal's width and of the p-value."""
     runs = pd.DataFrame(record["runs"])
     runs["width"] = [sum(width) / len(width) for width in runs["width"]]
     grouped = runs.groupby(["task", "strength"], sort=False)
@@ -41,7 +41,7 @@ def _place(column: pd.Series) -> pd.Series:
 
 
 def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write misspecification.pdf, .png and .csv to `folder`: widths above, p-values below, a column a task."""
+    """Write misspecification.pdf, .png and .csv to `folder`: widths above, p-values below, one column per task."""
     (record,) = records
     runs = pd.DataFrame(record["runs"])
     with matplotlib.rc_context(STYLE):

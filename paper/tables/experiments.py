@@ -40,7 +40,7 @@ Records = list[dict[str, Any]]
 
 
 def ablation(records: Records) -> pd.DataFrame:
-    """A row a difference between avo and avo-paper that is undone, a column a task.
+    """One row per difference between avo and avo-paper that is undone, one column per task.
 
     A cell has the inefficiency, on weinberg of c, and in brackets the largest ratio of squared error to floor, on the
     targets of which every row has its record.
@@ -68,17 +68,17 @@ def _worth(cells: pd.DataFrame, task: str) -> str:
 
 
 def tuning(records: Records) -> pd.DataFrame:
-    """A row a candidate for the settings of a rival, see `_candidates`."""
+    """One row per candidate for the settings of a rival, see `_candidates`."""
     return _candidates("tuning", records).drop(columns="still", errors="ignore")
 
 
 def sensitivity(records: Records) -> pd.DataFrame:
-    """A row a candidate for the settings of avo-plain, see `_candidates`."""
+    """One row per candidate for the settings of avo-plain, see `_candidates`."""
     return _candidates("sensitivity", records).drop(columns="method", errors="ignore")
 
 
 def _candidates(experiment: str, records: Records) -> pd.DataFrame:
-    """A row a candidate that has all its records: its median inefficiency on each development task, and seconds a cell.
+    """One row per complete candidate: its median inefficiency on each development task, and seconds per cell.
 
     By the geometric mean over tasks one is chosen. `still` is the largest share of a run in which the proposal stood
     exactly still. These are development numbers: the best of several is better by luck, too.
@@ -112,7 +112,7 @@ def _inefficiency(name: str, record: dict[str, Any]) -> float:
 
 
 def fresh(records: Records) -> pd.DataFrame:
-    """A row a task and method on targets that nothing was chosen on.
+    """One row per task and method on targets that nothing was chosen on.
 
     `mean / floor` is the mean squared error over the mean floor, on weinberg over the ideal posterior mean's; below 1
     is chance. `astray` counts runs above 100 floors, and `ok of these` those of them that the method vouched for. The

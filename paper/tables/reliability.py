@@ -20,11 +20,11 @@ OUTSIDE = ("outside the catalogue", None)
 LEAST = 0.01
 """Probability from which a name is one that was told: of most names it is all but certain that they are not it."""
 ALPHA = 0.05
-"""Where the events agree with what was named."""
+"""p-value above which the events agree with what was named."""
 BINS = 10
-"""Of the probability, of as many names each."""
+"""Bins of the probability, with equal numbers of names."""
 DRAWS = 300
-"""Of what may come true by chance."""
+"""Random draws for the range that chance allows."""
 
 
 def names(case: Case) -> dict[tuple[str, str | None], float]:
@@ -44,7 +44,7 @@ def of_truth(case: Case) -> float:
 
 
 def table(cases: Iterable[tuple[str, Case]]) -> pd.DataFrame:
-    """Of cases in which a disagreement was seen, by what was hidden."""
+    """The table of the cases with a detected disagreement, by what was hidden."""
     rows = []
     groups: dict[str, list[Case]] = {}
     for name, case in cases:

@@ -39,9 +39,9 @@ class Target:
     task: str
     what: str
     values: Callable[[pd.DataFrame], NDArray[np.float64]]
-    """Of the cells of one method on the task: (n,), or (n, 2)."""
+    """Function from the cells of one method on the task to values (n,), or (n, 2)."""
     statistic: Callable[[NDArray[np.float64]], float]
-    """Of these values, the quantity."""
+    """Function from these values to the quantity."""
     most: float | None
     """None where it is to be below what each rival has, by a paired test."""
 
@@ -66,7 +66,7 @@ TARGETS = (
 
 
 def table(records: list[dict[str, Any]]) -> pd.DataFrame:
-    """A row a target: what was measured of each method, what is wanted of `avo`, and whether that is met.
+    """One row per target: what was measured of each method, what is wanted of `avo`, and whether that is met.
 
     A task is measured on the targets that all of its methods have; a run that failed has an infinite error. Beside what
     was measured of `avo` stands its 95 % interval, over other draws of the targets; `avo` is ahead of a rival where a
