@@ -12,7 +12,7 @@ WORST_RUN = 100.0
 """Squared error over the floor that no run should exceed: beyond it a run went astray, as chance does not."""
 
 
-def told_interval(values: NDArray, targets: pd.Series, statistic: Callable[[NDArray], float]) -> str:
+def interval_text(values: NDArray, targets: pd.Series, statistic: Callable[[NDArray], float]) -> str:
     """The result of `interval` as text."""
     low, high = interval(values, targets, statistic)
     return "-" if np.isnan(low) else f"[{low:.2g}, {high:.2g}]"

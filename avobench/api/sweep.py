@@ -131,7 +131,7 @@ def asked(
     try:
         return apart(Call(partial(plan, tried=False), request, limits))
     except ProcessEnded as error:
-        raise UsageError(f"{', '.join(theirs)}: not to be used, when looked at {error}") from error
+        raise UsageError(f"{', '.join(theirs)}: cannot be used: {error}") from error
 
 
 def carried_out(

@@ -45,16 +45,16 @@ def distances(record: dict[str, Any]) -> NDArray[np.float64] | None:
 
 def by_method(records: list[dict[str, Any]]) -> dict[tuple[str, str], NDArray[np.float64]]:
     """The distances of all parameters of all records of a task and method, those with any: (n,) each."""
-    found: dict[tuple[str, str], list[NDArray[np.float64]]] = {}
+    parts: dict[tuple[str, str], list[NDArray[np.float64]]] = {}
     for task, method, record in zip(*labels(records), records, strict=True):
         if (away := distances(record)) is not None:
-            found.setdefault((task, method), []).append(away)
+            parts.setdefault((task, method), []).append(away)
     keys = [
         (task, method)
-        for task in ordered((task for task, _ in found), TASK_ORDER)
-        for method in ordered((method for of, method in found if of == task), METHOD_ORDER)
+        for task in ordered((task for task, _ in parts), TASK_ORDER)
+        for method in ordered((method for of, method in parts if of == task), METHOD_ORDER)
     ]
-    return {key: np.concatenate(found[key]) for key in keys}
+    return {key: np.concatenate(parts[key]) for key in keys}
 
 
 def within(away: NDArray[np.float64]) -> dict[str, str]:
@@ -85,10 +85,10 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
 
     Raises StoreError where no record quotes anything.
     """
-    found = by_method(records)
-    if not found:
+    pooled = by_method(records)
+    if not pooled:
         raise StoreError("no record has a standard error or a posterior, so there is no coverage to draw")
-    curves = {key: (away[:, None] <= norm.ppf((1 + CURVE) / 2)).mean(axis=0) for key, away in found.items()}
+    curves = {key: (away[:, None] <= norm.ppf((1 + CURVE) / 2)).mean(axis=0) for key, away in pooled.items()}
     rows = [
         pd.DataFrame({"task": task, "method": method, "nominal": CURVE, "empirical": held})
         for (task, method), held in curves.items()

@@ -27,9 +27,9 @@ from paper.quantities import (
     beside_ideal,
     in_units_of_the_best,
     inefficiency_of,
+    interval_text,
     median,
     ratio_of_means,
-    told_interval,
 )
 from paper.tables.targets import RIVALS
 
@@ -49,7 +49,7 @@ def better_on_average(evidence: Evidence) -> Finding:
             errors = errors_by_target(cells)
             row = {"task": task, "method": method, "targets": len(errors), "cells": len(cells)}
             row |= {"median error": cells["squared_error"].median(), "mean error": cells["squared_error"].mean()}
-            row["mean, 95 %"] = told_interval(cells["squared_error"].to_numpy(), cells["target"], np.mean)
+            row["mean, 95 %"] = interval_text(cells["squared_error"].to_numpy(), cells["target"], np.mean)
             for rival in (rival for rival in RIVALS if rival in by_method):
                 won = (errors < errors_by_target(by_method[rival]).loc[errors.index]).sum()
                 row[f"targets nearer than {rival}"] = "-" if method == rival else f"{won}"
@@ -107,7 +107,7 @@ def summary_limits(evidence: Evidence) -> Finding:
                     "targets": cells["target"].nunique(),
                     "median error": cells["squared_error"].median(),
                     "inefficiency": median(best),
-                    "95 %": told_interval(best, cells["target"], median),
+                    "95 %": interval_text(best, cells["target"], median),
                 }
             )
         limited.append(rows[-2]["inefficiency"] > max(2, 2 * rows[-1]["inefficiency"]))
@@ -134,7 +134,7 @@ def ahead_on_alignment(evidence: Evidence) -> Finding:
     for method, sees, cells in compared:
         row = {"method": method, "it sees": sees, "targets": cells["target"].nunique()}
         row["inefficiency"] = inefficiency_of(cells)
-        row["95 %"] = told_interval(in_units_of_the_best(cells), cells["target"], median)
+        row["95 %"] = interval_text(in_units_of_the_best(cells), cells["target"], median)
         for rival in RIVALS:
             pair = by_method[rival][by_method[rival]["target"].isin(cells["target"])]
             row[f"{rival}, same targets"] = inefficiency_of(pair)
@@ -199,7 +199,7 @@ def weinberg_winner(evidence: Evidence) -> Finding:
                 "median error": cells["squared_error"].median(),
                 "mean error": cells["squared_error"].mean(),
                 "mean error / ideal": ratio_of_means(beside_ideal(cells)),
-                "95 %": told_interval(beside_ideal(cells), cells["target"], ratio_of_means),
+                "95 %": interval_text(beside_ideal(cells), cells["target"], ratio_of_means),
             }
         )
     p = _equal_ranks([by_method[method] for method in PAPERS if method in by_method])

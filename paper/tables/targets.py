@@ -16,10 +16,10 @@ from paper.quantities import (
     asymmetry_in_units_of_the_best,
     beside_ideal,
     in_units_of_the_best,
+    interval_text,
     median,
     ratio_of_means,
     ratios,
-    told_interval,
     worst,
 )
 
@@ -48,11 +48,11 @@ class Target:
     def measure(self, cells: pd.DataFrame) -> float:
         return self.statistic(self.values(cells))
 
-    def told_interval(self, cells: pd.DataFrame) -> str:
+    def interval_text(self, cells: pd.DataFrame) -> str:
         """Where the quantity may lie for other targets; a largest value has no such interval."""
         if self.statistic is worst:
             return "-"
-        return told_interval(self.values(cells), cells["target"], self.statistic)
+        return interval_text(self.values(cells), cells["target"], self.statistic)
 
 
 BEST = in_units_of_the_best, median
@@ -90,7 +90,7 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
                 "quantity": target.what,
                 "targets": cells["target"].nunique(),
                 METHOD: values.get(METHOD, np.nan),
-                "95 %": "-" if own is None else target.told_interval(own),
+                "95 %": "-" if own is None else target.interval_text(own),
                 **{column: values.get(column, np.nan) for column in columns},
                 "wanted": "ahead of all" if target.most is None else f"at most {target.most:g}",
                 "verdict": _verdict(target, by_method, values),

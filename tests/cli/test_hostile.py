@@ -61,9 +61,7 @@ def test_a_method_that_ends_the_process_is_a_record_too(avobench, tmp_path):
 def test_a_task_that_ends_the_process_where_its_targets_are_asked_for_is_refused_in_a_line(avobench, tmp_path):
     code, out, err = avobench("run", *CELLS, "--task", "hostile:NoTargets", "--results", tmp_path / "r")
     assert (code, out) == (2, "")
-    assert err == (
-        "avobench: hostile:NoTargets, hostile:Steps: not to be used, when looked at the process was ended by SIGSEGV\n"
-    )
+    assert err == ("avobench: hostile:NoTargets, hostile:Steps: cannot be used: the process was ended by SIGSEGV\n")
     assert not (tmp_path / "r").exists()
 
 
