@@ -37,12 +37,12 @@ benchmark: venv  ## the paper's comparison: 4 tasks x 3 methods x 15 targets int
 quick: venv  ## all tasks and methods on 3 targets at a tenth of the budget, into results/quick, figure in reports/
 	$(BIN)/avobench run $(METHODS) $(QUICK) --results results/quick --figure reports/quick
 
-figures: venv  ## draw the committed records into docs/figures, and write docs/reproduction.md and docs/real-data.md
+figures: venv  ## draw the committed records into docs/figures, and write the pages on the paper's claims and on real data
 	$(BIN)/avobench figure benchmark efficiency cost coverage --results results/reference --out docs/figures
 	$(BIN)/python -m paper.figures poisson alignment detector weinberg dimension misspecification --out docs/figures
 	OMP_NUM_THREADS=1 $(BIN)/python -m paper.gallery
 	$(BIN)/python -m paper.figures.reliability_diagram docs/figures results/challenge/sealed-*.jsonl
-	$(BIN)/python -m paper.claims.reproduction --out docs/reproduction.md
+	$(BIN)/python -m paper.claims.reproduction --out docs
 	$(BIN)/python -m paper.tables.real --out docs/real-data.md
 
 studies: venv  ## the paper's single experiments, the ablation and the studies beyond it into results/, as far as they lack

@@ -156,12 +156,12 @@ TUNING: dict[str, tuple[int, dict[str, Settings]]] = {
     "npe": (2, {"1250 sets of 128": {}, "312 sets of 512": {"events_per_set": 512}}),
     "tsnpe": (2, {"as it is": {}, "312 sets of 512": {"events_per_set": 512}}),
 }
-"""By method, the number of development targets of each task and, by what the table calls them, the settings that were
-tried; the first of abc-smc and bolfi is the paper's. N x M is a population, or initial evidence, of N parameters with M
-events each. The other methods have fewer targets because they take ten times as long as ABC-SMC."""
+"""The number of development targets of each task, and the settings that were tried under their names in the table, by
+method. The first settings of abc-smc and bolfi are the paper's. N x M is a population, or initial evidence, of N
+parameters with M events each. The other methods have fewer targets because they take ten times as long as ABC-SMC."""
 
 READINGS = {"d": {"r1_of": "probability"}, "logit": {"r1_of": "logit"}}
-"""What R1 takes the input gradient of."""
+"""The function whose input gradient R1 penalises."""
 PENALTIES = (0.1, 1.0, 10.0)
 NARROW = {"hidden": [64, 64]}
 """A network that takes an eighth of the time of the paper's on poisson."""
@@ -234,8 +234,8 @@ FAMILIES = ("warped", "means")
 """Tasks in which the mean of an event says nothing of the parameters, and in which it says all."""
 DETECTOR = "alignment-3"
 REACHED = {"smm": (2, 5, 10), "avo": DIMENSIONS, "abc-smc-tuned": DIMENSIONS, "bolfi-tuned": (2, 5, 10)}
-"""With how many parameters each method is tried. A cell of smm takes ten minutes with 20, and one of bolfi with the
-paper's settings 16 minutes with 5."""
+"""The numbers of parameters with which each method is tried. A cell of smm takes ten minutes with 20, and one of bolfi
+with the paper's settings 16 minutes with 5."""
 
 
 def _families(method: str) -> tuple[str, ...]:
@@ -310,7 +310,7 @@ EXPERIMENTS = {
         tuple(Runs(method, method, {}, _families(method), 5) for method in REACHED),
     ),
     "fresh": Experiment(
-        "avo and smm on a hundred targets a task that nothing was chosen on",
+        "avo and smm on a hundred targets per task that nothing was chosen on",
         Path("results/fresh"),
         on(tuple(map(tasks.spec, tasks.FRESH)), "smm", "avo", targets=100),
     ),

@@ -1,4 +1,4 @@
-"""How far estimates are from the best there is, as the targets, tables and claims measure it."""
+"""Measures of the distance of estimates from the best possible ones, for targets, tables and claims."""
 
 from collections.abc import Callable
 
@@ -12,8 +12,8 @@ WORST_RUN = 100.0
 """Squared error over the floor that no run should exceed: beyond it a run went astray, as chance does not."""
 
 
-def told_interval(values: NDArray, targets: pd.Series, statistic: Callable[[NDArray], float]) -> str:
-    """`interval`, to be read."""
+def interval_text(values: NDArray, targets: pd.Series, statistic: Callable[[NDArray], float]) -> str:
+    """The result of `interval` as text."""
     low, high = interval(values, targets, statistic)
     return "-" if np.isnan(low) else f"[{low:.2g}, {high:.2g}]"
 
@@ -24,12 +24,12 @@ def in_units_of_the_best(cells: pd.DataFrame) -> NDArray[np.float64]:
 
 
 def asymmetry_in_units_of_the_best(cells: pd.DataFrame) -> NDArray[np.float64]:
-    """On weinberg, the same for the asymmetry c, the one quantity that the events determine."""
+    """The same ratio for the asymmetry c on weinberg, the one quantity that the events determine: (n,)."""
     return np.divide(*asymmetry_errors(cells)) / efficient_median((1.0,))
 
 
 def beside_ideal(cells: pd.DataFrame) -> NDArray[np.float64]:
-    """On weinberg, the squared error, and that of the ideal posterior mean at the same target: (n, 2)."""
+    """The squared errors on weinberg, and those of the ideal posterior mean at the same targets: (n, 2)."""
     return np.column_stack([cells["squared_error"], ideal_errors(cells)])
 
 
@@ -47,7 +47,7 @@ def worst(values: NDArray[np.float64]) -> float:
 
 
 def ratio_of_means(values: NDArray[np.float64]) -> float:
-    """Of the first column to the second."""
+    """The ratio of the mean of the first column to that of the second."""
     return float(values[:, 0].mean() / values[:, 1].mean())
 
 
@@ -57,5 +57,5 @@ def inefficiency_of(cells: pd.DataFrame) -> float:
 
 
 def asymmetry_inefficiency(cells: pd.DataFrame) -> float:
-    """On weinberg, the same for the asymmetry c."""
+    """The median of `asymmetry_in_units_of_the_best`, for cells of weinberg."""
     return median(asymmetry_in_units_of_the_best(cells))

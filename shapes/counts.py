@@ -1,4 +1,4 @@
-"""Shapes of counts: one number of pulses an event, from the source to what is written down."""
+"""Shapes of counts: one number of pulses per event, from the source to what is written down."""
 
 import numpy as np
 from numpy.typing import NDArray

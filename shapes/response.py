@@ -13,7 +13,7 @@ from shapes.selection import SIDE, angle, cosine, cotangent, unbounded
 RESPONSE = Library("continuous")
 
 OTHER = (0.0, 1.0)
-"""Which of the other features acts, from the next one to the last."""
+"""Range of the place among the other features of the one that acts, from the next one to the last."""
 
 
 def positive(place: Place) -> bool:

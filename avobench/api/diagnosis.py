@@ -91,7 +91,7 @@ class Diagnosed:
 
     @property
     def theta(self) -> pd.DataFrame:
-        """A row a parameter of the task: value and standard error without effects, and with those that were found."""
+        """One row per parameter of the task: value and standard error without effects, and with the named ones."""
         fits = {"before": self.diagnosis.theta_before, "after": self.diagnosis.theta_after or {}}
         columns = {
             f"{what}_{when}": {name: getattr(value, what) for name, value in theta.items()}

@@ -84,7 +84,7 @@ class Inference:
         return self.estimate.std if self.estimate.error is None else self.estimate.error
 
     def to_frame(self) -> pd.DataFrame:
-        """A row a parameter: value, std, unit, and the ends of its prior."""
+        """One row per parameter: value, std, unit, and the ends of its prior."""
         prior = self.task.prior
         return pd.DataFrame(
             {

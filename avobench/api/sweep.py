@@ -80,7 +80,7 @@ def run(
 
     Returns
     -------
-    One row a cell, as `records` returns it, in the order of the cells.
+    One row per cell, as `records` returns it, in the order of the cells.
 
     Raises
     ------
@@ -131,7 +131,7 @@ def asked(
     try:
         return apart(Call(partial(plan, tried=False), request, limits))
     except ProcessEnded as error:
-        raise UsageError(f"{', '.join(theirs)}: not to be used, when looked at {error}") from error
+        raise UsageError(f"{', '.join(theirs)}: cannot be used: {error}") from error
 
 
 def carried_out(
@@ -150,7 +150,7 @@ def carried_out(
 
 
 def records(results: str | Path = RESULTS) -> pd.DataFrame:
-    """The records of a results folder, a row a cell; see docs/records.md for the columns.
+    """The records of a results folder, one row per cell; see docs/records.md for the columns.
 
     Raises StoreError where a record is damaged or there are none, UsageError where there is no such folder.
     """

@@ -1,4 +1,4 @@
-"""What a test of binned events sees: bins of features and of pairs of them, sums of images."""
+"""The summary of a test of binned events: bins of features and of pairs of features, and sums over images."""
 
 from itertools import combinations
 
@@ -26,7 +26,7 @@ class Bins:
         return np.concatenate([self._sums(x).mean(axis=0), *(count / len(x) for count in counts)])
 
     def covariance(self, x: NDArray) -> NDArray[np.float64]:
-        """Of one event's sums and bins: (n, d) -> (k, k)."""
+        """The covariance of the sums and bins of one event: (n, d) -> (k, k)."""
         return np.cov(np.hstack([self._sums(x), *(np.eye(size)[index] for index, size in self._indices(x))]).T)
 
     def _features(self, x: NDArray) -> NDArray:
@@ -41,7 +41,7 @@ class Bins:
         return np.hstack([image.sum(axis=2), image.sum(axis=1), blocks.reshape(len(x), -1)])
 
     def _indices(self, x: NDArray) -> list[tuple[NDArray[np.intp], int]]:
-        """Of each feature and each pair: the bin of each event, (n,), and how many there are."""
+        """The bin of each event, (n,), and the number of bins, for each feature and each pair."""
 
         def bins(feature: int, edges: list[NDArray]) -> tuple[NDArray[np.intp], int]:
             return np.searchsorted(edges[feature], features[:, feature], side="right"), len(edges[feature]) + 1
@@ -55,7 +55,7 @@ class Bins:
 
 
 def _edges(feature: NDArray, num_bins: int) -> NDArray:
-    """Of bins that hold equal shares; every whole number has one of its own where the values are counts."""
+    """The edges of bins with equal shares of the events. If the values are counts, each whole number has a bin."""
     if np.issubdtype(feature.dtype, np.integer):
         low, high = np.quantile(feature, [0.005, 0.995]).round()
         return np.arange(low, high + 2)

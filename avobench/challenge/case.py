@@ -16,7 +16,7 @@ VISIBLE = 0.9
 
 
 DERIVATIVE_STEP = 1e-4
-"""Of the prior's width: small against what bends, large against rounding."""
+"""The step of a derivative in widths of the prior: small beside curvature, and large beside rounding."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Case:
 
     @property
     def power(self) -> float:
-        """Of the best test, for the least visible of the hidden effects."""
+        """The power of the best test for the least visible of the hidden effects."""
         return min(effect["power"] for effect in self.answer["effects"])
 
     @property
@@ -57,7 +57,7 @@ class Case:
 
     @property
     def ties(self) -> list[set[tuple[str, str | None]]]:
-        """For each named effect, itself and its rivals."""
+        """The set of each named effect and of the effects that it is tied with."""
         effects = self.diagnosis["effects"]
         return [{self.key(effect), *map(self.key, effect["tied_with"])} for effect in effects]
 
@@ -67,7 +67,7 @@ class Case:
         return effect["name"], effect["feature"] if choose else None
 
     def bias(self, when: str) -> float | None:
-        """How far what the events determine of theta is from the truth, mean over its parts. `when`: theta_...
+        """The mean distance from the truth of what the events determine of theta. `when`: theta_...
 
         In widths of the prior, or in what else a task tells it in.
         """
@@ -112,7 +112,7 @@ class Case:
 
     @property
     def explained(self) -> bool:
-        """Whether the diagnosis says that what it named is all that was missing."""
+        """Whether the diagnosis says that nothing is missing beside what it named."""
         return self.diagnosis["verdict"] == Verdict.NAMED
 
     def first(self, *, feature: bool = True) -> bool:

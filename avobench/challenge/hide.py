@@ -19,7 +19,7 @@ LEAST_POWER = 0.3
 """Strength and shape are drawn anew, up to MAX_DRAWS times, until the best test would see the effect with this power:
 below it hardly anybody could see it."""
 MOST_DISTANCE = 50.0
-"""The same until chi2/ndf - 1 is at most so much: above it an effect is a toy."""
+"""Strength and shape are also drawn anew until chi2/ndf - 1 is at most this: a stronger effect is too easy to see."""
 MAX_DRAWS = 6
 """The last draw stays as it is, so that effects that theta absorbs are among those that are hidden."""
 OWN_RANGE = (0.003, 1.0)
@@ -29,7 +29,7 @@ NUM_REFERENCE = 20_000
 """Events without an effect, which give the scale on which strengths are meant."""
 SETS = ("own", "foreign")
 
-"""Whose shapes the hidden effects have: the catalogue's own, or foreign ones."""
+"""The sources of hidden shapes: the catalogue (own), or shapes that it does not have (foreign)."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class OwnShape:
 
     @classmethod
     def draw(cls, family: Sequence[Effect], rng: np.random.Generator) -> "OwnShape":
-        """In any of its shapes; strength by OWN_RANGE, to either side where there are two, shape uniform."""
+        """Draw one of a family's shapes. OWN_RANGE scales its strength, whose sign is random if both are allowed."""
         choices = [shape for each in family for shape in each.shapes()]
         chosen = choices[rng.integers(len(choices))]
         phi = []
@@ -59,7 +59,7 @@ class OwnShape:
         return cls(chosen, np.array(phi))
 
     def stronger(self, factor: float) -> "OwnShape":
-        """The same with the strength, as far as the bounds let it, multiplied by a factor."""
+        """The same effect with its strength multiplied by a factor, within the bounds."""
         p = self.effect.parameters[0]
         strength = np.clip(p.null + factor * (self.phi[0] - p.null), p.low, p.high)
         return replace(self, phi=np.r_[strength, self.phi[1:]])
@@ -94,7 +94,7 @@ class Hidden:
 
     @property
     def answer(self) -> dict[str, Any]:
-        """As the answers tell it."""
+        """The effect as answers.json describes it."""
         own = isinstance(self.injection, OwnShape)
         return {
             "name": self.injection.name,
@@ -145,7 +145,7 @@ def hide(
 
 
 def feature_label(task: Task, feature: int | Literal["all"] | None) -> str | None:
-    """As a diagnosis says it: a name, "all", or None where there is nothing to choose from."""
+    """The feature as a diagnosis names it: a name, "all", or None if an event has only one feature."""
     if not isinstance(feature, int):
         return feature
     return task.labels[feature]
@@ -199,7 +199,7 @@ def _generates(injection: Injection | OwnShape) -> bool:
 
 
 def _tried(task: Task, num_events: int) -> int:
-    """From how many events the visibility of an effect in `num_events` of them is computed."""
+    """The number of events from which the visibility of an effect in `num_events` events is computed."""
     return num_events if task.event_shape or task.num_features > 1 else 2 * num_events
 
 
@@ -211,7 +211,7 @@ def _beside(
     num_events: int,
     rng: np.random.Generator,
 ) -> float:
-    """With which power events with both hidden effects tell that there is more than `other`, whatever its strength."""
+    """The power with which events with both hidden effects exclude `other` alone, whatever its strength."""
     x = _chain(task, hidden)(np.tile(theta, (_tried(task, num_events), 1)), rng)
 
     def alone(factor: float) -> Simulate:

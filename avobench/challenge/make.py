@@ -21,7 +21,7 @@ MANIFEST = {"schema": "avobench-challenge", "version": 1}
 
 """What says that a file is the public part of a challenge, and of which version."""
 UNFINISHED = {"data", "answers.json"}
-"""What an interrupted `make` leaves; the next one begins anew."""
+"""A file that only an interrupted `make` leaves. The next `make` begins anew."""
 
 
 def make(

@@ -30,7 +30,7 @@ KEPT = (
     "seed",
     "versions",
 )
-"""Of a diagnosis, in records: without what is long and not scored, as the candidates are."""
+"""Fields of a diagnosis in records. Long fields that are not scored, such as the candidates, are left out."""
 
 
 def records(folder: Path) -> list[dict[str, Any]]:
@@ -59,7 +59,7 @@ def records(folder: Path) -> list[dict[str, Any]]:
 
 
 def read_records(path: Path) -> list[dict[str, Any]]:
-    """What `records` gave, from a file of it. Raises UsageError for another file."""
+    """The result of `records`, read from a file. Raises UsageError for another file."""
     try:
         lines = [json.loads(line) for line in path.read_text().splitlines()]
     except (OSError, ValueError, RecursionError) as error:

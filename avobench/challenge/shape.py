@@ -172,7 +172,7 @@ class Injection:
         return self.shape.stage
 
     def stronger(self, factor: float) -> "Injection":
-        """The same with its strength multiplied by a factor, but not beyond the range from which it is drawn."""
+        """The same injection with its strength multiplied by a factor, within the range from which it is drawn."""
         high = self.shape.ranges["strength"].high
         strength = float(np.clip(factor * self.settings["strength"], -high, high))
         return replace(self, settings={**self.settings, "strength": strength})

@@ -1,4 +1,4 @@
-"""What is wanted of a challenge beside what came out."""
+"""The project's targets for the scores of a challenge, beside the scores."""
 
 from collections.abc import Callable
 from typing import Any
@@ -34,7 +34,7 @@ WANTED: tuple[tuple[str, tuple[str, ...], str, float], ...] = (
 
 
 def targets(*challenges: list[dict[str, Any]], trust: bool = False) -> str:
-    """What is wanted of challenges beside what they gave, a column a task, and whether all pooled are as wanted."""
+    """What is wanted of challenges beside what they gave, one column per task, and whether all pooled are as wanted."""
     tasks = list(dict.fromkeys(lines[0]["task"] for lines in challenges))
     scores = {task: score(*(lines for lines in challenges if lines[0]["task"] == task), trust=trust) for task in tasks}
     scores["all"] = score(*challenges, trust=trust)

@@ -1,4 +1,4 @@
-"""How visible an injection is at best, by a measure of its own that no diagnosis uses."""
+"""The visibility of an injection to the best test, which is independent of the diagnosis."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,20 +12,20 @@ from avobench.challenge.shape import Simulate
 from avobench.tasks import Task
 
 ALPHA = 0.05
-"""Level of the test: that of a diagnosis, unless it is told another."""
+"""Level of the test, which is the default of a diagnosis."""
 STEP = 0.02
-"""Of numerical derivatives, in widths of the prior."""
+"""Step of numerical derivatives, in widths of the prior."""
 NUM_ROUNDS = 3
-"""Of fitting theta again, so that an effect that a change of theta can imitate counts as invisible."""
+"""Rounds of fitting theta again. They make an effect invisible that a change of theta can imitate."""
 FACTOR = 2.0
-"""By which the strength of another effect is fitted, up and down."""
+"""Factor by which the strength of another effect may change in the fit, up and down."""
 NUM_COVARIANCE = 20_000
 """Events from which the covariance is taken."""
 
 
 @dataclass(frozen=True)
 class Visibility:
-    """Of an effect, by the chi-square test of binned events with theta fitted."""
+    """The visibility of an effect in the chi-square test of binned events, with theta fitted."""
 
     distance: float
     """Noncentrality over degrees of freedom: expected chi2/ndf - 1."""
@@ -41,7 +41,7 @@ def visibility(
     rng: np.random.Generator,
     other: Callable[[float], Simulate] | None = None,
 ) -> Visibility:
-    """Of the effect in events x (n, d), measured at theta (p,), if there were `num_events` of them.
+    """The visibility of the effect in events x (n, d), measured at theta (p,), if there were `num_events` of them.
 
     `other` gives the simulator with another effect, which is known but for a factor of its strength; the task's own if
     there is none. The factor is fitted like theta: where it can imitate the effect, nobody could tell it.
@@ -65,7 +65,7 @@ class Fitted:
     """(p,)"""
     high: NDArray[np.float64]
     step: NDArray[np.float64]
-    """Of a numerical derivative."""
+    """The step of a numerical derivative."""
 
     @classmethod
     def of(cls, task: Task, other: Callable[[float], Simulate] | None) -> "Fitted":

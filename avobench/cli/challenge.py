@@ -16,17 +16,21 @@ FOLDER = click.argument("folder", type=click.Path(path_type=Path))
 
 @click.group()
 def challenge() -> None:
-    """Hide effects in measured data, find them again, and score that."""
+    """Hide effects in simulated data sets, diagnose these, and score the answers."""
 
 
 @challenge.command(cls=Isolated)
-@click.option("--task", required=True, metavar="NAME", help="Task, or module:Class.")
-@click.option("--cases", type=int, required=True, help="Data sets to make.")
-@click.option("--seed", type=int, default=0, show_default=True)
+@click.option("--task", required=True, metavar="NAME", help="Task by name, or module:Class.")
+@click.option("--cases", type=int, required=True, help="Number of data sets.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of all random numbers.")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="New folder for data and answers.")
 @click.option("--events", "num_events", type=int, default=50_000, show_default=True, help="Events of each data set.")
-@click.option("--kinds", default=None, metavar="A,B", help="Of none, own, foreign, two, withheld.  [all]")
-@click.option("--shapes", default=None, metavar="MODULE:NAME", help="Foreign shapes, such as shapes:SEEN in a clone.")
+@click.option(
+    "--kinds", default=None, metavar="A,B", help="Kinds to hide, of none, own, foreign, two, withheld.  [all]"
+)
+@click.option(
+    "--shapes", default=None, metavar="MODULE:NAME", help="Shapes for the kind foreign, such as shapes:SEEN in a clone."
+)
 @TRUST
 def make(
     task: str,
@@ -38,7 +42,7 @@ def make(
     shapes: str | None,
     trust: bool,
 ) -> None:
-    """Hide random effects in data sets of a task. What was hidden stands in answers.json, apart from the data."""
+    """Hide random effects in data sets of a task. The answers are in answers.json, apart from the data."""
     from avobench.challenge import make as module
 
     chosen = None if kinds is None else tuple(kinds.split(","))
@@ -52,11 +56,15 @@ def make(
 @challenge.command()
 @FOLDER
 @click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [1]")
-@click.option("--alpha", type=float, default=None, help="Error rate of the detection.")
-@click.option("--simulations", "num_simulations", type=int, default=None, help="Simulated events a data set.")
-@click.option("--fit", default=None, metavar="NAME", help="How theta is fitted.")
-@click.option("--time-limit", type=float, default=None, metavar="SECONDS", help="Of a data set.  [21600]")
-@click.option("--memory-limit", type=float, default=None, metavar="MIB", help="Of its process.  [8192]")
+@click.option("--alpha", type=float, default=None, help="Upper bound on the rate of false alarms.")
+@click.option(
+    "--simulations", "num_simulations", type=int, default=None, help="Limit on simulated events per data set."
+)
+@click.option("--fit", default=None, metavar="NAME", help="Method that fits theta first.")
+@click.option("--time-limit", type=float, default=None, metavar="SECONDS", help="Limit for each data set.  [21600]")
+@click.option(
+    "--memory-limit", type=float, default=None, metavar="MIB", help="Limit for the process of each data set.  [8192]"
+)
 @TRUST
 @click.pass_obj
 def solve(
@@ -70,7 +78,7 @@ def solve(
     memory_limit: float | None,
     trust: bool,
 ) -> None:
-    """Diagnose every data set that has no result yet, from the data alone."""
+    """Diagnose every data set that has no result yet. The answers are not read."""
     from avobench.challenge.solve import solve as solve_all
 
     options = {"alpha": alpha, "num_simulations": num_simulations, "fit": fit}
@@ -89,13 +97,13 @@ def solve(
 @challenge.command(cls=Isolated)
 @click.argument("places", metavar="FOLDER...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--format", "kind", type=click.Choice(["text", "json"]), default="text", show_default=True)
-@click.option("--records", type=click.Path(path_type=Path), default=None, help="File to write what was scored to.")
-@click.option("--targets", is_flag=True, help="Print what is wanted of a diagnosis beside what came out.")
+@click.option("--records", type=click.Path(path_type=Path), default=None, help="File for the answers and diagnoses.")
+@click.option("--targets", is_flag=True, help="Print the project's targets beside the results.")
 @TRUST
 def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bool, trust: bool) -> None:
-    """Open the answers and tell how often the diagnosis was right; several challenges are pooled.
+    """Compare the diagnoses with the answers. Several challenges are pooled.
 
-    FOLDER may also be a file that --records wrote: one line of JSON a case, its answer and its diagnosis.
+    FOLDER may also be a file written by --records, with the answer and the diagnosis of one data set per line.
     """
     from avobench.bench.store.files import write_file
     from avobench.challenge.records import read_records

@@ -12,7 +12,7 @@ from avobench.tasks.errors import AvobenchError
 @click.argument("name")
 @TRUST
 def check(kind: str, name: str, trust: bool) -> None:
-    """Tell whether a task, method or effect keeps its contract; NAME is registered or module:Class."""
+    """Check that a task, method or effect keeps its contract. NAME is a registered name, or module:Class."""
     from avobench.bench import conformance  # here, because SciPy's statistics take a second to load
 
     passed = True

@@ -11,7 +11,7 @@ from avobench.bench.events import read_events, read_timed
 from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder
 from avobench.cli.isolated import Isolated
-from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
+from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, SEED, TRUST, named
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 from avobench.tasks.sample import bank
@@ -27,17 +27,35 @@ from avobench.tasks.sample import bank
 @COLUMNS
 @DROP_INVALID
 @TRUST
-@click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True)
-@click.option("--alpha", type=float, default=0.05, show_default=True, help="Rate of false alarms, at most.")
-@click.option("--max-effects", type=click.IntRange(0), default=3, show_default=True, help="Effects to add at most.")
-@click.option("--simulations", type=click.IntRange(1), default=None, help="Simulated events, at most.  [what it takes]")
-@click.option("--ordered", is_flag=True, help="Test the order of the rows: drift, change points, seasons, clustering.")
-@click.option("--time", default=None, metavar="COLUMN", help="The same along this column, which is no feature then.")
+@SEED
+@click.option("--alpha", type=float, default=0.05, show_default=True, help="Upper bound on the rate of false alarms.")
 @click.option(
-    "--fit", default="surrogate", show_default=True, metavar="NAME", help="Method that looks for theta first."
+    "--max-effects", type=click.IntRange(0), default=3, show_default=True, help="Largest number of effects to add."
+)
+@click.option(
+    "--simulations", type=click.IntRange(1), default=None, help="Limit on simulated events.  [as many as needed]"
+)
+@click.option(
+    "--ordered", is_flag=True, help="Also test the order of the rows: drift, change points, seasons, clustering."
+)
+@click.option(
+    "--time", default=None, metavar="COLUMN", help="Also test the order along this column, which is then not a feature."
+)
+@click.option(
+    "--fit",
+    default="surrogate",
+    show_default=True,
+    metavar="NAME",
+    help="Method that fits theta first. The diagnosis's own fit is named surrogate.",
 )
 @click.option("--effects", default=None, metavar="A,B,...", help="Effects of the catalogue to try.  [all that apply]")
-@click.option("--effect", "own", multiple=True, metavar="EFFECT", help="module:Class or file.py:Class; repeatable.")
+@click.option(
+    "--effect",
+    "own",
+    multiple=True,
+    metavar="EFFECT",
+    help="Your own effect to try as well, module:Class or file.py:Class. Repeatable.",
+)
 @click.option("--bank", type=click.Path(path_type=Path), default=None, help="Folder that keeps simulated events.")
 @click.option("--jobs", "-j", type=click.IntRange(1), default=1, show_default=True, help="Worker processes.")
 def diagnose(
@@ -53,10 +71,11 @@ def diagnose(
     effects: str | None,
     **asked: Any,
 ) -> None:
-    """Say whether measured events disagree with a simulator, where, which effect is missing, and add it.
+    """Test whether a simulator describes measured events, and find the effect that it lacks.
 
-    Writes diagnosis.json, model.json (a task, for wherever a task is accepted), and correction.npz, weights for
-    simulated events, where the catalogue does not explain all.
+    The folder then holds report.html (a page with figures), diagnosis.json (every number), and model.json (the
+    simulator with the effect, which every command accepts as a task). If the disagreement remains, correction.npz
+    holds weights that make simulated events look like the measured ones.
     """
     if (spec is None) == (simulated is None):
         raise UsageError("give a simulator by --task, or events that it made by --simulated: one of the two")

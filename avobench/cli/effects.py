@@ -17,10 +17,16 @@ TASKS = ("poisson", "weinberg", "carl", "alignment")
 
 @click.command("list", cls=Isolated)
 @click.argument("kind", type=click.Choice(["tasks", "methods", "effects"]), required=False)
-@click.option("--task", "spec", default=None, metavar="NAME", help="Show the effects of this task, with their bounds.")
+@click.option(
+    "--task",
+    "spec",
+    default=None,
+    metavar="NAME",
+    help="List the effects that apply to this task, with the bounds of their parameters.",
+)
 @TRUST
 def list_(kind: str | None, spec: str | None, trust: bool) -> None:
-    """Show the tasks, the methods and the effects, or one kind of them."""
+    """List the tasks, the methods and the effects, or one kind of them."""
     if spec is not None:
         if kind not in (None, "effects"):
             raise UsageError(f"--task is for `avobench list effects`, not for {kind}")
@@ -32,18 +38,20 @@ def list_(kind: str | None, spec: str | None, trust: bool) -> None:
 
 @click.group()
 def effects() -> None:
-    """What a simulator may lack, in pictures; `avobench list effects` says it in words."""
+    """Draw the effects of the catalogue. `avobench list effects` describes them in words."""
 
 
 @effects.command("draw", cls=Isolated)
 @click.option(
-    "--task", "specs", multiple=True, metavar="NAME", help=f"Task, or module:Class; repeatable.  [{', '.join(TASKS)}]"
+    "--task", "specs", multiple=True, metavar="NAME", help=f"Task, or module:Class. Repeatable.  [{', '.join(TASKS)}]"
 )
-@click.option("--out", type=click.Path(path_type=Path), default=Path("reports/effects"), show_default=True)
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@click.option(
+    "--out", type=click.Path(path_type=Path), default=Path("reports/effects"), show_default=True, help="Folder."
+)
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the events.")
 @TRUST
 def draw_(specs: tuple[str, ...], out: Path, seed: int, trust: bool) -> None:
-    """Draw what each effect does to the events of a task: each shape without and with it, at a middling strength."""
+    """Draw the events of a task without and with each shape of each effect, at a medium strength."""
     from avobench.reports.effects import draw  # here, because matplotlib takes a second to load
 
     require_folder(out)

@@ -11,16 +11,24 @@ from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder
 from avobench.bench.sweep.plan import parse_settings
 from avobench.cli.isolated import Isolated
-from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
+from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, SEED, TRUST, named
 
 
 @click.command(cls=Isolated)
 @click.option("--task", "spec", required=True, metavar="NAME", help="Task, file.py:Class, or a model.json.")
 @DATA
 @click.option("--method", default=None, metavar="NAME", help="Method, or file.py:Class.  [avo, or smm without PyTorch]")
-@click.option("--budget", type=int, default=160_000, show_default=True, help="Simulated events that it may use.")
-@click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True)
-@click.option("--set", "settings", multiple=True, metavar="METHOD.PARAM=VALUE", help="A setting of the method or task.")
+@click.option(
+    "--budget", type=int, default=160_000, show_default=True, help="Simulated events that the method may use."
+)
+@SEED
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="METHOD.PARAM=VALUE",
+    help="Value of a setting of the method or task. Repeatable.",
+)
 @COLUMNS
 @DROP_INVALID
 @TRUST
@@ -37,7 +45,7 @@ def infer(
     trust: bool,
     out: Path | None,
 ) -> None:
-    """Infer the parameters of a simulator behind measured events."""
+    """Infer the parameters of a simulator from measured events."""
     if out is not None:
         require_folder(out.parent, make=False)
     spec = named(spec, trust)

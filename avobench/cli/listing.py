@@ -30,7 +30,7 @@ def tasks() -> str:
     lines = ["tasks"]
     for name in registry.names("task"):
         task = registry.build("task", name, {})
-        lines.append(f"  {name}: {task.num_features} feature{'s' * (task.num_features > 1)} an event")
+        lines.append(f"  {name}: {task.num_features} feature{'s' * (task.num_features > 1)} per event")
         for parameter, unit, low, high in zip(
             task.parameter_names, task.parameter_units, task.prior.low, task.prior.high, strict=True
         ):
@@ -49,12 +49,12 @@ def methods() -> str:
             f"  {name}: {method.source}" + (f" (not available: it needs {package})" if package else ""), 4
         )
         lines += _settings(method)
-    return "\n".join([*lines, "settings are changed with --set NAME.SETTING=VALUE"])
+    return "\n".join([*lines, "--set NAME.SETTING=VALUE changes a setting"])
 
 
 def effects() -> str:
     """Every installed effect by the kind of events that it is for: what it does, its shapes and their parameters."""
-    lines = ["effects that a simulator may lack, with their shapes and the parameters of these, the strength first"]
+    lines = ["effects that a simulator may lack, their shapes, and the parameters of each shape, the strength first"]
     for kind, names in EXAMPLES.items():
         lines.append(f"  on {_DOMAINS[kind]}")
         entries = [effect for name in names for effect in catalogue(registry.build("task", name, {}))]
@@ -120,10 +120,10 @@ def _wrapped(line: str, indent: int) -> list[str]:
 
 
 def status_table(records: list[dict[str, Any]]) -> str:
-    """One line a task and method: cells, failures, median squared error, its ratio to the floor, seconds a cell.
+    """One line per task and method: cells, failures, median squared error, its ratio to the floor, seconds per cell.
 
-    Where a method has a posterior, the ratio stands there for its mean as well, in place of the estimate. Of an
-    amortised method the simulations are those of all targets together.
+    For a method with a posterior, one more column has the ratio of the posterior mean. The simulations of an amortised
+    method are those of all targets together.
     """
     frame = to_frame(records)
     frame["task"], frame["method"] = labels(records)
@@ -141,7 +141,7 @@ def status_table(records: list[dict[str, Any]]) -> str:
             "median error / floor": groups["ratio"].median(),
             "of the posterior mean": groups["mean's ratio"].median(),
             "simulations": groups["simulations_used"].max(),
-            "seconds a cell": groups["seconds"].mean().round(1),
+            "seconds per cell": groups["seconds"].mean().round(1),
         }
     ).reset_index()
     return table.to_string(index=False, na_rep="-", float_format=lambda value: f"{value:.3g}")

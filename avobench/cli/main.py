@@ -48,11 +48,11 @@ class Commands(click.Group):
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
 @click.version_option(package_name="avobench")
-@click.option("--debug", is_flag=True, help="Show tracebacks; may stand anywhere.")
-@click.option("--in-process", is_flag=True, help="Run your code in this process, for a debugger; may stand anywhere.")
+@click.option("--debug", is_flag=True, help="Show the traceback of an error. Accepted anywhere.")
+@click.option("--in-process", is_flag=True, help="Run your code in this process, for a debugger. Accepted anywhere.")
 @click.pass_obj
 def cli(state: State, debug: bool, in_process: bool) -> None:
-    """Fit simulators that have no likelihood, compare methods under one budget, find what a simulator lacks."""
+    """Fit simulators that have no likelihood, compare methods under one budget, and find what a simulator lacks."""
     state.debug, state.in_process = debug, in_process
 
 
@@ -88,8 +88,11 @@ def main(command: click.Command = cli) -> None:
 
 
 def _stop(state: State) -> NoReturn:
-    resumes = "what was finished is kept, and the same command goes on from there"
-    click.echo(f"avobench: stopped; {resumes if state.resumes else 'the same command begins anew'}", err=True)
+    resumes = "finished work is kept, and the same command continues from it"
+    click.echo(
+        f"avobench: stopped; {resumes if state.resumes else 'nothing was kept, and the same command starts again'}",
+        err=True,
+    )
     sys.exit(130)
 
 

@@ -14,12 +14,18 @@ RESULTS = click.option(
     show_default=True,
     help="Folder of the records.",
 )
-TRUST = click.option("--trust", is_flag=True, help="Run the code that a model.json names, if it names any.")
+SEED = click.option(
+    "--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Seed of all random numbers."
+)
+TRUST = click.option("--trust", is_flag=True, help="Allow a model.json to run code that it names.")
 DATA = click.option(
-    "--data", required=True, metavar="FILE", help="Measured events, one row each; file.root:tree for ROOT."
+    "--data",
+    required=True,
+    metavar="FILE",
+    help="File of measured events, one row per event. For ROOT, file.root:tree.",
 )
 COLUMNS = click.option("--columns", default=None, metavar="A,B,...", help="Columns or branches to read, in this order.")
-DROP_INVALID = click.option("--drop-invalid", is_flag=True, help="Leave out rows that hold NaN or infinite values.")
+DROP_INVALID = click.option("--drop-invalid", is_flag=True, help="Leave out rows with NaN or infinite values.")
 
 
 def named(spec: str, trust: bool) -> str:

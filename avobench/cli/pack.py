@@ -13,9 +13,9 @@ from avobench.cli.options import RESULTS
 @click.command()
 @RESULTS
 def pack(results: Path) -> None:
-    """Put the records of a results folder into one table, records.parquet, in place of a file each.
+    """Move the records of a results folder from one file per cell into one table, records.parquet.
 
-    All commands read it as they read the files. What a later run makes is in files of its own until it is packed too.
+    All commands read the table as they read the files. A later run adds files again, until they are packed too.
     """
     store = Store(results)
     packed = pack_store(store)

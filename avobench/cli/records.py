@@ -16,7 +16,7 @@ from avobench.tasks.errors import UsageError
 @click.command()
 @RESULTS
 def status(results: Path) -> None:
-    """Summarise the records of a results folder, and name failed cells and damaged files."""
+    """Summarise the records of a results folder, and list failed cells and damaged files."""
     records = Store(results).read_all(traces=False)
     click.echo(listing.status_table(records))
     for record in records:
@@ -26,11 +26,11 @@ def status(results: Path) -> None:
 
 
 @click.command()
-@click.option("--format", "kind", type=click.Choice(["csv", "parquet"]), required=True)
+@click.option("--format", "kind", type=click.Choice(["csv", "parquet"]), required=True, help="Format of the file.")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="File to write.")
 @RESULTS
 def export(kind: str, out: Path, results: Path) -> None:
-    """Write all records as one table, a row a cell."""
+    """Write all records as one table, one row per cell."""
     require_folder(out.parent, make=False)
     if out.is_dir():
         raise UsageError(f"{out} is a folder; --out takes the file to write")

@@ -9,7 +9,9 @@ from avobench.bench.store.store import Store
 from avobench.cli.options import RESULTS
 from avobench.reports.figures import FIGURES, TRACED, draw
 
-OUT = click.option("--out", type=click.Path(path_type=Path), default=Path("reports"), show_default=True, help="Folder.")
+OUT = click.option(
+    "--out", type=click.Path(path_type=Path), default=Path("reports"), show_default=True, help="Folder to write to."
+)
 
 
 @click.command("figure")
@@ -17,7 +19,7 @@ OUT = click.option("--out", type=click.Path(path_type=Path), default=Path("repor
 @RESULTS
 @OUT
 def figure(names: tuple[str, ...], results: Path, out: Path) -> None:
-    """Draw figures from records: each as .pdf, .png and, with the numbers drawn, .csv."""
+    """Draw figures from records. Each is written as .pdf and .png, and its numbers as .csv."""
     require_folder(out)
     store = Store(results)
     for name in names:
@@ -29,7 +31,7 @@ def figure(names: tuple[str, ...], results: Path, out: Path) -> None:
 @RESULTS
 @OUT
 def report(results: Path, out: Path) -> None:
-    """Write one page with everything, index.html: it needs no network and no other file."""
+    """Write all results as one page, index.html, which needs no network and no other file."""
     from avobench.reports.page import render  # here, because it takes seconds to load
 
     require_folder(out)

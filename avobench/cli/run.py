@@ -24,31 +24,58 @@ from avobench.reports.figures import draw
 
 @click.command()
 @click.option(
-    "--task", "tasks", multiple=True, metavar="NAME", help="Task, or module:Class; repeatable.  [the paper's]"
+    "--task",
+    "tasks",
+    multiple=True,
+    metavar="NAME",
+    help="Task by name, or module:Class. Repeatable.  [those of the paper]",
 )
-@click.option("--method", "methods", multiple=True, metavar="NAME", help="Method, or module:Class; repeatable.  [all]")
-@click.option("--targets", default="0-14", show_default=True, help="Indices and ranges, such as 0,3,7-9.")
-@click.option("--budget", type=int, default=160_000, show_default=True, help="Simulated events a cell may use.")
+@click.option(
+    "--method", "methods", multiple=True, metavar="NAME", help="Method by name, or module:Class. Repeatable.  [all]"
+)
+@click.option("--targets", default="0-14", show_default=True, help="Targets by indices and ranges, such as 0,3,7-9.")
+@click.option("--budget", type=int, default=160_000, show_default=True, help="Simulated events that each cell may use.")
 @click.option("--observations", type=int, default=100_000, show_default=True, help="Observed events of each target.")
-@click.option("--repetitions", type=int, default=1, show_default=True)
-@click.option("--seed", type=int, default=0, show_default=True, help="Root of all random streams.")
-@click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [one a core]")
+@click.option("--repetitions", type=int, default=1, show_default=True, help="Repetitions of each target.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of all random numbers.")
+@click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [one per core]")
 @click.option(
     "--backend",
     type=click.Choice(["local", "together", "dask"]),
     default=None,
-    help="Processes, all cells of a task at once where a method gains, or a cluster.  [local; together with cuda]",
+    help="local: each cell in a worker process. together: all cells of a task at once, where the method supports it. "
+    "dask: a cluster.  [local; together with --device cuda]",
 )
-@click.option("--group", type=int, default=None, metavar="N", help="Most cells at once with together.  [all]")
-@click.option("--scheduler", default=None, metavar="ADDRESS", help="Of Dask, such as tcp://10.0.0.1:8786.")
-@click.option("--device", type=click.Choice(["cpu", "cuda"]), default="cpu", show_default=True, help="Of the networks.")
+@click.option(
+    "--group", type=int, default=None, metavar="N", help="With --backend together, most cells at once.  [all]"
+)
+@click.option(
+    "--scheduler", default=None, metavar="ADDRESS", help="Address of the Dask scheduler, such as tcp://10.0.0.1:8786."
+)
+@click.option(
+    "--device", type=click.Choice(["cpu", "cuda"]), default="cpu", show_default=True, help="Device of the networks."
+)
 @RESULTS
-@click.option("--set", "settings", multiple=True, metavar="METHOD.PARAM=VALUE", help="A setting of a method or task.")
-@click.option("--time-limit", type=float, default=None, metavar="SECONDS", help="Of a cell.  [21600]")
-@click.option("--memory-limit", type=float, default=None, metavar="MIB", help="Of a cell's process.  [8192]")
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="METHOD.PARAM=VALUE",
+    help="Value of a setting of a method or task. Repeatable.",
+)
+@click.option("--time-limit", type=float, default=None, metavar="SECONDS", help="Limit for each cell.  [21600]")
+@click.option(
+    "--memory-limit", type=float, default=None, metavar="MIB", help="Limit for the process of each cell.  [8192]"
+)
 @TRUST
-@click.option("--retry-failed", is_flag=True, help="Make cells again whose status is not ok.")
-@click.option("--figure", type=click.Path(path_type=Path), default=None, metavar="DIR", help="Redraw box plots there.")
+@click.option("--retry-failed", is_flag=True, help="Run cells again whose status is not ok.")
+@click.option(
+    "--figure",
+    type=click.Path(path_type=Path),
+    default=None,
+    metavar="DIR",
+    help="Folder for box plots, which are drawn again after each target.",
+)
 @click.pass_obj
 def run(
     state: State,
@@ -65,9 +92,10 @@ def run(
     figure: Path | None,
     **asked: Any,
 ) -> None:
-    """Carry out the cells that the results folder lacks: task x method x target x repetition.
+    """Run the cells that are missing from the results folder.
 
-    What is finished is kept at once; after Ctrl-C, or worse, the same command goes on from there.
+    A cell is one inference: one task, method, target and repetition. Its record is written as soon as it ends. After
+    Ctrl-C or a crash, the same command continues with the missing cells.
     """
     backend = backend or ("together" if asked["device"] == "cuda" else "local")
     workers = Workers(jobs, backend, group, scheduler, time_limit, memory_limit, state.in_process)

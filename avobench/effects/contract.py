@@ -15,7 +15,7 @@ OF_FEATURE = "of the feature"
 
 
 class Simulate(Protocol):
-    """What an effect is given: one event per row, theta (n, p) -> (n, d)."""
+    """The simulator that an effect receives. It makes one event per row: theta (n, p) -> (n, d)."""
 
     def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray: ...
 
@@ -31,7 +31,7 @@ class Parameter:
     """The value at which the effect is absent; None for a parameter that then has no meaning, such as a location."""
     unit: str
     soft: bool = False
-    """Whether `high` is a guess, which a fit that ends there may double, and not a limit."""
+    """Whether `high` is a guess and not a limit: a fit that ends there may double it."""
 
     def __post_init__(self) -> None:
         if not (np.isfinite([self.low, self.high]).all() and self.low < self.high):
@@ -41,7 +41,7 @@ class Parameter:
 
     @property
     def logarithmic(self) -> bool:
-        """Whether its bounds span so much that it is a matter of scale."""
+        """Whether the parameter is varied on a logarithmic scale, because its bounds span orders of magnitude."""
         return self.null is None and self.low > 0 and self.high / self.low >= 10
 
 
@@ -60,7 +60,7 @@ class Effect(ABC):
     parameters: tuple[Parameter, ...]
     """Strength first; the other parameters give its shape."""
     shape: str = ""
-    """Which of its shapes this is."""
+    """Name of this shape among the shapes of the effect."""
     stage: int = 2
     """Stage of the chain: 0 generated particles, which are altered before there is an event; 1 the source;
     2 measurement; 3 selection; 4 what is added or read out; 5 a selection after everything else. Effects act in this
@@ -68,15 +68,15 @@ class Effect(ABC):
     choices: int = 0
     """Shape parameters beyond `parameters` that choosing among its shapes amounts to, such as a step."""
     sentence: ClassVar[str]
-    """What it is, for a person."""
+    """A sentence on the effect, for a reader."""
     source: ClassVar[str]
     domains: ClassVar[tuple[Domain, ...]] = ()
-    """For which kinds of events it stands in the catalogue. An effect that is only ever asked for by `--effect` needs
-    to say nothing; one with an entry point must."""
+    """Kinds of events for which the effect is in the catalogue. An effect with an entry point must state them. One that
+    is only requested by `--effect` need not."""
     moves_theta: ClassVar[bool] = False
     """Whether it asks the simulator for every event at another theta, so that nothing of finished events stays."""
     odds: ClassVar[float] = 1.0
-    """How probable it is beforehand, beside another family."""
+    """Prior odds of the effect against another family."""
     position: ClassVar[int | None] = None
     """Its place in the catalogue, lowest first; effects without one follow by name. A search draws its random numbers
     in this order: effects that take part get a place once and keep it."""
@@ -128,7 +128,7 @@ class Effect(ABC):
 
     @property
     def key(self) -> tuple[str, int | str | None]:
-        """What names it in an answer; all its shapes share it."""
+        """The name of the effect in an answer, which all its shapes share."""
         return self.name, self.feature
 
 

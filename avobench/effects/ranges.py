@@ -66,7 +66,7 @@ class Range:
         return self if self.bounded or self.periodic or low == high else replace(self, low=low, high=high)
 
     def wrapped(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The same angle within the range; x itself where the feature is no angle."""
+        """The angles x moved into the range by whole periods. Other features are returned unchanged."""
         return self.low + (x - self.low) % (self.high - self.low) if self.periodic else x
 
     def reflect(self, x: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -82,7 +82,7 @@ class AbcSmc(Method):
         return 4 * self.population_size * self.events_per_theta
 
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
-        """As `Method.infer`. Raises BudgetExhausted when the budget ends within the first generation.
+        """Infer as `Method.infer` describes. Raises BudgetExhausted when the budget ends within the first generation.
 
         Raises ArithmeticError where pyABC's weights are no numbers, as those of few particles of many parameters.
         """

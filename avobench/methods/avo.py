@@ -216,22 +216,22 @@ class Inference:
         return [np.hstack(parts) for parts in zip(self.statistic.of(x), inputs, strict=True)]
 
     def doubt(self, answer: Polished, root: NDArray[np.float64]) -> str:
-        """Say why the answer may be astray, or "": a polish without rest, or a discriminator that is not fooled there.
+        """Say why the answer may be wrong, or "": no convergence, no information, or a remaining difference.
 
         The discriminators' last layers have many more means than there are parameters, and the polish has made no use
         of them: where theta is right they all agree with the observed ones (Hansen's test).
         """
         if not answer.converged:
-            return "the polish did not come to rest, so the estimate is where it stood last"
+            return "the polish did not converge, so the estimate is its last step"
         if is_open(answer) and not leaves_open(answer):
-            return "of a combination of parameters nearly nothing was learnt"
+            return "the events determine almost nothing about one combination of the parameters"
         try:
             misfit = max(fold.misfit(answer.mean, root) for fold in self.folds(self.layers, self.unseen_halves))
         except TooFewEvents:
-            return "next to no events were simulated near the estimate"
+            return "too few events were simulated near the estimate to test it"
         if misfit < MOST_MISFIT:
             return ""
-        return f"events simulated at the estimate differ from the observed ones, by {misfit:.0f} where 1 is expected"
+        return f"events simulated at the estimate differ from the observed ones: chi2/ndf is {misfit:.0f} in place of 1"
 
     def folds(
         self, phi: Callable[[NDArray[np.float32]], Sequence[NDArray[np.float32]]], halves: tuple[int, int]

@@ -165,9 +165,9 @@ class AvoPaper(Method):
     """`as_printed` simulates M/2 events for each update of d and M more for that of q; `shared` simulates M events
     that serve both, beside M observed ones."""
     learning_rate: float = 1e-3
-    """Of RMSProp, for the discriminator."""
+    """Learning rate of RMSProp for the discriminator."""
     proposal_learning_rate: float = 1e-3
-    """Of RMSProp, for psi = (mean, log std)."""
+    """Learning rate of RMSProp for psi = (mean, log std)."""
     initial_mean: float = 0.0
     initial_std: float = 1.0
     hidden: tuple[int, ...] | None = None
@@ -196,9 +196,9 @@ class AvoPaper(Method):
         return self.discriminator_steps * self.batch_size // 2 + self.batch_size
 
     def num_iterations(self, problem: Problem) -> int:
-        """As many as the rest of the budget allows, and no fewer than one.
+        """The number of iterations that the remaining budget allows, at least one.
 
-        With less than one iteration left the simulator refuses it, rather than an estimate being made of nothing.
+        If the budget does not suffice for one, the simulator refuses it, so that no estimate is made without events.
         """
         return max(1, problem.simulate.remaining // self.events_per_iteration)
 

@@ -101,7 +101,7 @@ class Bolfi(Method):
         return (self._num_initial(num_parameters) + 1) * self.events_per_theta
 
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
-        """As `Method.infer`. Raises BudgetExhausted when the budget ends before `min_simulations`."""
+        """Infer as `Method.infer` describes. Raises BudgetExhausted when the budget ends before `min_simulations`."""
         elfi = import_elfi()
         prior, observed = problem.prior, problem.summary(problem.x_observed)
         num_initial = self._num_initial(prior.dim)

@@ -71,7 +71,7 @@ class Bsl(Method):
         return 2 * max(FEWEST, 2 * num_parameters) * most
 
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
-        """As `Method.infer`. Raises BudgetExhausted when the budget is below `min_simulations`."""
+        """Infer as `Method.infer` describes. Raises BudgetExhausted when the budget is below `min_simulations`."""
         elfi = import_elfi()
         prior, observed = problem.prior, problem.summary(problem.x_observed)
         # With too little left the metered simulator refuses, rather than a chain being made of next to nothing.

@@ -23,7 +23,7 @@ from avobench.methods.polish import SIGNIFICANT, Fold, Polished
 OPEN = 0.5
 """Standard error of a combination of parameters, in standard deviations of the prior, above which it is open."""
 MOST_PARAMETERS = 3
-"""With more parameters the points of the box lie too far apart to tell where the posterior is."""
+"""Largest number of parameters. With more, the points of the box lie too far apart to locate the posterior."""
 LOG_POINTS = 16
 """Logarithm to base 2 of the number of points in the box: a Sobol sequence needs a power of two."""
 LEAST_POINTS = 200

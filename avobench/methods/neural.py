@@ -80,7 +80,7 @@ class Neural(Method):
         return self.amortised
 
     def min_simulations(self, num_parameters: int) -> int:
-        """A thousand events a round: a network for single events knows nothing below that."""
+        """A thousand events per round: a network for single events knows nothing below that."""
         return 1000 * self.rounds
 
     def rows(self, problem: Problem, x: NDArray, rng: np.random.Generator) -> NDArray[np.float32]:
@@ -105,52 +105,52 @@ class Neural(Method):
         """The factors of the posterior that a network learns from theta (n, p), uniform in the box, and rows (n, k)."""
 
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
-        """As `Method.infer`. Raises BudgetExhausted when the budget is below `min_simulations`."""
+        """Infer as `Method.infer` describes. Raises BudgetExhausted when the budget is below `min_simulations`."""
         return self.infer_together([problem], [rng])[0]
 
     def infer_together(self, problems: Sequence[Problem], rngs: Sequence[np.random.Generator]) -> list[Estimate]:
-        """As `Method.infer_together`: an amortised network is trained once, for all observations."""
+        """Infer as `Method.infer_together` describes. An amortised network is trained once, for all observations."""
         import torch  # noqa: F401 - global_seed seeds what has been imported
 
-        estimates, kept = [], None
+        estimates, shared = [], None
         for problem, rng in zip(problems, rngs, strict=True):
             box, trace = problem.prior, []
             theta, rows = np.empty((0, box.dim)), None
             total = max(problem.simulate.remaining, self.min_simulations(box.dim))
             for end in problem.simulate.used + np.linspace(0, total, self.rounds + 1).astype(int)[1:]:
                 simulating, learning, searching = rng.spawn(3)
-                new, seen = self.simulated(problem, box, end - problem.simulate.used, simulating)
+                new, summaries = self.simulated(problem, box, end - problem.simulate.used, simulating)
                 inside = box.contains(theta)
                 theta = np.concatenate([theta[inside], new])
-                rows = seen if rows is None else np.concatenate([rows[inside], seen])
-                if kept is None:
+                rows = summaries if rows is None else np.concatenate([rows[inside], summaries])
+                if shared is None:
                     with global_seed(learning):
                         factors = self.learned(theta.astype(np.float32), rows.astype(np.float32), box, learning)
-                    kept = factors if self.amortised else None
-                factors = kept or factors
-                found = posterior(factors, self.observed(problem, searching), box, searching, self.first_rows)
-                trace.append(TracePoint(problem.simulate.used, found.mode, found.std))
-                box = _truncated(box, found)
-            estimates.append(_estimate(found, trace))
+                    shared = factors if self.amortised else None
+                factors = shared or factors
+                fitted = posterior(factors, self.observed(problem, searching), box, searching, self.first_rows)
+                trace.append(TracePoint(problem.simulate.used, fitted.mode, fitted.std))
+                box = _truncated(box, fitted)
+            estimates.append(_estimate(fitted, trace))
         return estimates
 
 
-def _estimate(found: Posterior, trace: list[TracePoint]) -> Estimate:
+def _estimate(fitted: Posterior, trace: list[TracePoint]) -> Estimate:
     return Estimate(
-        theta=found.mode,
+        theta=fitted.mode,
         how="maximum of the posterior, the product of a learned factor for each row",
         spread_of="posterior",
-        mean=found.mean,
-        std=found.std,
+        mean=fitted.mean,
+        std=fitted.std,
         trace=trace,
         sample=found.sample,
     )
 
 
-def _truncated(box: Box, found: Posterior) -> Box:
+def _truncated(box: Box, fitted: Posterior) -> Box:
     """The box of the next round, within this one."""
-    half = np.maximum(SPREADS * found.std, SHRINK * box.width / 2)
-    low = np.clip(found.mean - half, box.low, np.array(box.high) - 2 * half)
+    half = np.maximum(SPREADS * fitted.std, SHRINK * box.width / 2)
+    low = np.clip(fitted.mean - half, box.low, np.array(box.high) - 2 * half)
     low = np.maximum(low, box.low)
     return Box(tuple(low), tuple(np.minimum(low + 2 * half, box.high)))
 

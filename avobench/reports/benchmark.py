@@ -1,4 +1,4 @@
-"""The paper's box plots (Figure 4): squared error of each method, a panel a task, with the floor drawn in."""
+"""The paper's box plots (Figure 4): squared error of each method, one panel per task, with the floor drawn in."""
 
 from pathlib import Path
 from typing import Any
@@ -30,7 +30,7 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
 
 
 def numbers(frame: pd.DataFrame) -> pd.DataFrame:
-    """What the figure shows, a row a box: cells, failures, quartiles of the squared error, the floor, median ratio."""
+    """Numbers of the figure, one row per box: cells, failures, quartiles of the error, the floor, median ratio."""
     rows = []
     for (task, method), cells in frame.groupby(["task", "method"], sort=False):
         errors, floors = cells["squared_error"].dropna(), cells["floor"]

@@ -18,7 +18,7 @@ SHAPES = dict(zip(METHOD_ORDER, MARKERS, strict=False))
 
 
 def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write cost.pdf, cost.png and cost.csv to `folder`, a panel a task.
+    """Write cost.pdf, cost.png and cost.csv to `folder`, one panel per task.
 
     A small mark is a cell: the seconds it took in simulator and method, one thread, and its squared error. The large
     mark is the median of both. The dashed line is the median floor. The panel of a task whose cells all failed says so.
@@ -30,7 +30,7 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
 
 
 def numbers(frame: pd.DataFrame) -> pd.DataFrame:
-    """A row a task and method: cells, median seconds in simulator and method, median squared error and floor."""
+    """One row per task and method: cells, median seconds in simulator and method, median squared error and floor."""
     groups = frame.groupby(["task", "method"], sort=False)
     columns = ["simulator_seconds", "method_seconds", "seconds", "squared_error", "floor"]
     return groups[columns].median().add_prefix("median_").assign(cells=groups.size()).reset_index()
@@ -40,11 +40,11 @@ def _figure(frame: pd.DataFrame) -> Figure:
     tasks, methods = ordered(frame["task"], TASK_ORDER), ordered(frame["method"], METHOD_ORDER)
     figure, axes = panels(tasks)
     for axis, task in zip(axes, tasks, strict=True):
-        own = frame[(frame["task"] == task) & frame["status"].isin(ESTIMATED)]
-        if own.empty:
+        of_task = frame[(frame["task"] == task) & frame["status"].isin(ESTIMATED)]
+        if of_task.empty:
             note(axis, "no cell has an estimate")
         else:
-            _panel(axis, own, methods)
+            _panel(axis, of_task, methods)
     handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
     shown = [name for name in (*methods, "floor") if name in handles]
     figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(5, len(shown)))
@@ -53,16 +53,16 @@ def _figure(frame: pd.DataFrame) -> Figure:
 
 def _panel(axis: Axes, cells: pd.DataFrame, methods: list[str]) -> None:
     for method in methods:
-        own = cells[cells["method"] == method]
-        if own.empty:
+        of_method = cells[cells["method"] == method]
+        if of_method.empty:
             continue
         look = {"color": colours(methods)[method], "marker": SHAPES.get(method, "v"), "ls": "", "mew": 0}
-        axis.plot(own["seconds"], own["squared_error"], ms=3, alpha=0.5, **look)
-        median = own[["seconds", "squared_error"]].median()
+        axis.plot(of_method["seconds"], of_method["squared_error"], ms=3, alpha=0.5, **look)
+        median = of_method[["seconds", "squared_error"]].median()
         axis.plot(*median, ms=9, **{**look, "mec": "white", "mew": 1}, label=method)
     if cells["floor"].notna().any():
         axis.axhline(cells.drop_duplicates("target")["floor"].median(), color=FLOOR, ls="--", lw=1.2, label="floor")
-    axis.set(xscale="log", yscale="log", xlabel="seconds a cell", ylabel="squared error")
+    axis.set(xscale="log", yscale="log", xlabel="seconds per cell", ylabel="squared error")
     axis.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5), numticks=12))
     axis.xaxis.set_major_formatter("{x:g}")
     axis.xaxis.set_minor_locator(NullLocator())

@@ -26,9 +26,9 @@ CURVE = np.linspace(0, 1, 101)
 
 
 def distances(record: dict[str, Any]) -> NDArray[np.float64] | None:
-    """Of the true parameters from the middle of what is quoted, in its standard errors: (p,); None where there is none.
+    """The distances of the true parameters from the quoted ones, in quoted standard errors: (p,).
 
-    A parameter without a finite one is infinitely far.
+    The result is None if nothing is quoted. A parameter without a finite standard error is infinitely far.
     """
     if record["status"] not in ESTIMATED:
         return None
@@ -45,16 +45,16 @@ def distances(record: dict[str, Any]) -> NDArray[np.float64] | None:
 
 def by_method(records: list[dict[str, Any]]) -> dict[tuple[str, str], NDArray[np.float64]]:
     """The distances of all parameters of all records of a task and method, those with any: (n,) each."""
-    found: dict[tuple[str, str], list[NDArray[np.float64]]] = {}
+    parts: dict[tuple[str, str], list[NDArray[np.float64]]] = {}
     for task, method, record in zip(*labels(records), records, strict=True):
         if (away := distances(record)) is not None:
-            found.setdefault((task, method), []).append(away)
+            parts.setdefault((task, method), []).append(away)
     keys = [
         (task, method)
-        for task in ordered((task for task, _ in found), TASK_ORDER)
-        for method in ordered((method for of, method in found if of == task), METHOD_ORDER)
+        for task in ordered((task for task, _ in parts), TASK_ORDER)
+        for method in ordered((method for of, method in parts if of == task), METHOD_ORDER)
     ]
-    return {key: np.concatenate(found[key]) for key in keys}
+    return {key: np.concatenate(parts[key]) for key in keys}
 
 
 def within(away: NDArray[np.float64]) -> dict[str, str]:
@@ -66,7 +66,7 @@ def within(away: NDArray[np.float64]) -> dict[str, str]:
 
 
 def table(records: list[dict[str, Any]]) -> pd.DataFrame:
-    """A row a task and method: how many true parameters, and which share of them each level's intervals hold."""
+    """One row per task and method: how many true parameters, and which share of them each level's intervals hold."""
     return pd.DataFrame(
         [
             {
@@ -81,14 +81,14 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
 
 
 def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write coverage.pdf, coverage.png and coverage.csv to `folder`: a panel a task.
+    """Write coverage.pdf, coverage.png and coverage.csv to `folder`: one panel per task.
 
     Raises StoreError where no record quotes anything.
     """
-    found = by_method(records)
-    if not found:
+    pooled = by_method(records)
+    if not pooled:
         raise StoreError("no record has a standard error or a posterior, so there is no coverage to draw")
-    curves = {key: (away[:, None] <= norm.ppf((1 + CURVE) / 2)).mean(axis=0) for key, away in found.items()}
+    curves = {key: (away[:, None] <= norm.ppf((1 + CURVE) / 2)).mean(axis=0) for key, away in pooled.items()}
     rows = [
         pd.DataFrame({"task": task, "method": method, "nominal": CURVE, "empirical": held})
         for (task, method), held in curves.items()

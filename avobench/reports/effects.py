@@ -21,15 +21,15 @@ from avobench.reports.style import MARKERS, PALETTE, STYLE, panels, save
 from avobench.tasks import Task
 
 NUM_EVENTS = 40_000
-"""Of each line: enough that its scatter is no wider than the line."""
+"""Events of each line, enough that its scatter is no wider than the line."""
 NUM_IMAGES = 3000
-"""The same of images, which cost more."""
+"""Events of each panel of images, which cost more."""
 NUM_BINS = 60
-"""Of a feature: its scatter stays below the line's width, and a peak of a tenth of the range is seen."""
+"""Bins of a feature: scatter stays below the width of the line, and a peak a tenth of the range wide is visible."""
 MOST_BARS = 60
-"""Of counts; where they spread over more, several share a bin."""
+"""Largest number of bins of counts. If the counts spread over more values, several share a bin."""
 MARGIN = 0.15
-"""Of the range, shown to either side of it, for what an effect puts there."""
+"""Share of the range that is drawn on either side of it, because an effect may put events there."""
 THETA = 0.75
 """How far along each side of the prior the events are: off the middle, where some tasks are symmetric."""
 MIDDLING = 0.12
@@ -38,19 +38,19 @@ PLACES = (0.7, 0.5, 0.9, 0.3)
 """How far along their bounds shape parameters are: the first at which the strength can be middling. The middle is not
 tried first, since a skewness or a slope is zero there."""
 SHARES = tuple(np.geomspace(0.01, 1, 16).tolist())
-"""Of the way from null to bound, strengths that are tried in turn."""
+"""Strengths that are tried in turn, as shares of the way from null to bound."""
 IMAGE_SHARE = 0.3
-"""The same of images, of which bins tell too little."""
+"""The strength for images in the same unit. Their bins show too little to choose it."""
 BRIGHTEST = 0.995
 """Quantile of the cells at which the colours of an image end, so that a few noisy cells leave the others their own."""
 LINES = 4
-"""In a panel: more cannot be told apart."""
+"""Lines of a panel. More cannot be distinguished."""
 MOST_SHAPES = 12
-"""Of an effect with more, so many are drawn, evenly chosen."""
+"""Largest number of shapes that are drawn. From more, this many are chosen evenly."""
 LEGEND_BELOW = 4.0
 """Letters' heights that a legend stands below its panel: clear of the numbers and the name of the axis."""
 LETTERS = 46
-"""In a line of a title, for each panel beside another."""
+"""Letters of a line of a title, for each panel in a row."""
 
 
 def draw(task: Task, folder: Path, seed: int = 0) -> Iterator[list[Path]]:
@@ -92,7 +92,7 @@ class Drawn:
 
     @property
     def column(self) -> int:
-        """Of the feature to look at."""
+        """Column of the feature that is drawn."""
         return self.effect.feature if isinstance(self.effect.feature, int) else 0
 
 
@@ -111,7 +111,7 @@ class View:
 
     @cached_property
     def _edges(self) -> list[NDArray[np.float64]]:
-        """Of each feature; counts have a bin each, beginning at zero."""
+        """Edges of the bins of each feature. Counts have one bin each, from zero on."""
         edges = []
         for column, kind in zip(self.plain.T, self.model.task.kinds_of_features, strict=True):
             if kind == "count":
@@ -129,13 +129,13 @@ class View:
         return edges, np.histogram(x[:, column], edges)[0] / len(x)
 
     def hits(self, x: NDArray) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The same of the number of cells that an image hits."""
+        """Edges and shares of the number of cells that an image hits."""
         most = int((self.plain > 0).sum(axis=1).max())
         edges = np.arange(0, 1.5 * most, max(1, most // 20)) - 0.5
         return edges, np.histogram((x > 0).sum(axis=1), edges)[0] / len(x)
 
     def middling(self, effect: Effect) -> Drawn:
-        """At the first strength that moves enough of the events; the one that moves most where none does."""
+        """The events at the first strength that moves enough of them, or else at the one that moves most."""
         model = self.model.plus(effect)
         tried: list[tuple[float, Drawn]] = []
         for place in PLACES:
@@ -147,7 +147,7 @@ class View:
         return max(tried, key=lambda each: each[0])[1]
 
     def images(self, effect: Effect) -> Drawn:
-        """At a fixed share of the way to the bound of its strength."""
+        """The images at a fixed share of the way to the bound of the strength."""
         return self._at(self.model.plus(effect), effect, PLACES[0], IMAGE_SHARE)
 
     def _at(self, model: Model, effect: Effect, place: float, share: float) -> Drawn:
@@ -165,7 +165,7 @@ class View:
         return float(np.abs(after - before).sum() + abs(outside)) / 2
 
     def table(self, made: Drawn) -> pd.DataFrame:
-        """A row a bin, or a cell of an image: what is drawn."""
+        """One row per bin, or a cell of an image: what is drawn."""
         if self.model.task.event_shape:
             values = {"cell": np.arange(self.plain.shape[1]), "without": self.plain.mean(axis=0)}
             values["with"] = made.x.mean(axis=0)

@@ -20,7 +20,7 @@ NUM_POINTS = 24
 
 
 def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write efficiency.pdf, efficiency.png and efficiency.csv to `folder`, a panel a task.
+    """Write efficiency.pdf, efficiency.png and efficiency.csv to `folder`, one panel per task.
 
     A line is the median over the cells of the squared error that the estimate of that moment has; the band is its
     quartiles. It begins where all cells have an estimate. The dashed line is the floor with as many simulations. The
@@ -35,7 +35,9 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
 
 
 def numbers(cells: pd.DataFrame) -> pd.DataFrame:
-    """Of the cells of one task, a row a method and number of simulations: quartiles of the squared error, the floor.
+    """Quartiles of the squared error and the floor, for the cells of one task.
+
+    There is one row per method and number of simulations.
 
     The floor, with so many simulations and a median over targets, is missing for a task that is not registered here.
     A method without any estimate has no rows.
@@ -44,15 +46,17 @@ def numbers(cells: pd.DataFrame) -> pd.DataFrame:
     grid = np.unique(np.geomspace(budget / 160, budget, NUM_POINTS).round().astype(int))
     floors = np.median([_floor(record, grid) for record in cells.drop_duplicates("target")["record"]], axis=0)
     frames = []
-    for method, own in cells.groupby("method", sort=False):
-        errors = np.array([errors_at(record, grid) for record in own["record"] if record["status"] in ESTIMATED])
+    for method, of_method in cells.groupby("method", sort=False):
+        errors = np.array([errors_at(record, grid) for record in of_method["record"] if record["status"] in ESTIMATED])
         if not len(errors):
             continue
         begun = np.isfinite(errors).all(axis=0)
         quartiles = np.quantile(errors[:, begun], [0.25, 0.5, 0.75], axis=0)
         names = ("lower_quartile", "median", "upper_quartile")
         numbers = {"simulations": grid[begun], **dict(zip(names, quartiles, strict=True)), "floor": floors[begun]}
-        frames.append(pd.DataFrame({"task": own["task"].iloc[0], "method": method, "cells": len(errors), **numbers}))
+        frames.append(
+            pd.DataFrame({"task": of_method["task"].iloc[0], "method": method, "cells": len(errors), **numbers})
+        )
     return pd.concat(frames) if frames else pd.DataFrame()
 
 
@@ -80,11 +84,11 @@ def _figure(table: pd.DataFrame, tasks: list[str]) -> Figure:
     methods = ordered(table["method"], METHOD_ORDER)
     figure, axes = panels(tasks)
     for axis, task in zip(axes, tasks, strict=True):
-        own = table[table["task"] == task]
-        if own.empty:
+        of_task = table[table["task"] == task]
+        if of_task.empty:
             note(axis, "no cell has an estimate")
         else:
-            _panel(axis, own, methods)
+            _panel(axis, of_task, methods)
     handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
     shown = [name for name in (*methods, "floor") if name in handles]
     figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(5, len(shown)))
@@ -93,13 +97,15 @@ def _figure(table: pd.DataFrame, tasks: list[str]) -> Figure:
 
 def _panel(axis: Axes, table: pd.DataFrame, methods: list[str]) -> None:
     for method in methods:
-        own = table[table["method"] == method]
-        if own.empty:
+        curve = table[table["method"] == method]
+        if curve.empty:
             continue
         colour = colours(methods)[method]
-        axis.plot(own["simulations"], own["median"], color=colour, label=method)
-        axis.fill_between(own["simulations"], own["lower_quartile"], own["upper_quartile"], color=colour, alpha=0.15)
-        axis.plot(own["simulations"].iloc[-1], own["median"].iloc[-1], "o", ms=4, color=colour)
+        axis.plot(curve["simulations"], curve["median"], color=colour, label=method)
+        axis.fill_between(
+            curve["simulations"], curve["lower_quartile"], curve["upper_quartile"], color=colour, alpha=0.15
+        )
+        axis.plot(curve["simulations"].iloc[-1], curve["median"].iloc[-1], "o", ms=4, color=colour)
     floor = table.drop_duplicates("simulations").sort_values("simulations")
     axis.plot(floor["simulations"], floor["floor"], color=FLOOR, ls="--", lw=1.2, label="floor")
     axis.set(xscale="log", yscale="log", xlabel="simulated events", ylabel="squared error")

@@ -108,7 +108,7 @@ def _commands(sweeps: list[dict[str, Any]]) -> html.Table:
 
 
 def provenance(records: list[dict[str, Any]]) -> pd.DataFrame:
-    """A row a task, method and combination of settings, commit and versions, with the number of its cells."""
+    """One row per task, method and combination of settings, commit and versions, with the number of its cells."""
     names = ["task", "task_version", "task_settings", "method", "method_version", "method_settings"]
     names += ["num_observations", "budget", "seed"]
     frame = to_frame(records)[names]

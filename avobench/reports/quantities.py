@@ -18,9 +18,9 @@ from avobench.bench.store.table import labels, mean_errors, to_frame
 from avobench.tasks import Task
 
 RESAMPLES = 2000
-"""Of the targets, for an interval: the share of them beyond an end is then 2.5 % to within 0.4."""
+"""Resamples of the targets for an interval. The share beyond each end is then 2.5 % to within 0.4 %."""
 COVERAGE = 0.95
-"""Of an interval."""
+"""Coverage of an interval."""
 MOST_CHANCE = 0.05
 """One method is ahead of another where a paired test says that chance alone would do as much less often than this."""
 LARGEST = 1e300
@@ -28,7 +28,7 @@ LARGEST = 1e300
 
 
 def labelled(records: list[dict[str, Any]]) -> pd.DataFrame:
-    """One row a cell, with the labels of its task and method in place of their names, and the `record` itself.
+    """One row per cell, with the labels of its task and method in place of their names, and the `record` itself.
 
     `ratio` is the squared error over the floor. A cell that failed has an infinite squared error: it is as far from the
     truth as can be, and no median leaves it out. A doubtful one has the error that it has.
@@ -90,7 +90,7 @@ def inefficiency(ratios: pd.Series, shares: tuple[float, ...]) -> float:
 
 
 def asymmetry_errors(cells: pd.DataFrame) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Of cells of weinberg, the squared error of c(theta_hat) and its floor: (n,), (n,). A failure's is infinite."""
+    """Squared errors of c(theta_hat) and their floors in cells of weinberg: (n,), (n,). A failed cell has infinity."""
     errors, floors = [], []
     for record in cells["record"]:
         task, true = task_of(record), np.array(record["theta_true"])
@@ -102,7 +102,7 @@ def asymmetry_errors(cells: pd.DataFrame) -> tuple[NDArray[np.float64], NDArray[
 
 
 def ideal_errors(cells: pd.DataFrame) -> NDArray[np.float64]:
-    """Of cells of weinberg, the squared error of the posterior mean at the true c, the best on average: (n,)."""
+    """The squared errors in cells of weinberg of the posterior mean at the true c, the best on average: (n,)."""
     true = np.array([record["theta_true"] for record in cells["record"]])
     task = task_of(cells["record"].iloc[0])
     return ((task.posterior_mean(task.asymmetry(true)) - true) ** 2).sum(axis=1)

@@ -14,19 +14,19 @@ from paper.figures.poisson import COUNTS, model
 from paper.figures.poisson import chosen as poisson_runs
 
 CONCENTRATES = (
-    "Criterion: in every run theta* lies within one standard deviation of the final proposal's mean, which has made "
-    "three quarters of its way to it."
+    "Criterion: in every run theta* lies within one standard deviation of the mean of the final proposal. The mean has "
+    "also come three quarters of the way from its start to theta*."
 )
 
 
 def _left(run: dict[str, Any]) -> float:
-    """Share of the distance from theta* at the start that is left at the end."""
+    """The share of the distance from theta* at the start that remains at the end."""
     distance = convergence(run)["distance"]
     return float(distance.iloc[-1] / distance.iloc[0])
 
 
 def _poisson_table(evidence: Evidence) -> pd.DataFrame:
-    """A row a variant of the study `poisson`: medians over its runs."""
+    """One row per variant of the study `poisson`, with medians over its runs."""
     rows = []
     for gamma, gradient in ((0.0, "closed_form"), (1e-4, "closed_form"), (1e-4, "as_printed"), (1e-2, "closed_form")):
         runs = poisson_runs(evidence.study, gamma, gradient)
@@ -57,7 +57,7 @@ def concentration(evidence: Evidence) -> Finding:
     columns = ["gamma", "entropy gradient", "runs", "mean - theta*", "std", "largest |mean - theta*| / std", "left"]
     paper = numbers[numbers["gamma"].isin(["0", "0.0001"])]
     good = (paper["largest |mean - theta*| / std"] < 1).all() and (paper["left"] < 0.25).all()
-    reading = f"*Left* is the largest share of the starting distance that is left. {CONCENTRATES}"
+    reading = f"*Left* is the largest share of the starting distance that remains. {CONCENTRATES}"
     return Finding("reproduced" if good else "not reproduced", reading, numbers[columns])
 
 
@@ -105,7 +105,7 @@ def steady(evidence: Evidence) -> Finding:
     paper = numbers[numbers["gamma"].isin(["0", "0.0001"])]
     good = (paper["loss after"] < paper["loss before"]).all() and (paper["share of rising steps"] < 0.05).all()
     reading = (
-        "The loss is -log q(theta* given psi), read 100 times a run. Criterion: it falls, and fewer than 5 % of the "
+        "The loss is -log q(theta* given psi), read 100 times per run. Criterion: it falls, and fewer than 5 % of the "
         "steps between two readings rise."
     )
     return Finding("reproduced" if good else "not reproduced", reading, numbers[columns])
@@ -118,7 +118,7 @@ def detector_difference(evidence: Evidence) -> Finding:
     numbers = pd.DataFrame(
         {
             "theta [mm]": evidence.detector["theta"],
-            "cells hit an event": [mean.sum() for mean in means],
+            "cells hit per event": [mean.sum() for mean in means],
             "share of cells hit": [mean.mean() for mean in means],
             "largest share in a cell": [mean.max() for mean in means],
             "mean row": mean_rows,
@@ -160,7 +160,7 @@ def alignment_centres(evidence: Evidence) -> Finding:
     numbers = _alignment_table(evidence)
     columns = ["run", "mean", "std", "|mean - theta*| / std", "left", "squared error / floor"]
     good = (numbers["|mean - theta*| / std"] < 1).all() and (numbers["left"] < 0.25).all()
-    reading = f"*Left* is the share of the starting distance that is left. {CONCENTRATES}"
+    reading = f"*Left* is the share of the starting distance that remains. {CONCENTRATES}"
     return Finding("reproduced" if good else "not reproduced", reading, numbers[columns])
 
 
@@ -175,11 +175,11 @@ def alignment_unfinished(evidence: Evidence) -> Finding:
 
 def alignment_bump(evidence: Evidence) -> Finding:
     numbers = _alignment_table(evidence)[["run", "largest later rise of |theta* - mean|", "std"]]
-    seen = int((numbers["largest later rise of |theta* - mean|"] > 0.05).sum())
+    count = int((numbers["largest later rise of |theta* - mean|"] > 0.05).sum())
     reading = (
         "Criterion: after its lowest point so far, the distance of the mean from theta* rises by more than 0.05 mm."
     )
-    return Finding(f"seen in {seen} of {len(numbers)} runs", reading, numbers)
+    return Finding(f"observed in {count} of {len(numbers)} runs", reading, numbers)
 
 
 EXAMPLE = ("python -m paper.study poisson", "python -m paper.figures poisson")
@@ -198,9 +198,9 @@ CLAIMS = (
         "With gamma = 0.0001 the proposal concentrates more tightly, which makes the inference more precise.",
         EXAMPLE,
         tighter,
-        "A penalty gamma adds gamma to the gradient in log std, whatever the discriminator says; RMSProp divides the "
-        "sum by its typical size, so that only the ratio of the two counts. The paper's one run for each gamma cannot "
-        "tell its effect from chance.",
+        "A penalty gamma adds gamma to the gradient in log std, whatever the discriminator says. RMSProp divides the "
+        "sum by its typical size, so that only the ratio of the two counts. The paper shows one run per gamma, which "
+        "cannot tell an effect of gamma from chance.",
     ),
     Claim(
         "The fitted models align with the true distribution",
@@ -220,7 +220,7 @@ CLAIMS = (
     Claim(
         "An offset of 1 shifts the average response by about a cell",
         "Section 4.2, Figure 2",
-        "theta = 1 shifts tracks by roughly a pixel; the average responses hardly differ, single events are sparse.",
+        "theta = 1 shifts tracks by roughly a pixel. The average responses hardly differ; single events are sparse.",
         ("python -m paper.study detector", "python -m paper.figures detector"),
         detector_difference,
     ),
@@ -244,6 +244,6 @@ CLAIMS = (
         "Around 100 000 simulations the mean of the proposal temporarily moves away from theta*.",
         OFFSET,
         alignment_bump,
-        "The paper makes this remark of its one run; it is no claim that every run does it.",
+        "The paper says this of its one run. It does not claim that every run does it.",
     ),
 )

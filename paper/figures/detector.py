@@ -22,7 +22,7 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
 
 
 def numbers(record: dict[str, Any]) -> pd.DataFrame:
-    """A row a cell and theta: its row in eta and column in phi, the mean response, and the single events' hits."""
+    """One row per cell and theta: its row in eta and column in phi, the mean response, and the single events' hits."""
     frames = []
     for response in record["responses"]:
         frame = pd.DataFrame(np.indices((NUM_ROWS, NUM_COLUMNS)).reshape(2, -1).T, columns=["row", "column"])

@@ -17,7 +17,7 @@ from paper.experiments import DETECTOR, DIMENSIONS, FAMILIES
 from paper.quantities import WORST_RUN, inefficiency_of
 
 WHAT = {"warped": "means say little", "means": "means say all"}
-"""Of the families of tasks, what the mean of the events tells of the parameters."""
+"""What the mean of the events says about the parameters in each family of tasks."""
 SPAN = 5e-2
 """Share of the number of parameters by which marks of different methods are moved apart."""
 
@@ -25,10 +25,10 @@ SPAN = 5e-2
 def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     """A row a family of tasks, number of parameters and method; empty without records of these tasks."""
     families = (*FAMILIES, DETECTOR.rpartition("-")[0])
-    known = [record for record in records if _studied(record["task"]) and task_of(record)]
-    if not known:
+    studied = [record for record in records if _studied(record["task"]) and task_of(record)]
+    if not studied:
         return pd.DataFrame()
-    frame = labelled(known)
+    frame = labelled(studied)
     frame[["family", "p"]] = frame["task"].str.rsplit("-", n=1, expand=True)
     rows = []
     for (family, p, method), cells in frame.astype({"p": int}).groupby(["family", "p", "method"], sort=False):
@@ -46,12 +46,12 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
                 "seconds": cells["seconds"].mean(),
             }
         )
-    found = pd.DataFrame(rows)
-    orders = {"family": families, "method": ordered(found["method"], METHOD_ORDER)}
+    numbers = pd.DataFrame(rows)
+    orders = {"family": families, "method": ordered(numbers["method"], METHOD_ORDER)}
     for name, order in orders.items():
-        found[name] = pd.Categorical(found[name], order)
-    found = found.sort_values(["family", "parameters", "method"], ignore_index=True)
-    return found.astype(dict.fromkeys(orders, str))
+        numbers[name] = pd.Categorical(numbers[name], order)
+    numbers = numbers.sort_values(["family", "parameters", "method"], ignore_index=True)
+    return numbers.astype(dict.fromkeys(orders, str))
 
 
 def _studied(task: str) -> bool:
@@ -63,20 +63,20 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
 
     Raises StoreError where there is no record of the study.
     """
-    found = table(records)
-    if found.empty:
+    numbers = table(records)
+    if numbers.empty:
         raise StoreError("there is no record of the tasks of this study: run `python -m paper.study dimension` first")
     with matplotlib.rc_context(STYLE):
-        return save(_figure(found), found, folder, "dimension")
+        return save(_figure(numbers), numbers, folder, "dimension")
 
 
-def _figure(found: pd.DataFrame) -> Figure:
-    methods = ordered(found["method"], METHOD_ORDER)
+def _figure(numbers: pd.DataFrame) -> Figure:
+    methods = ordered(numbers["method"], METHOD_ORDER)
     figure, axes = panels([*(f"{family}: {WHAT[family]}" for family in FAMILIES), "seconds of a run"], columns=3)
     for axis, family in zip(axes, FAMILIES, strict=False):
-        _panel(axis, found[found["family"] == family], methods, "inefficiency")
+        _panel(axis, numbers[numbers["family"] == family], methods, "inefficiency")
         axis.axhline(1, color=FLOOR, ls="--", lw=1.2, label="limit")
-    _panel(axes[-1], found[found["family"] == FAMILIES[0]], methods, "seconds")
+    _panel(axes[-1], numbers[numbers["family"] == FAMILIES[0]], methods, "seconds")
     handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
     shown = [name for name in (*methods, "limit") if name in handles]
     figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=len(shown))
@@ -88,8 +88,8 @@ def _panel(axis: Axes, rows: pd.DataFrame, methods: list[str], what: str) -> Non
         note(axis, "no records")
         return
     for i, method in enumerate(methods):
-        own = rows[(rows["method"] == method) & np.isfinite(rows[what])]
-        x = own["parameters"] * (1 + SPAN * (i - (len(methods) - 1) / 2))
-        axis.plot(x, own[what], color=colours(methods)[method], marker=MARKERS[i % len(MARKERS)], ms=5, label=method)
+        curve = rows[(rows["method"] == method) & np.isfinite(rows[what])]
+        x = curve["parameters"] * (1 + SPAN * (i - (len(methods) - 1) / 2))
+        axis.plot(x, curve[what], color=colours(methods)[method], marker=MARKERS[i % len(MARKERS)], ms=5, label=method)
     axis.set(xscale="log", yscale="log", xlabel="parameters", ylabel=what, xticks=DIMENSIONS, xticklabels=DIMENSIONS)
     axis.xaxis.set_minor_locator(NullLocator())

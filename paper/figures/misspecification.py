@@ -22,18 +22,20 @@ LINEAR = 0.01
 
 def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     """The medians of the one record of the study, to be read."""
-    found = medians(records[0])
-    found["p_value"] = [f"< {LEAST:g}" if p < LEAST else f"{p:.2g}" for p in found["p_value"]]
-    return found
+    numbers = medians(records[0])
+    numbers["p_value"] = [f"< {LEAST:g}" if p < LEAST else f"{p:.2g}" for p in numbers["p_value"]]
+    return numbers
 
 
 def medians(record: dict[str, Any]) -> pd.DataFrame:
-    """A row a task and strength: medians over the repetitions of the proposal's width and of the p-value."""
+    """One row per task and strength: medians over the repetitions of the proposal's width and of the p-value."""
     runs = pd.DataFrame(record["runs"])
     runs["width"] = [sum(width) / len(width) for width in runs["width"]]
     grouped = runs.groupby(["task", "strength"], sort=False)
-    found = grouped.agg(runs=("width", "size"), width=("width", "median"), p_value=("p_value", "median")).reset_index()
-    return found.sort_values(["task", "strength"], key=_place, ignore_index=True)
+    numbers = grouped.agg(
+        runs=("width", "size"), width=("width", "median"), p_value=("p_value", "median")
+    ).reset_index()
+    return numbers.sort_values(["task", "strength"], key=_place, ignore_index=True)
 
 
 def _place(column: pd.Series) -> pd.Series:
@@ -41,7 +43,7 @@ def _place(column: pd.Series) -> pd.Series:
 
 
 def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write misspecification.pdf, .png and .csv to `folder`: widths above, p-values below, a column a task."""
+    """Write misspecification.pdf, .png and .csv to `folder`: widths above, p-values below, one column per task."""
     (record,) = records
     runs = pd.DataFrame(record["runs"])
     with matplotlib.rc_context(STYLE):
@@ -52,17 +54,17 @@ def _figure(runs: pd.DataFrame) -> Figure:
     tasks = sorted(runs["task"].unique(), key=TASKS.index)
     figure, axes = panels([f"{task}: {what}" for what in ("the proposal", "the diagnosis") for task in tasks])
     for column, task in enumerate(tasks):
-        own, (above, below) = runs[runs["task"] == task], axes[column :: len(tasks)]
-        widths = own.explode("width")
+        of_task, (above, below) = runs[runs["task"] == task], axes[column :: len(tasks)]
+        widths = of_task.explode("width")
         above.plot(widths["strength"], widths["width"].astype(float), MARKERS[0], color=PALETTE[0], ms=4, alpha=0.6)
-        ends = [own["strength"].min(), own["strength"].max()]
+        ends = [of_task["strength"].min(), of_task["strength"].max()]
         above.plot(ends, ends, color=FLOOR, ls="--", lw=1.2, label="hidden width")
         above.set(ylabel="std / prior's std")
         above.set_yscale("symlog", linthresh=LINEAR)
         above.legend(loc="lower right")
         below.plot(
-            own["strength"],
-            own["p_value"].clip(lower=LEAST),
+            of_task["strength"],
+            of_task["p_value"].clip(lower=LEAST),
             MARKERS[1],
             color=PALETTE[1],
             ms=4,
@@ -70,8 +72,8 @@ def _figure(runs: pd.DataFrame) -> Figure:
             clip_on=False,
         )
         below.axhline(0.05, color=FLOOR, ls="--", lw=1.2, label="0.05")
-        below.set(ylabel="p-value", yscale="log", ylim=(own["p_value"].clip(lower=LEAST).min() / 10, 1))
-        below.yaxis.set_major_locator(LogLocator(10.0 ** (100 if own["p_value"].min() < 1e-100 else 10)))
+        below.set(ylabel="p-value", yscale="log", ylim=(of_task["p_value"].clip(lower=LEAST).min() / 10, 1))
+        below.yaxis.set_major_locator(LogLocator(10.0 ** (100 if of_task["p_value"].min() < 1e-100 else 10)))
         below.yaxis.set_minor_locator(NullLocator())
         below.legend(loc="lower left")
         for axis in (above, below):

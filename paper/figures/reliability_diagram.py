@@ -21,7 +21,7 @@ from paper.tables.reliability import BINS, LEAST, cases_of, names, truth
 
 
 def bins(cases: Iterable[Case]) -> pd.DataFrame:
-    """A row a bin: how many names, the mean probability told, the share that came true and its 95 % interval.
+    """One row per bin: how many names, the mean probability told, the share that came true and its 95 % interval.
 
     Raises UsageError where no case tells probabilities.
     """

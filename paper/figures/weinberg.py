@@ -21,7 +21,7 @@ X = np.linspace(-1, 1, 101)
 
 
 def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write weinberg.pdf, weinberg.png and weinberg.csv to `folder`: a row a target, a column a method.
+    """Write weinberg.pdf, weinberg.png and weinberg.csv to `folder`: one row per target, one column per method.
 
     The first targets that all methods have, in their first repetition. The observed events, a histogram with error bars
     of one standard deviation, are drawn again from the seed in the record. Raises StoreError without such records.

@@ -39,7 +39,8 @@ NUM_OBSERVATIONS = 1000
 LARGE = 1 << 24
 """Numbers that no cache holds: 64 MiB of them."""
 ADAM_ARRAYS = 7
-"""Of the size of the parameters, through memory in a step: parameters, gradient and two means in, all but one out."""
+"""Arrays of the size of the parameters that a step moves through memory. It reads parameters, gradient and two means,
+and writes all but the gradient."""
 
 
 class Noise(Task):
@@ -92,7 +93,7 @@ def iteration(task: Task, batch_size: int, rounds: int) -> dict[str, float]:
 
 
 class Update(NamedTuple):
-    """Which networks are updated, and with how many events."""
+    """The networks that are updated, and the number of events in a batch."""
 
     of: str
     networks: int

@@ -43,7 +43,7 @@ def run(task: str, surrogate: str, evaluations: int, target: int, seed: int) -> 
 
 
 def compare(task: str, evaluations: int, targets: list[int], seed: int = 0) -> pd.DataFrame:
-    """A row a target, the surrogates taken in turns: seconds of each, their ratio, squared error of each."""
+    """One row per target, the surrogates taken in turns: seconds of each, their ratio, squared error of each."""
     rows = []
     for i, target in enumerate(targets):
         runs = {name: run(task, name, evaluations, target, seed) for name in SURROGATES[:: 1 if i % 2 else -1]}
@@ -68,7 +68,7 @@ def summary(table: pd.DataFrame) -> str:
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
 @click.option("--poisson", default=300, show_default=True, help="Evaluations in one dimension; 0 for none.")
 @click.option("--carl", default=150, show_default=True, help="Evaluations in two dimensions; 0 for none.")
-@click.option("--full", is_flag=True, help="1250 and 500 evaluations: some minutes a target.")
+@click.option("--full", is_flag=True, help="1250 and 500 evaluations: some minutes per target.")
 @click.option("--targets", default="0-1", show_default=True, help="Indices and ranges, such as 0,3,7-9.")
 @click.option("--seed", default=0, show_default=True)
 def main(poisson: int, carl: int, full: bool, targets: str, seed: int) -> None:

@@ -16,7 +16,7 @@ PARTS = ("observation", "simulator", "method", "harness")
 
 
 def cost_table(store: Store) -> pd.DataFrame:
-    """Mean seconds of a cell and peak memory of its worker, a row a task and method."""
+    """Mean seconds of a cell and peak memory of its worker, one row per task and method."""
     records = store.read_all()
     frame = to_frame(records)
     frame["task"], frame["method"] = labels(records)

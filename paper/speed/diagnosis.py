@@ -26,7 +26,7 @@ HIDDEN = {"poisson": ("zero_inflation", 0.2), "weinberg": ("scale", 0.1), "carl"
 """The effect that is missing on each task, in its plainest shape on the first feature, and its strength."""
 EVENTS = (2_000, 10_000, 50_000, 250_000)
 SHARES = (0.25, 0.5, 1.0)
-"""Of the catalogue, in its order, with the missing effect in front."""
+"""Shares of the catalogue that are searched, in its order, with the missing effect in front."""
 
 
 def _hidden_first(task: Task) -> list[Effect]:
@@ -67,7 +67,7 @@ def measure(task_name: str, num_events: int, share: float, seed: int = 0) -> dic
 LARGE = {"poisson": 10_000_000, "carl": 3_000_000}
 """Rows of the tables whose memory is measured: one column of counts, and five of numbers."""
 LARGE_SIMULATIONS = 50_000_000
-"""At most: memory does not grow with them."""
+"""Limit on simulated events. Memory does not grow with their number."""
 
 
 def memory(task_name: str, num_events: int, seed: int = 0) -> dict[str, float | str]:

@@ -21,7 +21,7 @@ from avobench.tasks.carl import MIXING
 def pythia_rates(ways: list[tuple[int, int]], rounds: int = 5, num_events: int = 4000) -> pd.DataFrame:
     """A row for each number of processes at work at once, with the events asked for at a time.
 
-    Events a second of all processes together by wall time, of the metered simulator and of a bare `nextBatch` loop with
+    Events per second of all processes by wall time, of the metered simulator and of a bare `nextBatch` loop with
     the same settings; of both, how many times as many as with the first row's number of processes; and the median share
     of the bare rate that the simulator reaches in a process, by processor time.
     """
@@ -100,7 +100,7 @@ BARE = {"poisson": bare_poisson, "carl": bare_carl, "weinberg": bare_weinberg}
 
 
 def numpy_rates(batch: int, num_events: int = 500_000, rounds: int = 9) -> pd.DataFrame:
-    """Events a second of the metered simulator and of bare NumPy, `batch` at a time, by processor time, in turns."""
+    """Events per second of the metered simulator and of bare NumPy, `batch` at a time, by processor time, in turns."""
     rows = []
     for name, bare in BARE.items():
         task, rng = build("task", name, {}), np.random.default_rng(0)

@@ -45,9 +45,9 @@ USUAL_ROUNDS = 8
 LEARNT_FROM = ("carl", "weinberg", "poisson", *SIMULATORS)
 """The simulators, slowest first."""
 OWN = 3
-"""Examples of each family in the catalogue's own shapes, a round."""
+"""Examples of each family in the catalogue's own shapes, per round."""
 TWO = 40
-"""Examples with two hidden shapes, a round."""
+"""Examples with two hidden shapes, per round."""
 NUM_EVENTS = (300, 50_000)
 """Log-uniform."""
 LIKE_THERE = 0.7
@@ -55,13 +55,13 @@ LIKE_THERE = 0.7
 SHOWN = 1e-3
 """p-value of an example above which it shows nothing."""
 NETWORKS = 4
-"""Whose probabilities are averaged."""
+"""Number of networks whose probabilities are averaged."""
 UNITS = (128, 64)
-"""Of their hidden layers."""
+"""Units of the hidden layers of each network."""
 COPIES = 3
-"""Of each example, all but one blurred: other simulators differ."""
+"""Copies of each example. All but one are blurred, because other simulators differ."""
 BLURRED = 0.3
-"""Of a mark's standard deviation."""
+"""Noise of a blurred copy, in standard deviations of each mark."""
 
 Measure = Callable[[Callable, NDArray[np.float64], np.random.Generator], NDArray]
 """Events of a simulator with an effect: simulate, theta (n, p), rng -> (n, d)."""
@@ -88,7 +88,7 @@ class Examples:
 
     @classmethod
     def joined(cls, parts: "list[Examples]") -> "Examples":
-        """Of several simulators."""
+        """The examples of several simulators, as one."""
         columns = ([getattr(each, name) for each in parts] for name in ("portraits", "families"))
         return cls(*(np.concatenate(column) for column in columns))
 

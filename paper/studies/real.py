@@ -25,7 +25,7 @@ EXAMPLES = Path("examples/real")
 FOLDER = Path("results/real")
 EXPECTED = "expected.json"
 SEEDS = 5
-"""With which each is diagnosed: a fifth of the events is kept aside, and of few events other ones say other things."""
+"""Seeds of each diagnosis. Each holds out other events, and a small data set may then give another answer."""
 UNSAID = {"candidates", "identifiability"}
 """Fields of a diagnosis that a record leaves out: they are long, and no part of the answer."""
 
@@ -89,12 +89,12 @@ def real(folder: Path, seed: int = 0, examples: Path = EXAMPLES, jobs: int = 1) 
 
 
 def place(folder: Path, k: int) -> Path:
-    """Where the records of the k-th seed are: of the first in the folder itself, of each other in one within it."""
+    """The folder of the records of the k-th seed: the folder itself for the first, and one within it for each other."""
     return folder / "seeds" / str(k) if k else folder
 
 
 def with_seeds(folder: Path, first: int = 0, jobs: int = 1) -> list[list[dict[str, Any]]]:
-    """As `real`, for each of SEEDS seeds from the first on."""
+    """Make the records of `real` for each of SEEDS seeds, from the first on."""
     for k in range(1, SEEDS):
         place(folder, k).mkdir(parents=True, exist_ok=True)
     return [real(place(folder, k), first + k, jobs=jobs) for k in range(SEEDS)]

@@ -115,4 +115,4 @@ SIMULATORS: dict[str, Task] = {
         simulator("chain", Box((-1, -1), (1, 1)), Box((-2, -2), (2, 2)), chain, features=4),
     )
 }
-"""By name."""
+"""The small simulators by name."""

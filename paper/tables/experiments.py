@@ -27,9 +27,9 @@ from paper.quantities import (
     beside_ideal,
     in_units_of_the_best,
     inefficiency_of,
+    interval_text,
     median,
     ratio_of_means,
-    told_interval,
     worst,
 )
 from paper.tables.targets import METHOD
@@ -40,7 +40,7 @@ Records = list[dict[str, Any]]
 
 
 def ablation(records: Records) -> pd.DataFrame:
-    """A row a difference between avo and avo-paper that is undone, a column a task.
+    """One row per difference between avo and avo-paper that is undone, one column per task.
 
     A cell has the inefficiency, on weinberg of c, and in brackets the largest ratio of squared error to floor, on the
     targets of which every row has its record.
@@ -50,14 +50,14 @@ def ablation(records: Records) -> pd.DataFrame:
     columns = {}
     for task in ABLATION_TASKS:
         cells = {run.label: run.cells(task) for run in runs if task in run.tasks}
-        missing = {cell.target for own in cells.values() for cell in own if cell.id not in by_id}
+        missing = {cell.target for planned in cells.values() for cell in planned if cell.id not in by_id}
         shown = {
-            label: labelled([by_id[cell.id] for cell in own if cell.target not in missing])
-            for label, own in cells.items()
-            if any(cell.target not in missing for cell in own)
+            label: labelled([by_id[cell.id] for cell in planned if cell.target not in missing])
+            for label, planned in cells.items()
+            if any(cell.target not in missing for cell in planned)
         }
-        num_targets = max((own["target"].nunique() for own in shown.values()), default=0)
-        columns[f"{task}, {num_targets} targets"] = {label: _worth(own, task) for label, own in shown.items()}
+        num_targets = max((chosen["target"].nunique() for chosen in shown.values()), default=0)
+        columns[f"{task}, {num_targets} targets"] = {label: _worth(chosen, task) for label, chosen in shown.items()}
     return pd.DataFrame(columns, index=[run.label for run in runs], dtype=object).fillna("")
 
 
@@ -68,17 +68,17 @@ def _worth(cells: pd.DataFrame, task: str) -> str:
 
 
 def tuning(records: Records) -> pd.DataFrame:
-    """A row a candidate for the settings of a rival, see `_candidates`."""
+    """One row per candidate for the settings of a rival, see `_candidates`."""
     return _candidates("tuning", records).drop(columns="still", errors="ignore")
 
 
 def sensitivity(records: Records) -> pd.DataFrame:
-    """A row a candidate for the settings of avo-plain, see `_candidates`."""
+    """One row per candidate for the settings of avo-plain, see `_candidates`."""
     return _candidates("sensitivity", records).drop(columns="method", errors="ignore")
 
 
 def _candidates(experiment: str, records: Records) -> pd.DataFrame:
-    """A row a candidate that has all its records: its median inefficiency on each development task, and seconds a cell.
+    """One row per complete candidate: its median inefficiency on each development task, and seconds per cell.
 
     By the geometric mean over tasks one is chosen. `still` is the largest share of a run in which the proposal stood
     exactly still. These are development numbers: the best of several is better by luck, too.
@@ -87,11 +87,14 @@ def _candidates(experiment: str, records: Records) -> pd.DataFrame:
     grid, names = EXPERIMENTS[experiment], {spec: name for name, spec in DEVELOPMENT.items()}
     for run in grid.runs:
         cells = {names[task]: run.cells(task, grid.root()) for task in run.tasks}
-        if not all(cell.id in by_id for own in cells.values() for cell in own):
+        if not all(cell.id in by_id for wanted in cells.values() for cell in wanted):
             continue
-        found = {name: [by_id[cell.id] for cell in own] for name, own in cells.items()}
-        values = {name: np.median([_inefficiency(name, record) for record in own]) for name, own in found.items()}
-        every = [record for own in found.values() for record in own]
+        done = {name: [by_id[cell.id] for cell in wanted] for name, wanted in cells.items()}
+        values = {
+            name: np.median([_inefficiency(name, record) for record in task_records])
+            for name, task_records in done.items()
+        }
+        every = [record for task_records in done.values() for record in task_records]
         row = {"method": run.method, "settings": run.label, "targets": run.targets, **values}
         row |= {"geometric mean": gmean(list(values.values())), "still": f"{max(map(still, every)):.0%}"}
         row["seconds"] = np.mean([record["simulator_seconds"] + record["method_seconds"] for record in every])
@@ -112,14 +115,14 @@ def _inefficiency(name: str, record: dict[str, Any]) -> float:
 
 
 def fresh(records: Records) -> pd.DataFrame:
-    """A row a task and method on targets that nothing was chosen on.
+    """One row per task and method on targets that nothing was chosen on.
 
     `mean / floor` is the mean squared error over the mean floor, on weinberg over the ideal posterior mean's; below 1
     is chance. `astray` counts runs above 100 floors, and `ok of these` those of them that the method vouched for. The
     last columns are coverage, as in `avobench.reports.coverage`.
     """
-    own = {task.name: task.of.name for task in FRESH}  # by which name the floor and the parameters are known
-    return pd.DataFrame(_fresh(labelled([{**record, "task": own[record["task"]]} for record in records])))
+    names = {task.name: task.of.name for task in FRESH}  # by which name the floor and the parameters are known
+    return pd.DataFrame(_fresh(labelled([{**record, "task": names[record["task"]]} for record in records])))
 
 
 def _fresh(frame: pd.DataFrame) -> Iterator[dict[str, Any]]:
@@ -128,7 +131,7 @@ def _fresh(frame: pd.DataFrame) -> Iterator[dict[str, Any]]:
             cells = frame[(frame["task"] == task) & (frame["method"] == method)]
             best = ideal_errors(cells) if task == "weinberg" else cells["floor"].to_numpy(float)
             astray = cells["ratio"] > WORST_RUN
-            away = [found for record in cells["record"] if (found := distances(record)) is not None]
+            away = [distance for record in cells["record"] if (distance := distances(record)) is not None]
             yield {
                 "task": task,
                 "method": method,
@@ -158,22 +161,22 @@ def rivals(records: Records) -> pd.DataFrame:
 
 def _rivals(task: str, frame: pd.DataFrame) -> Iterator[dict[str, Any]]:
     cells = frame[frame["task"] == task]
-    own = cells[cells["method"] == METHOD]
+    of_avo = cells[cells["method"] == METHOD]
     values, statistic = (beside_ideal, ratio_of_means) if task == "weinberg" else (in_units_of_the_best, median)
     for method in ordered(cells["method"], METHOD_ORDER):
         estimates = cells[cells["method"] == method]
         means = by_mean(estimates)
         other = (estimates["spread_of"] == "posterior").any() and not means["ratio"].equals(estimates["ratio"])
-        for answer, found in (("estimate", estimates), ("mean", means))[: 1 + other]:
-            measured = values(found)
+        for answer, chosen in (("estimate", estimates), ("mean", means))[: 1 + other]:
+            measured = values(chosen)
             yield {
                 "task": task,
                 "method": method,
                 "answer": answer,
-                "targets": found["target"].nunique(),
+                "targets": chosen["target"].nunique(),
                 "inefficiency": statistic(measured),
-                "95 %": told_interval(measured, found["target"], statistic),
-                "worst run / floor": worst(found["ratio"].to_numpy()),
-                "seconds": found["seconds"].mean(),
-                "avo ahead": "-" if method == METHOD else f"p = {ahead(own, found):.2g}",
+                "95 %": interval_text(measured, chosen["target"], statistic),
+                "worst run / floor": worst(chosen["ratio"].to_numpy()),
+                "seconds": chosen["seconds"].mean(),
+                "avo ahead": "-" if method == METHOD else f"p = {ahead(of_avo, chosen):.2g}",
             }

@@ -38,11 +38,11 @@ def judged(expected: dict[str, Any], diagnosis: dict[str, Any]) -> str:
     return DEFENSIBLE if others & set(expected["answer"]) or first["name"] in expected["also"] else WRONG
 
 
-def _at_its_value(effect: dict[str, Any], known: dict[str, Any] | None) -> bool:
-    if known is None:
+def _at_its_value(effect: dict[str, Any], true: dict[str, Any] | None) -> bool:
+    if true is None:
         return True
-    found = effect["parameters"].get(known["parameter"])
-    return found is not None and abs(found["value"] - known["value"]) <= known["tolerance"]
+    parameter = effect["parameters"].get(true["parameter"])
+    return parameter is not None and abs(parameter["value"] - true["value"]) <= true["tolerance"]
 
 
 def table(seeds: list[list[dict[str, Any]]]) -> pd.DataFrame:
@@ -54,14 +54,14 @@ def table(seeds: list[list[dict[str, Any]]]) -> pd.DataFrame:
     for record, *others in zip(*seeds, strict=True):
         judgements = [judged(each["expected"], each["diagnosis"]) for each in (record, *others)]
         expected, diagnosis = record["expected"], record["diagnosis"]
-        named = [found["name"] for found in diagnosis["effects"]]
+        named = [effect["name"] for effect in diagnosis["effects"]]
         gaps = [diagnosis["gap_before"], diagnosis["gap_after"]]
         row = {
             "data": record["name"],
             "events": diagnosis["num_events"],
             "known": " or ".join(expected["answer"]) or "nothing",
             "named": ", then ".join(named) or _unnamed(diagnosis["verdict"]),
-            "tied": sum(len(found["tied_with"]) for found in diagnosis["effects"]),
+            "tied": sum(len(effect["tied_with"]) for effect in diagnosis["effects"]),
             "p": p_value(diagnosis["p_value_before"]),
             "p after": p_value(diagnosis["p_value_after"]),
             "gap": " -> ".join(f"{gap['value']:.2f}" for gap in gaps if gap is not None),
@@ -79,9 +79,9 @@ def _unnamed(verdict: str) -> str:
 
 def format_table(seeds: list[list[dict[str, Any]]]) -> str:
     """`table`, to be read, and below it how often each judgement was passed."""
-    found = table(seeds)
-    counts = ", ".join(f"{found[kind].sum()} {kind}" for kind in (RIGHT, DEFENSIBLE, WRONG))
-    return f"{found.to_string(index=False)}\n{len(found)} data sets with {len(seeds)} seeds each: {counts}"
+    judgements = table(seeds)
+    counts = ", ".join(f"{judgements[kind].sum()} {kind}" for kind in (RIGHT, DEFENSIBLE, WRONG))
+    return f"{judgements.to_string(index=False)}\n{len(judgements)} data sets with {len(seeds)} seeds each: {counts}"
 
 
 INTRODUCTION = """\
@@ -100,12 +100,13 @@ writes from the records in `results/real`. Each data set is an example by itself
 `python examples/real/accidents.py`.
 
 **Right** is to name first what is known to be missing, at its known value if there is one, or to find no disagreement
-where nothing is missing. Each data set is diagnosed with five seeds, of which each keeps another part of the events
-aside: of a few hundred events other ones say other things, and one answer is luck as well. The columns are of the first
-seed, the last three count all. **Defensible** is the right name as one that is tied, or as a later one, or a first name
-that was written down before as one that tells a part of it. All else is **wrong**, and so is to find nothing where
-something is missing. `tied` says how many other names the data did not tell from those that were given: the more there
-are, the less a name says, and the less it is to be right."""
+where nothing is missing. **Defensible** is the right name as a tied or later one. A first name is also defensible if it
+was written down before as a part of the answer. All else is **wrong**, and so is to find nothing where something is
+missing. `tied` is the number of other names that describe the data as well. With many of them a right name says
+little.
+
+Each data set is diagnosed with five seeds. Each seed holds out other events, which can change the answer for a few
+hundred events. The columns are for the first seed, and the last three count all seeds."""
 
 
 def page(seeds: list[list[dict[str, Any]]]) -> str:
@@ -113,22 +114,22 @@ def page(seeds: list[list[dict[str, Any]]]) -> str:
     lines = [INTRODUCTION, "", "```", format_table(seeds), "```"]
     for record in seeds[0]:
         expected, diagnosis = record["expected"], record["diagnosis"]
-        about, known = " ".join(record["data_head"][:-1]), f"**Known:** {expected['lacks']}. {expected['why']}"
+        about, lacks = " ".join(record["data_head"][:-1]), f"**Known:** {expected['lacks']}. {expected['why']}"
         lines += ["", f"## {record['name'].replace('_', ' ').capitalize()}", "", _wrapped(about)]
-        lines += ["", _wrapped(known), "", _wrapped(f"**Said: {judged(expected, diagnosis)}.** {_said(diagnosis)}")]
+        lines += ["", _wrapped(lacks), "", _wrapped(f"**Said: {judged(expected, diagnosis)}.** {_said(diagnosis)}")]
     return "\n".join(lines) + "\n"
 
 
 def _said(diagnosis: dict[str, Any]) -> str:
     """What a diagnosis says, in sentences."""
-    found = [_told(effect) for effect in diagnosis["effects"]]
+    effects = [_told(effect) for effect in diagnosis["effects"]]
     after = diagnosis["theta_after"] or {}
     theta = [
         f"{name} = {with_error(**value)}" + (f", then {with_error(**after[name])}" if name in after else "")
         for name, value in diagnosis["theta_before"].items()
     ]
     verdict = diagnosis["verdict"].capitalize()
-    return ". ".join([f"{verdict}, {p_equals(diagnosis['p_value_before'])}", *found, "; ".join(theta)]) + "."
+    return ". ".join([f"{verdict}, {p_equals(diagnosis['p_value_before'])}", *effects, "; ".join(theta)]) + "."
 
 
 def _told(effect: dict[str, Any]) -> str:

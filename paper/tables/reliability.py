@@ -20,17 +20,17 @@ OUTSIDE = ("outside the catalogue", None)
 LEAST = 0.01
 """Probability from which a name is one that was told: of most names it is all but certain that they are not it."""
 ALPHA = 0.05
-"""Where the events agree with what was named."""
+"""p-value above which the events agree with what was named."""
 BINS = 10
-"""Of the probability, of as many names each."""
+"""Bins of the probability, with equal numbers of names."""
 DRAWS = 300
-"""Of what may come true by chance."""
+"""Random draws for the range that chance allows."""
 
 
 def names(case: Case) -> dict[tuple[str, str | None], float]:
     """The probability of each name to be in the model, and of what is missing to be outside the catalogue."""
-    told = {case.key(each): each["probability"] for each in case.diagnosis["probabilities"]}
-    return {**told, OUTSIDE: case.diagnosis["outside"]}
+    probabilities = {case.key(each): each["probability"] for each in case.diagnosis["probabilities"]}
+    return {**probabilities, OUTSIDE: case.diagnosis["outside"]}
 
 
 def truth(case: Case) -> set[tuple[str, str | None]]:
@@ -44,7 +44,7 @@ def of_truth(case: Case) -> float:
 
 
 def table(cases: Iterable[tuple[str, Case]]) -> pd.DataFrame:
-    """Of cases in which a disagreement was seen, by what was hidden."""
+    """The table of the cases with a detected disagreement, by what was hidden."""
     rows = []
     groups: dict[str, list[Case]] = {}
     for name, case in cases:
@@ -53,10 +53,10 @@ def table(cases: Iterable[tuple[str, Case]]) -> pd.DataFrame:
                 groups.setdefault(each, []).append(case)
     groups["all"] = groups.pop("all", [])
     for name, group in groups.items():
-        told, hit, brier, logs, first, agrees, within, size = [], [], [], [], [], [], [], []
+        stated, hit, brier, logs, first, agrees, within, size = [], [], [], [], [], [], [], []
         for case in group:
             shares, true = names(case), truth(case)
-            told += [share for share in shares.values() if share >= LEAST]
+            stated += [share for share in shares.values() if share >= LEAST]
             hit += [key in true for key, share in shares.items() if share >= LEAST]
             brier.append(sum((share - (key in true)) ** 2 for key, share in shares.items()))
             logs.append(np.log(max(of_truth(case), 1e-6)))
@@ -82,28 +82,28 @@ def table(cases: Iterable[tuple[str, Case]]) -> pd.DataFrame:
                 "P(first name)": np.mean(others),
                 "Brier": np.mean(brier),
                 "log score": np.mean(logs),
-                "calibration error": calibration_error(np.array(told), np.array(hit)),
-                "if they held": by_chance(np.array(told)),
+                "calibration error": calibration_error(np.array(stated), np.array(hit)),
+                "if they held": by_chance(np.array(stated)),
             }
         )
     return pd.DataFrame(rows)
 
 
-def calibration_error(told: np.ndarray, hit: np.ndarray) -> float:
+def calibration_error(stated: np.ndarray, hit: np.ndarray) -> float:
     """Expected calibration error of probabilities (n,) and what came true (n,): their mean distance, in equal bins."""
-    parts = np.array_split(np.argsort(told, kind="stable"), min(BINS, len(told)))
-    return float(sum(len(part) * abs(told[part].mean() - hit[part].mean()) for part in parts) / len(told))
+    parts = np.array_split(np.argsort(stated, kind="stable"), min(BINS, len(stated)))
+    return float(sum(len(part) * abs(stated[part].mean() - hit[part].mean()) for part in parts) / len(stated))
 
 
-def by_chance(told: np.ndarray) -> float:
+def by_chance(stated: np.ndarray) -> float:
     """The calibration error to be expected where each of the probabilities (n,) holds: of few cases none has 0."""
     rng = np.random.default_rng(0)
-    return float(np.mean([calibration_error(told, rng.random(len(told)) < told) for _ in range(DRAWS)]))
+    return float(np.mean([calibration_error(stated, rng.random(len(stated)) < stated) for _ in range(DRAWS)]))
 
 
 def cases_of(paths: Iterable[Path]) -> list[tuple[str, Case]]:
     """The cases of files of records with hidden effects that can be seen, each with what it is of."""
-    found = []
+    cases = []
     for path in paths:
         head, *rows = read_records(path)
         task = registry.build("task", registry.named_in(str(path), "task", head["task"], trust=False), {})
@@ -111,8 +111,8 @@ def cases_of(paths: Iterable[Path]) -> list[tuple[str, Case]]:
             case = Case(task, row, row["diagnosis"])
             pair = row["kind"] == "two" and case.both_visible
             if row["error"] is None and (pair or row["kind"] in ("own", "foreign", "withheld")):
-                found.append((_name(row), case))
-    return sorted(found, key=lambda each: each[0])
+                cases.append((_name(row), case))
+    return sorted(cases, key=lambda each: each[0])
 
 
 def _name(row: dict[str, Any]) -> str:

@@ -16,10 +16,10 @@ from paper.quantities import (
     asymmetry_in_units_of_the_best,
     beside_ideal,
     in_units_of_the_best,
+    interval_text,
     median,
     ratio_of_means,
     ratios,
-    told_interval,
     worst,
 )
 
@@ -39,20 +39,20 @@ class Target:
     task: str
     what: str
     values: Callable[[pd.DataFrame], NDArray[np.float64]]
-    """Of the cells of one method on the task: (n,), or (n, 2)."""
+    """Function from the cells of one method on the task to values (n,), or (n, 2)."""
     statistic: Callable[[NDArray[np.float64]], float]
-    """Of these values, the quantity."""
+    """Function from these values to the quantity."""
     most: float | None
     """None where it is to be below what each rival has, by a paired test."""
 
     def measure(self, cells: pd.DataFrame) -> float:
         return self.statistic(self.values(cells))
 
-    def told_interval(self, cells: pd.DataFrame) -> str:
+    def interval_text(self, cells: pd.DataFrame) -> str:
         """Where the quantity may lie for other targets; a largest value has no such interval."""
         if self.statistic is worst:
             return "-"
-        return told_interval(self.values(cells), cells["target"], self.statistic)
+        return interval_text(self.values(cells), cells["target"], self.statistic)
 
 
 BEST = in_units_of_the_best, median
@@ -66,7 +66,7 @@ TARGETS = (
 
 
 def table(records: list[dict[str, Any]]) -> pd.DataFrame:
-    """A row a target: what was measured of each method, what is wanted of `avo`, and whether that is met.
+    """One row per target: what was measured of each method, what is wanted of `avo`, and whether that is met.
 
     A task is measured on the targets that all of its methods have; a run that failed has an infinite error. Beside what
     was measured of `avo` stands its 95 % interval, over other draws of the targets; `avo` is ahead of a rival where a
@@ -90,7 +90,7 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
                 "quantity": target.what,
                 "targets": cells["target"].nunique(),
                 METHOD: values.get(METHOD, np.nan),
-                "95 %": "-" if own is None else target.told_interval(own),
+                "95 %": "-" if own is None else target.interval_text(own),
                 **{column: values.get(column, np.nan) for column in columns},
                 "wanted": "ahead of all" if target.most is None else f"at most {target.most:g}",
                 "verdict": _verdict(target, by_method, values),

@@ -61,9 +61,7 @@ def test_a_method_that_ends_the_process_is_a_record_too(avobench, tmp_path):
 def test_a_task_that_ends_the_process_where_its_targets_are_asked_for_is_refused_in_a_line(avobench, tmp_path):
     code, out, err = avobench("run", *CELLS, "--task", "hostile:NoTargets", "--results", tmp_path / "r")
     assert (code, out) == (2, "")
-    assert err == (
-        "avobench: hostile:NoTargets, hostile:Steps: not to be used, when looked at the process was ended by SIGSEGV\n"
-    )
+    assert err == ("avobench: hostile:NoTargets, hostile:Steps: cannot be used: the process was ended by SIGSEGV\n")
     assert not (tmp_path / "r").exists()
 
 
@@ -228,8 +226,8 @@ def test_ctrl_c_promises_only_what_is_kept(tmp_path, task):
         command = ("run", *CELLS, "--task", task, "--results", tmp_path / "r")
     code, error = stopped(command[-1], *command)
     assert code in (130, -signal.SIGINT), error  # a shell says 130 of both
-    kept = "what was finished is kept, and the same command goes on from there"
-    said = "the same command begins anew" if task == "poisson" else kept
+    kept = "finished work is kept, and the same command continues from it"
+    said = "nothing was kept, and the same command starts again" if task == "poisson" else kept
     assert error.splitlines()[-1] == f"avobench: stopped; {said}"
     assert not list((tmp_path / "d").glob("*"))
 
@@ -248,4 +246,4 @@ def test_ctrl_c_is_a_stop_whatever_a_library_makes_of_it(monkeypatch, capsys):
         main.main()
     signal.signal(signal.SIGINT, before)
     assert left.value.code == 130
-    assert capsys.readouterr().err == "avobench: stopped; the same command begins anew\n"
+    assert capsys.readouterr().err == "avobench: stopped; nothing was kept, and the same command starts again\n"

@@ -152,4 +152,4 @@ def test_more_open_parameters_than_can_be_searched_are_doubtful():
     rng = np.random.default_rng(0)
     x = blind.simulate(np.zeros((5000, 5)), rng)
     estimate = Avo(**FEW).infer(pose(blind, x, MeteredSimulator(blind, 20_000, rng)), rng)
-    assert estimate.doubt == "of a combination of parameters nearly nothing was learnt"
+    assert estimate.doubt == "the events determine almost nothing about one combination of the parameters"

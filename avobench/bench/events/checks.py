@@ -174,7 +174,7 @@ def with_times(
     if drop_invalid and values.dtype.kind == "f":
         keep &= np.isfinite(values.reshape(len(x), -1)).all(axis=1)
     if len(np.unique(time[keep])) < 2:
-        raise UsageError("all times are alike: they say nothing of the order")
+        raise UsageError("all times are equal, so that the order of the events cannot be tested")
     return x[keep], time[keep], warnings
 
 
@@ -239,15 +239,15 @@ def _outside(task: Task, x: NDArray, simulated: NDArray, diagnosis: bool = True)
             )
         if diagnosis and 0 < np.ptp(values) < ALIKE * width:
             raise UsageError(
-                f"all values of {name} are {np.median(values):.4g}, nearly at one place of what the simulator makes, "
+                f"all values of {name} are close to {np.median(values):.4g}, and the simulator makes values from "
                 f"{low:.4g} to {high:.4g}; are they in another unit?"
             )
         below, above = _reach(made, len(values))
         count = int(((values < below) | (values > above)).sum())
         if count > len(values) / 2 and np.median(np.maximum(low - values, values - high)) > FAR * width > 0:
             raise UsageError(
-                f"most values of {name} lie more than {FAR} times the width of {low:.4g} to {high:.4g} outside of it, "
-                "where the simulator makes its events; are they another quantity, or in another unit?"
+                f"the simulator makes {name} from {low:.4g} to {high:.4g}, and most values lie more than {FAR} times "
+                "this width outside; are they another quantity, or in another unit?"
             )
         if diagnosis and values.min() == values.max():
             raise UsageError(f"all values of {name} are {values[0]:g}; a diagnosis needs values that differ")

@@ -116,7 +116,7 @@ def _chosen(file: str, names: list, columns: list[str] | None) -> list:
     if missing:
         raise UsageError(f"{file} has no {', '.join(missing)}; it has: {', '.join(map(str, names))}")
     if not names:
-        raise UsageError(f"{file} holds nothing")
+        raise UsageError(f"{file} is empty")
     return names if columns is None else columns
 
 

@@ -55,7 +55,7 @@ def read_text(path: str) -> tuple[pd.DataFrame, bool]:
     comments = [line.lstrip("# ").strip() for _, line in lines if line.lstrip().startswith("#")]
     lines = [(number, line) for number, line in lines if not line.lstrip().startswith("#")]
     if not lines:
-        raise UsageError(f"{path} holds nothing")
+        raise UsageError(f"{path} is empty")
     separator = _separator([line for _, line in lines[:LINES]])
     if separator == " ":
         lines, separator = [(number, re.sub(r"[ \t]+", "\t", line.strip())) for number, line in lines], "\t"
@@ -63,7 +63,7 @@ def read_text(path: str) -> tuple[pd.DataFrame, bool]:
     form = _form(path, [line for _, line in lines[:LINES]], comments, separator)
     events = lines[form.skip :]
     if not events:
-        raise UsageError(f"{path} holds names of columns, and no event")
+        raise UsageError(f"{path} has names of columns, but no events")
     return _parsed(path, events, form), form.names is not None
 
 

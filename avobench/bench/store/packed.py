@@ -1,4 +1,4 @@
-"""Many records in one Parquet file: a row a record, its JSON text beside columns of its fields for who reads it alone.
+"""Many records in one Parquet file: one row per record, its JSON text, and columns of its fields.
 
 The text is what counts. A record's checksum is over the digits of its numbers and its settings may nest as they like,
 so only the text comes back as it was; and text and columns together were measured to take a little less room

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 
 def to_frame(records: Iterable[dict[str, Any]]) -> pd.DataFrame:
-    """One row a cell; lists over parameters become columns `theta_true_0`, `theta_true_1`, ...; no trace."""
+    """One row per cell; lists over parameters become columns `theta_true_0`, `theta_true_1`, ...; no trace."""
     rows, once = [], {}  # many records have the same settings: each text is kept once
     for record in records:
         row = dict(record)

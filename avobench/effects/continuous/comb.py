@@ -50,22 +50,22 @@ class Comb:
         spectrum = np.abs(np.fft.rfft(counts, FINER * FINE)) / counts.sum()
         cycles = np.arange(len(spectrum)) / FINER
         heights = np.where((cycles >= STEPS[0]) & (cycles <= STEPS[1]), spectrum, 0)
-        found = cycles[np.argmax(heights > FIRST * heights.max())]  # sharp steps have harmonics as high
-        beside = spectrum[(np.abs(cycles - found) < found / 2) & (np.abs(cycles - found) > 1.5)]
+        line = cycles[np.argmax(heights > FIRST * heights.max())]  # sharp steps have harmonics as high
+        beside = spectrum[(np.abs(cycles - line) < line / 2) & (np.abs(cycles - line) > 1.5)]
 
         def amplitude(cycles: float) -> complex:
             return complex(np.exp(2j * np.pi * cycles * (x - low) / (high - low)).mean())
 
-        ends = (found - 3 / FINER, found + 3 / FINER)
-        found = float(minimize_scalar(lambda c: -abs(amplitude(c)), bounds=ends, method="bounded").x)
-        first, second = amplitude(found), max(abs(amplitude(2 * found)), 1 / np.sqrt(len(x)))
+        ends = (line - 3 / FINER, line + 3 / FINER)
+        line = float(minimize_scalar(lambda c: -abs(amplitude(c)), bounds=ends, method="bounded").x)
+        first, second = amplitude(line), max(abs(amplitude(2 * line)), 1 / np.sqrt(len(x)))
         if abs(first) < max(PLAIN + CHANCE / np.sqrt(len(x)), LINE * float(np.median(beside))):
             return None
         variance = max(np.log(abs(first) / second), 0) / (6 * np.pi**2)
-        step = float(high - low) / found
-        found *= 1 + float(variance * step**2 / x.var())  # the fall moves the line
-        first, step = amplitude(found), float(high - low) / found
-        origin = float(low + step * (np.angle(first) / (2 * np.pi) + found // 2))
+        step = float(high - low) / line
+        line *= 1 + float(variance * step**2 / x.var())  # the fall moves the line
+        first, step = amplitude(line), float(high - low) / line
+        origin = float(low + step * (np.angle(first) / (2 * np.pi) + line // 2))
         share = min(abs(first) * float(np.exp(2 * np.pi**2 * variance)), 1.0)
-        error = 1 / (abs(first) * np.sqrt(len(x)) * found)
+        error = 1 / (abs(first) * np.sqrt(len(x)) * line)
         return cls(step, float(error), origin, share, float(np.sqrt(variance)))

@@ -22,7 +22,7 @@ NOISIEST = 0.3
 """Noise of a comb in steps, at most: beyond, its steps run into one another."""
 
 ROUNDED = {"nearest": np.rint, "down": np.floor, "middle": lambda v: np.floor(v) + 0.5}
-"""From values (n,) in steps to those that are recorded, by shape."""
+"""The function of each shape from values (n,), in steps, to recorded values."""
 
 
 @dataclass(frozen=True)

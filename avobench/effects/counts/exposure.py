@@ -56,7 +56,7 @@ class Rates(NamedTuple):
     highest: float
     """The largest relative variance with which it keeps its form."""
     parameters: tuple[Parameter, ...]
-    """Beside the variance."""
+    """Parameters of the shape beside the variance."""
     drawn: Callable[[NDArray, NDArray, np.random.Generator], NDArray[np.float64]]
     """Relative variances (n,), phi (n, q) -> rates (n,)."""
 

@@ -34,7 +34,7 @@ class ImageEffect(Effect):
 
 
 def told(cells: tuple[int, ...] | None, grid: tuple[int, int]) -> str:
-    """Which cell is at fault where it is one: its row and column, counted from 0; else nothing."""
+    """Row and column, counted from 0, of a single faulty cell. The text is empty if the fault is not of one cell."""
     if cells is None or len(cells) != 1:
         return ""
     row, column = divmod(cells[0], grid[1])

@@ -173,7 +173,7 @@ def _gap(diagnosis: Diagnosis) -> str:
 
 
 def _theta(diagnosis: Diagnosis) -> list[str]:
-    """A line a parameter of the task, before and after."""
+    """One line per parameter of the task, before and after."""
     after = diagnosis.theta_after or {}
     return [
         f"{name} = {' -> '.join(with_error(each.value, each.std) for each in (before, after.get(name)) if each)}"

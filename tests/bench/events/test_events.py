@@ -102,7 +102,7 @@ def test_pickled_files_are_refused_and_run_nothing(tmp_path):
         ("events.npy", b"", "cannot be read"),
         ("events.npz", b"PK\x03\x04broken", "cannot be read"),
         ("events.parquet", b"PAR1", "cannot be read"),
-        ("events.csv", b"", "holds nothing"),
+        ("events.csv", b"", "is empty"),
         ("events.csv", b"\xff\xfe1", "not a text in UTF-8"),
         ("events.csv", b"a,b\n\n1,x\n", "'b' does not hold one real number an event: line 3 has 'x'"),
         ("events.root", b"root", "needs the name of a tree"),
@@ -367,7 +367,7 @@ def test_rows_without_a_time_or_without_values_go_together():
         with_times(x, time)
     with pytest.raises(UsageError, match="one number for each of 4 events"):
         with_times(x, time[:3])
-    with pytest.raises(UsageError, match="all times are alike"):
+    with pytest.raises(UsageError, match="all times are equal"):
         with_times(x, np.ones(4))
 
 

@@ -1,4 +1,4 @@
-"""Records as a table: a row a cell, unlike ones apart."""
+"""Records as a table: one row per cell, unlike ones apart."""
 
 from avobench.bench.cells.trial import execute
 from avobench.bench.store.table import labels, to_frame

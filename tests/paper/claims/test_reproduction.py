@@ -7,7 +7,7 @@ from avobench.reports.quantities import labelled
 from avobench.tasks.errors import StoreError
 from paper.claims import benchmark_claims, example_claims
 from paper.claims.claims import Evidence
-from paper.claims.reproduction import page
+from paper.claims.reproduction import FIRST, pages
 
 
 def evidence(records=(), study=(), detector=None, ablation=()):
@@ -142,14 +142,16 @@ def test_bolfi_early(make_record, factor, verdict):
     assert ("not reproduced" in found) == (verdict == "differs")
 
 
-def test_the_page_has_every_claim_once(benchmark, make_record):
+def test_the_pages_have_every_claim_once_and_the_first_one_links_to_it(benchmark, make_record):
     detector = {"theta": [0.0, 1.0], "responses": [{"mean": [0.01] * 1024}, {"mean": [0.01] * 1024}]}
     run = {**poisson_run(0.0, "closed_form", 0, 0.9, 0.5), "task": "alignment-example", "theta_true": [1.0]}
     run |= {"squared_error": 0.01, "floor": 0.001, "method": "avo-paper"}
     rows = [{**make_record("alignment", how, 0, 0.1), "task": "alignment-rows"} for how in ("abc-smc", "bolfi")]
-    text = page(evidence(benchmark, [*poisson_study(), run, *rows], detector))
-    claims = (*example_claims.CLAIMS, *benchmark_claims.CLAIMS)
-    for claim in claims:
+    first, *numbers = pages(evidence(benchmark, [*poisson_study(), run, *rows], detector)).items()
+    assert first[0] == FIRST
+    text = "".join(page for _, page in numbers)
+    for claim in (*example_claims.CLAIMS, *benchmark_claims.CLAIMS):
         assert text.count(f"\n## {claim.title}\n") == 1
+        assert first[1].count(f"[{claim.title}](") == 1
     assert text.count("```\n") % 2 == 0
     assert not any(line != line.rstrip() for line in text.splitlines())
