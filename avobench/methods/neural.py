@@ -143,7 +143,7 @@ def _estimate(fitted: Posterior, trace: list[TracePoint]) -> Estimate:
         mean=fitted.mean,
         std=fitted.std,
         trace=trace,
-        sample=found.sample,
+        sample=fitted.sample,
     )
 
 
