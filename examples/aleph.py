@@ -1,8 +1,8 @@
 """ALEPH's fifteen tables at the Z beside Pythia 8: which disagree, and three parameters fitted to them from one bank.
 
-`python examples/lep_events.py` simulates the bank, `python examples/aleph.py reduce` keeps of it what the tables need, in
-`results/aleph.npz`, and `python examples/aleph.py` prints the answer from that file. See `examples/data/README.md` for
-the tables.
+`python examples/lep_events.py` simulates the bank, `python examples/aleph.py reduce` keeps of it what the tables need,
+in `results/aleph.npz`, and `python examples/aleph.py` prints the answer from that file. `examples/data/README.md` tells
+where the tables are from.
 """
 
 import sys
@@ -10,12 +10,14 @@ from pathlib import Path
 
 import joblib
 import numpy as np
+import pandas as pd
 from event_shapes import reduced
-from lep_events import DEFAULT, PARAMETERS, kept_file, thetas
+from lep_events import DEFAULT, NUM_CHECKED, NUM_THETAS, PARAMETERS, fill, kept_file, thetas
 from numpy.typing import NDArray
 
 import avobench
 from avobench.tables.comparison import Reduced
+from avobench.tables.fit import TableFit
 
 DATA = Path(__file__).parent / "data" / "aleph_1998.csv"
 RECORD = Path("results/aleph.npz")
@@ -45,10 +47,9 @@ class Events:
 
 def aleph_tables() -> avobench.Tables:
     """The tables as they are published: shapes of events add up to one, spectra to the mean multiplicity."""
-    spectra = {"9": "scaled_momentum", "10": "rapidity_thrust", "11": "pt_in", "12": "pt_out", "17": "log_scaled_momentum"}
-    shapes = {"1": "sphericity", "2": "aplanarity", "3": "one_minus_thrust", "4": "thrust_minor", "5": "two_jet_resolution"}
-    shapes |= {"6": "heavy_jet_mass", "7": "c_parameter", "8": "oblateness", "18": "charged_multiplicity"}
-    quantities = {**shapes, **spectra, "19": "mean_charged_multiplicity"}
+    frame = pd.read_csv(DATA)
+    quantities = dict(zip(frame["table"].astype(str), frame["quantity"], strict=True))
+    shapes = {"1", "2", "3", "4", "5", "6", "7", "8", "18"}
     return avobench.Tables(
         avobench.read_table(
             DATA,
@@ -58,75 +59,85 @@ def aleph_tables() -> avobench.Tables:
             normalised=number in shapes,
             name=f"{number} {quantity}",
         )
-        for number, quantity in sorted(quantities.items(), key=lambda item: int(item[0]))
+        for number, quantity in quantities.items()
     )
 
 
-def reduced_theta(index: int) -> Reduced:
-    """The events of one theta of the bank, reduced to the tables; without the rare ones of fewer than two particles.
+def reduced_parts(name: str) -> list[Reduced]:
+    """Events that are kept under a name, reduced to the tables in parts; without those of fewer than two particles.
 
     They are kept beside the events, since this takes minutes.
     """
-    kept = kept_file(index).with_suffix(".reduced.npy")
-    if not kept.exists():
-        with np.load(kept_file(index)) as file:
+    kept = kept_file(name).with_suffix(".reduced.npz")
+    if not kept.exists() or kept.stat().st_mtime < kept_file(name).stat().st_mtime:
+        with np.load(kept_file(name)) as file:
             count, momentum, mass = file["count"].astype(int), file["momentum"], file["mass"]
         tables, starts, parts = aleph_tables(), np.concatenate([[0], np.cumsum(count)]), []
         for first in range(0, len(count), AT_ONCE):
             c = count[first : first + AT_ONCE]
             here = slice(starts[first], starts[first + len(c)])
             seen = np.repeat(c > 1, c)
-            events = Events(c[c > 1], momentum[here][seen], mass[here][seen])
-            parts.append(Reduced.of(tables, events))
-        r = Reduced.together(parts)
-        np.save(kept, np.vstack([r.covariance, r.mean, np.full(len(r.mean), r.num_events)]))
-    *covariance, mean, num_events = np.load(kept)
-    return Reduced(mean, np.array(covariance), int(num_events[0]))
+            parts.append(Reduced.of(tables, Events(c[c > 1], momentum[here][seen], mass[here][seen])))
+        np.savez(kept, **{name: [getattr(part, name) for part in parts] for name in vars(parts[0])})
+    with np.load(kept) as file:
+        return [
+            Reduced(*each) for each in zip(file["mean"], file["covariance"], file["num_events"].tolist(), strict=True)
+        ]
 
 
 def write_record() -> None:
-    """Reduce the bank to what a repository can hold.
+    """Reduce the bank to what a repository can hold, and simulate at the theta that it gives, to see whether it is so.
 
-    Of each theta the mean and the standard deviation of the entries in each bin; their correlation from all thetas
-    together, of the default its own.
+    Of each theta of the bank there are the mean and the standard deviation of the entries in each bin, and their
+    correlation from all thetas together.
     """
-    default, *bank = joblib.Parallel(2)(joblib.delayed(reduced_theta)(i) for i in range(len(thetas())))
-    std = np.sqrt([np.diag(r.covariance) for r in bank])
+    default, *bank = joblib.Parallel(2)(joblib.delayed(reduced_parts)(f"{i:02d}") for i in range(len(thetas())))
+    samples = {"few": default[0], "default": Reduced.together(default)}
+    bank = [Reduced.together(parts) for parts in bank]
     pooled = np.mean([r.covariance for r in bank], axis=0)
-    np.savez_compressed(
-        RECORD,
-        theta=thetas(),
-        num_events=[r.num_events for r in (default, *bank)],
-        mean=np.array([r.mean for r in (default, *bank)]),
-        std=np.vstack([np.sqrt(np.diag(default.covariance)), std]).astype(np.float32),
-        correlation=np.array([_correlation(default.covariance), _correlation(pooled)]).astype(np.float32),
-    )
+    scale = np.sqrt(np.maximum(np.diag(pooled), np.finfo(float).tiny))  # no event in a bin: no correlation
+    arrays = {
+        "mean": np.array([r.mean for r in bank]),
+        "std": np.sqrt([np.diag(r.covariance) for r in bank]).astype(np.float32),
+        "correlation": (pooled / np.outer(scale, scale)).astype(np.float32),
+        "num_events": [r.num_events for r in bank],
+    }
+    for last in (False, True):
+        for name, r in samples.items():
+            arrays |= {f"{name}_mean": r.mean, f"{name}_covariance": r.covariance, f"{name}_events": r.num_events}
+        with RECORD.open("wb") as stream:
+            np.savez_compressed(stream, **arrays)
+        if not last:
+            fill("fitted", fitted().theta, NUM_CHECKED, seed=NUM_THETAS + 2)
+            samples = {"fitted": Reduced.together(reduced_parts("fitted"))}
 
 
-def _correlation(covariance: NDArray) -> NDArray:
-    scale = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))  # no event in a bin: no correlation
-    return covariance / np.outer(scale, scale)
-
-
-def read_record() -> tuple[NDArray, list[Reduced]]:
-    """Thetas (61, 3), the default first, and what their events give."""
+def sample(name: str) -> Reduced:
+    """The events at the default (also "few" of them), or at the fitted theta."""
     with np.load(RECORD) as file:
-        theta, num_events, mean, std = (file[name] for name in ("theta", "num_events", "mean", "std"))
-        own, pooled = file["correlation"].astype(float)
-    correlations = [own, *[pooled] * (len(theta) - 1)]
-    bank = zip(mean, correlations, std.astype(float), num_events.tolist(), strict=True)
-    return theta, [Reduced(m, c * np.outer(s, s), n) for m, c, s, n in bank]
+        return Reduced(file[f"{name}_mean"], file[f"{name}_covariance"], int(file[f"{name}_events"]))
+
+
+def fitted() -> TableFit:
+    """Theta fitted from the bank."""
+    with np.load(RECORD) as file:
+        mean, std, correlation, num_events = (file[name] for name in ("mean", "std", "correlation", "num_events"))
+    each = zip(mean, std.astype(float), num_events.tolist(), strict=True)
+    bank = [Reduced(m, correlation * np.outer(s, s), n) for m, s, n in each]
+    names, box = list(PARAMETERS), list(PARAMETERS.values())
+    return avobench.fit_tables(aleph_tables(), thetas()[1:], bank, names=names, box=box, default=DEFAULT)
 
 
 def main() -> None:
     if sys.argv[1:] == ["reduce"]:
         return write_record()
-    tables, (theta, bank) = aleph_tables(), read_record()
-    print(f"Pythia 8 with its default tune: {bank[0].num_events} events\n")
-    print(avobench.compare_tables(tables, bank[0]))
-    print(f"\nFitted from {len(bank) - 1} thetas, {sum(r.num_events for r in bank[1:])} events\n")
-    box = list(PARAMETERS.values())
-    print(avobench.fit_tables(tables, theta[1:], bank[1:], names=list(PARAMETERS), box=box, default=DEFAULT))
+    tables, fit = aleph_tables(), fitted()
+    for name in ("few", "default"):
+        found = avobench.compare_tables(tables, sample(name))
+        print(f"Default tune, {found.num_simulations} events\n\n{found}\n")
+    print(f"Fitted, {fit.after.num_simulations} events of {NUM_THETAS} thetas\n\n{fit}\n")
+    found = avobench.compare_tables(tables, sample("fitted"))
+    print(f"Fitted theta, {found.num_simulations} fresh events\n\n{found}")
 
 
 if __name__ == "__main__":

@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 def thrust(p: Array) -> tuple[Array, Array]:
     """Thrust (g,), max_n sum |p n| / sum |p|, and its axis (g, 3).
 
-    Exact: sum |p n| is largest where n is along the sum of the momenta with the signs that one plane through two of them
-    gives to the others (Yamamoto, Z. Phys. C 18, 1983).
+    Exact: sum |p n| is largest where n is along the sum of the momenta with the signs that one plane through two of
+    them gives to the others (Yamamoto, Z. Phys. C 18, 1983).
     """
     i, j = np.triu_indices(p.shape[1], 1)
     normal = np.cross(p[:, i], p[:, j])
@@ -32,7 +32,8 @@ def thrust(p: Array) -> tuple[Array, Array]:
     side[:, pairs, i] = side[:, pairs, j] = 0
     others = side @ p
     best = longest(np.concatenate([others + a * p[:, i] + p[:, j] * b for a in (1, -1) for b in (1, -1)], axis=1))
-    return summed(p, best)
+    length, axis = summed(p, best)
+    return length / np.linalg.norm(p, axis=2).sum(axis=1), axis
 
 
 def thrust_major(p: Array, axis: Array) -> tuple[Array, Array]:
@@ -42,8 +43,8 @@ def thrust_major(p: Array, axis: Array) -> tuple[Array, Array]:
     each = np.arange(p.shape[1])
     side[:, each, each] = 0
     others = side @ across
-    value, n = summed(across, longest(np.concatenate([others + across, others - across], axis=1)))
-    return value * np.linalg.norm(across, axis=2).sum(axis=1) / np.linalg.norm(p, axis=2).sum(axis=1), n
+    length, n = summed(across, longest(np.concatenate([others + across, others - across], axis=1)))
+    return length / np.linalg.norm(p, axis=2).sum(axis=1), n
 
 
 def longest(vectors: Array) -> Array:
@@ -52,13 +53,12 @@ def longest(vectors: Array) -> Array:
 
 
 def summed(p: Array, start: Array) -> tuple[Array, Array]:
-    """sum |p n| / sum |p| (g,) and the axis n (g, 3), along the sum of p with signs as seen from the start (g, 3)."""
+    """sum |p n| (g,) and the axis n (g, 3), along the sum of p with signs as seen from the start (g, 3)."""
     for _ in range(2):  # gives a sign to those that lay in the plane, such as all of an event along one line
         start = (np.sign(p @ start[:, :, None]) * p).sum(axis=1)
     length = np.linalg.norm(start, axis=1)
-    total = np.linalg.norm(p, axis=2).sum(axis=1)
-    across = np.where(length[:, None] > 0, start, [1.0, 0, 0])  # no momentum at a right angle: any axis does
-    return length / total, across / np.linalg.norm(across, axis=1)[:, None]
+    axis = np.where(length[:, None] > 0, start, [1.0, 0, 0])  # where nothing lies across the thrust axis any does
+    return length, axis / np.linalg.norm(axis, axis=1)[:, None]
 
 
 def momentum_tensor(p: Array, power: int) -> tuple[Array, Array]:
@@ -83,7 +83,7 @@ def heavy_jet_mass(p: Array, energy: Array, axis: Array) -> Array:
 
 
 def durham_y3(p: Array, energy: Array) -> Array:
-    """The resolution at which three jets become two, by the Durham algorithm in the E scheme: (g,). 0 for two particles.
+    """The resolution at which three jets become two, by the Durham algorithm in the E scheme: (g,). 0 of two particles.
 
     y = 2 min(E_i^2, E_j^2) (1 - cos) / E_visible^2 (Catani et al., Phys. Lett. B 269, 1991).
     """
@@ -127,8 +127,8 @@ def observables(p: Array, mass: Array, beam: float) -> dict[str, Array]:
     minor = np.abs(p @ np.cross(axis, second)[:, :, None])[:, :, 0].sum(axis=1) / size.sum(axis=1)
     quadratic, axes = momentum_tensor(p, 2)
     linear, _ = momentum_tensor(p, 1)
-    with np.errstate(divide="ignore"):  # two particles never become three jets: -ln 0 is infinite, and in no bin
-        resolution = -np.log(durham_y3(p, energy))
+    with np.errstate(divide="ignore"):  # two particles are no three jets, and -ln 0 is infinite: in no bin
+        resolution, along = -np.log(durham_y3(p, energy)), rapidity(p, energy, axis)
     return {
         "sphericity": 1.5 * (quadratic[:, 1] + quadratic[:, 2]),
         "aplanarity": 1.5 * quadratic[:, 2],
@@ -140,7 +140,7 @@ def observables(p: Array, mass: Array, beam: float) -> dict[str, Array]:
         "c_parameter": 3 * (linear[:, 0] * linear[:, 1] + linear[:, 1] * linear[:, 2] + linear[:, 2] * linear[:, 0]),
         "scaled_momentum": size / beam,
         "log_scaled_momentum": -np.log(size / beam),
-        "rapidity_thrust": rapidity(p, energy, axis),
+        "rapidity_thrust": along,
         "pt_in": np.abs(p @ axes[:, :, 1, None])[:, :, 0],
         "pt_out": np.abs(p @ axes[:, :, 2, None])[:, :, 0],
     }

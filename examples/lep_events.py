@@ -1,10 +1,9 @@
 """Charged particles of hadronic Z decays by Pythia 8, at the parameters of its tune that are asked for.
 
-`python examples/lep_events.py [--jobs 2]` simulates the bank of `aleph.py`, one file a theta. What was simulated is kept,
-and is not simulated again.
+`python examples/lep_events.py` simulates the bank of `aleph.py` in two processes, one file a theta. What was simulated
+is kept, and is not simulated again.
 """
 
-import argparse
 from pathlib import Path
 
 import joblib
@@ -18,7 +17,9 @@ PARAMETERS = {"StringPT:sigma": (0.2, 0.45), "StringZ:aLund": (0.3, 1.2), "TimeS
 """Names in Pythia, with the box of the bank."""
 DEFAULT = (0.335, 0.68, 0.1365)
 """Pythia's default, the Monash 2013 tune (Skands, Carrazza and Rojo, Eur. Phys. J. C 74, 2014)."""
-NUM_THETAS, NUM_EVENTS, NUM_DEFAULT_EVENTS = 60, 10_000, 100_000
+NUM_THETAS, NUM_EVENTS = 60, 10_000
+NUM_CHECKED = 100_000
+"""Events at the default, and at the fitted theta."""
 FOLDER = Path("results/local/aleph")
 SETTINGS = (
     "Print:quiet = on",
@@ -43,8 +44,8 @@ def thetas() -> NDArray[np.float64]:
 def simulate(theta: NDArray[np.float64], num_events: int, seed: int) -> dict[str, NDArray]:
     """Charged particles of so many events at theta (3,).
 
-    `count` (num_events,) has how many each event has, `momentum` (m, 3) and `mass` (m,) in GeV are of all of them, event
-    after event. Particles that live longer than 1 m / c on average do not decay, as K0S and Lambda do.
+    `count` (num_events,) has how many each event has, `momentum` (m, 3) and `mass` (m,) in GeV are of all of them,
+    event after event. Particles that live longer than 1 m / c on average do not decay, as K0S and Lambda do.
     """
     values = [f"{name} = {value!r}" for name, value in zip(PARAMETERS, theta.tolist(), strict=True)]
     pythia = start_pythia((*SETTINGS, *values, f"Random:seed = {seed}"))
@@ -67,29 +68,26 @@ def simulate(theta: NDArray[np.float64], num_events: int, seed: int) -> dict[str
     }
 
 
-def kept_file(index: int, folder: Path = FOLDER) -> Path:
-    """Where the events of the theta of this number are kept."""
-    return folder / f"{index:02d}.npz"
+def kept_file(name: str) -> Path:
+    """Where the events of this name are kept."""
+    return FOLDER / f"{name}.npz"
 
 
-def fill(index: int, theta: NDArray[np.float64], folder: Path) -> None:
+def fill(name: str, theta: NDArray[np.float64], num_events: int, seed: int) -> None:
     """Simulate the events of one theta, unless they are there."""
-    file = kept_file(index, folder)
-    if not file.exists():
-        events = simulate(theta, NUM_EVENTS if index else NUM_DEFAULT_EVENTS, seed=1 + index)
-        part = file.with_suffix(".part")
-        with part.open("wb") as stream:
-            np.savez(stream, theta=theta, **events)
-        part.rename(file)
+    file = kept_file(name)
+    if file.exists() and np.array_equal(np.load(file)["theta"], theta):
+        return
+    part = file.with_suffix(".part")
+    with part.open("wb") as stream:
+        np.savez(stream, theta=theta, **simulate(theta, num_events, seed))
+    part.rename(file)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--folder", type=Path, default=FOLDER)
-    given = parser.parse_args()
-    given.folder.mkdir(parents=True, exist_ok=True)
-    joblib.Parallel(given.jobs)(joblib.delayed(fill)(i, theta, given.folder) for i, theta in enumerate(thetas()))
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    wanted = [(f"{i:02d}", theta, NUM_EVENTS if i else NUM_CHECKED, 1 + i) for i, theta in enumerate(thetas())]
+    joblib.Parallel(2)(joblib.delayed(fill)(*each) for each in wanted)
 
 
 if __name__ == "__main__":

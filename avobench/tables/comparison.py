@@ -108,10 +108,10 @@ class Comparison:
 
 
 def compare_tables(tables: Table | Tables | list[Table], events: Any) -> Comparison:
-    """Compare published tables with simulated events, which cost nothing but their simulation.
+    """Compare published tables with simulated events, and no further simulator call.
 
-    `events` are what the tables' `of` takes, or an array (n, d), or a `Reduced`. The covariance of the difference is that
-    of the tables plus that of the simulated means. Raises UsageError for what does not fit together.
+    `events` are what the tables' `of` takes, or an array (n, d), or a `Reduced`. The covariance of the difference is
+    that of the tables plus that of the simulated means. Raises UsageError for what does not fit together.
     """
     tables = Tables.of(tables)
     reduced = events if isinstance(events, Reduced) else Reduced.of(tables, events)

@@ -70,9 +70,9 @@ class TablePolynomial:
     def minimum(
         self, t: NDArray[np.float64], w: NDArray[np.float64], without: int | None = None
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The t (p,) near this one at which values whitened by w (K, r) are closest to the tables, and their slopes (r, p).
+        """The t (p,) near this one at which values whitened by w (K, r) are closest to the tables, and their slopes.
 
-        Of the bank one theta may be left out.
+        The slopes are (r, p). Of the bank one theta may be left out.
         """
         solver = self.solver if without is None else self._solver(1.0 * (np.arange(len(self.theta)) != without))
         coefficients, wanted = solver @ self.values @ w, self.tables.values @ w
@@ -82,12 +82,13 @@ class TablePolynomial:
 
     @cached_property
     def misfit(self) -> NDArray[np.float64]:
-        """Mean squared residual of each bin in units of its variance by simulation, 1 if a quadratic does: (K,)."""
+        """Mean squared residual of each table's bins in units of the variance by simulation, 1 if a quadratic does."""
         b = self.basis(self.theta)
         variances = np.diagonal(self.covariances, axis1=1, axis2=2)
         squares = (self.values - b @ self.solver @ self.values) ** 2
         pulls = np.divide(squares, variances, out=np.zeros_like(squares), where=variances > 0)
-        return pulls.sum(axis=0) / max(len(b) - b.shape[1], 1)
+        each = pulls.sum(axis=0) / (len(b) - b.shape[1])
+        return np.array([each[part].mean() for part in self.tables.parts])
 
     def at(self, theta: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The values at theta (p,), and their covariance by simulation: (K,), (K, K).
@@ -95,8 +96,14 @@ class TablePolynomial:
         Where a quadratic does not do, what it misses counts as noise.
         """
         share = (self.basis(theta[None]) @ self.solver)[0]
-        more = np.sqrt(np.maximum(self.misfit, 1))
+        # The same for all bins of a table: else the noise of a normalised one would change its sum.
+        more = np.sqrt(np.repeat(np.maximum(self.misfit, 1), [len(table.values) for table in self.tables]))
         return share @ self.values, np.einsum("k,kij->ij", share**2, self.covariances) * np.outer(more, more)
+
+    def whitening_at(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What makes the differences from the tables at theta (p,) uncorrelated, with variance 1: (K, r)."""
+        expected, noise = self.at(theta)
+        return whitening(self.tables.covariance_of(expected, self.num_events.sum()) + noise)
 
     def compare(self, theta: NDArray[np.float64]) -> Comparison:
         """The tables beside the polynomial at theta (p,)."""
@@ -162,10 +169,10 @@ def fit_tables(
 ) -> TableFit:
     """Fit theta to published tables from a bank: simulated events at k thetas (k, p).
 
-    `simulated` has the events of each theta, one after the other, or a `Reduced` of them, so that they need not be held
-    in memory at once. Each bin's value is fitted by a quadratic polynomial in theta; chi-squared, with the noise of the
-    bank, is minimised in the `box` (p, 2) of lower and upper ends, that of the thetas by default. At the `default` theta
-    (p,) the tables are compared too, as they were before.
+    `simulated` has the events of each theta, one after the other, or a `Reduced` of them, so that they need not be
+    held in memory at once. Each bin's value is fitted by a quadratic polynomial in theta; chi-squared, with the noise
+    of the bank, is minimised in the `box` (p, 2) of lower and upper ends, that of the thetas by default. At the
+    `default` theta (p,) the tables are compared too, as they were before.
 
     Raises UsageError for fewer thetas than the polynomial has terms, or for what does not fit together.
     """
@@ -190,7 +197,7 @@ def fit_tables(
     count = np.array([r.num_events for r in reduced])
     polynomial = TablePolynomial(tables, limits, at, np.array(values), np.array(covariances), count)
     if np.linalg.matrix_rank(polynomial.basis(at)) < terms:
-        raise UsageError("the thetas do not spread over the box in all directions; take a Latin hypercube or a Sobol design")
+        raise UsageError("the thetas do not spread over the box in all directions: take a Latin hypercube")
     names = [f"theta{i}" for i in range(p)] if names is None else list(names)
     if len(names) != p:
         raise UsageError(f"{len(names)} names for {p} parameters")
@@ -199,8 +206,10 @@ def fit_tables(
 
 def _best(polynomial: TablePolynomial, names: list[str], default: NDArray[np.float64] | None) -> TableFit:
     """The lowest of the minima that are found from the centre of the box, its nearest theta, and the default."""
-    closest = min(polynomial.theta, key=lambda theta: polynomial.compare(theta).chi_squared)
-    starts = [polynomial.box.mean(axis=0), closest, *([] if default is None else [default])]
+    middle = polynomial.box.mean(axis=0)
+    away = (polynomial.values - polynomial.tables.values) @ polynomial.whitening_at(middle)
+    closest = polynomial.theta[(away**2).sum(axis=1).argmin()]
+    starts = [middle, closest, *([] if default is None else [default])]
     found = [_settled(polynomial, polynomial.to_t(start)) for start in starts]
     t, w, slopes = min(found, key=lambda each: polynomial.compare(polynomial.to_theta(each[0])).chi_squared)
     theta, half = polynomial.to_theta(t), np.ptp(polynomial.box, axis=0) / 2
@@ -223,8 +232,7 @@ def _settled(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """The minimum of chi-squared near t (p,), the whitening of the values there (K, r), and their slopes (r, p)."""
     for _ in range(ROUNDS):
-        expected, noise = polynomial.at(polynomial.to_theta(t))
-        w = whitening(polynomial.tables.covariance_of(expected, polynomial.num_events.sum()) + noise)
+        w = polynomial.whitening_at(polynomial.to_theta(t))
         last, (t, slopes) = t, polynomial.minimum(t, w)
         if np.abs(t - last).max() < STANDSTILL:
             break

@@ -1,4 +1,4 @@
-"""Published tables from files and histograms: CSV, HEPData's CSV and YAML, ROOT, and the PlottableHistogram protocol."""
+"""Published tables from CSV, from HEPData's CSV and YAML, from ROOT, and from histograms of Python's libraries."""
 
 import csv
 import re
@@ -21,6 +21,8 @@ class Published:
     """The bins of one table as they are written."""
 
     name: str
+    column: str
+    """The name of the values."""
     low: list[float]
     high: list[float]
     values: list[float]
@@ -41,10 +43,10 @@ def read_table(source: Any, table: str | None = None, **settings: Any) -> Table:
 
     `source` is one of
 
-    - a .csv file with the columns low, high, value and error, without the last of counts. Further columns are left out; a
-      column `table` says which of several tables a row is of;
-    - a .csv, .yaml or .yml file of a table from HEPData. Errors are added in quadrature, the two sides of asymmetric ones
-      averaged;
+    - a .csv file with the columns low, high, value and error, without the last of counts. Further columns are left
+      out; a column `table` says which of several tables a row is of;
+    - a .csv, .yaml or .yml file of a table from HEPData. Errors are added in quadrature, the two sides of asymmetric
+      ones averaged;
     - a one-dimensional histogram in a ROOT file, `file.root:histogram`;
     - a histogram with the PlottableHistogram protocol, such as those of hist, boost-histogram and uproot.
 
@@ -67,11 +69,14 @@ def read_table(source: Any, table: str | None = None, **settings: Any) -> Table:
         found = list(_of_csv(file) if suffix == ".csv" else _of_yaml(file))
     except UnicodeDecodeError as error:
         raise UsageError(f"{file} is not a text in UTF-8 (byte {error.start})") from error
-    names = [each.name for each in found]
-    chosen = [each for each in found if table in (None, each.name)]
+    tables = [each.name for each in found]
+    names = [each.name if tables.count(each.name) == 1 else each.column for each in found]
+    chosen = [each for each, name in zip(found, names, strict=True) if table in (None, name)]
     if len(chosen) != 1:
-        asked = f"has no table '{table}'" if not chosen and table else "holds no table" if not found else "holds several"
-        raise UsageError(f"{file} {asked}" + (f"; choose one of: {', '.join(names)}" if found else ""))
+        if not found:
+            raise UsageError(f"{file} holds no table")
+        asked = "holds several tables" if table is None else f"has no table '{table}'"
+        raise UsageError(f"{file} {asked}; choose one of: {', '.join(names)}")
     return chosen[0].table(**settings)
 
 
@@ -84,8 +89,9 @@ def _of_csv(file: str) -> Iterator[Published]:
             if not any(cells):
                 continue
             if cells[0].startswith("#"):
-                told = re.match(r"#: *name: *(.+)", ",".join(cells))
-                name = told[1].strip() if told else name
+                if told := re.match(r"#: *name: *(.+)", ",".join(cells)):
+                    yield from _of_rows(file, name, header, rows)
+                    name, header, rows = told[1].strip(), None, []
             elif header is None or (len(cells) > 1 and not any(map(_is_number, cells))):
                 yield from _of_rows(file, name, header, rows)
                 header, rows = cells, []
@@ -121,7 +127,7 @@ def _of_rows(
             square = sum(part**2 for part in parts) / (1 if errors == ["error"] else 2)
             bins.append((_number(row[low], where), _number(row[high], where), at, float(np.sqrt(square))))
         lows, highs, values, sizes = map(list, zip(*bins, strict=True))
-        yield Published(one, lows, highs, values, sizes if errors else None)
+        yield Published(one, value, lows, highs, values, sizes if errors else None)
 
 
 def _column(file: str, header: list[str], end: str) -> str:
@@ -147,7 +153,7 @@ def _of_yaml(file: str) -> Iterator[Published]:
         if not {"independent_variables", "dependent_variables"} <= set(document):
             continue
         if len(document["independent_variables"]) != 1:
-            raise UsageError(f"{file} has {len(document['independent_variables'])} variables to bin by: give one table each")
+            raise UsageError(f"{file} is binned by {len(document['independent_variables'])} variables: give one")
         places = document["independent_variables"][0]["values"]
         if not all({"low", "high"} <= set(place) for place in places):
             raise UsageError(f"{file} has points in place of bins: each needs low and high")
@@ -159,7 +165,9 @@ def _of_yaml(file: str) -> Iterator[Published]:
                 raise UsageError(f"{file}: '{name}' has {len(cells)} values for {len(places)} bins")
             values = [_number(cell["value"], f"{file}: '{name}'") for cell in cells]
             errors = [_total(cell.get("errors", []), value, file) for cell, value in zip(cells, values, strict=True)]
-            yield Published(name, low, high, values, errors if any(cell.get("errors") for cell in cells) else None)
+            yield Published(
+                name, name, low, high, values, errors if any(cell.get("errors") for cell in cells) else None
+            )
 
 
 def _total(errors: list[dict[str, Any]], value: float, file: str) -> float:
@@ -208,10 +216,10 @@ def _of_histogram(histogram: Any, name: str) -> Published:
     if histogram.kind != "COUNT":
         raise UsageError(f"the histogram holds a {str(histogram.kind).lower()} in each bin: give one of counts")
     axis = histogram.axes[0]
-    try:
-        low, high = map(list, zip(*((float(a), float(b)) for a, b in (axis[i] for i in range(len(axis)))), strict=True))
-    except TypeError as error:
-        raise UsageError("the axis of the histogram has names in place of bins with edges") from error
+    bins = [axis[i] for i in range(len(axis))]
+    if any(np.size(ends) != 2 for ends in bins):
+        raise UsageError("the axis of the histogram has names in place of bins with edges")
+    low, high = ([float(ends[k]) for ends in bins] for k in (0, 1))
     values, variances = np.asarray(histogram.values(), float), histogram.variances()
     counts = variances is None or np.array_equal(values, variances)
-    return Published(name, low, high, values.tolist(), None if counts else np.sqrt(variances).tolist())
+    return Published(name, name, low, high, values.tolist(), None if counts else np.sqrt(variances).tolist())

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import KW_ONLY, dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -19,17 +20,17 @@ ROUNDING = 1e-8
 class Table:
     """One published table: a histogram of counts, or an unfolded density with its errors.
 
-    `edges` (K + 1,) increase, and `values` (K,) stand in the bins between them. A bin holds its lower edge, the last one
-    its upper edge too. A mean, such as that of the multiplicity, is a table of one bin with an entry a particle.
+    `edges` (K + 1,) increase, and `values` (K,) stand in the bins between them. A bin holds its lower edge, the last
+    one its upper edge too. A mean, such as that of the multiplicity, is a table of one bin with an entry a particle.
 
     What an event is binned by is its column `feature`, or what `of` makes of the events: a function from n events to
-    one number for each, (n,), or several, (n, k) or a list of n arrays, such as the momenta of all its particles. NaN is no
-    entry.
+    one number for each, (n,), or several, (n, k) or a list of n arrays, such as the momenta of all its particles. NaN
+    is no entry.
 
-    Without `errors` (K,) and `covariance` (K, K) the values are counts, and scatter as Poisson says of the expected ones.
-    `density` says that values are divided by the widths of their bins. `num_events` is how many events the values are of:
-    1, the default where errors are given, if they are entries per event. `normalised` says that only the shape is
-    compared: the simulated table is scaled to the sum of the values, and one degree of freedom is lost. That is the
+    Without `errors` (K,) and `covariance` (K, K) the values are counts, and scatter as Poisson says of the expected
+    ones. `density` says that values are divided by the widths of their bins. `num_events` is how many events the values
+    are of: 1, the default where errors are given, if they are entries per event. `normalised` says that only the shape
+    is compared: the simulated table is scaled to the sum of the values, and one degree of freedom is lost. That is the
     default for counts, whose `num_events` is not known.
 
     Raises UsageError for values below zero, for what is no number, for edges that do not increase, and for errors and
@@ -139,9 +140,9 @@ class Table:
 class Tables:
     """Published tables that are compared together, with their joint `covariance` if it is known.
 
-    That is of all values, table after table, (K, K), in place of the tables' own errors; without it the tables are taken
-    as independent. `parts` are where the bins of each table are among all. Raises UsageError if the covariance has the
-    wrong size or is not positive, or if a table has neither errors nor counts.
+    That is of all values, table after table, (K, K), in place of the tables' own errors; without it the tables are
+    taken as independent. `parts` are where the bins of each table are among all. Raises UsageError if the covariance
+    has the wrong size or is not positive, or if a table has neither errors nor counts.
     """
 
     def __init__(self, tables: Iterable[Table], *, covariance: ArrayLike | None = None) -> None:
@@ -149,7 +150,7 @@ class Tables:
         if not self.tables:
             raise UsageError("there are no tables: give one at least")
         ends = np.cumsum([0, *(len(table.values) for table in self.tables)]).tolist()
-        self.parts = tuple(slice(a, b) for a, b in zip(ends, ends[1:], strict=False))
+        self.parts = tuple(slice(a, b) for a, b in pairwise(ends))
         self.covariance = None if covariance is None else checked_covariance(covariance, ends[-1], UsageError)
         for table in self.tables:
             if covariance is None and table.covariance is None and not table.are_counts:
@@ -180,7 +181,7 @@ class Tables:
         for table, part in zip(self.tables, self.parts, strict=True):
             total = mean[part].sum() if table.normalised else 1.0
             if total <= 0:
-                raise UsageError(f"table {table.name}: no simulated event has an entry in its bins; check `of` and units")
+                raise table.wrong("no simulated event has an entry in its bins; check `of` and units")
             expected[part] = table.scale * mean[part] / total / table.widths
         return expected
 
@@ -232,7 +233,7 @@ def checked_covariance(covariance: ArrayLike, size: int, wrong: Callable[[str], 
         raise wrong("covariance is not symmetric")
     variances = np.diag(cov)
     if (variances <= 0).any():
-        raise wrong(f"covariance gives bin {1 + int(np.argmin(variances))} the variance {variances.min():g}: not positive")
+        raise wrong(f"covariance gives bin {1 + int(np.argmin(variances))} a variance of {variances.min():g}")
     values = np.linalg.eigvalsh(cov / np.sqrt(np.outer(variances, variances)))
     if values[0] < -ROUNDING * values[-1]:
         raise wrong(f"covariance is not positive: its correlation has an eigenvalue of {values[0]:.3g}")

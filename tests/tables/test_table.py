@@ -139,7 +139,7 @@ GOOD = {"edges": EDGES, "values": [1.0, 2, 3]}
         ({"errors": [1, 1]}, "2 errors for 3 values"),
         ({"errors": [1, 1, 1], "covariance": np.eye(3)}, "not both"),
         ({"covariance": np.eye(2)}, "shape"),
-        ({"covariance": np.diag([1.0, 0, 1])}, "variance 0"),
+        ({"covariance": np.diag([1.0, 0, 1])}, "variance of 0"),
         ({"covariance": [[1, 2, 0], [2, 1, 0], [0, 0, 1]]}, "not positive"),
         ({"covariance": [[1, 0.5, 0], [0.4, 1, 0], [0, 0, 1]]}, "symmetric"),
         ({"covariance": np.full((3, 3), np.nan)}, "finite"),
@@ -169,5 +169,5 @@ def test_what_cannot_be_binned_is_told_in_one_line(of, word):
 
 @pytest.mark.parametrize("tables", [[], [GOOD]])
 def test_tables_that_do_not_fit_together_are_told_in_one_line(tables):
-    with pytest.raises(UsageError, match="give one at least|shape"):
+    with pytest.raises(UsageError, match=r"give one at least|shape"):
         avobench.Tables([avobench.Table(**each) for each in tables], covariance=np.eye(5))
