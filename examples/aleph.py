@@ -88,56 +88,64 @@ def reduced_parts(name: str) -> list[Reduced]:
 def write_record() -> None:
     """Reduce the bank to what a repository can hold, and simulate at the theta that it gives, to see whether it is so.
 
-    Of each theta of the bank there are the mean and the standard deviation of the entries in each bin, and their
-    correlation from all thetas together.
+    Of each set of events there are the mean and the standard deviation of the entries in each bin, and their
+    correlation from all thetas of the bank together.
     """
     default, *bank = joblib.Parallel(2)(joblib.delayed(reduced_parts)(f"{i:02d}") for i in range(len(thetas())))
-    samples = {"few": default[0], "default": Reduced.together(default)}
     bank = [Reduced.together(parts) for parts in bank]
+    checked = {"few": default[0], "default": Reduced.together(default)}
+    save(checked, bank)
+    fill("fitted", fitted().theta, NUM_CHECKED, seed=NUM_THETAS + 2)
+    save({**checked, "fitted": Reduced.together(reduced_parts("fitted"))}, bank)
+
+
+def save(checked: dict[str, Reduced], bank: list[Reduced]) -> None:
+    """Write the record: named sets of events, and the bank."""
     pooled = np.mean([r.covariance for r in bank], axis=0)
     scale = np.sqrt(np.maximum(np.diag(pooled), np.finfo(float).tiny))  # no event in a bin: no correlation
-    arrays = {
-        "mean": np.array([r.mean for r in bank]),
-        "std": np.sqrt([np.diag(r.covariance) for r in bank]).astype(np.float32),
-        "correlation": (pooled / np.outer(scale, scale)).astype(np.float32),
-        "num_events": [r.num_events for r in bank],
-    }
-    for last in (False, True):
-        for name, r in samples.items():
-            arrays |= {f"{name}_mean": r.mean, f"{name}_covariance": r.covariance, f"{name}_events": r.num_events}
-        with RECORD.open("wb") as stream:
-            np.savez_compressed(stream, **arrays)
-        if not last:
-            fill("fitted", fitted().theta, NUM_CHECKED, seed=NUM_THETAS + 2)
-            samples = {"fitted": Reduced.together(reduced_parts("fitted"))}
+    every = [*checked.values(), *bank]
+    np.savez_compressed(
+        RECORD,
+        name=[*checked, *[""] * len(bank)],
+        mean=np.array([r.mean for r in every]),
+        std=np.sqrt([np.diag(r.covariance) for r in every]).astype(np.float32),
+        num_events=[r.num_events for r in every],
+        correlation=(pooled / np.outer(scale, scale)).astype(np.float32),
+    )
 
 
-def sample(name: str) -> Reduced:
-    """The events at the default (also "few" of them), or at the fitted theta."""
+def read_record() -> tuple[dict[str, Reduced], list[Reduced]]:
+    """The named sets of events, and the bank."""
     with np.load(RECORD) as file:
-        return Reduced(file[f"{name}_mean"], file[f"{name}_covariance"], int(file[f"{name}_events"]))
+        names, mean, std, num_events, correlation = (file[name] for name in file.files)
+    each = zip(mean, std.astype(float), num_events.tolist(), strict=True)
+    every = [Reduced(m, correlation * np.outer(s, s), n) for m, s, n in each]
+    checked = {str(name): r for name, r in zip(names, every, strict=True) if name}
+    return checked, every[len(checked) :]
 
 
 def fitted() -> TableFit:
     """Theta fitted from the bank."""
-    with np.load(RECORD) as file:
-        mean, std, correlation, num_events = (file[name] for name in ("mean", "std", "correlation", "num_events"))
-    each = zip(mean, std.astype(float), num_events.tolist(), strict=True)
-    bank = [Reduced(m, correlation * np.outer(s, s), n) for m, s, n in each]
     names, box = list(PARAMETERS), list(PARAMETERS.values())
+    bank = read_record()[1]
     return avobench.fit_tables(aleph_tables(), thetas()[1:], bank, names=names, box=box, default=DEFAULT)
 
 
 def main() -> None:
     if sys.argv[1:] == ["reduce"]:
         return write_record()
-    tables, fit = aleph_tables(), fitted()
-    for name in ("few", "default"):
-        found = avobench.compare_tables(tables, sample(name))
-        print(f"Default tune, {found.num_simulations} events\n\n{found}\n")
-    print(f"Fitted, {fit.after.num_simulations} events of {NUM_THETAS} thetas\n\n{fit}\n")
-    found = avobench.compare_tables(tables, sample("fitted"))
-    print(f"Fitted theta, {found.num_simulations} fresh events\n\n{found}")
+    compared = {name: avobench.compare_tables(aleph_tables(), r) for name, r in read_record()[0].items()}
+    few, default, after = (compared[name] for name in ("few", "default", "fitted"))
+    print(f"Default tune, {default.num_simulations} events:\n\n{default}\n")
+    for each in (few, default):
+        wrong = [row.table.name.split()[0] for row in each.rows if row.p_value < 0.001]
+        print(f"{each.num_simulations} events tell (p < 0.001) that these do not fit: {', '.join(wrong)}")
+    fit = fitted()
+    print(f"\nFitted from {fit.after.num_simulations} events at {NUM_THETAS} thetas:\n\n{fit}\n")
+    print(f"Chi-squared by {after.num_simulations} fresh events each:\n\n{'table':27}  default  fitted  dof")
+    for one, other in zip(default.rows, after.rows, strict=True):
+        print(f"{one.table.name:27}  {one.chi_squared:7.1f} {other.chi_squared:7.1f}  {one.dof:3d}")
+    print(f"{'all tables':27}  {default.chi_squared:7.1f} {after.chi_squared:7.1f}  {default.dof:3d}")
 
 
 if __name__ == "__main__":
