@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from avobench.tables.table import ROUNDING, Table, Tables
+from avobench.tasks.errors import UsageError
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +26,8 @@ class Reduced:
         """Reduce n events. Raises UsageError for events that the tables cannot bin."""
         entries = tables.entries(events)
         n = entries.shape[0]
+        if n < 2:
+            raise UsageError(f"tables are compared with simulated events, got {n}")
         mean = np.asarray(entries.sum(axis=0)) / n
         return cls(mean, (entries.T @ entries).toarray() / n - np.outer(mean, mean), n)
 

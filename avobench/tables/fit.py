@@ -93,12 +93,13 @@ class TablePolynomial:
     def at(self, theta: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The values at theta (p,), and their covariance by simulation: (K,), (K, K).
 
-        Where a quadratic does not do, what it misses counts as noise.
+        Where a quadratic does not do, what it misses counts as noise, which more thetas do not make less.
         """
         share = (self.basis(theta[None]) @ self.solver)[0]
         # The same for all bins of a table: else the noise of a normalised one would change its sum.
-        more = np.sqrt(np.repeat(np.maximum(self.misfit, 1), [len(table.values) for table in self.tables]))
-        return share @ self.values, np.einsum("k,kij->ij", share**2, self.covariances) * np.outer(more, more)
+        missed = np.repeat(np.sqrt(np.maximum(self.misfit - 1, 0)), [len(table.values) for table in self.tables])
+        noise = np.tensordot(share**2, self.covariances, 1) + np.outer(missed, missed) * self.covariances.mean(axis=0)
+        return share @ self.values, noise
 
     def whitening_at(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
         """What makes the differences from the tables at theta (p,) uncorrelated, with variance 1: (K, r)."""

@@ -108,24 +108,23 @@ def _of_rows(
     """The tables of rows with these columns: each row has its number in the file."""
     if header is None:
         return
-    low = _column(file, header, "low")
-    high = _column(file, header, "high")
-    value = "value" if "value" in header else header[header.index(high) + 1 :][:1][0] if high != header[-1] else None
+    low, high = _column(file, header, "low"), _column(file, header, "high")
+    behind = header[header.index(high) + 1 :]
+    value = "value" if "value" in header else next(iter(behind), None)
     if value is None:
         raise UsageError(f"{file} has no column of values behind '{high}'")
-    later = [] if value == "value" else header[header.index(value) + 1 :]
-    errors = ["error"] if "error" in header else [c for c in later if c.endswith((" +", " -"))]
-    tables = dict.fromkeys(row.get("table", name) for _, row in rows)
-    for one in tables:
-        mine = [(number, row) for number, row in rows if row.get("table", name) == one]
+    # HEPData has two columns an error, for its upper and its lower side.
+    sides = [column for column in behind if column.endswith((" +", " -"))]
+    errors = [["error"]] if "error" in header else list(zip(sides[::2], sides[1::2], strict=True))
+    for one in dict.fromkeys(row.get("table", name) for _, row in rows):
         bins = []
-        for number, row in mine:
-            where = f"{file}: line {number}"
-            at = _number(row[value], where)
-            parts = [_number(row[c], where, at) for c in errors if row[c] not in ("", "-")]
-            # Columns come in pairs, + and -: of each pair half of both squares.
-            square = sum(part**2 for part in parts) / (1 if errors == ["error"] else 2)
-            bins.append((_number(row[low], where), _number(row[high], where), at, float(np.sqrt(square))))
+        for number, row in rows:
+            if row.get("table", name) == one:
+                where = f"{file}: line {number}"
+                at = _number(row[value], where)
+                told = [[_number(row[c], where, at) for c in pair if row[c] not in ("", "-")] for pair in errors]
+                error = np.sqrt(sum(np.mean(np.square(pair)) for pair in told if pair))
+                bins.append((_number(row[low], where), _number(row[high], where), at, float(error)))
         lows, highs, values, sizes = map(list, zip(*bins, strict=True))
         yield Published(one, value, lows, highs, values, sizes if errors else None)
 

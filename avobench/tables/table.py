@@ -23,9 +23,9 @@ class Table:
     `edges` (K + 1,) increase, and `values` (K,) stand in the bins between them. A bin holds its lower edge, the last
     one its upper edge too. A mean, such as that of the multiplicity, is a table of one bin with an entry a particle.
 
-    What an event is binned by is its column `feature`, or what `of` makes of the events: a function from n events to
-    one number for each, (n,), or several, (n, k) or a list of n arrays, such as the momenta of all its particles. NaN
-    is no entry.
+    What an event is binned by is its column `feature`, a number or a name in a DataFrame, or what `of` makes of the
+    events: a function from n events to one number for each, (n,), or several, (n, k) or a list of n arrays, such as
+    the momenta of all its particles. NaN is no entry.
 
     Without `errors` (K,) and `covariance` (K, K) the values are counts, and scatter as Poisson says of the expected
     ones. `density` says that values are divided by the widths of their bins. `num_events` is how many events the values
@@ -42,7 +42,7 @@ class Table:
     _: KW_ONLY
     covariance: NDArray[np.float64] | None = None
     errors: NDArray[np.float64] | None = None
-    feature: int = 0
+    feature: int | str = 0
     of: Callable[[Any], Any] | None = None
     density: bool = False
     normalised: bool = False
@@ -122,15 +122,26 @@ class Table:
         shape = (n, len(self.values))
         return csr_array((np.ones(inside.sum()), (event[inside], bins[inside])), shape=shape)
 
+    def _column(self, events: Any) -> NDArray:
+        if isinstance(self.feature, str):
+            if self.feature not in getattr(events, "columns", ()):
+                raise self.wrong(f"the events have no column '{self.feature}'")
+            return events[self.feature].to_numpy()
+        x = np.asarray(events)
+        x = x[:, None] if x.ndim == 1 else x
+        if x.ndim != 2 or x.dtype == object or not 0 <= self.feature < x.shape[1]:
+            raise self.wrong(f"events with a shape of {x.shape} have no feature {self.feature}: give `feature` or `of`")
+        return x[:, self.feature]
+
     def _binned(self, events: Any, n: int) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
         """The event of each entry, and its value: (m,) twice."""
-        found = events[:, self.feature] if self.of is None else self.of(events)
+        found = self._column(events) if self.of is None else self.of(events)
         if len(found) != n:
             raise self.wrong(f"`of` must give numbers for each event: {len(found)} for {n} events")
         if isinstance(found, np.ndarray) and found.dtype != object:
             if found.ndim > 2:
                 raise self.wrong(f"`of` must give (n,), (n, k) or a list of arrays, got {found.shape}")
-            values = found.reshape(n, -1)
+            values = found[:, None] if found.ndim == 1 else found
             return np.repeat(np.arange(n), values.shape[1]), values.ravel().astype(float)
         parts = [np.ravel(part) for part in found]
         values = np.concatenate(parts) if parts else np.empty(0)

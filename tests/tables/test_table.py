@@ -1,4 +1,5 @@
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -86,8 +87,6 @@ def test_entries_are_counted_for_particles_as_for_events():
     for given_as in (particles, padded):
         table = avobench.Table(EDGES, [1, 1, 1], of=lambda events, found=given_as: found)
         np.testing.assert_array_equal(table.entries(np.empty((3, 1))).toarray(), wanted)
-    of_feature = avobench.Table(EDGES, [1, 1, 1], feature=1)
-    np.testing.assert_array_equal(of_feature.entries(np.array([[9, 0.5], [9, 4.0]])).toarray(), [[1, 0, 0], [0, 0, 1]])
 
 
 def test_spectra_of_particles_are_per_event_and_their_noise_knows_that_they_come_together():
@@ -165,6 +164,28 @@ def test_what_cannot_be_a_table_is_told_in_one_line(changed, word):
 def test_what_cannot_be_binned_is_told_in_one_line(of, word):
     with pytest.raises(UsageError, match=word):
         avobench.compare_tables(avobench.Table(**GOOD, of=of, name="t"), np.ones((3, 1)))
+
+
+@pytest.mark.parametrize(
+    ("events", "feature", "word"),
+    [
+        (np.ones((3, 1)), 1, "no feature 1"),
+        (np.ones((3, 2, 2)), 0, "shape of"),
+        ([[1, 2], [3, 4]], "a", "no column 'a'"),
+        (np.ones((0, 1)), 0, "got 0"),
+    ],
+)
+def test_events_without_the_feature_are_told_in_one_line(events, feature, word):
+    with pytest.raises(UsageError, match=word):
+        avobench.compare_tables(avobench.Table(**GOOD, feature=feature), events)
+
+
+def test_a_feature_is_a_column_by_number_or_name():
+    x = np.random.default_rng(0).exponential(1, (50, 2))
+    frame = pd.DataFrame(x, columns=["a", "b"])
+    for events, feature in [(x, 1), (frame, 1), (frame, "b"), (x[:, 1], 0)]:
+        got = avobench.Table(**GOOD, feature=feature).entries(events).sum(axis=0)
+        assert got.tolist() == np.histogram(x[:, 1], EDGES)[0].tolist()
 
 
 @pytest.mark.parametrize("tables", [[], [GOOD]])
