@@ -16,7 +16,7 @@ from lep_events import DEFAULT, NUM_CHECKED, NUM_THETAS, PARAMETERS, fill, kept_
 from numpy.typing import NDArray
 
 import avobench
-from avobench.tables.comparison import Reduced
+from avobench.tables.comparison import Reduced, distance
 from avobench.tables.fit import TableFit
 
 DATA = Path(__file__).parent / "data" / "aleph_1998.csv"
@@ -134,7 +134,8 @@ def fitted() -> TableFit:
 def main() -> None:
     if sys.argv[1:] == ["reduce"]:
         return write_record()
-    compared = {name: avobench.compare_tables(aleph_tables(), r) for name, r in read_record()[0].items()}
+    tables, checked = aleph_tables(), read_record()[0]
+    compared = {name: avobench.compare_tables(tables, r) for name, r in checked.items()}
     few, default, after = (compared[name] for name in ("few", "default", "fitted"))
     print(f"Default tune, {default.num_simulations} events:\n\n{default}\n")
     for each in (few, default):
@@ -146,6 +147,9 @@ def main() -> None:
     for one, other in zip(default.rows, after.rows, strict=True):
         print(f"{one.table.name:27}  {one.chi_squared:7.1f} {other.chi_squared:7.1f}  {one.dof:3d}")
     print(f"{'all tables':27}  {default.chi_squared:7.1f} {after.chi_squared:7.1f}  {default.dof:3d}")
+    (promised, noise), (fresh, scatter) = fit.polynomial.at(fit.theta), checked["fitted"].predicted(tables)
+    q, dof = distance(fresh - promised, noise + scatter)
+    print(f"\nFresh events at the fit and what the bank said of it differ by a chi-squared of {q:.0f}, dof {dof}.")
 
 
 if __name__ == "__main__":
