@@ -15,8 +15,8 @@ from avobench.tasks.errors import UsageError
 
 ROUNDS = 20
 """Times that the covariance is taken anew at the minimum, at most: it changes little with theta, two or three do."""
-STANDSTILL = 1e-4
-"""Share of the box by which the minimum may still move."""
+STANDSTILL = 1e-6
+"""Share of the box by which the minimum may still move: less than any printed digit shows."""
 
 
 def quadratic_terms(t: NDArray[np.float64]) -> NDArray[np.float64]:
