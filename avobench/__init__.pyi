@@ -10,6 +10,10 @@ from .bench.processes.workers import Workers
 from .effects.contract import Effect, Parameter
 from .methods.contract import Estimate, Method, TracePoint, WeightedSample
 from .methods.problem import Problem
+from .tables.comparison import compare_tables
+from .tables.fit import fit_tables
+from .tables.read import read_table
+from .tables.table import Table, Tables
 from .tasks.contract import Box, Task
 from .tasks.errors import AvobenchError, SimulatorError, UsageError
 from .tasks.function import task
@@ -28,19 +32,24 @@ __all__ = [
     "Parameter",
     "Problem",
     "SimulatorError",
+    "Table",
+    "Tables",
     "Task",
     "TracePoint",
     "UsageError",
     "WeightedSample",
     "Workers",
     "bank",
+    "compare_tables",
     "diagnose",
+    "fit_tables",
     "infer",
     "list_effects",
     "list_methods",
     "list_tasks",
     "load",
     "read_events",
+    "read_table",
     "records",
     "run",
     "task",

@@ -57,7 +57,9 @@ def words_and_numbers(page):
     return re.sub(number, "#", outputs), [float(value) for value in re.findall(number, outputs)]
 
 
-@pytest.mark.parametrize("page", ["index.md", "tutorial.md", "features.md", "special-methods.md"])
+@pytest.mark.parametrize(
+    "page", ["index.md", "tutorial.md", "features.md", "special-methods.md", "published-tables.md"]
+)
 def test_the_page_shows_what_its_code_prints_and_draws(page, tmp_path):
     """Numbers agree within a twentieth, as other processors round in another way."""
     (tmp_path / "figures").mkdir()

@@ -1,0 +1,135 @@
+"""How far simulated events are from published tables: chi-squared of each table and of all, and the bins that pull."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from avobench.tables.table import ROUNDING, Table, Tables
+from avobench.tasks.errors import UsageError
+
+
+@dataclass(frozen=True, eq=False)
+class Reduced:
+    """What is kept of simulated events: the entries that one event has in the bins of all tables."""
+
+    mean: NDArray[np.float64]
+    """(K,)"""
+    covariance: NDArray[np.float64]
+    """Of one event: (K, K)."""
+    num_events: int
+
+    @classmethod
+    def of(cls, tables: Tables, events: Any) -> "Reduced":
+        """Reduce n events. Raises UsageError for events that the tables cannot bin."""
+        entries = tables.entries(events)
+        n = entries.shape[0]
+        if n < 2:
+            raise UsageError(f"tables are compared with simulated events, got {n}")
+        mean = np.asarray(entries.sum(axis=0)) / n
+        return cls(mean, (entries.T @ entries).toarray() / n - np.outer(mean, mean), n)
+
+    @classmethod
+    def together(cls, parts: "list[Reduced]") -> "Reduced":
+        """What several sets of events of one theta give together."""
+        n = np.array([part.num_events for part in parts])
+        mean = np.average([part.mean for part in parts], axis=0, weights=n)
+        second = np.average([part.covariance + np.outer(part.mean, part.mean) for part in parts], axis=0, weights=n)
+        return cls(mean, second - np.outer(mean, mean), int(n.sum()))
+
+    def predicted(self, tables: Tables) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The values that the events give (K,), and their covariance by simulation (K, K)."""
+        expected = tables.predict(self.mean)
+        slopes = tables.slopes(self.mean, expected)
+        return expected, slopes @ self.covariance @ slopes.T / self.num_events
+
+
+@dataclass(frozen=True, eq=False)
+class TableRow:
+    """How far one table is from the simulator."""
+
+    table: Table
+    expected: NDArray[np.float64]
+    """What the simulator gives for the values: (K,)."""
+    pulls: NDArray[np.float64]
+    """Expected minus published, in standard errors of their difference: (K,)."""
+    chi_squared: float
+    dof: int
+
+    @property
+    def p_value(self) -> float:
+        """The probability of a larger chi-squared, if the simulator is right."""
+        return float(chi2.sf(self.chi_squared, self.dof)) if self.dof else 1.0
+
+    @property
+    def furthest(self) -> tuple[float, float, float]:
+        """The bin that pulls most: its edges, and its pull."""
+        i = int(np.abs(self.pulls).argmax())
+        return float(self.table.edges[i]), float(self.table.edges[i + 1]), float(self.pulls[i])
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """How far simulated events are from published tables. Degrees of freedom are the rank of the covariance."""
+
+    rows: list[TableRow]
+    """One a table."""
+    chi_squared: float
+    """Of all tables together, with what they have in common."""
+    dof: int
+    num_simulations: int
+    """Simulated events that it rests on."""
+
+    @classmethod
+    def of(
+        cls, tables: Tables, expected: NDArray[np.float64], noise: NDArray[np.float64], num_simulations: int
+    ) -> "Comparison":
+        """Compare what a simulator gives for all values (K,), with its covariance by simulation (K, K)."""
+        cov, away = tables.covariance_of(expected, num_simulations) + noise, expected - tables.values
+        pulls = away / np.sqrt(np.diag(cov))
+        rows = [
+            TableRow(table, expected[part], pulls[part], *distance(away[part], cov[part, part]))
+            for table, part in zip(tables, tables.parts, strict=True)
+        ]
+        return cls(rows, *distance(away, cov), num_simulations)
+
+    @property
+    def p_value(self) -> float:
+        """The probability of a larger chi-squared of all tables, if the simulator is right."""
+        return float(chi2.sf(self.chi_squared, self.dof)) if self.dof else 1.0
+
+    def __str__(self) -> str:
+        width = max(len(name) for name in ("all tables", *(row.table.name for row in self.rows)))
+        lines = [f"{'table':{width}}  chi-squared  dof  furthest bin"]
+        for row in self.rows:
+            low, high, pull = row.furthest
+            where = f"{low:g} to {high:g}: {pull:+.1f} standard errors"
+            lines.append(f"{row.table.name:{width}}  {row.chi_squared:11.1f}  {row.dof:3d}  {where}")
+        return "\n".join([*lines, f"{'all tables':{width}}  {self.chi_squared:11.1f}  {self.dof:3d}"])
+
+
+def compare_tables(tables: Table | Tables | list[Table], events: Any) -> Comparison:
+    """Compare published tables with simulated events, and no further simulator call.
+
+    `events` are what the tables' `of` takes, or an array (n, d), or a `Reduced`. The covariance of the difference is
+    that of the tables plus that of the simulated means. Raises UsageError for what does not fit together.
+    """
+    tables = Tables.of(tables)
+    reduced = events if isinstance(events, Reduced) else Reduced.of(tables, events)
+    return Comparison.of(tables, *reduced.predicted(tables), reduced.num_events)
+
+
+def whitening(cov: NDArray[np.float64]) -> NDArray[np.float64]:
+    """W (K, r) with W^T cov W = 1, r the rank of cov (K, K): 1 less for each table of which only the shape is known."""
+    scale = np.sqrt(np.diag(cov))
+    values, vectors = np.linalg.eigh(cov / np.outer(scale, scale))
+    known = values > ROUNDING * values[-1]
+    return vectors[:, known] / np.sqrt(values[known]) / scale[:, None]
+
+
+def distance(away: NDArray[np.float64], cov: NDArray[np.float64]) -> tuple[float, int]:
+    """Chi-squared of a difference (K,) with this covariance (K, K), and its degrees of freedom."""
+    w = whitening(cov)
+    return float(((away @ w) ** 2).sum()), w.shape[1]

@@ -1,0 +1,251 @@
+"""What is published: values in bins with their covariance, and which simulated events fall into which bin."""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import KW_ONLY, dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import block_diag
+from scipy.sparse import csr_array, hstack
+
+from avobench.tasks.errors import UsageError
+
+ROUNDING = 1e-8
+"""Share of the largest eigenvalue of a correlation matrix below which another one is rounding, of either sign."""
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """One published table: a histogram of counts, or an unfolded density with its errors.
+
+    `edges` (K + 1,) increase, and `values` (K,) stand in the bins between them. A bin holds its lower edge, the last
+    one its upper edge too. A mean, such as that of the multiplicity, is a table of one bin with an entry a particle.
+
+    What an event is binned by is its column `feature`, a number or a name in a DataFrame, or what `of` makes of the
+    events: a function from n events to one number for each, (n,), or several, (n, k) or a list of n arrays, such as
+    the momenta of all its particles. NaN is no entry.
+
+    Without `errors` (K,) and `covariance` (K, K) the values are counts, and scatter as Poisson says of the expected
+    ones. `density` says that values are divided by the widths of their bins. `num_events` is how many events the values
+    are of: 1, the default where errors are given, if they are entries per event. `normalised` says that only the shape
+    is compared: the simulated table is scaled to the sum of the values, and one degree of freedom is lost. That is the
+    default for counts, whose `num_events` is not known.
+
+    Raises UsageError for values below zero, for what is no number, for edges that do not increase, and for errors and
+    covariances that are of the wrong size, zero or impossible.
+    """
+
+    edges: NDArray[np.float64]
+    values: NDArray[np.float64]
+    _: KW_ONLY
+    covariance: NDArray[np.float64] | None = None
+    errors: NDArray[np.float64] | None = None
+    feature: int | str = 0
+    of: Callable[[Any], Any] | None = None
+    density: bool = False
+    normalised: bool = False
+    num_events: float | None = None
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        put(self, "edges", self._numbers("edges", self.edges))
+        put(self, "values", self._numbers("values", self.values))
+        if self.edges.ndim != 1 or self.values.shape != (len(self.edges) - 1,) or not len(self.values):
+            k, wanted = self.values.size, max(self.edges.size - 1, 1)
+            raise self.wrong(f"{self.edges.size} edges make {wanted} bins, but there are {k} values")
+        if (np.diff(self.edges) <= 0).any():
+            raise self.wrong("edges must increase")
+        if (self.values < 0).any():
+            raise self.wrong(f"values must not be negative, got {self.values.min():g}; merge bins, or leave them out")
+        if not self.values.sum() > 0:
+            raise self.wrong("all values are zero")
+        if self.num_events is not None and not (self.num_events > 0 and np.isfinite(self.num_events)):
+            raise self.wrong(f"num_events must be positive, got {self.num_events}")
+        if self.normalised and self.num_events is not None:
+            raise self.wrong("only the shape of a normalised table is compared: give num_events or normalised")
+        if self.errors is not None:
+            put(self, "covariance", self._covariance_of_errors())
+        elif self.covariance is not None:
+            put(self, "covariance", checked_covariance(self.covariance, len(self.values), self.wrong))
+        if self.num_events is None:
+            put(self, "normalised", self.normalised or self.are_counts)
+
+    def wrong(self, what: str) -> UsageError:
+        """An error that names the table."""
+        return UsageError(f"table {self.name or 'without a name'}: {what}")
+
+    def _numbers(self, what: str, given: ArrayLike) -> NDArray[np.float64]:
+        try:
+            numbers = np.asarray(given, float)
+        except (TypeError, ValueError):
+            raise self.wrong(f"{what} must be numbers") from None
+        if not np.isfinite(numbers).all():
+            raise self.wrong(f"{what} must be finite")
+        return numbers
+
+    def _covariance_of_errors(self) -> NDArray[np.float64]:
+        if self.covariance is not None:
+            raise self.wrong("give errors or a covariance, not both")
+        errors = self._numbers("errors", self.errors)
+        if errors.shape != self.values.shape:
+            raise self.wrong(f"{errors.size} errors for {len(self.values)} values")
+        if (errors <= 0).any():
+            raise self.wrong(f"the error in bin {1 + int(np.argmin(errors))} must be positive, got {errors.min():g}")
+        return np.diag(errors**2)
+
+    @property
+    def are_counts(self) -> bool:
+        """True if the values are whole numbers of entries, and Poisson gives their errors."""
+        counts = self.values * self.widths
+        return self.covariance is None and bool(np.abs(counts - np.round(counts)).max() <= 1e-6 * counts.max())
+
+    @property
+    def widths(self) -> NDArray[np.float64]:
+        """What an entry is divided by in each bin: (K,)."""
+        return np.diff(self.edges) if self.density else np.ones(len(self.values))
+
+    @property
+    def scale(self) -> float:
+        """Entries in all bins of a normalised table; of any other the number of events."""
+        return float(self.values @ self.widths) if self.normalised else float(self.num_events or 1)
+
+    def entries(self, events: Any) -> csr_array:
+        """How many entries each event has in each bin: (n, K). Raises UsageError for what cannot be binned."""
+        n = len(events)
+        event, values = self._binned(events, n)
+        bins = np.searchsorted(self.edges, values, side="right") - 1
+        bins[values == self.edges[-1]] = len(self.values) - 1
+        inside = (bins >= 0) & (bins < len(self.values)) & ~np.isnan(values)
+        shape = (n, len(self.values))
+        return csr_array((np.ones(inside.sum()), (event[inside], bins[inside])), shape=shape)
+
+    def _column(self, events: Any) -> NDArray:
+        if isinstance(self.feature, str):
+            if self.feature not in getattr(events, "columns", ()):
+                raise self.wrong(f"the events have no column '{self.feature}'")
+            return events[self.feature].to_numpy()
+        x = np.asarray(events)
+        x = x[:, None] if x.ndim == 1 else x
+        if x.ndim != 2 or x.dtype == object or not 0 <= self.feature < x.shape[1]:
+            raise self.wrong(f"events with a shape of {x.shape} have no feature {self.feature}: give `feature` or `of`")
+        return x[:, self.feature]
+
+    def _binned(self, events: Any, n: int) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+        """The event of each entry, and its value: (m,) twice."""
+        found = self._column(events) if self.of is None else self.of(events)
+        if len(found) != n:
+            raise self.wrong(f"`of` must give numbers for each event: {len(found)} for {n} events")
+        if isinstance(found, np.ndarray) and found.dtype != object:
+            if found.ndim > 2:
+                raise self.wrong(f"`of` must give (n,), (n, k) or a list of arrays, got {found.shape}")
+            values = found[:, None] if found.ndim == 1 else found
+            return np.repeat(np.arange(n), values.shape[1]), values.ravel().astype(float)
+        parts = [np.ravel(part) for part in found]
+        values = np.concatenate(parts) if parts else np.empty(0)
+        return np.repeat(np.arange(n), [len(part) for part in parts]), values.astype(float)
+
+
+class Tables:
+    """Published tables that are compared together, with their joint `covariance` if it is known.
+
+    That is of all values, table after table, (K, K), in place of the tables' own errors; without it the tables are
+    taken as independent. `parts` are where the bins of each table are among all. Raises UsageError if the covariance
+    has the wrong size or is not positive, or if a table has neither errors nor counts.
+    """
+
+    def __init__(self, tables: Iterable[Table], *, covariance: ArrayLike | None = None) -> None:
+        self.tables = tuple(tables)
+        if not self.tables:
+            raise UsageError("there are no tables: give one at least")
+        ends = np.cumsum([0, *(len(table.values) for table in self.tables)]).tolist()
+        self.parts = tuple(slice(a, b) for a, b in pairwise(ends))
+        self.covariance = None if covariance is None else checked_covariance(covariance, ends[-1], UsageError)
+        for table in self.tables:
+            if covariance is None and table.covariance is None and not table.are_counts:
+                raise table.wrong("the values are no counts: give their errors= or covariance=")
+
+    @classmethod
+    def of(cls, tables: "Table | Tables | Iterable[Table]") -> "Tables":
+        """Tables from one, from several, or as they are."""
+        if isinstance(tables, Tables):
+            return tables
+        return cls([tables] if isinstance(tables, Table) else tables)
+
+    def __iter__(self) -> Iterator[Table]:
+        return iter(self.tables)
+
+    @property
+    def values(self) -> NDArray[np.float64]:
+        """All published values: (K,)."""
+        return np.concatenate([table.values for table in self.tables])
+
+    def entries(self, events: Any) -> csr_array:
+        """How many entries each event has in each bin of all tables: (n, K)."""
+        return csr_array(hstack([table.entries(events) for table in self.tables]))
+
+    def predict(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The values that belong to mean entries per event: (K,) -> (K,). Raises UsageError for an empty table."""
+        expected = np.empty(len(mean))
+        for table, part in zip(self.tables, self.parts, strict=True):
+            total = mean[part].sum() if table.normalised else 1.0
+            if total <= 0:
+                raise table.wrong("no simulated event has an entry in its bins; check `of` and units")
+            expected[part] = table.scale * mean[part] / total / table.widths
+        return expected
+
+    def slopes(self, mean: NDArray[np.float64], around: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The derivative of the values with respect to the mean entries per event (K,), where the values are `around`.
+
+        (K, K), block by block. Of a normalised table a step along its own values has none.
+        """
+        blocks = []
+        for table, part in zip(self.tables, self.parts, strict=True):
+            total = mean[part].sum() if table.normalised else 1.0
+            blocks.append(table.scale / total * shape_only(table, around[part]) / table.widths)
+        return block_diag(*blocks)
+
+    def covariance_of(self, expected: NDArray[np.float64], num_simulated: float) -> NDArray[np.float64]:
+        """The covariance of the published values (K, K), with Poisson errors of the expected values (K,).
+
+        A bin with less than one expected entry in all simulated events is taken to have one.
+        """
+        blocks = []
+        for table, part in zip(self.tables, self.parts, strict=True):
+            around, cov = table.values, table.covariance
+            if self.covariance is not None:
+                cov = np.zeros((len(around), len(around)))
+            elif cov is None:
+                around = np.maximum(expected[part], table.scale / table.widths / num_simulated)
+                around = around * table.scale / (around @ table.widths) if table.normalised else around
+                cov = np.diag(around / table.widths)
+            blocks.append((cov, shape_only(table, around) if table.normalised else np.eye(len(around))))
+        shape = block_diag(*(shape for _, shape in blocks))
+        cov = block_diag(*(cov for cov, _ in blocks)) if self.covariance is None else self.covariance
+        return shape @ cov @ shape.T
+
+
+def shape_only(table: Table, around: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What a change of a table's values (K,) becomes once they are scaled to their sum `around` (K,): (K, K)."""
+    one = np.eye(len(around))
+    return one - np.outer(around, table.widths) / table.scale if table.normalised else one
+
+
+def checked_covariance(covariance: ArrayLike, size: int, wrong: Callable[[str], Exception]) -> NDArray[np.float64]:
+    """A covariance (K, K) that is one. Raises `wrong` with what it is not."""
+    cov = np.asarray(covariance, float)
+    if cov.shape != (size, size):
+        raise wrong(f"covariance must have shape ({size}, {size}), one row a bin, got {cov.shape}")
+    if not np.isfinite(cov).all():
+        raise wrong("covariance has values that are not finite")
+    if not np.allclose(cov, cov.T, rtol=1e-6, atol=0):
+        raise wrong("covariance is not symmetric")
+    variances = np.diag(cov)
+    if (variances <= 0).any():
+        raise wrong(f"covariance gives bin {1 + int(np.argmin(variances))} a variance of {variances.min():g}")
+    values = np.linalg.eigvalsh(cov / np.sqrt(np.outer(variances, variances)))
+    if values[0] < -ROUNDING * values[-1]:
+        raise wrong(f"covariance is not positive: its correlation has an eigenvalue of {values[0]:.3g}")
+    return cov
