@@ -125,6 +125,12 @@ class Bins(Summary):
         """Bins in the vector; what tells how features go together follows them."""
         return sum(bins for _, bins in self.blocks)
 
+    @property
+    def left_out(self) -> int:
+        """Pairs of features that vary and have no product."""
+        varies = sum(len(e) > 0 for e in self.edges)
+        return varies * (varies - 1) // 2 - len(self.products) if self.scores else 0
+
     @cached_property
     def size(self) -> int:
         return self.num_bins + len(self.products) + len(self._common)

@@ -88,6 +88,7 @@ def test_of_two_hundred_features_the_covariance_stays_small_and_neighbours_have_
     assert bins.size <= 3000
     assert {(j, j + 1) for j in range(199) if not constant or 100 not in (j, j + 1)} <= set(bins.products)
     assert len(bins.mean(x)[0]) == bins.size
+    assert bins.left_out > 15_000
 
 
 def test_too_many_features_are_refused_in_a_line():
