@@ -67,12 +67,12 @@ class Inference:
     @property
     def theta(self) -> dict[str, float]:
         """The best fit by name of the parameter, in raw units."""
-        return dict(zip(self.task.parameter_names, self.estimate.theta.tolist(), strict=True))
+        return dict(zip(self.task.parameter_names, self._quoted[0].tolist(), strict=True))
 
     @property
     def std(self) -> dict[str, float]:
         """The standard errors by name of the parameter where the method knows them, else the spread of `spread_of`."""
-        return dict(zip(self.task.parameter_names, self._spread.tolist(), strict=True))
+        return dict(zip(self.task.parameter_names, self._quoted[1].tolist(), strict=True))
 
     @property
     def std_of(self) -> str:
@@ -80,16 +80,18 @@ class Inference:
         return "standard error" if self.estimate.error is not None else self.estimate.spread_of
 
     @property
-    def _spread(self) -> NDArray[np.float64]:
-        return self.estimate.std if self.estimate.error is None else self.estimate.error
+    def _quoted(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Value and spread of each parameter: (p,) twice. An integer is whole."""
+        estimate = self.estimate
+        return self.task.quoted(estimate.theta, estimate.std if estimate.error is None else estimate.error)
 
     def to_frame(self) -> pd.DataFrame:
         """One row per parameter: value, std, unit, and the ends of its prior."""
         prior = self.task.prior
         return pd.DataFrame(
             {
-                "value": self.estimate.theta,
-                "std": self._spread,
+                "value": self._quoted[0],
+                "std": self._quoted[1],
                 "unit": self.task.parameter_units,
                 "prior_low": prior.low,
                 "prior_high": prior.high,
@@ -234,10 +236,11 @@ class Inference:
 
     def __str__(self) -> str:
         """A line for each parameter, a doubt of the method where it has one, and what the fit took."""
-        found = zip(self.theta.items(), self._spread, self.task.parameter_units, strict=True)
+        found = zip(self.theta.items(), self._quoted[1], self.task.parameter_units, self.task.is_integer, strict=True)
         lines = [
-            f"{name} = {with_error(value, std)}{'' if unit == '1' else ' ' + unit}"
-            for (name, value), std, unit in found
+            f"{name} = {f'{value:.0f} ± {std:.2g}' if whole else with_error(value, std)}"
+            f"{'' if unit == '1' else ' ' + unit}"
+            for (name, value), std, unit, whole in found
         ]
         doubt = [f"doubtful: {self.estimate.doubt}"] if self.estimate.doubt else []
         notes = [f"note: {note}" for note in (*self.warnings, self.estimate.message) if note]

@@ -100,12 +100,15 @@ class ProbableModel(Strict):
 
 class Region(Strict):
     feature: Feature
-    low: float
-    high: float
-    kind: Literal["excess", "deficit"]
+    """That of a dependence is "a and b" for two features, and "all" for what all have in common."""
+    low: float | None
+    """None for a dependence, as `high` is."""
+    high: float | None
+    kind: Literal["excess", "deficit", "dependence"]
+    """Of a dependence z is positive where features go together more than in the simulation."""
     z: float
     p_global: float
-    """Two-sided: of an excess or a deficit as large, anywhere."""
+    """Two-sided: of a region that disagrees as much, anywhere."""
     unit: str = "1"
 
 

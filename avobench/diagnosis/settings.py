@@ -15,6 +15,10 @@ class SummarySettings:
     """Blocks along each axis of an image, at most: 64 in all, as many as the rows and columns of a 32 x 32 image."""
     hit_bins: int = 12
     """Bins of the number of hits of an image, at most: as many as a feature has where there are several."""
+    most_numbers: int = 3000
+    """Numbers in the summary of features, at most: a covariance of 72 MB. All pairs of 18 features have bins."""
+    numbers_at_once: int = 4_000_000
+    """Products of features that are held in memory at once: 32 MB."""
     least_hits: int = 40
     """Hits in all images together for a part of the summary to count: fewer scatter unlike a Gaussian."""
     mixed_in: float = 0.1
@@ -95,6 +99,8 @@ class TestSettings:
 
     shares: tuple[tuple[str, float], ...] = (("summary", 0.8), ("classifier", 0.2))
     """Each test's share of the false alarms: most effects show in the summary, so that it has most of them."""
+    dependent_shares: tuple[tuple[str, float], ...] = (("summary", 0.6), ("dependence", 0.2), ("classifier", 0.2))
+    """The shares where there are several features."""
     image_shares: tuple[tuple[str, float], ...] = (("summary", 0.6), ("cells", 0.2), ("classifier", 0.2))
     """The shares where events are images."""
     hopeless: float = 1e-12

@@ -98,7 +98,9 @@ class Inference:
             self.move_proposal(f, turn)
         mean, std = self.averaged_mean, np.exp(self.psi[1])
         if not self.settings.polish:
-            return self.estimate(mean, std, "mean of the proposal over the last quarter")
+            estimate = self.estimate(mean, std, "mean of the proposal over the last quarter")
+            return replace(estimate, doubt=self.inputs.doubt)
+        self.real = self.inputs(self.problem.x_observed)[: len(self.real)]  # without what is never simulated
 
         # the polish: the proposal's mean goes where simulated events are like the observed ones in what tells theta
         answer, root = self.polish(self.u.mean(axis=0), np.diag(self.u.std(axis=0)), 0, learn=True)
@@ -126,7 +128,8 @@ class Inference:
         estimate = self.estimate(answer.mean, std, "mean of the proposal after the polish", comment)
         covariance = leeway.covariance(answer.mean) if leeway else answer.covariance
         covariance = np.outer(self.proposal.scale, self.proposal.scale) * covariance
-        return replace(estimate, error=error, covariance=covariance, doubt=self.doubt(answer, root))
+        doubts = (self.inputs.doubt, self.doubt(answer, root))
+        return replace(estimate, error=error, covariance=covariance, doubt="; ".join(filter(None, doubts)))
 
     def draws(self, n: int) -> NDArray[np.float64]:
         """Draws from the proposal, but for a share that is drawn as at the start: (n, p). See `Avo.wide_share`."""
@@ -141,7 +144,7 @@ class Inference:
         share = self.settings.wide_share
         with np.errstate(divide="ignore"):
             self.log_q = np.append(self.log_q, np.logaddexp(np.log1p(-share) + now, np.log(share) + first))
-        return self.inputs(self.problem.simulate(self.proposal.to_raw(u)))
+        return self.inputs.simulated(self.problem.simulate(self.proposal.to_raw(u)))
 
     def draw(self, half: int, turn: "Turn") -> NDArray[np.int64]:
         """Rows of observed and of simulated events for the discriminator of that half: (2, steps, batch)."""

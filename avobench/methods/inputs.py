@@ -11,12 +11,19 @@ has 24 bits, and 17 of them are then left for what varies."""
 LEAST_VARIANCE = 1e-3
 """Added to every variance, as a share of their mean, so that a feature that hardly varies is not blown up."""
 
+MOST_DOUBTS = 3
+"""Features of which it is said one by one that the simulator never makes what was observed."""
+
 
 class Inputs:
     """Events as float32 rows of zero mean and, nearly, unit covariance among the observed ones.
 
     With `symmetric` an image is first summed over its cyclic axes: nothing there depends on theta. With `whiten` the
     rows are decorrelated by the symmetric square root of the inverse covariance (ZCA), else each is only scaled.
+
+    A feature that is the same in all simulated events, and never that in an observed one, says nothing of theta, and
+    would move the answer by what networks make of numbers that they have not learnt from. It is left out: from the
+    first simulated events on, and for as long as no simulated one differs.
     """
 
     def __init__(self, problem: Problem, *, symmetric: bool, whiten: bool) -> None:
@@ -30,11 +37,38 @@ class Inputs:
         variance, axes = np.linalg.eigh(covariance)
         spread = np.sqrt(variance.clip(0) + LEAST_VARIANCE * variance.mean())
         whitening = (axes / np.where(spread > 0, spread, 1)) @ axes.T
+        self._problem, self._first = problem, np.empty((0, problem.x_observed.shape[1]))
+        self._missed = np.zeros(problem.x_observed.shape[1], bool)
         self._shift, self._whitening = (a.astype(np.float32) for a in (x.mean(axis=0, dtype=float), whitening))
 
     def __call__(self, x: NDArray) -> NDArray[np.float32]:
         """x (n, d) -> (n, k), with k = d unless an image is summed."""
+        if self._missed.any():
+            x = np.where(self._missed, self._problem.x_observed.mean(axis=0), x)
         return (self._sum(x) - self._shift) @ self._whitening
+
+    def simulated(self, x: NDArray) -> NDArray[np.float32]:
+        """The same of simulated events, from which it is learnt what to leave out."""
+        if not len(self._first):
+            self._first = x[:1].copy()
+            self._missed = ~(self._problem.x_observed == x[0]).any(axis=0)
+        if self._missed.any():
+            self._missed &= (x == self._first).all(axis=0)
+        return self(x)
+
+    @property
+    def doubt(self) -> str:
+        """What makes any answer doubtful, or ""."""
+        names = self._problem.feature_names or [f"x{j + 1}" for j in range(len(self._missed))]
+        doubts = [
+            f"the simulator makes {names[j]} = {self._first[0, j]:g} alone, which was never observed: it is left out"
+            for j in np.flatnonzero(self._missed)[:MOST_DOUBTS]
+        ]
+        if (more := self._missed.sum() - MOST_DOUBTS) > 0:
+            doubts.append(f"so are {more} other features")
+        if (self._problem.x_observed == self._problem.x_observed[0]).all():
+            doubts.append("all observed events are alike, so how far they scatter is not known, and the error is rough")
+        return "; ".join(doubts)
 
     def _sum(self, x: NDArray) -> NDArray[np.float32]:
         x = x - self._origin if self._origin.any() else x

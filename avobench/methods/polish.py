@@ -69,11 +69,14 @@ class Fold:
     """
 
     def __init__(self, real: NDArray[np.float32], synthetic: NDArray[np.float32], u: NDArray[np.float64]) -> None:
-        scale = real.std(axis=0, dtype=float)
+        scale, simulated = real.std(axis=0, dtype=float), synthetic.std(axis=0, dtype=float)
+        alike = scale.max() <= CONSTANT * simulated.max()
+        if alike:  # they may scatter as if one event in N were as far off as a simulated one is
+            scale = simulated / np.sqrt(len(real))
         kept = scale > CONSTANT * scale.max()
         self.kept, self.shift, self.scale = kept, real.mean(axis=0, dtype=float)[kept], scale[kept]
         real = self._standardised(real)
-        covariance = (real.T @ real).astype(float) / len(real)
+        covariance = np.eye(kept.sum()) if alike else (real.T @ real).astype(float) / len(real)
         self.covariance = covariance + RIDGE * np.eye(len(covariance))
         self.inverse = np.linalg.inv(self.covariance)
         self.num_observations = len(real)

@@ -53,6 +53,8 @@ class Problem:
     """Summary statistic of a set of events: (n, d) -> (k,)."""
     discriminator: Discriminator
     """The network that the paper gives to this task."""
+    feature_names: tuple[str, ...] = ()
+    """One a feature, where they have names."""
     event_shape: tuple[int, ...] = ()
     """Shape of an event whose features form an image; () where they are a plain list."""
     cyclic_axes: tuple[int, ...] = ()

@@ -55,7 +55,7 @@ class Smm(Method):
             Inputs(problem, symmetric=self.symmetric, whiten=True),
         )
         mean, std = np.zeros(problem.prior.dim), np.ones(problem.prior.dim)
-        real, fold, trace, answer = inputs(problem.x_observed), None, [], None
+        fold, trace, answer = None, [], None
         # With too little left the simulator refuses a round, rather than an answer being made of next to nothing.
         total = max(problem.simulate.remaining, self.min_simulations(len(mean)))
         ends = problem.simulate.used + np.linspace(0, total, self.rounds + 1).astype(int)[1:]
@@ -66,9 +66,9 @@ class Smm(Method):
                 toward, std = leeway.best(proposal.scale), self.shrink * np.ones_like(std)
                 mean = polish([fold], toward, np.diag(std), proposal.low, proposal.high, toward).mean
             u = proposal.sample(np.stack([mean, np.log(std)]), end - problem.simulate.used, rng)
-            synthetic = inputs(problem.simulate(proposal.to_raw(u)))
+            synthetic = inputs.simulated(problem.simulate(proposal.to_raw(u)))
             if fold is None:
-                fold = Fold(real, synthetic, u)
+                fold = Fold(inputs(problem.x_observed), synthetic, u)
             else:
                 fold.add(synthetic, u)
             answer = polish([fold], mean, np.diag(std), proposal.low, proposal.high, toward)
@@ -87,6 +87,7 @@ class Smm(Method):
             error=error * proposal.scale,
             covariance=np.outer(proposal.scale, proposal.scale)
             * (leeway.covariance(mean) if leeway else answer.covariance),
+            doubt=inputs.doubt,
         )
 
     def _narrower(self, std: NDArray[np.float64], answer: Polished) -> NDArray[np.float64]:

@@ -10,11 +10,12 @@ from avobench.tasks.errors import SimulatorError
 def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
     """Events of `task`, or SimulatorError saying what its simulator did wrong: theta (n, p) -> x (n, d).
 
+    Parameters that are integers are made whole, see `Task.at_whole`.
     Theta and events are copied: a simulator may change theta, and may return an array that cannot be written to, or the
     same one each time.
     """
     try:
-        x = task.simulate(theta.copy(), rng)
+        x = task.simulate(task.at_whole(theta, rng).copy(), rng)
     except (Exception, SystemExit) as error:
         raise SimulatorError(f"the simulator of {task.name} raised {type(error).__name__}: {error}") from error
     if not isinstance(x, np.ndarray) or x.shape != (len(theta), task.num_features):

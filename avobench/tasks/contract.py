@@ -14,6 +14,8 @@ NUM_TARGETS = 15
 Kind = Literal["count", "continuous", "angle"]
 """What a feature is: how many there are of something, a real number, or one that comes round again. An angle does so
 after 360 if its unit is "deg", else after 2 pi. A cosine is a real number that ends at -1 and 1."""
+ParameterKind = Literal["integer", "continuous"]
+"""What a parameter is: a whole number, or any real one."""
 
 
 @dataclass(frozen=True)
@@ -97,6 +99,9 @@ class Task(ABC):
     version: ClassVar[str] = "1"
     parameter_names: ClassVar[tuple[str, ...]]
     parameter_units: ClassVar[tuple[str, ...]]
+    parameter_kinds: ClassVar[tuple[ParameterKind, ...]] = ()
+    """What each parameter is, where one of them is no real number. The prior and the support of an integer end at whole
+    numbers; whoever simulates through `checked_events` may ask for any number between, see `at_whole`."""
     source: ClassVar[str]
     """Where the simulator comes from."""
     prior: ClassVar[Box]
@@ -154,6 +159,30 @@ class Task(ABC):
         """
         return ()
 
+    @property
+    def is_integer(self) -> NDArray[np.bool_]:
+        """Which parameters are whole numbers: (p,)."""
+        return np.array([kind == "integer" for kind in self.parameter_kinds or ("",) * len(self.parameter_names)])
+
+    def at_whole(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+        """Parameters (n, p) of which integers are rounded up with the probability of what they exceed a whole one by.
+
+        So events between two whole numbers are a mixture of those at both, and their mean is linear in between: a
+        method that follows a slope finds one, where rounding to the nearest would leave steps.
+        """
+        if not self.is_integer.any():
+            return theta
+        down = np.floor(theta)
+        up = rng.random(theta.shape) < theta - down
+        return np.where(self.is_integer, down + up, theta)
+
+    def quoted(
+        self, theta: NDArray[np.float64], error: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """An estimate and its error (p,) as they are quoted: an integer is whole, and its error covers the rounding."""
+        nearest = np.where(self.is_integer, np.rint(theta), theta)
+        return nearest, np.hypot(error, theta - nearest)
+
     def identifiable(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
         """What the events determine of theta: (n, p) -> (n, k), with k < p, or theta itself."""
         return theta
@@ -197,7 +226,8 @@ class Task(ABC):
 
     def targets(self, n: int = NUM_TARGETS) -> NDArray[np.float64]:
         """Target parameters, drawn from the prior with a seed that belongs to the task's name: (n, p)."""
-        return self.prior.sample(n, np.random.default_rng(stable_hash("targets", self.name)))
+        theta = self.prior.sample(n, np.random.default_rng(stable_hash("targets", self.name)))
+        return self.quoted(theta, np.zeros_like(theta))[0]
 
 
 def stable_hash(*words: str) -> int:

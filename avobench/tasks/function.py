@@ -10,7 +10,7 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from avobench.tasks.contract import Box, Kind, Task, histogram
+from avobench.tasks.contract import Box, Kind, ParameterKind, Task, histogram
 from avobench.tasks.errors import UsageError
 
 Simulate = Callable[[NDArray[np.float64], np.random.Generator], ArrayLike]
@@ -41,7 +41,7 @@ class FunctionTask(Task):
         support: Mapping[str, tuple[float, float]],
         units: Mapping[str, str],
         feature_names: Sequence[str],
-        kinds: Mapping[str, Kind] | None = None,
+        kinds: Mapping[str, Kind | ParameterKind] | None = None,
         feature_units: Mapping[str, str] | None = None,
     ) -> None:
         self.function, self.name = function, name
@@ -49,15 +49,27 @@ class FunctionTask(Task):
         self.parameter_units = tuple(units.get(parameter, "1") for parameter in prior)
         self.prior = Box(*zip(*prior.values(), strict=True))
         self.support = Box(*zip(*(support.get(parameter, prior[parameter]) for parameter in prior), strict=True))
+        said = {name: kind for name, kind in (kinds or {}).items() if name in prior and kind in get_args(ParameterKind)}
+        kinds = {name: kind for name, kind in (kinds or {}).items() if name not in said}
+        if "integer" in said.values():
+            self.parameter_kinds = tuple(said.get(parameter, "continuous") for parameter in prior)
+            ends = np.array([*self.prior.low, *self.prior.high, *self.support.low, *self.support.high]).reshape(4, -1)
+            if broken := [
+                name
+                for name, fine in zip(prior, (ends == np.rint(ends)).all(axis=0), strict=True)
+                if not fine and said.get(name) == "integer"
+            ]:
+                raise ValueError(f"{broken[0]} is an integer, so its prior and its support must end at whole numbers")
+        centre = self.quoted(self.prior.center, np.zeros(self.prior.dim))[0]
         n, p = self.prior.dim + 1, self.prior.dim  # another number of rows than of parameters, so none is taken for one
-        x = self._events(np.tile(self.prior.center, (n, 1)), np.random.default_rng(0))
+        x = self._events(np.tile(centre, (n, 1)), np.random.default_rng(0))
         if x.ndim != 2 or len(x) != n:
             raise ValueError(f"theta of shape ({n}, {p}) gave events of shape {x.shape}, not ({n}, d) or ({n},)")
         self.num_features, self.dtype = x.shape[1], x.dtype
         self.feature_names = tuple(feature_names)
         if feature_names and len(feature_names) != self.num_features:
             raise ValueError(f"an event has {self.num_features} features, {len(feature_names)} names were given")
-        for given, what in ((kinds or {}, "kinds"), (feature_units or {}, "feature_units")):
+        for given, what in ((kinds, "kinds"), (feature_units or {}, "feature_units")):
             if unknown := [feature for feature in given if feature not in self.labels]:
                 raise ValueError(f"{what} names '{unknown[0]}'; the features are {', '.join(self.labels)}")
         if feature_units:
@@ -76,6 +88,8 @@ class FunctionTask(Task):
         said = (self.prior, self.support, self.parameter_names, self.parameter_units, self.feature_names)
         if self.feature_kinds or self.feature_units:
             said += (self.feature_kinds, self.feature_units)
+        if self.parameter_kinds:
+            said += (self.parameter_kinds,)
         return (self.function, repr(said))
 
     @property
@@ -87,9 +101,10 @@ class FunctionTask(Task):
         )
         said = {"prior": prior, "support": support, "units": dict(zip(prior, self.parameter_units, strict=True))}
         said |= {"features": self.feature_names, "name": self.name}
-        for name, values in (("kinds", self.feature_kinds), ("feature_units", self.feature_units)):
-            said |= {name: dict(zip(self.labels, values, strict=True))} if values else {}
-        return said
+        kinds = dict(zip(self.labels, self.feature_kinds, strict=bool(self.feature_kinds)))
+        kinds |= dict(zip(self.parameter_names, self.parameter_kinds, strict=bool(self.parameter_kinds)))
+        units = dict(zip(self.labels, self.feature_units, strict=bool(self.feature_units)))
+        return said | {"kinds": kinds, "feature_units": units}
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """One event per row: theta (n, p) -> (n, d). Raises ValueError outside the support."""
@@ -138,7 +153,9 @@ class FunctionTask(Task):
     def _edges(self) -> list[NDArray[np.float64]]:
         """The edges of the bins of each feature."""
         rng = np.random.default_rng(0)
-        x = self.simulate(self.prior.sample(NUM_REFERENCE, rng), rng) if self.reference is None else self.reference
+        x = self.reference
+        if x is None:
+            x = self.simulate(self.at_whole(self.prior.sample(NUM_REFERENCE, rng), rng), rng)
         return [np.unique(np.quantile(feature, np.arange(1, NUM_BINS) / NUM_BINS)) for feature in x.T]
 
 
@@ -150,7 +167,7 @@ def task(
     support: Mapping[str, tuple[float, float]] | None = None,
     units: Mapping[str, str] | None = None,
     features: Sequence[str] = (),
-    kinds: Mapping[str, Kind] | None = None,
+    kinds: Mapping[str, Kind | ParameterKind] | None = None,
     feature_units: Mapping[str, str] | None = None,
     name: str | None = None,
 ) -> FunctionTask:
@@ -174,7 +191,8 @@ def task(
         A name for each of the d numbers of an event.
     kinds
         What a feature is, by its name (x1, x2, ... where it has none): "count", "continuous", or "angle" for one that
-        comes round again. Of others the type of the events says it: whole numbers are counts.
+        comes round again. Of others the type of the events says it: whole numbers are counts. A parameter that takes
+        whole values alone is "integer": the simulator is then called with whole ones, and an estimate is one.
     feature_units
         Physical units by name of the feature. An angle comes round after 360 "deg", or else after 2 pi.
     name

@@ -67,3 +67,37 @@ def test_where_a_feature_is_counted_from_is_nothing_to_the_answer(method):
         found = avobench.infer(task, x, method, budget=budget)
         answers.append(found.theta["mean"])
     np.testing.assert_allclose(answers, answers[0], atol=0.02)
+
+
+@pytest.mark.parametrize("method", ["smm", "avo"])
+def test_what_the_simulator_can_never_make_moves_nothing_and_is_named(method):
+    """A run number in the data that the simulator has as another one, and one that varies in the data alone."""
+    rng = np.random.default_rng(0)
+    energy = rng.normal(0.7, 1, 2000)
+    run = 8 + 0.5 * energy + rng.normal(size=2000)
+
+    def simulate(theta, rng):
+        return np.column_stack([rng.normal(theta[:, 0]), np.full(len(theta), 7.0)])
+
+    task = avobench.task(simulate, prior={"mean": (-3, 3)}, features=["energy", "run"], name="runs")
+    settings = {"iterations": 20, "statistic_steps": 100} if method == "avo" else {}
+    same, constant, varying = (
+        avobench.infer(task, np.column_stack([energy, each]), method, budget=4000, settings=settings)
+        for each in (np.full(2000, 7.0), np.full(2000, 8.0), run)
+    )
+    assert constant.theta["mean"] == pytest.approx(same.theta["mean"], abs=same.std["mean"] / 4)
+    assert varying.theta["mean"] == pytest.approx(same.theta["mean"], abs=same.std["mean"] / 2)
+    assert "run = 7" in constant.estimate.doubt
+    assert "run = 7" in varying.estimate.doubt
+    assert not same.estimate.doubt
+
+
+@pytest.mark.parametrize("method", ["smm", "avo"])
+@pytest.mark.parametrize("num_events", [100, 3000])
+def test_of_nothing_counted_the_rate_is_low_with_an_error_that_covers_it(method, num_events):
+    """The largest rate that still makes no count in so many events with a probability of 5 % is 3 over their number."""
+    task = avobench.task(lambda theta, rng: rng.poisson(theta[:, 0]), prior={"rate": (0, 10)}, name="counter")
+    settings = {"iterations": 20, "statistic_steps": 100} if method == "avo" else {}
+    found = avobench.infer(task, np.zeros(num_events, int), method, budget=6000, settings=settings)
+    assert "alike" in found.estimate.doubt
+    assert 1 / num_events < found.theta["rate"] + found.std["rate"] < 0.3

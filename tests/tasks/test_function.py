@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import avobench
 from avobench.tasks.errors import UsageError
 from avobench.tasks.function import task
 
@@ -103,3 +104,28 @@ def test_its_arguments_make_it_again():
     again = task(pair, **eval(repr(made.arguments)))
     assert (again.parts, again.parameter_units) == (made.parts, made.parameter_units)
     assert (again.name, again.prior, again.support, again.dtype) == (made.name, made.prior, made.support, made.dtype)
+
+
+def modules(theta, rng):
+    """The energy in a detector of so many modules: whole numbers alone are asked for."""
+    assert (theta[:, 0] == np.rint(theta[:, 0])).all()
+    return rng.normal(theta[:, 0] ** 2, theta[:, 1])
+
+
+def test_an_integer_is_simulated_and_quoted_whole_with_an_error_that_covers_it():
+    task = avobench.task(modules, prior={"number": (1, 9), "width": (0.5, 2)}, kinds={"number": "integer"}, name="m")
+    x = modules(np.tile([3.0, 1.0], (2000, 1)), np.random.default_rng(0))
+    found = avobench.infer(task, x, "smm", budget=8000)
+    assert found.theta["number"] == 3
+    assert found.std["number"] < 0.5
+    assert str(found).startswith("number = 3 ± 0.")
+    value, error = task.quoted(np.array([3.46, 1.2]), np.array([0.056, 0.1]))
+    np.testing.assert_allclose([value, error], [[3, 1.2], [np.hypot(0.46, 0.056), 0.1]])
+    between = task.at_whole(np.tile([2.25, 1.5], (10_000, 1)), np.random.default_rng(1))
+    assert between[:, 0].mean() == pytest.approx(2.25, abs=0.03)
+    assert (task.targets() == np.c_[np.rint(task.targets()[:, 0]), task.targets()[:, 1]]).all()
+
+
+def test_an_integer_needs_whole_ends():
+    with pytest.raises(UsageError, match="number is an integer"):
+        avobench.task(modules, prior={"number": (1, 9.5), "width": (1, 2)}, kinds={"number": "integer"}, name="m")

@@ -96,6 +96,7 @@ def pose(task: Task, x_observed: NDArray, simulate: MeteredSimulator, reference:
         simulate=simulate,
         summary=lambda x: checked_summary(summarised, x),
         discriminator=task.discriminator,
+        feature_names=task.feature_names,
         event_shape=task.event_shape,
         cyclic_axes=task.cyclic_axes,
     )

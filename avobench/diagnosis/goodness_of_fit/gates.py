@@ -1,4 +1,4 @@
-"""Tests of a fitted model against the measured events: the summary, single cells, and a classifier."""
+"""Tests of a fitted model against the measured events: the summary, dependence, single cells, and a classifier."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -13,6 +13,7 @@ from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.descent import settled, sharpen
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.surrogate import surrogate
+from avobench.diagnosis.goodness_of_fit.regions import dependences
 from avobench.diagnosis.schema import GateResult
 from avobench.diagnosis.settings import TEST
 from avobench.diagnosis.summary.bins import Summary
@@ -79,6 +80,23 @@ def cell_gate(fit: Fit, x: NDArray, rng: np.random.Generator, effort: Effort) ->
     least = float(min(2 * tail.min(), 1.0))
     p = -np.expm1((both > 0).sum() * np.log1p(-min(least, 1 - 1e-16)))
     return GateResult(statistic=float(norm.isf(max(least, 1e-300) / 2)), dof=None, p_value=float(p), sides=2)
+
+
+def dependence_gate(fit: Fit, target: Target) -> GateResult | None:
+    """The pair of features, or what all have in common, that is furthest from what the model expects; None for images.
+
+    Among all bins the summary gate does not see a single pair that depends, nor what every feature shows by little.
+    The statistic is the largest distance in standard errors. Pairs, however many, and what all have in common share
+    the false alarms in equal parts, and all that were looked at count (Z. Sidak, J. Am. Stat. Assoc. 62 (1967) 626).
+    Nothing is simulated for it: `fit` is in the metric of `target`, that of the model itself.
+    """
+    scan = dependences(fit, target)
+    if not scan.regions:
+        return None
+    z, pairs = np.abs(scan.z(fit)), np.array([len(region.features) == 2 for region in scan.regions])
+    groups = [group for group in (z[pairs], z[~pairs]) if len(group)]
+    each = [-np.expm1(len(group) * np.log1p(-min(2 * norm.sf(group.max()), 1 - 1e-16))) for group in groups]
+    return GateResult(statistic=float(z.max()), dof=None, p_value=float(min(1, len(each) * min(each))), sides=2)
 
 
 Features = Callable[[NDArray], NDArray]
@@ -179,10 +197,14 @@ class ExtendedModel:
         gates = {"summary": gate}
         if fit.model.task.event_shape:
             gates["cells"] = cell_gate(efficient, x, rng, effort)
+        shares = TEST.image_shares if "cells" in gates else TEST.shares
+        if dependence := dependence_gate(efficient, metric):
+            gates["dependence"], shares = dependence, TEST.dependent_shares
         gates["classifier"] = classifier_gate(efficient, metric, x, rng, effort)
-        shares = dict(TEST.image_shares if "cells" in gates else TEST.shares)
         return cls(
-            fit, efficient, {name: gate.model_copy(update={"share": shares[name]}) for name, gate in gates.items()}
+            fit,
+            efficient,
+            {name: gate.model_copy(update={"share": dict(shares)[name]}) for name, gate in gates.items()},
         )
 
     @property

@@ -13,31 +13,97 @@ from avobench.diagnosis.summary.target import Target
 
 
 @dataclass(frozen=True)
+class Interval:
+    """Bins of a span that lie side by side, from the first to the last."""
+
+    span: Span
+    first: int
+    last: int
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        return float(self.span.ends[self.first]), float(self.span.ends[self.last + 1])
+
+    def overlaps(self, other: "Interval | Together") -> bool:
+        return isinstance(other, Interval) and (
+            self.span is other.span and self.first <= other.last and other.first <= self.last
+        )
+
+
+@dataclass(frozen=True)
+class Together:
+    """How features go together: two of them, or all."""
+
+    features: tuple[int, ...]
+
+    def overlaps(self, other: "Interval | Together") -> bool:
+        return self == other
+
+
+@dataclass(frozen=True)
 class Scan:
     """All regions of a summary, and how each reads off a whitened residual."""
 
-    regions: list[tuple[int, int, int]]
-    """(which span, first bin, last bin)."""
+    regions: list[Interval | Together]
     reading: NDArray[np.float64]
     """(number of regions, r): rows of length 1 in what is left after the fit."""
+
+    def z(self, fit: Fit) -> NDArray[np.float64]:
+        """What each region disagrees by, in standard errors: (number of regions,)."""
+        return self.reading @ fit.residual / np.sqrt(1 + fit.noise)
+
+    def __add__(self, other: "Scan") -> "Scan":
+        return Scan(self.regions + other.regions, np.vstack([self.reading, other.reading]))
 
 
 def intervals(fit: Fit, target: Target, spans: list[Span]) -> Scan:
     """Contiguous runs of bins in each span."""
-    regions, masks = [], []
-    for k, span in enumerate(spans):
+    regions, readings, lengths = [], [], []
+    whole, left = _readings(fit, target)
+    for span in spans:
         bins = len(span.ends) - 1
-        for first in range(bins):
-            for last in range(first, min(bins, first + max(bins // 2, 1))):
-                mask = np.zeros(target.summary.size)
-                mask[span.start + first : span.start + last + 1] = 1
-                regions.append((k, first, last))
-                masks.append(mask)
-    # A mean of whitened residual r is the mean C W r of the summary, so a sum of bins reads r through W^T C.
-    whole = np.array(masks) @ target.cov @ target.whitening
-    reading = whole @ fit.projector()
+        some = [(a, b) for a in range(bins) for b in range(a, min(bins, a + max(bins // 2, 1)))]
+        regions += [Interval(span, *each) for each in some]
+        first, last = span.start + np.array(some).T
+        readings.append(_sums(left, first, last))
+        lengths.append(np.linalg.norm(_sums(whole, first, last), axis=1))
+    return _scan(regions, np.vstack(readings), np.concatenate(lengths)) if spans else _nothing(fit)
+
+
+def dependences(fit: Fit, target: Target) -> Scan:
+    """How features go together, each pair and all of them; nothing for images."""
+    directions = target.summary.directions() if isinstance(target.summary, Bins) else []
+    if not directions:
+        return _nothing(fit)
+    rows = np.array([row for _, row in directions])
+    whole, left = _readings(fit, target)
+    return _scan([Together(features) for features, _ in directions], rows @ left, np.linalg.norm(rows @ whole, axis=1))
+
+
+def _nothing(fit: Fit) -> Scan:
+    return Scan([], np.empty((0, len(fit.residual))))
+
+
+def _readings(fit: Fit, target: Target) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """How each number of the summary reads off a whitened residual (K, r), and off what theta cannot make of it.
+
+    A mean of whitened residual r is the mean C W r of the summary, so a sum of bins reads r through W^T C.
+    """
+    whole = target.cov @ target.whitening
+    return whole, whole @ fit.projector()
+
+
+def _sums(rows: NDArray[np.float64], first: NDArray[np.intp], last: NDArray[np.intp]) -> NDArray[np.float64]:
+    """The sums of the rows (K, r) from each first to each last one: (n, r)."""
+    start = first.min()
+    cumulated = np.vstack([np.zeros(rows.shape[1]), np.cumsum(rows[start : last.max() + 1], axis=0)])
+    return cumulated[last + 1 - start] - cumulated[first - start]
+
+
+def _scan(regions: list[Interval | Together], reading: NDArray[np.float64], whole: NDArray[np.float64]) -> Scan:
+    """Regions with their readings (n, r), the length of each before the fit (n,), without those that theta takes up."""
     length = np.linalg.norm(reading, axis=1)
-    free = length > 1e-6 * np.linalg.norm(whole, axis=1).max()  # none where theta takes up all that there is
+    free = length > 1e-6 * whole.max()
     return Scan([r for r, s in zip(regions, free, strict=True) if s], reading[free] / length[free, None])
 
 
@@ -55,59 +121,49 @@ def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> li
     scan = intervals(fit, target, spans)
     if not scan.regions:
         return []
-    z = scan.reading @ fit.residual
-    strongest = []
-    for i in (z.argmax(), z.argmin()):
-        k, first, last = scan.regions[i]
-        strongest.append((float(spans[k].ends[first]), float(spans[k].ends[last + 1]), spans[k].feature))
-    return strongest
+    z = scan.z(fit)
+    strongest = [scan.regions[i] for i in (z.argmax(), z.argmin())]
+    return [(*region.ends, region.span.feature) for region in strongest]
 
 
 def significant(
     scan: Scan, fit: Fit, rng: np.random.Generator, alpha: float
-) -> list[tuple[int, int, int, float, float]]:
+) -> list[tuple[Interval | Together, float, float]]:
     """Regions that stand out though all were looked at, strongest first, none overlapping another.
 
-    Each is (which span, first bin, last bin, z, global p).
+    Each with z and its global p-value.
     """
     if not scan.regions:
         return []
-    z = scan.reading @ fit.residual / np.sqrt(1 + fit.noise)
+    z = scan.z(fit)
     draws = rng.standard_normal((TEST.draws, len(fit.residual))) @ fit.projector()
     highest = np.sort(np.abs(draws @ scan.reading.T).max(axis=1))
     p = (1 + TEST.draws - np.searchsorted(highest, np.abs(z))) / (1 + TEST.draws)
-    strongest: list[tuple[int, int, int, float, float]] = []
+    strongest: list[tuple[Interval | Together, float, float]] = []
     for i in np.argsort(-np.abs(z)):
-        k, first, last = scan.regions[i]
         if p[i] > alpha or len(strongest) == TEST.regions:
             break
-        if all(k != other or last < start or first > stop for other, start, stop, _, _ in strongest):
-            strongest.append((k, first, last, float(z[i]), float(p[i])))
+        if not any(scan.regions[i].overlaps(other) for other, _, _ in strongest):
+            strongest.append((scan.regions[i], float(z[i]), float(p[i])))
     return strongest
 
 
 def regions(
     fit: Fit, target: Target, spans: list[Span], rng: np.random.Generator, alpha: float, names: tuple[str, ...]
 ) -> list[Region]:
-    """The intervals of each span in which measured events and simulated ones disagree.
+    """The intervals of each span, and the features together, in which measured and simulated events disagree.
 
     `names` are those of the features, (d,), or none where there is nothing to choose from.
     """
-    strongest = significant(intervals(fit, target, spans), fit, rng, alpha)
-
-    def named(feature: int | str) -> str | None:
-        if isinstance(feature, str):
-            return feature
-        return names[feature] if names else None
-
-    return [
-        Region(
-            feature=named(spans[k].feature),
-            low=float(spans[k].ends[first]),
-            high=float(spans[k].ends[last + 1]),
-            kind="excess" if z > 0 else "deficit",
-            z=z,
-            p_global=p,
-        )
-        for k, first, last, z, p in strongest
-    ]
+    found = []
+    for region, z, p in significant(intervals(fit, target, spans) + dependences(fit, target), fit, rng, alpha):
+        if isinstance(region, Together):
+            pair = len(region.features) == 2
+            feature = " and ".join(names[j] for j in region.features) if pair else "all"
+            found.append(Region(feature=feature, low=None, high=None, kind="dependence", z=z, p_global=p))
+            continue
+        feature, (low, high) = region.span.feature, region.ends
+        name = feature if isinstance(feature, str) else names[feature] if names else None
+        kind = "excess" if z > 0 else "deficit"
+        found.append(Region(feature=name, low=low, high=high, kind=kind, z=z, p_global=p))
+    return found

@@ -16,7 +16,7 @@ from avobench.diagnosis.report.uncertainties import named
 from avobench.diagnosis.schema import Candidate, Gap, Region, Verdict
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.settings import REPORT, TEST
-from avobench.diagnosis.summary.bins import View
+from avobench.diagnosis.summary.bins import Bins, View
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.effects.catalogue import domain
@@ -149,6 +149,11 @@ def notes_of(outcome: Outcome, fit: Fit, target: Target, inferred: Inferred | No
         notes.append(
             f"{num_events} events make {target.rank} bins or less: the identifiability card says what so few cannot "
             "show."
+        )
+    if isinstance(target.summary, Bins) and (left := target.summary.left_out):
+        notes.append(
+            f"{left} pairs of features, far from each other in their order, are not compared: so many have no room in "
+            "memory."
         )
     notes += prior_notes(outcome.first, "without effects")
     if outcome.effects:

@@ -118,8 +118,9 @@ class QuotedFit:
         """The parameters of the task, with errors that cover the other shapes that the data allow."""
         p, fit = self.fit.model.num_theta, self.fit
         std = covering(self.std[:p], np.diag(self._width), self.moves)
+        values, std = fit.model.task.quoted(fit.params[:p], std)
         return {
-            name: Value(value=float(fit.params[i]), std=float(std[i]))
+            name: Value(value=float(values[i]), std=float(std[i]))
             for i, name in enumerate(fit.model.task.parameter_names)
         }
 

@@ -73,7 +73,7 @@ class Unknown:
         evidences, shares = [], np.geomspace(*SCORE.distortions)
         for length in SCORE.lengths:
             alike = self.target.summary.alike(length)
-            share = np.maximum(null.predicted, 0) + SCORE.anywhere * null.predicted.mean()
+            share = self.target.summary.distorted(null.predicted)
             values, vectors = np.linalg.eigh(self.whitened(share, alike, null.predicted))
             evidences += [marginal(null, 1 + a**2 * np.maximum(values, 0), vectors).value for a in shares]
         return float(logsumexp(evidences)) - np.log(len(evidences))

@@ -1,6 +1,7 @@
-"""The summary of events with features: shares of bins whose edges follow the data."""
+"""The summary of events with features: shares of bins whose edges follow the data, and how features go together."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from itertools import combinations, zip_longest
@@ -10,7 +11,11 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from scipy.sparse import csr_array
 
-from avobench.diagnosis.settings import SUMMARY
+from avobench.diagnosis.settings import SCORE, SUMMARY
+from avobench.tasks.errors import UsageError
+
+MANY = 3
+"""Features from which it is asked what all have in common: two have no more than their product."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +85,10 @@ class Summary(ABC):
         features have nothing in common.
         """
 
+    def distorted(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How much of the mean vector (K,) something unknown changes that distorts events by a share of 1: (K,)."""
+        return np.maximum(mean, 0) + SCORE.anywhere * mean.mean()
+
 
 def close(bins: int, length: float) -> NDArray[np.float64]:
     """Squared-exponential correlation of so many bins side by side: (bins, bins)."""
@@ -89,25 +98,42 @@ def close(bins: int, length: float) -> NDArray[np.float64]:
 
 @dataclass(frozen=True)
 class Bins(Summary):
-    """Which bin of each feature, and of each pair of features, an event falls in.
+    """Which bin of each feature, and of some pairs of features, an event falls in, and how its features go together.
 
     `edges` are inner edges, one array a feature: k of them make k + 1 bins, open at both ends. `coarse` are those of
-    the pairs; without them there are no pairs.
+    the `pairs`. Each bin of a feature has a score, its rank in units of their standard deviation. The mean product of
+    two features' scores is their rank correlation (C. Spearman, Am. J. Psychol. 15 (1904) 72); those of the pairs in
+    `products` follow the bins. With three features or more two numbers are last that tell what all have in common: the
+    square of the sum of the scores, and that of the sum of their squares. The first is left out where all pairs have a
+    product, which say it already.
     """
 
     edges: tuple[NDArray[np.float64], ...]
     coarse: tuple[NDArray[np.float64], ...] = ()
+    pairs: tuple[tuple[int, int], ...] = ()
+    scores: tuple[NDArray[np.float64], ...] = ()
+    products: tuple[tuple[int, int], ...] = ()
 
     @cached_property
     def blocks(self) -> list[tuple[tuple[int, ...], int]]:
-        """(features, number of bins) of each block of the vector, in order."""
+        """(features, number of bins) of each block of bins of the vector, in order."""
         single = [((j,), len(e) + 1) for j, e in enumerate(self.edges)]
-        pairs = combinations(range(len(self.coarse)), 2)
-        return single + [((i, j), (len(self.coarse[i]) + 1) * (len(self.coarse[j]) + 1)) for i, j in pairs]
+        return single + [((i, j), (len(self.coarse[i]) + 1) * (len(self.coarse[j]) + 1)) for i, j in self.pairs]
+
+    @cached_property
+    def num_bins(self) -> int:
+        """Bins in the vector; what tells how features go together follows them."""
+        return sum(bins for _, bins in self.blocks)
+
+    @property
+    def left_out(self) -> int:
+        """Pairs of features that vary and have no product."""
+        varies = sum(len(e) > 0 for e in self.edges)
+        return varies * (varies - 1) // 2 - len(self.products) if self.scores else 0
 
     @cached_property
     def size(self) -> int:
-        return sum(bins for _, bins in self.blocks)
+        return self.num_bins + len(self.products) + len(self._common)
 
     @cached_property
     def _merged(self) -> list[NDArray[np.float64]]:
@@ -138,39 +164,124 @@ class Bins(Summary):
         return indices
 
     def mean(self, x: NDArray, pieces: int = 1) -> NDArray[np.float64]:
-        n = len(x) // pieces
-        cells = self.indices(x) + self.size * np.repeat(np.arange(pieces), n)[:, None]
-        return np.bincount(cells.ravel(), minlength=self.size * pieces).reshape(pieces, self.size) / n
+        n, indices = len(x) // pieces, self.indices(x)
+        cells = indices + self.size * np.repeat(np.arange(pieces), n)[:, None]
+        mean = np.bincount(cells.ravel(), minlength=self.size * pieces).reshape(pieces, self.size) / n
+        if self.size > self.num_bins:
+            scores = self._scores_of(indices).reshape(pieces, n, -1)
+            first, second = self._sides
+            end = self.num_bins + len(first)
+            mean[:, self.num_bins : end] = (scores.transpose(0, 2, 1) @ scores)[:, first, second] / n
+            for k, square in enumerate(self._common, end):
+                mean[:, k] = square(scores).mean(axis=1)
+        return mean
 
     def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
         indices = self.indices(x)
-        pointers = np.arange(0, indices.size + 1, indices.shape[1], dtype=np.int32)
-        rows = csr_array((np.ones(indices.size), indices.ravel(), pointers), shape=(len(x), self.size))
-        return (rows.T @ weights).T
+        sums = np.zeros((weights.shape[1], self.size))
+        sums[:, : self.num_bins] = (self._rows(indices).T @ weights).T
+        for some, together in self._together(indices):
+            sums[:, self.num_bins :] += weights[some].T @ together
+        return sums
 
     def project(self, x: NDArray, direction: NDArray[np.float64]) -> NDArray[np.float64]:
-        return direction[self.indices(x)].sum(axis=1)
+        indices = self.indices(x)
+        along = self._rows(indices) @ direction[: self.num_bins]
+        for some, together in self._together(indices):
+            along[some] += together @ direction[self.num_bins :]
+        return along
 
     def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
         return 2 * (self.indices(before) != self.indices(after)).mean(axis=1)
 
     def covariance(self, x: NDArray) -> NDArray[np.float64]:
-        columns, lengths = np.ascontiguousarray(self.indices(x).T), [bins for _, bins in self.blocks]
+        indices, b = self.indices(x), self.num_bins
+        columns, lengths = np.ascontiguousarray(indices.T), [bins for _, bins in self.blocks]
         starts = np.cumsum([0, *lengths[:-1]])
         second = np.zeros((self.size, self.size))
         for i, j in combinations(range(len(columns)), 2):
-            (a, b), (m, n) = (starts[i], starts[j]), (lengths[i], lengths[j])
-            cells = np.bincount((columns[i] - a) * n + (columns[j] - b), minlength=m * n)
-            second[a : a + m, b : b + n] = cells.reshape(m, n)
+            (a, c), (m, n) = (starts[i], starts[j]), (lengths[i], lengths[j])
+            cells = np.bincount((columns[i] - a) * n + (columns[j] - c), minlength=m * n)
+            second[a : a + m, c : c + n] = cells.reshape(m, n)
+        for some, together in self._together(indices):
+            second[:b, b:] += self._rows(indices[some]).T @ together
+            second[b:, b:] += np.triu(together.T @ together)
         mean = self.mean(x)[0]
-        return (second + second.T) / len(x) + np.diag(mean) - np.outer(mean, mean)
+        second[range(b), range(b)] = len(x) * mean[:b]
+        second += np.triu(second, 1).T
+        second /= len(x)
+        second -= np.outer(mean, mean)
+        return second
+
+    def directions(self) -> list[tuple[tuple[int, ...], NDArray[np.float64]]]:
+        """Combinations (K,) of the vector that tell how features go together, and which features each is of.
+
+        The product of each pair and, with three features or more, four of all of them: the sum of the scores, that of
+        their squares, and the square of each. A gain that all share moves or spreads every feature by little, or both
+        by another amount in every event, and the sum shows it.
+        """
+        found = []
+        for k, pair in enumerate(self.products, self.num_bins):
+            found.append((pair, np.eye(1, self.size, k)[0]))
+        if len(self.edges) < MANY or not self.scores:
+            return found
+        everything, scores = tuple(range(len(self.edges))), np.concatenate(self.scores)
+        for weights in (scores, scores**2):
+            found.append((everything, np.r_[weights, np.zeros(self.size - len(weights))]))
+        fluctuating = np.eye(2, self.size, self.size - 2)
+        if len(self._common) == 1:  # the square of a sum is the sum of the squares and of twice the products
+            products = np.arange(self.size)[self.num_bins : self.num_bins + len(self.products)]
+            fluctuating[0, self.size - 2] = 0
+            fluctuating[0, products], fluctuating[0, : len(scores)] = 2, scores**2
+        return found + [(everything, row) for row in fluctuating]
+
+    @cached_property
+    def _sides(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """The first and the second feature of each product."""
+        first, second = np.array(self.products, int).reshape(-1, 2).T
+        return first, second
+
+    @cached_property
+    def _common(self) -> list[Callable[[NDArray[np.float64]], NDArray[np.float64]]]:
+        """What all features have in common, of scores (..., d) -> (...)."""
+        d = len(self.edges)
+        if d < MANY or not self.scores:
+            return []
+        spread = [lambda s: ((s**2).sum(axis=-1) - d) ** 2 / (2 * d)]
+        return spread if len(self.products) == d * (d - 1) // 2 else [lambda s: s.sum(axis=-1) ** 2 / d, *spread]
+
+    def _scores_of(self, indices: NDArray[np.int32]) -> NDArray[np.float64]:
+        """The scores of events by the positions of their bins: (n, blocks) -> (n, d)."""
+        return np.concatenate(self.scores)[indices[:, : len(self.edges)]]
+
+    def _together(self, indices: NDArray[np.int32]) -> Iterator[tuple[slice, NDArray[np.float64]]]:
+        """The part of the vectors that follows the bins, of some events at a time: their rows, and (m, K - bins)."""
+        if self.size == self.num_bins:
+            return
+        step = max(SUMMARY.numbers_at_once // (self.size - self.num_bins), 1)
+        first, second = self._sides
+        for start in range(0, len(indices), step):
+            some = slice(start, start + step)
+            scores = self._scores_of(indices[some])
+            common = [square(scores)[:, None] for square in self._common]
+            yield some, np.hstack([scores[:, first] * scores[:, second], *common])
+
+    def _rows(self, indices: NDArray[np.int32]) -> csr_array:
+        """The bins of the vectors: (n, blocks) -> (n, bins)."""
+        pointers = np.arange(0, indices.size + 1, indices.shape[1], dtype=np.int32)
+        return csr_array((np.ones(indices.size), indices.ravel(), pointers), shape=(len(indices), self.num_bins))
 
     def view(self, x: NDArray) -> View:
         return View(spans_of([(j, closed(inner, x[:, j])) for j, inner in enumerate(self.edges)]))
 
     def alike(self, length: float) -> NDArray[np.float64]:
         sides = [[bins] if len(f) == 1 else [len(self.coarse[j]) + 1 for j in f] for f, bins in self.blocks]
-        return block_diag(*(reduce(np.kron, [close(bins, length) for bins in side]) for side in sides))
+        bins = (reduce(np.kron, [close(bins, length) for bins in side]) for side in sides)
+        return block_diag(*bins, np.eye(self.size - self.num_bins))
+
+    def distorted(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
+        # A relative change of the density by 1 changes a product of standard scores by about 1.
+        return np.r_[super().distorted(mean[: self.num_bins]), np.ones(self.size - self.num_bins)]
 
 
 def _parts(edges: NDArray[np.float64], merged: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -191,16 +302,55 @@ def bin_of(column: NDArray, edges: NDArray[np.float64]) -> NDArray[np.intp]:
 def bins_of(x: NDArray, simulated: NDArray) -> Bins:
     """Bins that hold measured and simulated events alike, so that neither a hole nor a peak falls between edges.
 
-    One feature: about 50 bins, 80 of counts. Several: about 12 bins a feature, and 4 x 4 a pair where there are at
-    least 2 000 events. In a feature's tails they are finer. Few events make fewer bins. Counts are never split, the
-    rare merged.
+    One feature: about 50 bins, 80 of counts. Several: about 12 bins a feature, the rank correlation of each pair, and
+    4 x 4 bins a pair where there are at least 2 000 events. In a feature's tails they are finer. Few events make fewer
+    bins. Counts are never split, the rare merged.
+
+    The covariance has the square of as many numbers, so there are `SUMMARY.most_numbers` at most: of many features,
+    correlations and then bins are left to pairs that are close in the order of the features, as sensors side by side
+    are, and which effects of the catalogue act on. To keep the pairs that differ most would find a difference where
+    there is none. Raises UsageError where there are too many features for that.
     """
     n, d = x.shape
+    if 8 * d > SUMMARY.most_numbers:  # four bins of each take half of them
+        raise UsageError(
+            f"a diagnosis compares at most {SUMMARY.most_numbers // 8} features, the events have {d}: leave some out"
+        )
     one = np.issubdtype(x.dtype, np.integer) and d == 1
-    most = min(max(n // 25, 4), 80 if one else 50) if d == 1 else min(max(n // 100, 4), 12)
+    most = (
+        min(max(n // 25, 4), 80 if one else 50)
+        if d == 1
+        else min(max(n // 100, 4), 12, SUMMARY.most_numbers // (2 * d))
+    )
     edges = tuple(inner_edges(x[:, j], simulated[:, j], most, growth=2 if d == 1 else 8) for j in range(d))
-    coarse = tuple(inner_edges(x[:, j], simulated[:, j], 4) for j in range(d)) if d > 1 and n >= 2000 else ()
-    return Bins(edges, coarse)
+    if d == 1:
+        return Bins(edges)
+    scores = tuple(ranks(x[:, j], simulated[:, j], e) for j, e in enumerate(edges))
+    varies = [j for j in range(d) if len(edges[j])]
+    near = sorted(combinations(varies, 2), key=lambda pair: (pair[1] - pair[0], pair))
+    room = SUMMARY.most_numbers - sum(len(e) + 1 for e in edges) - 2  # what all have in common
+    products = tuple(near[: max(room, 0)])
+    coarse = tuple(inner_edges(x[:, j], simulated[:, j], 4) for j in range(d)) if n >= 2000 else ()
+    pairs = []
+    room -= len(products)
+    for i, j in near if coarse else ():
+        room -= (len(coarse[i]) + 1) * (len(coarse[j]) + 1)
+        if room < 0:
+            break
+        pairs.append((i, j))
+    return Bins(edges, coarse, tuple(sorted(pairs)), scores, tuple(sorted(products)))
+
+
+def ranks(x: NDArray, simulated: NDArray, edges: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The mean rank of the events in each bin of a feature, both sets in equal parts: (k + 1,).
+
+    It is scaled to a mean of 0 and a variance of 1, and 0 where there is but one bin.
+    """
+    share = sum(np.bincount(bin_of(each, edges), minlength=len(edges) + 1) / len(each) for each in (x, simulated)) / 2
+    rank = np.cumsum(share) - share / 2
+    rank -= share @ rank
+    spread = np.sqrt(share @ rank**2)
+    return rank / spread if len(edges) else 0 * rank
 
 
 def inner_edges(x: NDArray, simulated: NDArray, most: int, *, growth: float = np.inf) -> NDArray[np.float64]:

@@ -124,9 +124,9 @@ def _drawn(values: list[float]) -> list[str]:
     return [f"< {least:g}" if p <= least else number(p) for p in values]
 
 
-def _each(values: list[float]) -> list[str]:
+def _each(values: list[float | None]) -> list[str]:
     """Limits of regions, each with its own decimals: those near an edge differ from it in the fourth."""
-    return [f"{value:.5g}" for value in values]
+    return ["-" if value is None else f"{value:.5g}" for value in values]
 
 
 def _candidates(diagnosis: Diagnosis) -> html.Table:

@@ -42,6 +42,12 @@ def details(diagnosis: Diagnosis) -> str:
     lines += [f"probability of being missing: {names}" for names in [probabilities(diagnosis)] if names]
     lines += [f"95 % set of models: {models}" for models in [likely_models(diagnosis)] if models]
     for region in diagnosis.regions[:MOST_REGIONS]:
+        if region.kind == "dependence":
+            of = (
+                "what all features have in common" if region.feature == "all" else f"the dependence of {region.feature}"
+            )
+            lines.append(f"{of}: {abs(region.z):.1f} sigma")
+            continue
         where = f"{region.feature} " if region.feature else ""
         ends = f"{region.low:.4g} to {region.high:.4g}{in_unit(region.unit)}"
         lines.append(f"{region.kind} at {where}{ends}: {abs(region.z):.1f} sigma")

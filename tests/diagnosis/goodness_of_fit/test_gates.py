@@ -11,10 +11,17 @@ from sklearn.metrics import roc_auc_score
 
 from avobench.diagnosis.fit.descent import refine
 from avobench.diagnosis.fit.null import fit_null
-from avobench.diagnosis.goodness_of_fit.gates import cell_gate, classifier_gate, correction, features_of, summary_gate
+from avobench.diagnosis.goodness_of_fit.gates import (
+    cell_gate,
+    classifier_gate,
+    correction,
+    dependence_gate,
+    features_of,
+    summary_gate,
+)
 from avobench.diagnosis.goodness_of_fit.regions import regions
 from avobench.diagnosis.summary.bins import bins_of
-from avobench.diagnosis.summary.target import target_of
+from avobench.diagnosis.summary.target import Target, target_of
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.tasks import Box, Task
@@ -119,6 +126,57 @@ def test_a_classifier_does_not_see_how_a_computer_rounds_whatever_the_unit(unit)
     assert features_of(target_of(counts, bins_of(counts, counts), counts))(counts) is counts
 
 
+def independent(n, d, rng):
+    return rng.standard_normal((n, d))
+
+
+def correlated(n, d, rng):
+    x = rng.standard_normal((n, d))
+    x[:, 1] = 0.2 * x[:, 0] + np.sqrt(0.96) * x[:, 1]
+    return x
+
+
+def common_gain(n, d, rng):
+    return rng.standard_normal((n, d)) * (1 + 0.15 * rng.standard_normal((n, 1)))
+
+
+def common_offset(n, d, rng):
+    return rng.standard_normal((n, d)) + 0.15 * rng.standard_normal((n, 1))
+
+
+def untouched(make, n, d, seed):
+    """A fit of independent normals, in which nothing is free, to events that are made in another way."""
+    rng = np.random.default_rng(seed)
+    x, simulated = make(n, d, rng), independent(20 * n, d, rng)
+    summary = bins_of(x, simulated[:n])
+    target = Target.of(summary, summary.mean(x)[0], n, summary.covariance(simulated))
+    residual = target.whiten(target.mean - summary.mean(simulated)[0])
+    return SimpleNamespace(residual=residual, noise=1 / 20, projector=lambda: np.eye(len(residual))), target
+
+
+@pytest.mark.parametrize(
+    ("make", "n", "d", "features"),
+    [
+        (correlated, 1500, 2, "x1 and x2"),
+        (correlated, 1500, 15, "x1 and x2"),
+        (common_gain, 1500, 15, "all"),
+        (common_offset, 1500, 15, "all"),
+    ],
+)
+def test_a_dependence_is_seen_where_every_feature_alone_is_right_and_told_where_it_is(make, n, d, features):
+    fit, target = untouched(make, n, d, 0)
+    assert dependence_gate(fit, target).p_value < 1e-5
+    told = regions(fit, target, [], np.random.default_rng(0), 0.01, tuple(f"x{j + 1}" for j in range(d)))
+    assert (told[0].feature, told[0].kind) == (features, "dependence")
+
+
+@pytest.mark.parametrize("d", [2, 4])
+def test_of_independent_features_a_dependence_is_seen_as_seldom_as_alpha_says(d):
+    """In 60 sets each. A right gate fails once in two thousand times."""
+    p = np.array([dependence_gate(*untouched(independent, 500, d, 10 + k)).p_value for k in range(60)])
+    assert (p < 0.05).sum() <= binom.isf(5e-4, len(p), 0.05)
+
+
 class Signs(Task):
     """Three Gaussians of width theta. In the measured events the product of their signs is a little more often +."""
 
@@ -149,7 +207,7 @@ def test_p_values_of_the_classifier_are_uniform_for_a_true_model():
 
 
 def test_it_sees_what_lives_in_three_features_together_where_no_bins_do():
-    x, rng = measured(Signs(), [1.0], 6000, 0)
+    x, rng = measured(Signs(), [1.0], 12_000, 0)
     x[(rng.random(len(x)) < 0.3) & (x.prod(axis=1) < 0), 0] *= -1
     summary, classifier = both_gates(Signs(), x, rng)
     assert summary > 1e-3

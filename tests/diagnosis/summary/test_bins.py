@@ -3,8 +3,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from measurements import measured
+from scipy.stats import spearmanr
 
 from avobench.diagnosis.summary.bins import bin_of, bins_of, closed
+from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson
 
 
@@ -49,3 +51,46 @@ def test_whole_numbers_are_in_the_bins_where_a_search_finds_them(dtype, edges, h
 def test_a_count_at_an_edge_is_above_it(edge):
     x = np.tile(np.arange(-3, 6), 10)
     np.testing.assert_array_equal(bin_of(x, np.array([edge])), x >= edge)
+
+
+def several(n, d, seed=0, correlation=0.0):
+    """Standard normals (n, d), of which the first two are correlated."""
+    x = np.random.default_rng(seed).standard_normal((n, d))
+    x[:, 1] = correlation * x[:, 0] + np.sqrt(1 - correlation**2) * x[:, 1]
+    return x
+
+
+@pytest.mark.parametrize("d", [2, 5, 30])
+def test_the_vector_of_an_event_is_one_however_it_is_asked_for(d):
+    x, rng = several(400, d), np.random.default_rng(1)
+    bins = bins_of(x, several(400, d, 2))
+    rows = bins.moments(x, np.eye(len(x)))
+    np.testing.assert_allclose(bins.mean(x, 4), rows.reshape(4, 100, -1).mean(axis=1), atol=1e-12)
+    np.testing.assert_allclose(bins.covariance(x), np.cov(rows.T, bias=True), atol=1e-12)
+    direction = rng.standard_normal((bins.size, 2))
+    np.testing.assert_allclose(bins.project(x, direction), rows @ direction, atol=1e-9)
+    assert bins.alike(0.1).shape == (bins.size, bins.size)
+    np.testing.assert_array_equal(bins.moved(x, x), 0)
+
+
+def test_a_product_is_the_rank_correlation_whatever_the_scale():
+    x = several(20_000, 2, correlation=0.5)
+    for each in (x, np.exp(3 * x)):
+        bins = bins_of(each, each)
+        assert bins.mean(each)[0, -1] == pytest.approx(spearmanr(*x.T).statistic, abs=0.02)
+
+
+@pytest.mark.parametrize("constant", [False, True])
+def test_of_two_hundred_features_the_covariance_stays_small_and_neighbours_have_their_product(constant):
+    x = several(2500, 200)
+    x[:, 100] = 0 if constant else x[:, 100]
+    bins = bins_of(x, x)
+    assert bins.size <= 3000
+    assert {(j, j + 1) for j in range(199) if not constant or 100 not in (j, j + 1)} <= set(bins.products)
+    assert len(bins.mean(x)[0]) == bins.size
+    assert bins.left_out > 15_000
+
+
+def test_too_many_features_are_refused_in_a_line():
+    with pytest.raises(UsageError, match="leave some out"):
+        bins_of(np.zeros((60, 1000)), np.zeros((60, 1000)))

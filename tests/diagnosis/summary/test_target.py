@@ -11,8 +11,7 @@ from avobench.tasks.carl import Carl
 def test_covariance_is_that_of_the_vectors_and_whitens():
     x, _rng = measured(Carl(), [0.5, -1.0], 4000, 1)
     bins = bins_of(x, x)
-    rows = np.zeros((len(x), bins.size))
-    np.put_along_axis(rows, bins.indices(x), 1, axis=1)
+    rows = bins.moments(x, np.eye(len(x)))
     cov = bins.covariance(x)
     np.testing.assert_allclose(cov, np.cov(rows.T, bias=True), atol=1e-12)
     w = whitening(cov)
