@@ -1,1 +1,1 @@
-"""Cases by which a change of the diagnosis is judged: other fields' simulators, and measurements with a known answer."""
+"""Cases by which the diagnosis is judged: simulators of other fields, and measurements with a known answer."""

@@ -68,8 +68,8 @@ CASES = (
         "claims",
         poisson("claims", 0.02, 1),
         lambda rng: CLAIMS,
-        "Claims of 9461 drivers in a year, Belgium (Thyrion, Astin Bull. 1 (1960) 142; Simar, Ann. Stat. 4 (1976) 1200): "
-        "a rate that differs between drivers, a mixed Poisson distribution",
+        "Claims of 9461 drivers in a year, Belgium (Thyrion, Astin Bull. 1 (1960) 142; Simar, Ann. Stat. 4 (1976) "
+        "1200): a rate that differs between drivers, a mixed Poisson distribution",
         ("overdispersion", "spread", "mixture"),
         ("zero_inflation",),
     ),
@@ -120,16 +120,16 @@ CASES = (
             prior={"mean": (62, 74), "std": (1, 5)},
         ),
         lambda rng: STATURE,
-        "Stature of 928 grown children (Galton, J. Anthropol. Inst. 15 (1886) 246): a normal distribution, in classes of "
-        "one inch",
+        "Stature of 928 grown children (Galton, J. Anthropol. Inst. 15 (1886) 246): a normal distribution, in classes "
+        "of one inch",
         ("quantisation",),
     ),
     Case(
         "crabs",
         avobench.task(classes_of_crabs, name="crabs", prior={"mean": (0.62, 0.68), "std": (0.008, 0.04)}),
         lambda rng: CRABS,
-        "Forehead by length of 1000 shore crabs, Naples (Weldon, Proc. R. Soc. 54 (1893) 318; Pearson, Phil. Trans. A 185 "
-        "(1894) 71): two normal populations; a peak of others beside one normal population says the same",
+        "Forehead by length of 1000 shore crabs, Naples (Weldon, Proc. R. Soc. 54 (1893) 318; Pearson, Phil. Trans. A "
+        "185 (1894) 71): two normal populations; a peak of others beside one normal population says the same",
         ("mixture", "peak_background"),
         ("spread", "radiative_tail"),
     ),
@@ -148,8 +148,8 @@ CASES = (
         "temperatures",
         avobench.task(season, name="temperatures", prior={"mean": (0, 20), "amplitude": (1, 12), "spread": (1, 8)}),
         lambda rng: kept("temperatures"),
-        "Lowest temperature of 1461 days in Seattle: read in whole degrees Fahrenheit, and converted (Rhines et al., Q. J. "
-        "R. Meteorol. Soc. 141 (2015) 2923)",
+        "Lowest temperature of 1461 days in Seattle: read in whole degrees Fahrenheit, and converted (Rhines et al., "
+        "Q. J. R. Meteorol. Soc. 141 (2015) 2923)",
         ("quantisation",),
     ),
 )
