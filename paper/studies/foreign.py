@@ -32,7 +32,7 @@ FOLDER = Path("results/foreign")
 CASES = {"simulated": simulated.CASES, "measured": measured.CASES}
 """By what made the events."""
 SIMULATIONS = 10_000_000
-"""That a diagnosis may use: it then takes some ten seconds, and names as well as without a limit."""
+"""That a diagnosis may use unless another limit is set: it then takes some ten seconds."""
 KEPT = {
     *("verdict", "p_value_before", "p_value_after", "gap_before", "gap_after", "effects", "models", "outside"),
     *("theta_before", "theta_after", "num_events", "num_simulations", "notes"),
@@ -48,13 +48,15 @@ class Configuration:
     """Shapes that a family may have, the plainest first; None for all."""
     experience: bool = True
     """Whether the networks are asked what the events look like."""
-    simulations: int = SIMULATIONS
+    simulations: int | None = SIMULATIONS
+    """That it may use; None for as many as it takes."""
     seed: int = 0
 
     @property
     def name(self) -> str:
-        """The name of its folder, but for the last two, which records hold."""
-        return f"{self.shapes or 'all'}-{'with' if self.experience else 'without'}-experience"
+        """The name of its folder: records of another seed, or another limit, stand in its stead."""
+        words = f"{self.shapes or 'all'}-{'with' if self.experience else 'without'}-experience"
+        return words if self.simulations else f"{words}-without-limit"
 
 
 @cache
@@ -156,13 +158,13 @@ def read(folder: Path = FOLDER) -> dict[str, list[dict[str, Any]]]:
 @click.command()
 @click.option("--shapes", type=click.IntRange(1), default=None, help="Shapes of a family, the plainest first.  [all]")
 @click.option("--experience/--no-experience", default=True, help="Ask the networks, or not.")
-@click.option("--simulations", type=click.IntRange(1), default=SIMULATIONS, show_default=True, help="Of a diagnosis.")
+@click.option("--simulations", type=click.IntRange(0), default=SIMULATIONS, show_default=True, help="0 for no limit.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
 @click.option("--results", type=click.Path(path_type=Path), default=FOLDER, show_default=True)
 def study(shapes: int | None, experience: bool, simulations: int, seed: int, results: Path) -> None:
     """Diagnose the cases that have no record in this configuration yet."""
     require_folder(results)
-    made(results, Configuration(shapes, experience, simulations, seed))
+    made(results, Configuration(shapes, experience, simulations or None, seed))
 
 
 if __name__ == "__main__":
