@@ -24,6 +24,7 @@ from avobench.cli.main import main
 from avobench.diagnosis.checks import Checks
 from avobench.diagnosis.run import diagnose
 from avobench.effects import Effect
+from avobench.tasks.errors import StoreError
 from paper.foreign import measured, simulated
 from paper.foreign.case import Case
 from paper.studies.files import read_file
@@ -147,8 +148,10 @@ def said(case: Case, configuration: Configuration) -> dict[str, Any]:
 
 
 def read(folder: Path = FOLDER) -> dict[str, list[dict[str, Any]]]:
-    """The records in a folder by the name of the configuration. Raises StoreError for a damaged one."""
+    """The records in a folder by the name of the configuration. Raises StoreError for none or a damaged one."""
     paths = sorted(folder.glob("*/*.json"))
+    if not paths:
+        raise StoreError(f"no records in {folder}; `python -m paper.studies.foreign --results {folder}` makes them")
     return {
         name: [read_file(path, "foreign") for path in paths if path.parent.name == name]
         for name in dict.fromkeys(path.parent.name for path in paths)

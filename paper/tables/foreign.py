@@ -1,6 +1,7 @@
 """What the diagnosis says of cases of others, by configuration: `python -m paper.tables.foreign`.
 
-It prints two tables of the records of `python -m paper.studies.foreign`: how often it was right, and each first name.
+It prints tables of the records of `python -m paper.studies.foreign`: how often it was right, and each first name. A
+configuration is called by the shapes that a family may have; `networks` are those of experience.
 """
 
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 import click
 import pandas as pd
 
+from avobench.cli.main import main
 from avobench.diagnosis.schema import Verdict
 from paper.studies.foreign import FOLDER, read
 
@@ -85,37 +87,51 @@ def _mean(values: list[float], digits: int = 2) -> str:
     return f"{mean(values):.{digits}f}" if values else "-"
 
 
-def scores(found: dict[str, list[Record]], made_by: str) -> pd.DataFrame:
+def scores(found: list[list[Record]], made_by: str) -> pd.DataFrame:
     """A row a configuration, of the cases that were made so."""
-    return pd.DataFrame([row(name, [r for r in all_ if r["made_by"] == made_by]) for name, all_ in found.items()])
+    return pd.DataFrame([row(called(all_[0]), [r for r in all_ if r["made_by"] == made_by]) for all_ in found])
 
 
-def first_names(found: dict[str, list[Record]]) -> pd.DataFrame:
+def first_names(found: list[list[Record]]) -> pd.DataFrame:
     """A row a case: what is right, and the first name that each configuration gave."""
     rows: dict[str, dict[str, Any]] = {}
-    for name, records in found.items():
+    for records in found:
         for record in sorted(records, key=lambda record: (record["made_by"] == "measured", record["case"])):
             diagnosis = record["diagnosis"]
             known = {"events": diagnosis["num_events"], "right": " or ".join(record["right"]) or "nothing"}
-            kind = judged(record)
-            first = full_name(diagnosis["effects"][0]) if diagnosis["effects"] else _unnamed(diagnosis["verdict"])
-            rows.setdefault(record["case"], {"case": record["case"], **known})[name] = f"{MARKS[kind]} {first}"
+            shown = f"{MARKS[judged(record)]} {first_name(record)}"
+            rows.setdefault(record["case"], {"case": record["case"], **known})[called(record)] = shown
     return pd.DataFrame(list(rows.values())).fillna("")
 
 
-def _unnamed(verdict: str) -> str:
-    return "nothing" if verdict == Verdict.NOTHING else "something"
+def first_name(record: Record) -> str:
+    """The first name that was given, with its feature where the answer has one."""
+    effects = record["diagnosis"]["effects"]
+    if not effects:
+        return "nothing" if record["diagnosis"]["verdict"] == Verdict.NOTHING else "something"
+    return full_name(effects[0]) if any(" on " in answer for answer in record["right"]) else effects[0]["name"]
+
+
+def called(record: Record) -> str:
+    """A configuration in a few letters."""
+    networks = ", networks" if record["experience"] else ""
+    return f"{record['shapes'] or 'all'}{networks}{'' if record['simulations'] else ', no limit'}"
+
+
+def _order(record: Record) -> tuple[bool, bool, int]:
+    """As it is shipped first, then by what it lacks; those without a limit last."""
+    return record["simulations"] is None, not record["experience"], -(record["shapes"] or 1000)
 
 
 @click.command()
 @click.option("--results", type=click.Path(path_type=Path), default=FOLDER, show_default=True)
-def main(results: Path) -> None:
+def tables(results: Path) -> None:
     """Print the tables."""
-    found = read(results)
+    found = sorted(read(results).values(), key=lambda records: _order(records[0]))
     for made_by in ("simulated", "measured"):
         click.echo(f"{made_by}\n{scores(found, made_by).T.to_string(header=False)}\n")
     click.echo(first_names(found).to_string(index=False))
 
 
 if __name__ == "__main__":
-    main()
+    main(tables)
