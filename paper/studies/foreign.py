@@ -8,7 +8,7 @@ import copy
 import hashlib
 import time
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -32,6 +32,7 @@ from paper.studies.files import read_file
 FOLDER = Path("results/foreign")
 CASES = {"simulated": simulated.CASES, "measured": measured.CASES}
 """By what made the events."""
+NAMES = [case.name for cases in CASES.values() for case in cases]
 SIMULATIONS = 10_000_000
 """That a diagnosis may use unless another limit is set: it then takes some ten seconds."""
 KEPT = {
@@ -86,15 +87,15 @@ def plainest(effects: Iterable[Effect], number: int | None) -> list[Effect]:
     return chosen
 
 
-def made(folder: Path, configuration: Configuration) -> list[dict[str, Any]]:
-    """The records of all cases, of which those are made that are lacking, or of other events or another answer.
+def made(folder: Path, configuration: Configuration, names: Sequence[str] = ()) -> list[dict[str, Any]]:
+    """The records of the cases of these names, or of all.
 
-    A new version of the diagnosis makes none of them anew: name another folder for that. Raises StoreError for a
-    damaged record.
+    Those are made that are lacking, or of other events or another answer. A new version of the diagnosis makes none of
+    them anew: name another folder for that. Raises StoreError for a damaged record.
     """
     records = []
     for made_by, cases in CASES.items():
-        for case in cases:
+        for case in [case for case in cases if not names or case.name in names]:
             path = folder / configuration.name / f"{case.name}.json"
             identity = identity_of(case, made_by, configuration)
             record = read_file(path, "foreign") if path.exists() else {}
@@ -163,11 +164,16 @@ def read(folder: Path = FOLDER) -> dict[str, list[dict[str, Any]]]:
 @click.option("--experience/--no-experience", default=True, help="Ask the networks, or not.")
 @click.option("--simulations", type=click.IntRange(0), default=SIMULATIONS, show_default=True, help="0 for no limit.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@click.option(
+    "--case", "names", multiple=True, type=click.Choice(NAMES), metavar="NAME", help="May be repeated.  [all]"
+)
 @click.option("--results", type=click.Path(path_type=Path), default=FOLDER, show_default=True)
-def study(shapes: int | None, experience: bool, simulations: int, seed: int, results: Path) -> None:
+def study(
+    shapes: int | None, experience: bool, simulations: int, seed: int, names: tuple[str, ...], results: Path
+) -> None:
     """Diagnose the cases that have no record in this configuration yet."""
     require_folder(results)
-    made(results, Configuration(shapes, experience, simulations or None, seed))
+    made(results, Configuration(shapes, experience, simulations or None, seed), names)
 
 
 if __name__ == "__main__":
