@@ -88,8 +88,10 @@ def _mean(values: list[float], digits: int = 2) -> str:
 
 
 def scores(found: list[list[Record]], made_by: str) -> pd.DataFrame:
-    """A row a configuration, of the cases that were made so."""
-    return pd.DataFrame([row(called(all_[0]), [r for r in all_ if r["made_by"] == made_by]) for all_ in found])
+    """A row a configuration, of the cases that were made so; none of one that lacks some of the cases."""
+    chosen = [[record for record in records if record["made_by"] == made_by] for records in found]
+    most = max(map(len, chosen))
+    return pd.DataFrame([row(called(records[0]), records) for records in chosen if len(records) == most])
 
 
 def first_names(found: list[list[Record]]) -> pd.DataFrame:
