@@ -77,6 +77,7 @@ def row(name: str, records: list[Record]) -> dict[str, Any]:
         "P(first name)": _mean(first),
         "P(outside)": _mean([record["diagnosis"]["outside"] or 0 for record in seen]),
         "named, yet rejected": rejected,
+        "a further name": sum(len(each["effects"]) > 1 for each in said),
         "false alarms": f"{sum(judged(record) == WRONG for record in nulls)} of {len(nulls)}",
         "calls an event": f"{median(calls):.0f}" if calls else "-",
         "seconds": _mean([record["processor_seconds"] for record in seen], 0),
