@@ -55,6 +55,7 @@ def diagnose(
     num_spent: int = 0,
     fit: str = "surrogate",
     effects: list[Effect] | None = None,
+    experience: bool = True,
     jobs: int = 1,
     ordered: bool = False,
     time: NDArray[np.float64] | None = None,
@@ -63,10 +64,11 @@ def diagnose(
 ) -> Result:
     """Compare measured events x (N, d) with a task, and say what it lacks.
 
-    Of the `num_simulations` that are allowed, `num_spent` were spent before, on checks. `ordered` asks whether the
-    order of the events, or that of their `time` (N,), matters. `progress` is told how far it is. Simulated events are
-    kept in the folder `bank`, and taken from there. Raises UsageError for too few events, for fewer `num_simulations`
-    than the first fit takes, and for impossible settings.
+    Of the `num_simulations` that are allowed, `num_spent` were spent before, on checks. Without `experience` the
+    networks are not asked what the events look like. `ordered` asks whether the order of the events, or that of their
+    `time` (N,), matters. `progress` is told how far it is. Simulated events are kept in the folder `bank`, and taken
+    from there. Raises UsageError for too few events, for fewer `num_simulations` than the first fit takes, and for
+    impossible settings.
     """
     started = perf_counter()
     if len(x) < BUDGET.least_events:
@@ -88,7 +90,9 @@ def diagnose(
     run = Run(task, x[shuffled[:cut]], len(x), effects, alpha, effort, rng, meter, phases, notes, jobs, bank)
 
     null, inferred = run.null_model(fit)
-    extended, posterior = run.extended_model(null, max_effects) if null.p_value < alpha else (None, None)
+    extended, posterior = None, None
+    if null.p_value < alpha:
+        extended, posterior = run.extended_model(null, max_effects, experience)
     phases.begin("checks")
     held_out = HeldOut(run.target, run.target.summary.mean(x[shuffled[cut:]])[0], len(x) - cut)
     outcome = Outcome.of(null, extended, posterior, alpha, held_out, rng, effort)
@@ -172,11 +176,14 @@ class Run:
         """A fitted model with all tests of it."""
         return ExtendedModel.of(fit, self.target, self.events, self.rng, self.effort)
 
-    def extended_model(self, null: ExtendedModel, max_effects: int) -> tuple[ExtendedModel | None, Posterior | None]:
+    def extended_model(
+        self, null: ExtendedModel, max_effects: int, experience: bool
+    ) -> tuple[ExtendedModel | None, Posterior | None]:
         """Weigh all sets of effects that may be missing, and add the most probable one; None where none is."""
         meter, target, n = self.meter, self.target, len(self.events)
         self.phases.begin("search", usual_events(domain(self.task), n) if meter.limit is None else 0)
-        search = Search(target, self.events, self.effects, max_effects, self.rng, self.effort, self.jobs, self.phases)
+        rng, effort = self.rng, self.effort
+        search = Search(target, self.events, self.effects, max_effects, rng, effort, self.jobs, self.phases, experience)
         extended = None
         with meter.keeping(self.later + self.effort.gaps):
             with meter.keeping(addition_events(self.effort, n)):

@@ -36,6 +36,8 @@ class Search:
     jobs: int
     phases: Phases | None = None
     """What is told which effect is looked for."""
+    experience: bool = True
+    """Whether the networks are asked what the events look like."""
 
     def posterior(self, null: Fit) -> Posterior | None:
         """Sets of effects that may be missing from a rejected model, with their probabilities.
@@ -52,7 +54,7 @@ class Search:
 
     def like(self, model: Model, theta: NDArray[np.float64]) -> dict[str, float]:
         """Logarithm of how much the events look like each family, beside those of a model at theta (p,)."""
-        if kind_of(model.task) is None:
+        if not self.experience or kind_of(model.task) is None:
             return {}
         rng, n = self.rng.spawn(1)[0], RECOGNITION.simulated * min(len(self.x), RECOGNITION.portrait_events)
         return resemblance(model.task, self.effects, self.x, model.simulate(np.tile(theta, (n, 1)), rng))

@@ -51,3 +51,15 @@ def test_any_number_of_processes_gives_the_same_probabilities(zeros):
     names = ("zero_inflation", "dead_time")
     one, two = (searched(zeros, names, jobs, max_effects=1) for jobs in (1, 2))
     assert one.probability == two.probability
+
+
+def test_what_the_events_look_like_is_asked_only_with_experience():
+    counts = np.random.default_rng(0).poisson(12, (500, 1))
+    effects = [effect for effect in catalogue(Poisson()) if effect.name in SOME]
+
+    def looks(experience):
+        search = Search(None, counts, effects, 1, np.random.default_rng(1), None, 1, experience=experience)
+        return search.like(Model(Poisson()), np.array([np.log(12)]))
+
+    assert set(looks(True)) == set(SOME)
+    assert looks(False) == {}
