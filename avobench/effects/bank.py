@@ -12,9 +12,10 @@ from avobench.tasks.meter import Meter
 from avobench.tasks.sample import SampleTask
 
 COARSEST = 4
-"""The lattice begins with a spacing of 2^-4 of the range of each parameter: to look for theta it need not be finer."""
+"""The spacing of the lattice is 2^-4 of the range of each parameter, at most."""
 FINEST = 40
-"""Nodes are numbered in steps of 2^-40 of the range, so that those of a lattice are nodes of all finer ones."""
+"""Nodes are numbered in steps of 2^-40 of the range, so that those of a lattice are nodes of all finer ones. With this
+spacing the lattice begins: every theta is a node of its own."""
 
 PIECE = 20_000
 """Events that a process makes at a time. Each piece has a stream of its own, so that their number changes no event."""
@@ -38,7 +39,7 @@ class Bank:
         self.fills = 0
         """How often events came into the bank."""
         self._low, self._high = np.array(task.support.low), np.array(task.support.high)
-        self._step = np.full(len(self._low), 1 << (FINEST - COARSEST))
+        self._step = np.ones(len(self._low), np.int64)
         self._events = np.empty((0, task.num_features), task.dtype)
         """With room for more: the first `_size` rows are events."""
         self._nodes: dict[bytes, NDArray[np.intp]] = {}

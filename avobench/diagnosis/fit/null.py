@@ -76,7 +76,7 @@ def fit_null(
     coarse, per_round = max(effort.least, len(x)), max(effort.least, int(effort.rounds * len(x)))
     fit = refine(model, target, centre, np.maximum(near, 0.005), rng, num_events=coarse)
     if isinstance(model.events, Bank):
-        model.events.resolve(FIT.cell / np.sqrt(np.maximum(np.diag(fit.information[0]), 1)))
+        model.events.resolve(FIT.cell / np.maximum(np.linalg.norm(fit.jacobian, axis=0), 1))
     simulated = np.concatenate([model.simulate(np.tile(fit.params, (len(x), 1)), rng), others])
     target = target_of(x, summary_of(model.task, x, simulated), simulated)
     return refine(model, target, fit.point, 0.005, rng, num_events=per_round), target
