@@ -27,7 +27,7 @@ def summary(diagnosis: Diagnosis) -> str:
     lines = [_verdict(diagnosis), meaning(diagnosis)]
     lines += [f"missing: {_effect(effect)}" for effect in diagnosis.effects]
     lines += [f"95 % set of models: {models}" for models in [likely_models(diagnosis)] if models]
-    lines += [_gap(diagnosis), *_theta(diagnosis), THETA]
+    lines += [_gap(diagnosis), *_theta(diagnosis)]
     lines.append(f"{diagnosis.num_simulations} simulated events; details() tells the rest.")
     return "\n".join(lines)
 
@@ -51,7 +51,7 @@ def details(diagnosis: Diagnosis) -> str:
         where = f"{region.feature} " if region.feature else ""
         ends = f"{region.low:.4g} to {region.high:.4g}{in_unit(region.unit)}"
         lines.append(f"{region.kind} at {where}{ends}: {abs(region.z):.1f} sigma")
-    lines += [*_theta(diagnosis), THETA]
+    lines += _theta(diagnosis)
     if diagnosis.effects:
         lines.append(ASSUMED)
     lines += [f"order: {sentence}" for sentence in sentences(diagnosis)[:MOST_REGIONS]]
@@ -179,12 +179,13 @@ def _gap(diagnosis: Diagnosis) -> str:
 
 
 def _theta(diagnosis: Diagnosis) -> list[str]:
-    """One line per parameter of the task, before and after."""
+    """One line per parameter of the task, before and after, and what their errors are."""
     after = diagnosis.theta_after or {}
-    return [
+    lines = [
         f"{name} = {' -> '.join(with_error(each.value, each.std) for each in (before, after.get(name)) if each)}"
         for name, before in diagnosis.theta_before.items()
     ]
+    return [*lines, THETA] if lines else []
 
 
 def _effect(effect: FoundEffect) -> str:

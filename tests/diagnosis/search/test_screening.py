@@ -31,7 +31,7 @@ def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
 def test_a_fit_begins_where_a_gap_is_that_is_narrower_than_any_grid():
     task, at = Weinberg(), 0.795
     x = with_effect(task, "dead_region", [45.5, 1.0], [0.8, at, 0.025], 20_000)
-    rng, effort = np.random.default_rng(1), effort_for(task, "continuous", None)
+    rng, effort = np.random.default_rng(1), effort_for(task, "continuous", None, 20_000)
     base, target = fit_null(Model(task), x, rng, effort, None)
     effect = next(e for e in catalogue(task) if e.name == "dead_region")
     sample = Sample(base, target, effort.sample, rng)

@@ -18,7 +18,7 @@ SOME = ("zero_inflation", "overdispersion", "flat_background", "dead_time")
 
 
 def searched(x, names=SOME, jobs=1, max_effects=3) -> Posterior:
-    rng, effort = np.random.default_rng(1), effort_for(Poisson(), "counts", None).scaled(0.3)
+    rng, effort = np.random.default_rng(1), effort_for(Poisson(), "counts", None, 20_000).scaled(0.3)
     null, target = fit_null(Model(Poisson(), events=Counted(Poisson())), x, rng, effort, None)
     effects = [effect for effect in catalogue(Poisson()) if effect.name in names]
     return Search(target, x, effects, max_effects, rng, effort, jobs).posterior(null)

@@ -1,0 +1,48 @@
+"""A bank in a folder is read again, belongs to one simulator, and says what is wrong with it."""
+
+import numpy as np
+import pytest
+
+from avobench.bench.store.bank import KeptBank
+from avobench.tasks.carl import Carl
+from avobench.tasks.errors import UsageError
+from avobench.tasks.meter import Meter
+from avobench.tasks.poisson import Poisson
+
+THETA = np.tile([[2.0]], (50, 1))
+
+
+def taken(folder, task=None):
+    meter = Meter()
+    x = KeptBank(task or Poisson(), meter, 0, 1, folder).session()(THETA, np.random.default_rng(0))
+    return x, meter.used
+
+
+def test_what_was_simulated_costs_nothing_later(tmp_path):
+    (first, cost), (again, later) = taken(tmp_path), taken(tmp_path)
+    np.testing.assert_array_equal(first, again)
+    assert first.dtype == again.dtype
+    assert (cost, later) == (50, 0)
+
+
+def test_events_of_another_simulator_are_refused(tmp_path):
+    taken(tmp_path)
+    with pytest.raises(UsageError, match="another simulator"):
+        KeptBank(Carl(), Meter(), 0, 1, tmp_path)
+
+
+@pytest.mark.parametrize("how", ["cut", "link", "lost"])
+def test_a_damaged_bank_is_named(tmp_path, how):
+    folder = tmp_path / "bank"
+    taken(folder)
+    file = next(folder.glob("events-*.parquet"))
+    if how == "cut":
+        file.write_bytes(file.read_bytes()[:100])
+    elif how == "link":
+        file.rename(tmp_path / "elsewhere")
+        file.symlink_to(tmp_path / "elsewhere")
+    else:
+        file = folder / "bank.json"
+        file.unlink()
+    with pytest.raises(UsageError, match=file.name):
+        taken(folder)
