@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.tasks.contract import Box, Kind, Task, histogram
-from avobench.tasks.errors import UsageError
+from avobench.tasks.errors import UsageError, raised
 
 Simulate = Callable[[NDArray[np.float64], np.random.Generator], ArrayLike]
 """theta (n, p), a generator -> one event per row: (n, d), or (n,) where an event is one number."""
@@ -196,5 +196,5 @@ def task(
     try:
         made = FunctionTask(simulate, label, prior, support or {}, units or {}, features, kinds, feature_units)
     except Exception as error:  # a user's function may raise anything
-        raise UsageError(f"the task {label} cannot be made: {type(error).__name__}: {error}") from error
+        raise UsageError(f"the task {label} cannot be made: {raised(error)}") from error
     return made

@@ -32,7 +32,7 @@ from joblib.externals.loky.backend import resource_tracker
 from joblib.externals.loky.backend.context import get_context
 
 from avobench.tasks import errors
-from avobench.tasks.errors import AvobenchError, ProcessEnded
+from avobench.tasks.errors import AvobenchError, ProcessEnded, raised
 
 WATCH_SECONDS = 0.25
 """Time and memory are looked at this often: a process that fills 1 GiB a second is seen within 256 MiB."""
@@ -167,6 +167,7 @@ class _Process:
 
     def outcome(self) -> tuple[Any] | None:
         """The outcome of the call, in a tuple of one; None while it is under way."""
+        alive = self._process.is_alive()  # asked for first: what it sent before it ended is in the pipe then
         if self.pipe.poll():
             try:
                 kind, value, trace = self.pipe.recv()
@@ -179,6 +180,8 @@ class _Process:
             if kind == "raised":
                 value.__cause__ = _Trace(trace)
             return (value,)
+        if not alive:  # and a process that it forked off holds the pipe open
+            return (self._died(),)
         if (ended := self._over()) is not None:
             self.end(grace=0)
             return (ended,)
@@ -248,7 +251,7 @@ def _serve(pipe: Connection, parent: int) -> None:
             try:
                 pipe.send(answer)
             except (TypeError, AttributeError, PicklingError) as error:
-                pipe.send(("fault", f"{type(error).__name__}: {error}", traceback.format_exc()))
+                pipe.send(("fault", raised(error), traceback.format_exc()))
 
 
 def _answer(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[str, Any, str]:
@@ -257,7 +260,7 @@ def _answer(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[s
     except (Exception, SystemExit) as error:
         # A class of a user's would be imported where it arrives, with the code that goes with it.
         ours = isinstance(error, AvobenchError | OSError) and type(error).__module__ in (errors.__name__, "builtins")
-        said = error if ours else f"{type(error).__name__}: {error}"
+        said = error if ours else raised(error)
         return "raised" if ours else "fault", said, traceback.format_exc()
 
 
