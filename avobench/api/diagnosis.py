@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from avobench.bench.events.checks import Simulate, with_times
 from avobench.bench.plugins import registry
+from avobench.bench.processes.apart import apart_within
 from avobench.bench.store.files import require_folder, write_atomically
 from avobench.effects import Effect
 from avobench.tasks import Task
@@ -203,10 +204,12 @@ def diagnose(
     ordered: bool = False,
     time: ArrayLike | None = None,
     progress: Callable[[str, int, int], None] | None = None,
+    seconds: float | None = None,
 ) -> Diagnosed:
     """Say whether measured events disagree with a simulator, where, which effect is missing, and add it.
 
-    The simulator runs in this process, and what ends it ends all; the command `avobench diagnose` has one for it.
+    The simulator runs in this process, and what ends it ends all, unless `seconds` is given; the command
+    `avobench diagnose` has a process for it.
 
     Parameters
     ----------
@@ -238,16 +241,25 @@ def diagnose(
         When each event was (N,), in any unit and order: the same along the time.
     progress
         Is told now and then the phase, the simulated events so far, and about how many there will be.
+    seconds
+        Works in a process of its own, with one thread, and ends it after so long; the task is sent there. `progress`
+        is called there too.
 
     Raises
     ------
     UsageError
         If there is no such task or effect, if the events are not those of the task, or a number makes no sense.
+    ProcessEnded
+        If the process took longer than `seconds`, or was ended by what it ran.
     """
     from avobench.diagnosis.checks import Checks
     from avobench.diagnosis.run import diagnose as diagnosed
     from avobench.effects.catalogue import chosen
 
+    if seconds is not None:
+        options = {"seed": seed, "alpha": alpha, "max_effects": max_effects, "simulations": simulations, "fit": fit}
+        options |= {"effects": effects, "own": own, "drop_invalid": drop_invalid, "jobs": jobs, "ordered": ordered}
+        return apart_within(seconds, diagnose, task, x, **options, time=time, progress=progress)
     seed, max_effects, jobs = whole("seed", seed, 0), whole("max_effects", max_effects, 0), whole("jobs", jobs, 1)
     simulations = None if simulations is None else whole("simulations", simulations, 1)
     effects = [effects] if isinstance(effects, str) else effects

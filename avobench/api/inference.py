@@ -15,6 +15,7 @@ from avobench.bench.cells.estimates import require_recordable
 from avobench.bench.cells.streams import stream
 from avobench.bench.events.checks import SHARE, check_events
 from avobench.bench.plugins import registry
+from avobench.bench.processes.apart import apart_within
 from avobench.bench.store.versions import versions
 from avobench.effects.pool import Counted
 from avobench.methods import Estimate, Method
@@ -142,8 +143,9 @@ def infer(
     seed: int = 0,
     settings: Mapping[str, Any] | None = None,
     drop_invalid: bool = False,
+    seconds: float | None = None,
 ) -> Inference:
-    """Infer the parameters of a task behind observed events, in this process: what ends it ends all.
+    """Infer the parameters of a task behind observed events, in this process unless `seconds` is given.
 
     Parameters
     ----------
@@ -162,6 +164,8 @@ def infer(
         Of the method, where it is given by name.
     drop_invalid
         Leave out rows that hold NaN or infinite values.
+    seconds
+        Works in a process of its own, with one thread, and ends it after so long; the task is sent there.
 
     Raises
     ------
@@ -169,7 +173,12 @@ def infer(
         If there is no such task or method, if the events are not those of the task, or the budget is too small.
     SimulatorError
         If the simulator fails; SupportError, BudgetExhausted or InvalidEstimate if the method does.
+    ProcessEnded
+        If the process took longer than `seconds`, or was ended by what it ran.
     """
+    if seconds is not None:
+        options = {"budget": budget, "seed": seed, "settings": settings, "drop_invalid": drop_invalid}
+        return apart_within(seconds, infer, task, x, method, **options)
     if isinstance(task, str):
         task = registry.build("task", task, {})
     budget, seed = whole("budget", budget, 1), whole("seed", seed, 0)

@@ -11,8 +11,9 @@ from avobench.bench.events import read_timed
 from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder
 from avobench.cli.isolated import Isolated
-from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
+from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, SECONDS, TRUST, named
 from avobench.cli.progress import DiagnosisProgress
+from avobench.cli.terminal import say
 
 
 @click.command(cls=Isolated)
@@ -22,6 +23,7 @@ from avobench.cli.progress import DiagnosisProgress
 @COLUMNS
 @DROP_INVALID
 @TRUST
+@SECONDS
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True)
 @click.option("--alpha", type=float, default=0.05, show_default=True, help="Rate of false alarms, at most.")
 @click.option("--max-effects", type=click.IntRange(0), default=3, show_default=True, help="Effects to add at most.")
@@ -63,4 +65,4 @@ def diagnose(
             **asked,
         )
     found.save(out, f"{Path(data).name} against {spec}")
-    click.echo(found.details())
+    say(found.details())

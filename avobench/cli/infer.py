@@ -11,7 +11,8 @@ from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder, write_file
 from avobench.bench.sweep.plan import parse_settings
 from avobench.cli.isolated import Isolated
-from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
+from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, SECONDS, TRUST, named
+from avobench.cli.terminal import say
 
 
 @click.command(cls=Isolated)
@@ -24,6 +25,7 @@ from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, TRUST, named
 @COLUMNS
 @DROP_INVALID
 @TRUST
+@SECONDS
 @click.option("--out", type=click.Path(path_type=Path), default=None, metavar="FILE", help="Write the result as JSON.")
 def infer(
     spec: str,
@@ -53,4 +55,4 @@ def infer(
     )
     if out is not None:
         write_file(out, (json.dumps(found.to_dict(), indent=1) + "\n").encode())
-    click.echo(found)
+    say(found)

@@ -14,11 +14,12 @@ from avobench.cli.damaged import naming_damaged
 from avobench.cli.diagnose import diagnose
 from avobench.cli.effects import effects, list_
 from avobench.cli.infer import infer
-from avobench.cli.isolated import State
+from avobench.cli.isolated import STOPPED, State
 from avobench.cli.pack import pack
 from avobench.cli.records import export, status
 from avobench.cli.reports import figure, report
 from avobench.cli.run import run
+from avobench.cli.terminal import say
 from avobench.tasks.errors import AvobenchError, UsageError
 
 
@@ -56,21 +57,20 @@ def main(command: click.Command = cli) -> None:
     except (KeyboardInterrupt, click.Abort):
         _stop(state)
     except click.exceptions.NoArgsIsHelpError as error:
-        click.echo(error.ctx.get_help())
+        say(error.ctx.get_help())
         sys.exit(2)
     except Exception as error:
-        if state.interrupted:  # libraries turn what interrupts their loading into an ImportError
+        if state.interrupted is not None:  # libraries turn what interrupts their loading into an ImportError
             _stop(state)
         if state.debug or "--debug" in anywhere:
             raise
-        click.echo(f"avobench: {' '.join(_said(error).split())}", err=True)
+        say(f"avobench: {' '.join(_said(error).split())}", err=True)
         sys.exit(2 if isinstance(error, (UsageError, click.UsageError)) else 1)
 
 
 def _stop(state: State) -> NoReturn:
-    resumes = "what was finished is kept, and the same command goes on from there"
-    click.echo(f"avobench: stopped; {resumes if state.resumes else 'the same command begins anew'}", err=True)
-    sys.exit(130)
+    say(state.stopped, err=True)
+    sys.exit(STOPPED)
 
 
 def _said(error: Exception) -> str:

@@ -19,6 +19,9 @@ DATA = click.option(
     "--data", required=True, metavar="FILE", help="Measured events, one row each; file.root:tree for ROOT."
 )
 COLUMNS = click.option("--columns", default=None, metavar="A,B,...", help="Columns or branches to read, in this order.")
+SECONDS = click.option(
+    "--seconds", type=float, default=None, help="End it after so many seconds, with what it began.  [no limit]"
+)
 DROP_INVALID = click.option("--drop-invalid", is_flag=True, help="Leave out rows that hold NaN or infinite values.")
 
 

@@ -13,6 +13,7 @@ from rich.table import Table
 from avobench.bench.cells.cell import Cell
 from avobench.bench.store.status import Status, reason
 from avobench.bench.sweep.runner import Sweep, View
+from avobench.cli.terminal import plain
 
 QUIET_SECONDS = 30.0
 """How often plain output tells how far the running cells are."""
@@ -68,7 +69,7 @@ class ProgressView(View):
             )
 
     def _line(self, line: str) -> None:
-        self.console.print(line, markup=False, highlight=False, soft_wrap=True)
+        self.console.print(plain(line), markup=False, highlight=False, soft_wrap=True)
 
 
 class DiagnosisProgress:
@@ -91,13 +92,13 @@ class DiagnosisProgress:
 
     def __call__(self, phase: str, done: int, total: int) -> None:
         if self.shown:
-            self.shown.update(self.row, description=phase, completed=done, total=total)
+            self.shown.update(self.row, description=plain(phase), completed=done, total=total)
         elif (now := time.monotonic()) - self.last >= QUIET_SECONDS:
             self.last = now
             left = (now - self.began) * (total - done) / done if done else 0
             share = f", {done / total:.0%} of what is usual, about {_clock(left)} left" if left else ""
             self.console.print(
-                f"{phase}: {done} simulated events{share}", markup=False, highlight=False, soft_wrap=True
+                plain(f"{phase}: {done} simulated events{share}"), markup=False, highlight=False, soft_wrap=True
             )
 
 

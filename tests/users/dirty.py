@@ -57,6 +57,10 @@ def _leaves(problem: Problem, found: Estimate) -> None:
     sys.exit("enough")
 
 
+def _screen(problem: Problem, found: Estimate) -> None:
+    raise RuntimeError("\x1b[2J\x1b]0;title\x07 \u202eevig \x9b1A\r \udcff")
+
+
 def _nested(problem: Problem, found: Estimate) -> Estimate:
     how = found.how
     for _ in range(900):
@@ -75,6 +79,7 @@ WAYS = {
     "fork": lambda problem, found: os.fork() and None,
     "speechless": _speechless,
     "leaves": _leaves,
+    "screen": _screen,
     "nested": _nested,
     "wide": lambda problem, found: replace(found, theta=found.theta.astype(np.longdouble)),
     "wide spread": lambda problem, found: replace(found, std=found.std.astype(np.longdouble)),
@@ -85,7 +90,17 @@ WAYS = {
     "no estimate": lambda problem, found: {"theta": found.theta},
 }
 """What is done before a sound estimate is returned, or what is returned in its place."""
-LOST = ("events", "speechless", "leaves", "nested", "wide", "wide spread", "masked", "half a character elsewhere")
+LOST = (
+    "events",
+    "speechless",
+    "leaves",
+    "screen",
+    "nested",
+    "wide",
+    "wide spread",
+    "masked",
+    "half a character elsewhere",
+)
 LOST += ("no estimate",)
 """Ways that cost the cell."""
 
