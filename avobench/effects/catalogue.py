@@ -31,7 +31,7 @@ def families() -> dict[str, type[Effect]]:
     for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
         try:
             family = point.load()
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise UsageError(f"effect '{point.name}' cannot be used, {point.value} raised {raised(error)}") from error
         if not (isinstance(family, type) and issubclass(family, Effect) and family.domains):
             raise UsageError(f"effect '{point.name}': {point.value} is no subclass of Effect that states its domains")

@@ -195,6 +195,6 @@ def task(
                 raise UsageError(f"{what} names '{parameter}'; the parameters of {label} are {', '.join(prior)}")
     try:
         made = FunctionTask(simulate, label, prior, support or {}, units or {}, features, kinds, feature_units)
-    except Exception as error:  # a user's function may raise anything
+    except (Exception, SystemExit) as error:  # a user's function may raise anything
         raise UsageError(f"the task {label} cannot be made: {raised(error)}") from error
     return made

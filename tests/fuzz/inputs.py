@@ -32,8 +32,11 @@ NASTY_TEXTS = (
 NASTY_NUMBERS = (0, -1, 1, 2**31, 2**63 - 1, 2**63, 2**64, -(2**63), 10**30, 0.5, -0.0, 1e-320, 1e308, 1e999, -1e999)
 nasty_texts = st.sampled_from(NASTY_TEXTS) | st.text(st.characters(exclude_categories=["Cs"]), max_size=12)
 nasty_numbers = st.sampled_from(NASTY_NUMBERS) | st.floats() | st.integers()
+LADDER: list[Any] = []
+for _ in range(150):
+    LADDER = [LADDER]
 nasty = st.recursive(
-    st.none() | st.booleans() | nasty_numbers | nasty_texts,
+    st.none() | st.booleans() | nasty_numbers | nasty_texts | st.sampled_from(["half \ud800", LADDER]),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(nasty_texts, inner, max_size=3),
     max_leaves=6,
 )

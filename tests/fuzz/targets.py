@@ -89,7 +89,10 @@ class Target(ABC):
     def check(self, made: Any) -> str:
         with self._alone(), warnings.catch_warnings(), GUARD.watching(self.folder):
             warnings.simplefilter("ignore")  # NumPy's and Pandas' about what they are given
-            return "taken" if self.given(made) else "refused"
+            try:
+                return "taken" if self.given(made) else "refused"
+            except SystemExit as error:  # else it would end the proof as if all were well
+                raise AssertionError("the process was ended") from error
 
     @contextlib.contextmanager
     def _alone(self) -> Iterator[None]:
@@ -347,9 +350,12 @@ class Events(Target):
         return True
 
 
-def targets(folder: Path) -> list[Target]:
-    """All kinds, each with a folder of its own."""
-    kinds = (CommandLines, Records, Packed, Manifests, Results, Models)
+KINDS = (CommandLines, Records, Packed, Manifests, Results, Models)
+
+
+def targets(folder: Path, more: tuple[type[Target], ...] = ()) -> list[Target]:
+    """All kinds, each with a folder of its own, those of the answers that are known as `more`."""
+    kinds = (*KINDS, *more)
     made = []
     for number, kind in enumerate(kinds):
         (folder / str(number)).mkdir()

@@ -86,7 +86,7 @@ WAYS = {
     "masked": lambda problem, found: replace(found, theta=np.ma.masked_all(len(found.theta))),
     "half a character": lambda problem, found: replace(found, message="half \udcff", doubt="\ud800"),
     "half a character elsewhere": lambda problem, found: replace(found, how="half \udcff"),
-    "own text": lambda problem, found: replace(found, how=OwnText("own"), message=OwnText("own")),
+    "own text": lambda problem, found: replace(found, message=OwnText("own")),
     "no estimate": lambda problem, found: {"theta": found.theta},
 }
 """What is done before a sound estimate is returned, or what is returned in its place."""
