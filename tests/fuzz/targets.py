@@ -33,8 +33,8 @@ from fuzz import inputs
 from fuzz.guard import Guard, plant
 
 REFERENCE = Path(__file__).parents[2] / "results" / "reference"
-PATIENCE = 60
-"""Seconds that any input may take."""
+PATIENCE = 300
+"""Seconds that any input may take: a page of figures takes a minute on a loaded machine."""
 GUARD = Guard()
 
 

@@ -11,7 +11,7 @@ EXAMPLES = 30
 FORMATS = ("npy", "npz", "csv", "parquet", "root")
 
 
-@pytest.mark.parametrize("kind", (*KINDS, *answers.KINDS), ids=lambda kind: kind.name)
+@pytest.mark.parametrize("kind", [*KINDS, *answers.KINDS], ids=lambda kind: kind.name)
 def test_no_input_is_taken_for_what_it_is_not_or_does_harm(kind, tmp_path):
     assert outcomes(kind(tmp_path), EXAMPLES, 0).total() == EXAMPLES
 
