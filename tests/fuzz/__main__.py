@@ -53,10 +53,8 @@ def main(examples: int, only: str | None, start: int) -> None:
                 bad, found = bad + 1, Counter()
                 click.echo(f"{target.name:16} BAD: {type(first).__name__}: {' | '.join(told)}")
             except Exception as error:
-                bad, found = bad + 1, Counter()
-                click.echo(
-                    f"{target.name:16} BAD: {type(error).__name__}: {str(error)[:600]} {getattr(error, '__notes__', '')}"
-                )
+                bad, found, notes = bad + 1, Counter(), getattr(error, "__notes__", "")
+                click.echo(f"{target.name:16} BAD: {type(error).__name__}: {str(error)[:600]} {notes}")
             else:
                 counts = f"{found['taken']:6} taken {found['refused']:6} refused"
                 click.echo(f"{target.name:16}{found.total():6} inputs {counts} {time.monotonic() - begun:6.0f} s")

@@ -1,6 +1,7 @@
 """What each kind of hostile input is given to: `Target.check` says "taken" or "refused", or raises AssertionError."""
 
 import contextlib
+import hashlib
 import io
 import json
 import math
@@ -176,13 +177,14 @@ class Records(Target):
                 name = file_name(record)
         try:
             content = encode(record)
-        except (TypeError, ValueError):
-            content = json.dumps(record).encode()
+        except (TypeError, ValueError):  # with the checksum that another program could give it
+            checksum = hashlib.sha256(json.dumps(record, sort_keys=True).encode()).hexdigest()
+            content = json.dumps({**record, "sha256": checksum} if isinstance(record, dict) else record).encode()
         store.records.mkdir(exist_ok=True)
         path = store.records / name
         try:
             path.write_bytes(content)
-        except OSError:  # no name of a file
+        except (OSError, ValueError):  # no name of a file
             return False
         try:
             found, damaged = store.read()
