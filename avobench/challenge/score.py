@@ -1,5 +1,6 @@
 """How good the diagnoses of a challenge are."""
 
+import json
 from collections.abc import Callable, Iterable
 from itertools import pairwise
 from statistics import median
@@ -30,7 +31,9 @@ def score(*challenges: list[dict[str, Any]], trust: bool = False) -> dict[str, A
     `trust` them.
     """
     try:
-        return _score(challenges, trust)
+        result = _score(challenges, trust)
+        json.dumps(result, allow_nan=False)  # a number in the records that is none goes on into the result
+        return result
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         what = raised(error)
         raise UsageError(f"the records of the challenge do not hold what is to be scored ({what})") from error
