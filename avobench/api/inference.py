@@ -13,6 +13,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.api.described import Described, array, description, plain
+from avobench.api.limited import limited
 from avobench.api.progress import Progress, shown
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.estimates import require_recordable
@@ -263,6 +264,7 @@ class Inference:
         return f"<p>{html.escape(f'{self.task.name}, {self.how}')}</p>{doubt}{table}"
 
 
+@limited
 def infer(
     task: Task | str,
     x: ArrayLike,
@@ -273,8 +275,9 @@ def infer(
     settings: Mapping[str, Any] | None = None,
     drop_invalid: bool = False,
     progress: Progress | bool | None = None,
+    seconds: float | None = None,
 ) -> Inference:
-    """Infer the parameters of a task behind observed events, in this process: what ends it ends all.
+    """Infer the parameters of a task behind observed events, in this process unless `seconds` is given.
 
     Parameters
     ----------
@@ -296,6 +299,9 @@ def infer(
     progress
         Is told now and then the method, the simulated events so far, and the budget. By default a bar on a terminal, or
         a line in a notebook, shows them; False shows nothing.
+    seconds
+        Works in a process of its own, with one thread, and ends it after so long; the task is sent there. `progress`
+        is called there too, so a notebook shows none.
 
     Raises
     ------
@@ -303,6 +309,8 @@ def infer(
         If there is no such task or method, if the events are not those of the task, or the budget is too small.
     SimulatorError
         If the simulator fails; SupportError, BudgetExhausted or InvalidEstimate if the method does.
+    ProcessEnded
+        If the process took longer than `seconds`, or was ended by what it ran.
     """
     task = registry.task_of(task)
     budget, seed = whole("budget", budget, 1), whole("seed", seed, 0)
