@@ -11,9 +11,9 @@ from avobench.bench.store.status import ESTIMATED, reason
 from avobench.bench.store.store import Store
 from avobench.bench.sweep.runner import run
 from avobench.cli import listing
-from avobench.cli.state import State
 from avobench.cli.main import main
 from avobench.cli.progress import ProgressView
+from avobench.cli.state import State
 from avobench.tasks.errors import AvobenchError, UsageError
 from paper.experiments import EXPERIMENTS
 from paper.studies import detector, misspecification, real

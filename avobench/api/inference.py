@@ -169,8 +169,8 @@ class Inference:
             values = (sample.weights * away.T) @ away
         elif estimate.covariance is not None:
             values = estimate.covariance
-        elif len(self._spread) == 1:
-            values = self._spread[:, None] ** 2
+        elif len(self._quoted[1]) == 1:
+            values = self._quoted[1][:, None] ** 2
         else:
             raise UsageError(f"{self.method} does not tell how the errors of the parameters are correlated")
         names = pd.Index(self.task.parameter_names, name="parameter")
@@ -230,7 +230,7 @@ class Inference:
         from avobench.reports import trace
 
         if name == "trace":
-            return trace.draw(self.task, self.estimate, self._spread, self.std_of)
+            return trace.draw(self.task, self.estimate, self._quoted[1], self.std_of)
         if name == "pairs":
             return trace.pairs(self.samples(PAIRED), self.samples_of)
         raise UsageError(f"there is no figure '{name}'; a fit has trace, pairs")

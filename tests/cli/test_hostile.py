@@ -200,7 +200,7 @@ def test_foreign_code_runs_only_where_it_is_trusted(avobench, tmp_path, models):
         "list": ("list", "effects", "--task", path),
     }
     for command in commands.values():
-        line(avobench(*command, "--in-process"), 2, "(--trust)")
+        line(avobench(*command, "--in-process"), 2, "(--trust, ")
         assert not marker.exists()
     for name in ("run", "list"):
         avobench(*commands[name], "--trust")
