@@ -323,8 +323,7 @@ def diagnose(
             progress=tell,
             bank=None if bank is None else Path(bank),
         )
-    diagnosis = result.diagnosis
-    diagnosis = diagnosis.model_copy(update={"notes": notes + remarks + diagnosis.notes})
+    diagnosis = result.diagnosis.model_copy(update={"notes": notes + remarks + result.diagnosis.notes})
     return _diagnosed(replace(result, diagnosis=diagnosis), spec, theirs, possible)
 
 

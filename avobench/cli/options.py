@@ -26,7 +26,10 @@ DATA = click.option(
 )
 COLUMNS = click.option("--columns", default=None, metavar="A,B,...", help="Columns or branches to read, in this order.")
 SECONDS = click.option(
-    "--seconds", type=float, default=None, help="End the command, and all that it started, after this time.  [no limit]"
+    "--seconds",
+    type=float,
+    default=None,
+    help="End the command, and all that it started, after so many seconds.  [no limit]",
 )
 DROP_INVALID = click.option("--drop-invalid", is_flag=True, help="Leave out rows with NaN or infinite values.")
 
