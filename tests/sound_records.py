@@ -67,6 +67,8 @@ def sound_records(draw: st.DrawFn, statuses: Sequence[Status] = tuple(Status)) -
     for kind in ("task", "method"):
         if draw(st.booleans()):
             record[f"{kind}_source_sha256"] = draw(sha256)
+    if draw(st.booleans()):
+        record["amortised"] = True
     if status in LOST:
         record |= dict.fromkeys(name for name in record if name.startswith("simulations_"))
     if status in ESTIMATED:

@@ -18,6 +18,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.api.described import Described, array, description, plain
+from avobench.api.limited import limited
 from avobench.api.progress import Progress, shown
 from avobench.bench.events.checks import Simulate, with_times
 from avobench.bench.plugins import registry
@@ -213,6 +214,7 @@ class Diagnosed:
         return f"<pre>{html.escape(str(self))}</pre>{picture}"
 
 
+@limited
 def diagnose(
     task: Task | str | ArrayLike | pd.DataFrame,
     x: ArrayLike | pd.DataFrame,
@@ -230,10 +232,12 @@ def diagnose(
     time: ArrayLike | None = None,
     progress: Progress | bool | None = None,
     bank: str | Path | None = None,
+    seconds: float | None = None,
 ) -> Diagnosed:
     """Say whether measured events disagree with a simulator, where, which effect is missing, and add it.
 
-    The simulator runs in this process, and what ends it ends all; the command `avobench diagnose` has one for it.
+    The simulator runs in this process, and what ends it ends all, unless `seconds` is given; the command
+    `avobench diagnose` has a process for it.
 
     Parameters
     ----------
@@ -269,11 +273,16 @@ def diagnose(
         on a terminal, or a line in a notebook, shows them; False shows nothing.
     bank
         Folder in which simulated events are kept; those that it has of this simulator are used before any is made.
+    seconds
+        Works in a process of its own, with one thread, and ends it after so long; the task is sent there. `progress`
+        is called there too, so a notebook shows none.
 
     Raises
     ------
     UsageError
         If there is no such task or effect, if the events are not those of the task, or a number makes no sense.
+    ProcessEnded
+        If the process took longer than `seconds`, or was ended by what it ran.
     """
     from avobench.diagnosis.checks import Checks
     from avobench.diagnosis.run import diagnose as diagnosed
@@ -282,13 +291,10 @@ def diagnose(
     seed, max_effects, jobs = whole("seed", seed, 0), whole("max_effects", max_effects, 0), whole("jobs", jobs, 1)
     simulations = None if simulations is None else whole("simulations", simulations, 1)
     effects = [effects] if isinstance(effects, str) else effects
-    if not isinstance(task, Task | str | type) and not callable(task):
-        task = sample_of(task)
+    task, spec = _named(task)
     sample = isinstance(task, SampleTask)
     if sample and (simulations is not None or bank is not None):
         raise UsageError("simulated events that were made before are all there are: leave simulations and bank out")
-    spec = task if isinstance(task, str) else None if sample else registry.spec_of("task", task)
-    task = registry.task_of(task)
     registry.require_packages("task", task)
     checks = Checks(task, simulations)
     possible = registry.blamed(checks.entries, f"task {task.name}")
@@ -317,9 +323,18 @@ def diagnose(
             progress=tell,
             bank=None if bank is None else Path(bank),
         )
-    diagnosis = result.diagnosis
-    diagnosis = diagnosis.model_copy(update={"notes": notes + remarks + diagnosis.notes})
+    diagnosis = result.diagnosis.model_copy(update={"notes": notes + remarks + result.diagnosis.notes})
     return _diagnosed(replace(result, diagnosis=diagnosis), spec, theirs, possible)
+
+
+def _named(task: Task | str | ArrayLike | pd.DataFrame) -> tuple[Task, str | None]:
+    """The task that is meant, and the name by which it is loaded again; None where it has none."""
+    if not isinstance(task, Task | str | type) and not callable(task):
+        task = sample_of(task)
+    if isinstance(task, SampleTask):
+        return task, None
+    spec = task if isinstance(task, str) else registry.spec_of("task", task)
+    return registry.task_of(task), spec
 
 
 def _diagnosed(

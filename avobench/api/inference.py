@@ -13,6 +13,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.api.described import Described, array, description, plain
+from avobench.api.limited import limited
 from avobench.api.progress import Progress, shown
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.estimates import require_recordable
@@ -168,8 +169,8 @@ class Inference:
             values = (sample.weights * away.T) @ away
         elif estimate.covariance is not None:
             values = estimate.covariance
-        elif len(self._spread) == 1:
-            values = self._spread[:, None] ** 2
+        elif len(self._quoted[1]) == 1:
+            values = self._quoted[1][:, None] ** 2
         else:
             raise UsageError(f"{self.method} does not tell how the errors of the parameters are correlated")
         names = pd.Index(self.task.parameter_names, name="parameter")
@@ -229,7 +230,7 @@ class Inference:
         from avobench.reports import trace
 
         if name == "trace":
-            return trace.draw(self.task, self.estimate, self._spread, self.std_of)
+            return trace.draw(self.task, self.estimate, self._quoted[1], self.std_of)
         if name == "pairs":
             return trace.pairs(self.samples(PAIRED), self.samples_of)
         raise UsageError(f"there is no figure '{name}'; a fit has trace, pairs")
@@ -263,6 +264,7 @@ class Inference:
         return f"<p>{html.escape(f'{self.task.name}, {self.how}')}</p>{doubt}{table}"
 
 
+@limited
 def infer(
     task: Task | str,
     x: ArrayLike,
@@ -273,8 +275,9 @@ def infer(
     settings: Mapping[str, Any] | None = None,
     drop_invalid: bool = False,
     progress: Progress | bool | None = None,
+    seconds: float | None = None,
 ) -> Inference:
-    """Infer the parameters of a task behind observed events, in this process: what ends it ends all.
+    """Infer the parameters of a task behind observed events, in this process unless `seconds` is given.
 
     Parameters
     ----------
@@ -296,6 +299,9 @@ def infer(
     progress
         Is told now and then the method, the simulated events so far, and the budget. By default a bar on a terminal, or
         a line in a notebook, shows them; False shows nothing.
+    seconds
+        Works in a process of its own, with one thread, and ends it after so long; the task is sent there. `progress`
+        is called there too, so a notebook shows none.
 
     Raises
     ------
@@ -303,6 +309,8 @@ def infer(
         If there is no such task or method, if the events are not those of the task, or the budget is too small.
     SimulatorError
         If the simulator fails; SupportError, BudgetExhausted or InvalidEstimate if the method does.
+    ProcessEnded
+        If the process took longer than `seconds`, or was ended by what it ran.
     """
     task = registry.task_of(task)
     budget, seed = whole("budget", budget, 1), whole("seed", seed, 0)

@@ -1,14 +1,20 @@
 """How far a fit or a diagnosis is: a bar on a terminal, a line in a notebook, plain lines elsewhere if asked for."""
 
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from avobench.api.terminal import plain as as_text
+from avobench.tasks.errors import ProcessEnded
+
 QUIET_SECONDS = 30.0
 """How often plain output tells how far it is."""
 NOTEBOOK_SECONDS = 1.0
 """How often the line in a notebook changes; it is first there after as long."""
+
+SHOW_CURSOR = "\x1b[?25h"
 
 Progress = Callable[[str, int, int], None]
 """Is told the phase, the simulated events so far, and about how many there will be."""
@@ -59,11 +65,11 @@ class Bar:
 
     def __call__(self, phase: str, done: int, total: int) -> None:
         if self.shown:
-            self.shown.update(self.row, description=phase, completed=done, total=total)
+            self.shown.update(self.row, description=as_text(phase), completed=done, total=total)
         elif (now := time.monotonic()) - self.last >= QUIET_SECONDS:
             self.last = now
             self.console.print(
-                _said(phase, done, total, now - self.began), markup=False, highlight=False, soft_wrap=True
+                as_text(_said(phase, done, total, now - self.began)), markup=False, highlight=False, soft_wrap=True
             )
 
 
@@ -91,6 +97,17 @@ def _line() -> Iterator[Progress]:
     finally:
         if handle is not None:
             handle.update(HTML(""))
+
+
+@contextmanager
+def cursor_kept() -> Iterator[None]:
+    """Within the block a process that is ended leaves the cursor shown, which its display may have hidden."""
+    try:
+        yield
+    except ProcessEnded:
+        if sys.stderr is not None and sys.stderr.isatty():
+            print(SHOW_CURSOR, end="", file=sys.stderr, flush=True)
+        raise
 
 
 def _said(phase: str, done: int, total: int, seconds: float) -> str:

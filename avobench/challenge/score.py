@@ -1,5 +1,6 @@
 """How good the diagnoses of a challenge are."""
 
+import json
 from collections.abc import Callable, Iterable
 from itertools import pairwise
 from statistics import median
@@ -11,7 +12,7 @@ from scipy.stats import binomtest
 from avobench.bench.plugins import registry
 from avobench.challenge.case import VISIBLE, Case
 from avobench.challenge.hide import SETS
-from avobench.tasks.errors import UsageError
+from avobench.tasks.errors import UsageError, raised
 
 POWERS = (0.2, 0.5, 0.9, 0.99)
 """Borders of classes of visibility: the power of the best test of binned events, see `visibility`."""
@@ -30,9 +31,11 @@ def score(*challenges: list[dict[str, Any]], trust: bool = False) -> dict[str, A
     `trust` them.
     """
     try:
-        return _score(challenges, trust)
+        result = _score(challenges, trust)
+        json.dumps(result, allow_nan=False)  # a number in the records that is none goes on into the result
+        return result
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
-        what = f"{type(error).__name__}: {error}"
+        what = raised(error)
         raise UsageError(f"the records of the challenge do not hold what is to be scored ({what})") from error
 
 

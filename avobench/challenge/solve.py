@@ -17,7 +17,7 @@ from avobench.bench.store.record import NAME
 from avobench.challenge.make import MANIFEST
 from avobench.diagnosis import diagnose
 from avobench.diagnosis.checks import Checks
-from avobench.tasks.errors import AvobenchError, ProcessEnded, UsageError
+from avobench.tasks.errors import AvobenchError, ProcessEnded, UsageError, raised
 
 RESULTS = "results"
 """The folder of a challenge that holds a file for each case that was tried."""
@@ -85,7 +85,7 @@ def _solved(spec: str, data: Path, number: int, case: dict, options: dict[str, A
     except UsageError:
         raise
     except Exception as error:
-        result["error"] = f"{type(error).__name__}: {error}"
+        result["error"] = raised(error)
     result["seconds"] = time.perf_counter() - start
     result["cpu_seconds"] = time.process_time() - cpu
     return result

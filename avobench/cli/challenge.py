@@ -9,6 +9,7 @@ from avobench.bench.processes.workers import Workers
 from avobench.cli.isolated import Isolated
 from avobench.cli.options import TRUST, named
 from avobench.cli.state import State
+from avobench.cli.terminal import say
 from avobench.tasks.errors import UsageError
 
 FOLDER = click.argument("folder", type=click.Path(path_type=Path))
@@ -50,7 +51,7 @@ def make(
     module.make(
         named(task, trust), cases, seed, out, num_events=num_events, kinds=chosen, shapes=foreign, progress=_say
     )
-    click.echo(f"{cases} data sets in {out}; next: avobench challenge solve {out}")
+    say(f"{cases} data sets in {out}; next: avobench challenge solve {out}")
 
 
 @challenge.command()
@@ -91,7 +92,7 @@ def solve(
     state.resumes = True
     chosen = {name: v for name, v in options.items() if v is not None}
     solve_all(folder, workers=workers, options=chosen, trust=trust, progress=_say)
-    click.echo(f"results in {folder / 'results'}; next: avobench challenge score {folder}")
+    say(f"results in {folder / 'results'}; next: avobench challenge score {folder}")
 
 
 @challenge.command(cls=Isolated)
@@ -120,11 +121,11 @@ def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bo
     if records is not None:
         write_file(records, "".join(json.dumps(line, allow_nan=False) + "\n" for line in challenges[0]).encode())
     if targets:
-        click.echo(wanted(*challenges, trust=trust))
+        say(wanted(*challenges, trust=trust))
         return
     result = score_all(*challenges, trust=trust)
-    click.echo(json.dumps(result, indent=1, allow_nan=False) if kind == "json" else as_text(result))
+    say(json.dumps(result, indent=1, allow_nan=False) if kind == "json" else as_text(result))
 
 
 def _say(line: str) -> None:
-    click.echo(line, err=True)
+    say(line, err=True)

@@ -3,7 +3,8 @@
 import click
 
 from avobench.cli.isolated import Isolated
-from avobench.cli.options import TRUST, named
+from avobench.cli.options import SECONDS, TRUST, named
+from avobench.cli.terminal import say
 from avobench.tasks.errors import AvobenchError
 
 
@@ -11,6 +12,7 @@ from avobench.tasks.errors import AvobenchError
 @click.argument("kind", type=click.Choice(["task", "method", "effect"]))
 @click.argument("name")
 @TRUST
+@SECONDS
 def check(kind: str, name: str, trust: bool) -> None:
     """Check that a task, method or effect keeps its contract. NAME is a registered name, or module:Class."""
     from avobench.bench import conformance  # here, because SciPy's statistics take a second to load
@@ -18,6 +20,6 @@ def check(kind: str, name: str, trust: bool) -> None:
     passed = True
     for result in conformance.run(kind, named(name, trust)):
         passed &= result.passed
-        click.echo(f"{'pass' if result.passed else 'FAIL'}  {result.what}" + (f": {result.why}" if result.why else ""))
+        say(f"{'pass' if result.passed else 'FAIL'}  {result.what}" + (f": {result.why}" if result.why else ""))
     if not passed:
         raise AvobenchError(f"{kind} {name} does not keep the contract")

@@ -3,9 +3,8 @@
 import warnings
 from collections.abc import Callable
 
-import click
-
 from avobench.bench.store.damage import DamagedRecord
+from avobench.cli.terminal import say
 
 
 def naming_damaged(command: Callable[[], int | None]) -> int:
@@ -18,7 +17,7 @@ def naming_damaged(command: Callable[[], int | None]) -> int:
             show(message, category, *where, **more)
         elif str(message) not in named:
             named.add(str(message))
-            click.echo(f"avobench: {' '.join(str(message).split())}", err=True)
+            say(f"avobench: {' '.join(str(message).split())}", err=True)
 
     with warnings.catch_warnings():
         warnings.simplefilter("always", DamagedRecord)

@@ -11,7 +11,8 @@ from avobench.bench.events import read_events, read_timed
 from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder
 from avobench.cli.isolated import Isolated
-from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, SEED, TRUST, named
+from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, SECONDS, SEED, TRUST, named
+from avobench.cli.terminal import say
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 from avobench.tasks.sample import bank
@@ -27,6 +28,7 @@ from avobench.tasks.sample import bank
 @COLUMNS
 @DROP_INVALID
 @TRUST
+@SECONDS
 @SEED
 @click.option("--alpha", type=float, default=0.05, show_default=True, help="Upper bound on the rate of false alarms.")
 @click.option(
@@ -100,7 +102,7 @@ def diagnose(
             **asked,
         )
     found.save(out, f"{Path(data).name} against {spec or Path(simulated or '').name}")
-    click.echo(found.details())
+    say(found.details())
 
 
 def _listed(names: str | None) -> list[str] | None:

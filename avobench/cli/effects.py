@@ -9,6 +9,7 @@ from avobench.bench.store.files import require_folder
 from avobench.cli import listing
 from avobench.cli.isolated import Isolated
 from avobench.cli.options import TRUST, named
+from avobench.cli.terminal import say
 from avobench.tasks.errors import UsageError
 
 TASKS = ("poisson", "weinberg", "carl", "alignment")
@@ -30,10 +31,10 @@ def list_(kind: str | None, spec: str | None, trust: bool) -> None:
     if spec is not None:
         if kind not in (None, "effects"):
             raise UsageError(f"--task is for `avobench list effects`, not for {kind}")
-        click.echo(listing.effects_of(named(spec, trust)))
+        say(listing.effects_of(named(spec, trust)))
         return
     tables = {"tasks": listing.tasks, "methods": listing.methods, "effects": listing.effects}
-    click.echo("\n\n".join(table() for name, table in tables.items() if kind in (None, name)))
+    say("\n\n".join(table() for name, table in tables.items() if kind in (None, name)))
 
 
 @click.group()
@@ -59,4 +60,4 @@ def draw_(specs: tuple[str, ...], out: Path, seed: int, trust: bool) -> None:
         task = registry.build("task", named(spec, trust), {})
         registry.require_packages("task", task)
         for paths in draw(task, out, seed):
-            click.echo("\n".join(map(str, paths)))
+            say("\n".join(map(str, paths)))

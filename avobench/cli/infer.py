@@ -11,7 +11,8 @@ from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder
 from avobench.bench.sweep.plan import parse_settings
 from avobench.cli.isolated import Isolated
-from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, SEED, TRUST, named
+from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, SECONDS, SEED, TRUST, named
+from avobench.cli.terminal import say
 
 
 @click.command(cls=Isolated)
@@ -32,6 +33,7 @@ from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, SEED, TRUST, named
 @COLUMNS
 @DROP_INVALID
 @TRUST
+@SECONDS
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="JSON file to write the result to.")
 def infer(
     spec: str,
@@ -65,4 +67,4 @@ def infer(
         )
     if out is not None:
         found.save(out)
-    click.echo(found)
+    say(found)

@@ -7,25 +7,31 @@ from typing import Any
 
 import click
 
+from avobench.api.progress import cursor_kept
 from avobench.bench.plugins import registry
-from avobench.bench.processes.apart import Call, apart
+from avobench.bench.processes.apart import NO_LIMITS, Call, apart, in_seconds
 from avobench.cli.state import State
-from avobench.tasks.errors import AvobenchError, ProcessEnded
+from avobench.tasks.errors import AvobenchError, ProcessEnded, UsageError
 
 
 class Isolated(click.Command):
     """A command whose work is done in another process where its arguments name code that is not of this project."""
 
     def invoke(self, context: click.Context) -> Any:
+        seconds = context.params.pop("seconds", None)
+        limits = NO_LIMITS if seconds is None else in_seconds("--seconds", seconds)
         theirs = sorted(set(_theirs(context.params)))
         state = context.find_object(State)
-        if not theirs or (state and state.in_process):
+        if state and state.in_process and seconds is not None:
+            raise UsageError("--seconds is not for --in-process: nothing could end it")
+        if (not theirs and seconds is None) or (state and state.in_process):
             return super().invoke(context)
         function = self.callback
         try:
-            return apart(Call(_carried_out, (function.__module__, function.__name__, context.params)))
+            with cursor_kept():
+                return apart(Call(_carried_out, (function.__module__, function.__name__, context.params), limits))
         except ProcessEnded as error:
-            raise AvobenchError(f"{', '.join(theirs)}: {error}") from error
+            raise AvobenchError(": ".join(filter(None, (", ".join(theirs), str(error))))) from error
 
 
 def _theirs(params: dict[str, Any]) -> Iterator[str]:

@@ -9,7 +9,8 @@ from typing import NoReturn
 import click
 
 from avobench.cli.damaged import naming_damaged
-from avobench.cli.state import State
+from avobench.cli.state import STOPPED, State
+from avobench.cli.terminal import say
 
 COMMANDS = {
     "list": ("effects:list_", "Show the tasks, the methods and the effects."),
@@ -74,26 +75,22 @@ def main(command: click.Command = cli) -> None:
     except (KeyboardInterrupt, click.Abort):
         _stop(state)
     except click.exceptions.NoArgsIsHelpError as error:
-        click.echo(error.ctx.get_help())
+        say(error.ctx.get_help())
         sys.exit(2)
     except Exception as error:
-        if state.interrupted:  # libraries turn what interrupts their loading into an ImportError
+        if state.interrupted is not None:  # libraries turn what interrupts their loading into an ImportError
             _stop(state)
         if state.debug or "--debug" in anywhere:
             raise
         from avobench.tasks.errors import UsageError  # here, as in `_said`, because help needs no NumPy
 
-        click.echo(f"avobench: {' '.join(_said(error).split())}", err=True)
+        say(f"avobench: {' '.join(_said(error).split())}", err=True)
         sys.exit(2 if isinstance(error, (UsageError, click.UsageError)) else 1)
 
 
 def _stop(state: State) -> NoReturn:
-    resumes = "finished work is kept, and the same command continues from it"
-    click.echo(
-        f"avobench: stopped; {resumes if state.resumes else 'nothing was kept, and the same command starts again'}",
-        err=True,
-    )
-    sys.exit(130)
+    say(state.stopped, err=True)
+    sys.exit(STOPPED)
 
 
 def _said(error: Exception) -> str:

@@ -25,6 +25,12 @@ DATA = click.option(
     help="File of measured events, one row per event. For ROOT, file.root:tree.",
 )
 COLUMNS = click.option("--columns", default=None, metavar="A,B,...", help="Columns or branches to read, in this order.")
+SECONDS = click.option(
+    "--seconds",
+    type=float,
+    default=None,
+    help="End the command, and all that it started, after so many seconds.  [no limit]",
+)
 DROP_INVALID = click.option("--drop-invalid", is_flag=True, help="Leave out rows with NaN or infinite values.")
 
 

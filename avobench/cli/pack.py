@@ -8,6 +8,7 @@ import click
 from avobench.bench.store.pack import pack as pack_store
 from avobench.bench.store.store import Store
 from avobench.cli.options import RESULTS
+from avobench.cli.terminal import say
 
 
 @click.command()
@@ -19,8 +20,8 @@ def pack(results: Path) -> None:
     """
     store = Store(results)
     packed = pack_store(store)
-    click.echo(f"{packed.folded} files packed, {packed.rows} records in {store.table}")
+    say(f"{packed.folded} files packed, {packed.rows} records in {store.table}")
     for path, fault in packed.damaged.items():
-        click.echo(f"avobench: {path} {fault}; left as it is, {store.remedy(path, fault)}", err=True)
+        say(f"avobench: {path} {fault}; left as it is, {store.remedy(path, fault)}", err=True)
     if packed.damaged:
         sys.exit(1)

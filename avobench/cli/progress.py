@@ -10,6 +10,7 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 
 from avobench.api.progress import QUIET_SECONDS, clock
+from avobench.api.terminal import plain
 from avobench.bench.cells.cell import Cell
 from avobench.bench.store.status import Status, reason
 from avobench.bench.sweep.runner import Sweep, View
@@ -65,7 +66,7 @@ class ProgressView(View):
             )
 
     def _line(self, line: str) -> None:
-        self.console.print(line, markup=False, highlight=False, soft_wrap=True)
+        self.console.print(plain(line), markup=False, highlight=False, soft_wrap=True)
 
 
 def _left(sweep: Sweep) -> str:

@@ -7,9 +7,10 @@ import click
 from avobench.bench.store.files import require_folder, write_file
 from avobench.bench.store.status import Status, reason
 from avobench.bench.store.store import Store
-from avobench.bench.store.table import to_frame
+from avobench.bench.store.table import as_csv, to_frame
 from avobench.cli import listing
 from avobench.cli.options import RESULTS
+from avobench.cli.terminal import say
 from avobench.tasks.errors import UsageError
 
 
@@ -18,11 +19,11 @@ from avobench.tasks.errors import UsageError
 def status(results: Path) -> None:
     """Summarise the records of a results folder, and list failed cells and damaged files."""
     records = Store(results).read_all(traces=False)
-    click.echo(listing.status_table(records))
+    say(listing.status_table(records))
     for record in records:
         if record["status"] != Status.OK:
             cell = "{task} {method} target {target} repetition {repetition}".format(**record)
-            click.echo(f"{cell}: {reason(record)}")
+            say(f"{cell}: {reason(record)}")
 
 
 @click.command()
@@ -35,6 +36,6 @@ def export(kind: str, out: Path, results: Path) -> None:
     if out.is_dir():
         raise UsageError(f"{out} is a folder; --out takes the file to write")
     frame = to_frame(Store(results).read_all(traces=False))
-    content = frame.to_csv(index=False).encode() if kind == "csv" else frame.to_parquet(index=False)
+    content = as_csv(frame) if kind == "csv" else frame.to_parquet(index=False)
     write_file(out, content)
-    click.echo(f"{len(frame)} rows in {out}")
+    say(f"{len(frame)} rows in {out}")

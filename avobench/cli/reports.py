@@ -7,6 +7,7 @@ import click
 from avobench.bench.store.files import require_folder, write_file
 from avobench.bench.store.store import Store
 from avobench.cli.options import RESULTS
+from avobench.cli.terminal import say
 from avobench.reports.figures import FIGURES, TRACED, draw
 
 OUT = click.option(
@@ -24,7 +25,7 @@ def figure(names: tuple[str, ...], results: Path, out: Path) -> None:
     store = Store(results)
     for name in names:
         for path in draw(name, store.read_all(traces=name in TRACED), out):
-            click.echo(path)
+            say(path)
 
 
 @click.command("report")
@@ -36,4 +37,4 @@ def report(results: Path, out: Path) -> None:
 
     require_folder(out)
     write_file(out / "index.html", render(results).encode())
-    click.echo(out / "index.html")
+    say(out / "index.html")

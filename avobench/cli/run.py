@@ -19,6 +19,7 @@ from avobench.cli import listing
 from avobench.cli.isolated import State
 from avobench.cli.options import RESULTS, TRUST, named
 from avobench.cli.progress import ProgressView
+from avobench.cli.terminal import say
 from avobench.reports.figures import draw
 
 
@@ -118,8 +119,8 @@ def run(
             records = sweep.carried_out(cells, results, workers, **options)
     if figure is not None:
         draw("benchmark", records, figure)
-    click.echo(listing.status_table(records))
+    say(listing.status_table(records))
     failed = [record for record in records if record["status"] != Status.OK]
-    click.echo(f"{len(records) - len(failed)} of {len(records)} cells ok, records in {results}")
+    say(f"{len(records) - len(failed)} of {len(records)} cells ok, records in {results}")
     if failed:
         sys.exit(1)

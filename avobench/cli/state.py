@@ -1,8 +1,15 @@
 """What holds for a command line as a whole, whichever command it is of."""
 
+import os
 import signal
+import time
 from dataclasses import dataclass
 from types import FrameType
+
+STOPPED = 130
+"""The exit code after Ctrl-C."""
+STOPPING_SECONDS = 3.0
+"""A stop may take so long: processes are given two seconds to tidy up. An impatient Ctrl-C disturbs it no more."""
 
 
 @dataclass
@@ -15,10 +22,20 @@ class State:
     """Run the user's code in this process, for a debugger."""
     resumes: bool = False
     """Whether the command, when it was stopped and is given again, goes on from what was finished; it sets this."""
-    interrupted: bool = False
-    """Whether Ctrl-C came, whatever was made of it by what it interrupted."""
+    interrupted: float | None = None
+    """When Ctrl-C first came, by the monotonic clock, whatever was made of it by what it interrupted."""
 
     def interrupt(self, number: int, frame: FrameType | None) -> None:
-        """The handler of Ctrl-C: as Python's own, and remembered."""
-        self.interrupted = True
-        signal.default_int_handler(number, frame)
+        """The handler of Ctrl-C: the first raises KeyboardInterrupt, one that comes when that was in vain ends all."""
+        if self.interrupted is None:
+            self.interrupted = time.monotonic()
+            signal.default_int_handler(number, frame)
+        if time.monotonic() - self.interrupted > STOPPING_SECONDS:
+            os.write(2, f"{self.stopped}\n".encode())
+            os._exit(STOPPED)
+
+    @property
+    def stopped(self) -> str:
+        """The last line of a command that was stopped."""
+        kept = "finished work is kept, and the same command continues from it"
+        return f"avobench: stopped; {kept if self.resumes else 'nothing was kept, and the same command starts again'}"

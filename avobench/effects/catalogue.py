@@ -11,7 +11,7 @@ from avobench.effects.contract import Effect
 from avobench.effects.ranges import REFERENCE_EVENTS, Simulate
 from avobench.effects.site import Domain, Site, domain
 from avobench.tasks import Task
-from avobench.tasks.errors import UsageError
+from avobench.tasks.errors import UsageError, raised
 
 __all__ = ["catalogue", "chosen", "domain", "families", "of_domain"]
 
@@ -31,10 +31,8 @@ def families() -> dict[str, type[Effect]]:
     for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
         try:
             family = point.load()
-        except Exception as error:
-            raise UsageError(
-                f"effect '{point.name}' cannot be used, {point.value} raised {type(error).__name__}: {error}"
-            ) from error
+        except (Exception, SystemExit) as error:
+            raise UsageError(f"effect '{point.name}' cannot be used, {point.value} raised {raised(error)}") from error
         if not (isinstance(family, type) and issubclass(family, Effect) and family.domains):
             raise UsageError(f"effect '{point.name}': {point.value} is no subclass of Effect that states its domains")
         found[point.name] = family

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.tasks.contract import Task
-from avobench.tasks.errors import SimulatorError
+from avobench.tasks.errors import SimulatorError, raised
 
 
 def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
@@ -17,7 +17,7 @@ def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Genera
     try:
         x = task.simulate(task.at_whole(theta, rng).copy(), rng)
     except (Exception, SystemExit) as error:
-        raise SimulatorError(f"the simulator of {task.name} raised {type(error).__name__}: {error}") from error
+        raise SimulatorError(f"the simulator of {task.name} raised {raised(error)}") from error
     if not isinstance(x, np.ndarray) or x.shape != (len(theta), task.num_features):
         expected = (len(theta), task.num_features)
         got = f"shape {x.shape}" if isinstance(x, np.ndarray) else type(x).__name__

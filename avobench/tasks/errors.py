@@ -40,6 +40,19 @@ class ProcessEnded(AvobenchError):
         return self.args[1]
 
 
+def text_of(error: BaseException) -> str:
+    """The text of an exception of anybody's, which may fail to give it."""
+    try:
+        return str(error)
+    except Exception as why:
+        return f"(its text cannot be had: {type(why).__name__})"
+
+
+def raised(error: BaseException) -> str:
+    """What code of a user's raised: the type of the exception and its text."""
+    return f"{type(error).__name__}: {text_of(error)}"
+
+
 def installed_by(extra: str) -> str:
     """How an optional part of the package is installed, for the end of a message."""
     return f"in a clone of avobench, pip install '.[{extra}]'"

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.tasks.contract import Box, Kind, ParameterKind, Task, histogram
-from avobench.tasks.errors import UsageError
+from avobench.tasks.errors import UsageError, raised, text_of
 
 Simulate = Callable[[NDArray[np.float64], np.random.Generator], ArrayLike]
 """theta (n, p), a generator -> one event per row: (n, d), or (n,) where an event is one number."""
@@ -234,13 +234,13 @@ def task(
                 raise UsageError(f"{what} names '{parameter}'; the parameters of {label} are {', '.join(prior)}")
     try:
         made = FunctionTask(simulate, label, prior, support or {}, units or {}, features, kinds, feature_units)
-    except Exception as error:  # a user's function may raise anything
+    except (Exception, SystemExit) as error:  # a user's function may raise anything
         hint = "; theta has a row for each event, so theta[:, 0] is the first parameter" if _in(simulate, error) else ""
-        raise UsageError(f"the task {label} cannot be made: {type(error).__name__}: {error}{hint}") from error
+        raise UsageError(f"the task {label} cannot be made: {raised(error)}{hint}") from error
     return made
 
 
-def _in(function: Simulate, error: Exception) -> bool:
+def _in(function: Simulate, error: BaseException) -> bool:
     """Whether an error came out of a function, or tells of the shape of what it returned."""
     frames = (frame.f_code for frame, _ in walk_tb(error.__traceback__))
-    return getattr(function, "__code__", None) in frames or "gave events of shape" in str(error)
+    return getattr(function, "__code__", None) in frames or "gave events of shape" in text_of(error)

@@ -2,6 +2,7 @@
 
 import json
 import sys
+import time
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -11,6 +12,7 @@ import scipy.stats
 
 import avobench
 from avobench.bench.plugins import registry
+from avobench.tasks.errors import ProcessEnded, UsageError
 from gaussian import GaussianMean
 
 RNG = np.random.default_rng(5)
@@ -195,3 +197,20 @@ def test_without_pytorch_the_default_is_a_method_that_is_installed(monkeypatch):
     found = avobench.infer("poisson", EVENTS, budget=4000)
     assert found.method == "smm"
     assert not avobench.list_methods().loc["avo", "available"]
+
+
+def test_a_limit_of_time_ends_a_simulator_of_a_script_and_changes_no_answer():
+    def simulate(theta, rng):
+        time.sleep(600 * (len(theta) > limit))
+        return rng.normal(theta)
+
+    limit, x = 10**6, RNG.normal(0.3, 1, 500)
+    task = avobench.task(simulate, prior={"mean": (-1, 1)}, name="own")
+    limited = avobench.infer(task, x, "smm", budget=1000, seconds=300)
+    assert limited.theta == pytest.approx(avobench.infer(task, x, "smm", budget=1000).theta, rel=1e-9)
+    limit = 20
+    for ask in (avobench.infer, avobench.diagnose):
+        with pytest.raises(ProcessEnded, match=r"ended after 0\.5 s, the limit of time"):
+            ask(task, x, seconds=0.5)
+        with pytest.raises(UsageError, match="seconds must be a number above 0"):
+            ask(task, x, seconds=-1)

@@ -89,6 +89,32 @@ def test_infer_and_diagnose_end_with_a_line_and_write_nothing(avobench, tmp_path
     assert not list((tmp_path / "d").iterdir())
 
 
+@pytest.mark.parametrize("command", ["infer --method smm --task", "diagnose --out d --task", "check task"])
+def test_what_hangs_is_ended_after_so_many_seconds(avobench, tmp_path, monkeypatch, command):
+    path = os.pathsep.join([os.getcwd(), os.environ.get("PYTHONPATH", "")])
+    monkeypatch.setenv("PYTHONPATH", path)
+    monkeypatch.chdir(tmp_path)
+    np.save("x.npy", np.random.default_rng(0).normal(size=(300, 1)))
+    data = () if command == "check task" else ("--data", "x.npy")
+    found = avobench(*command.split(), "hostile:Stuck", *data, "--seconds", 0.5)
+    line(found, 1, "hostile:Stuck: ended after 0.5 s, the limit of time")
+
+
+def test_what_a_method_says_is_text_on_the_terminal(avobench, tmp_path):
+    start = (*CELLS, "--method", "dirty:Dirty", "--set", "dirty.how=screen", "--task", "faulty:SoundTask", "--jobs", 1)
+    for command in (("run", *start), ("status",)):
+        _, out, err = avobench(*command, "--results", tmp_path / "r")
+        assert r"\x1b[2J" in out + err
+        assert not set("\x1b\x07\x9b\r\u202e") & set(out + err)
+
+
+def test_a_closed_output_is_no_fault(tmp_path):
+    cells = " ".join(map(str, (*CELLS, "--task", "faulty:SoundTask", "--jobs", 1, "--results", tmp_path / "r")))
+    done = subprocess.run(f"{sys.executable} -m avobench run {cells} <&- >&-", shell=True, stderr=-1, text=True)
+    assert (done.returncode, "NoneType" in done.stderr) == (0, False), done.stderr
+    assert len(Store(tmp_path / "r").read_all()) == 2
+
+
 def test_a_task_that_makes_other_events_than_it_declares_is_refused_in_a_line(avobench, tmp_path):
     np.save(tmp_path / "x.npy", np.random.default_rng(0).normal(size=(300, 1)))
     start = ("--task", "hostile:Wider", "--data", tmp_path / "x.npy", "--out")
@@ -174,7 +200,7 @@ def test_foreign_code_runs_only_where_it_is_trusted(avobench, tmp_path, models):
         "list": ("list", "effects", "--task", path),
     }
     for command in commands.values():
-        line(avobench(*command, "--in-process"), 2, "(--trust)")
+        line(avobench(*command, "--in-process"), 2, "(--trust, ")
         assert not marker.exists()
     for name in ("run", "list"):
         avobench(*commands[name], "--trust")
@@ -212,7 +238,9 @@ def stopped(begun, *arguments):
         assert time.monotonic() < deadline
         time.sleep(0.05)
     time.sleep(0.5)
-    os.killpg(process.pid, signal.SIGINT)
+    for _ in range(4):  # as an impatient user does
+        os.killpg(process.pid, signal.SIGINT)
+        time.sleep(0.1)
     _, error = process.communicate(timeout=20)
     return process.returncode, error
 
@@ -229,7 +257,22 @@ def test_ctrl_c_promises_only_what_is_kept(tmp_path, task):
     kept = "finished work is kept, and the same command continues from it"
     said = "nothing was kept, and the same command starts again" if task == "poisson" else kept
     assert error.splitlines()[-1] == f"avobench: stopped; {said}"
+    assert "Traceback" not in error
     assert not list((tmp_path / "d").glob("*"))
+
+
+def test_ctrl_c_ends_what_does_not_stop_after_a_while():
+    script = "import signal, time; from avobench.cli import state as of; state = of.State()\n"
+    script += "of.STOPPING_SECONDS = 0.2; signal.signal(signal.SIGINT, state.interrupt)\n"
+    script += "while True:\n try:\n  print(flush=True)\n  time.sleep(60)\n except KeyboardInterrupt: pass"
+    with subprocess.Popen([sys.executable, "-c", script], stdout=-1, stderr=-1, text=True) as process:
+        process.stdout.readline()
+        process.send_signal(signal.SIGINT)
+        process.stdout.readline()
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(10) == 130
+        assert process.stderr.read() == "avobench: stopped; nothing was kept, and the same command starts again\n"
 
 
 def test_ctrl_c_is_a_stop_whatever_a_library_makes_of_it(monkeypatch, capsys):

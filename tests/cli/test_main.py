@@ -70,6 +70,7 @@ def test_run_redraws_the_figure(avobench, tmp_path):
         (["run", "--budget", "0"], 2, "--budget must be at least 1"),
         (["run", "--budget", "many"], 2, "--budget"),
         (["run", "--jobs", "-1"], 2, "--jobs must be at least 1"),
+        (["run", "--repetitions", "9" * 12], 2, "cells, and a run is"),
         (["run", "--targets", "0-15"], 2, "within 0-14"),
         (["run", "--set", "avo-paper.batch=3"], 2, "did you mean batch_size?"),
         (["run", "--colour"], 2, "--colour"),

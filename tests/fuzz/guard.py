@@ -18,7 +18,7 @@ FORBIDDEN = (
     "os.exec",
     "os.posix_spawn",
 )
-HARMLESS = ("/dev/null", "/dev/shm", "/proc", "__pycache__", "/.cache/", "/.config/")
+HARMLESS = ("/dev/null", "/dev/shm", "/proc", "__pycache__", "/.cache/", "/.config/", "/torchinductor_")
 PLANTED = '''"""Code that a file names and nobody asked for: its import leaves a trace."""
 from pathlib import Path
 
@@ -55,16 +55,19 @@ class Guard:
                 self._check(event, path)
         elif event in ON_PATHS:
             for place in ON_PATHS[event]:
-                self._check(event, arguments[place])
+                self._check(event, arguments[place], follows=event in ("os.chmod", "os.truncate"))
         elif event == "subprocess.Popen" and arguments[0] == "git":
             pass  # asks for the commit of the source
         elif event in FORBIDDEN:
             self.broken.append(f"{event} {arguments!r:.200}")
 
-    def _check(self, event: str, path: object) -> None:
+    def _check(self, event: str, path: object, follows: bool = True) -> None:
         if not isinstance(path, str | bytes | os.PathLike):
             return
-        place = os.path.realpath(os.fsdecode(path))
+        folder, name = os.path.split(os.path.abspath(os.fsdecode(path)))
+        place = os.path.join(os.path.realpath(folder), name)  # of a link itself
+        if follows:
+            place = os.path.realpath(place)
         if not any(place == folder or place.startswith(folder + os.sep) for folder in self._allowed or ()) and not any(
             part in place for part in HARMLESS
         ):

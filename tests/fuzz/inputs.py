@@ -32,8 +32,18 @@ NASTY_TEXTS = (
 NASTY_NUMBERS = (0, -1, 1, 2**31, 2**63 - 1, 2**63, 2**64, -(2**63), 10**30, 0.5, -0.0, 1e-320, 1e308, 1e999, -1e999)
 nasty_texts = st.sampled_from(NASTY_TEXTS) | st.text(st.characters(exclude_categories=["Cs"]), max_size=12)
 nasty_numbers = st.sampled_from(NASTY_NUMBERS) | st.floats() | st.integers()
+
+
+def _ladder() -> list[Any]:
+    """Lists in one another, deeper than any reader needs to go."""
+    made: list[Any] = []
+    for _ in range(150):
+        made = [made]
+    return made
+
+
 nasty = st.recursive(
-    st.none() | st.booleans() | nasty_numbers | nasty_texts,
+    st.none() | st.booleans() | nasty_numbers | nasty_texts | st.just("half \ud800") | st.builds(_ladder),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(nasty_texts, inner, max_size=3),
     max_leaves=6,
 )

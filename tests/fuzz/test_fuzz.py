@@ -2,16 +2,16 @@
 
 import pytest
 
+from fuzz import answers
 from fuzz.__main__ import outcomes
 from fuzz.inputs import Bomb
-from fuzz.targets import GUARD, CommandLines, Events, Manifests, Models, Packed, Records, Results
+from fuzz.targets import GUARD, KINDS, Events, Manifests, Models
 
 EXAMPLES = 30
-KINDS = (CommandLines, Records, Packed, Manifests, Results, Models)
 FORMATS = ("npy", "npz", "csv", "parquet", "root")
 
 
-@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+@pytest.mark.parametrize("kind", [*KINDS, *answers.KINDS], ids=lambda kind: kind.name)
 def test_no_input_is_taken_for_what_it_is_not_or_does_harm(kind, tmp_path):
     assert outcomes(kind(tmp_path), EXAMPLES, 0).total() == EXAMPLES
 

@@ -1,5 +1,7 @@
 """A task from a plain function."""
 
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -83,6 +85,7 @@ def test_any_prior_makes_a_task_whose_rows_have_their_own_theta(low, width, n):
         (decay, {"prior": {"t": (1, 4)}, "kinds": {"x1": "cosine"}}, "one of count, continuous, angle, not cosine"),
         (decay, {"prior": {"t": (1, 4)}, "feature_units": {"t": "us"}}, "feature_units names 't'"),
         (lambda theta, rng: 1 / 0, {"prior": {"t": (1, 4)}}, "ZeroDivisionError"),
+        (lambda theta, rng: sys.exit(0), {"prior": {"t": (1, 4)}}, "SystemExit"),
         (lambda theta, rng: np.ones(7), {"prior": {"t": (1, 4)}}, "events of shape"),
         (lambda theta: theta, {"prior": {"t": (1, 4)}}, "TypeError"),
         (unpacked, {"prior": {"m": (0, 1), "s": (1, 2)}}, r"theta\[:, 0\] is the first parameter"),

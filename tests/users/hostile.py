@@ -74,6 +74,15 @@ class Hangs(SoundTask):
         return super().events(theta, rng)
 
 
+class Stuck(SoundTask):
+    """At its first call."""
+
+    name = "stuck"
+
+    def events(self, theta, rng):
+        time.sleep(600)
+
+
 class Leaks(SoundTask):
     name = "leaks"
 

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from avobench.methods import Problem
 from avobench.tasks import Task
 from avobench.tasks.checked import checked_events
-from avobench.tasks.errors import SimulatorError, SupportError
+from avobench.tasks.errors import SimulatorError, SupportError, raised, text_of
 from avobench.tasks.meter import Meter
 
 
@@ -107,7 +107,7 @@ def checked_summary(task: Task, x: NDArray) -> NDArray[np.float64]:
     try:
         summary = task.summary(x)
     except (Exception, SystemExit) as error:
-        raise SimulatorError(f"the summary of {task.name} raised {type(error).__name__}: {error}") from error
+        raise SimulatorError(f"the summary of {task.name} raised {raised(error)}") from error
     if not (isinstance(summary, np.ndarray) and summary.ndim == 1 and np.isfinite(summary).all()):
         raise SimulatorError(f"the summary of {task.name} must be a finite array (k,), got {summary!r:.100}")
     return summary
@@ -120,5 +120,5 @@ def _checked(theta: NDArray[np.float64], task: Task) -> NDArray[np.float64]:
     try:
         task.require_support(theta)
     except ValueError as error:
-        raise SupportError(str(error)) from error
+        raise SupportError(text_of(error)) from error
     return theta

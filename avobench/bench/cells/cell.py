@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from avobench.bench.plugins import registry
-from avobench.bench.store.record import identity_hash
+from avobench.bench.store.record import identity_hash, require_keepable
 from avobench.methods import Method
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
@@ -49,9 +49,10 @@ class Cell:
         }
         try:
             object.__setattr__(self, "identity", json.loads(json.dumps(identity, allow_nan=False)))
-        except (TypeError, ValueError) as error:
+            require_keepable(self.identity)
+        except (TypeError, ValueError, RecursionError) as error:
             given = {**identity["task_settings"], **identity["method_settings"]}
-            raise UsageError(f"settings must be finite numbers, texts or lists of them, got {given}") from error
+            raise UsageError(f"settings must be finite numbers, texts or lists of them, got {given!r:.400}") from error
         names, theta = list(task.parameter_names), identity["theta_true"]
         if not len(names) == len(set(names)) == len(theta):
             raise UsageError(f"task '{self.task}' has targets of {len(theta)} parameters and the names {names}")

@@ -5,6 +5,8 @@ import numpy as np
 from avobench.methods import Estimate, Problem, TracePoint
 from avobench.tasks.errors import InvalidEstimate
 
+FLOATS = (np.float16, np.float32, np.float64)
+"""A record holds numbers of 64 bits: a wider one would be rounded, out of its support perhaps."""
 SPREADS = ("posterior", "proposal")
 """What the mean and std of an estimate may be of."""
 
@@ -24,8 +26,10 @@ def require_recordable(estimate: object, problem: Problem, used: int) -> None:
         vectors += [("theta of the trace", point.theta)]
         vectors += [] if point.std is None else [("std of the trace", point.std)]
     for name, value in vectors:
-        if not isinstance(value, np.ndarray) or value.shape != (p,) or value.dtype.kind != "f":
-            raise InvalidEstimate(f"{name} of the estimate must be a float array of shape ({p},), got {value!r}")
+        if not isinstance(value, np.ndarray) or value.shape != (p,) or value.dtype not in FLOATS:
+            raise InvalidEstimate(
+                f"{name} of the estimate must be a float array of shape ({p},) of at most 64 bits, got {value!r}"
+            )
     if (covariance := estimate.covariance) is not None and np.shape(covariance) != (p, p):
         raise InvalidEstimate(f"covariance of the estimate must have shape ({p}, {p}), got {covariance!r:.100}")
     if (sample := estimate.sample) is not None and np.shape(sample.theta) != (len(sample.weights), p):

@@ -20,12 +20,20 @@ from avobench.bench.cells.memory import peak_memory_mib, reset_peak_memory
 from avobench.bench.cells.state import put_back
 from avobench.bench.cells.streams import observe, stream
 from avobench.bench.plugins import registry
-from avobench.bench.store.record import SCHEMA_VERSION, SECONDS, Record
+from avobench.bench.store.record import SCHEMA_VERSION, SECONDS, Record, decode_record, encode
 from avobench.bench.store.status import Status
 from avobench.bench.store.versions import versions
 from avobench.methods import Estimate, Problem
 from avobench.tasks import Task
-from avobench.tasks.errors import AvobenchError, BudgetExhausted, InvalidEstimate, SimulatorError, SupportError
+from avobench.tasks.errors import (
+    AvobenchError,
+    BudgetExhausted,
+    InvalidEstimate,
+    SimulatorError,
+    SupportError,
+    raised,
+    text_of,
+)
 
 STATUS_OF = {
     BudgetExhausted: Status.BUDGET_EXHAUSTED,
@@ -89,22 +97,32 @@ class Trial:
                 traceback.print_exc()
 
     def record(self) -> dict[str, Any]:
-        """The record of the cell, its estimate checked and scored."""
+        """The record of the cell, its estimate checked and scored; as it is read back once it is written."""
         start = time.perf_counter()
-        scored, status, message = {}, Status.OK, ""
         if self.failure is None:
             with self.failing():
-                if not np.array_equal(self.problem.x_observed, self._x_observed):
-                    raise InvalidEstimate("the method changed the observed events; let it work on a copy")
-                require_recordable(self.estimate, self.problem, self.simulate.used)
-                scored = _scored(self.estimate, self._task, self.cell)
-                message = "; ".join(filter(None, (self.estimate.message, self.remark, self.estimate.doubt)))
-                status = Status.DOUBTFUL if self.estimate.doubt else Status.OK
-        if (error := self.failure) is not None:
-            status = next((word for kind, word in STATUS_OF.items() if isinstance(error, kind)), Status.METHOD_ERROR)
-            message = told(error)
-            if self.problem is None:  # where it was too much, e.g. for memory: no method has run
-                status = Status.SIMULATOR_ERROR
+                return self._estimated(start)
+        status = next((word for kind, word in STATUS_OF.items() if isinstance(self.failure, kind)), Status.METHOD_ERROR)
+        if self.problem is None:  # where it was too much, e.g. for memory: no method has run
+            status = Status.SIMULATOR_ERROR
+        return self._recorded(status, told(self.failure), start)
+
+    def _estimated(self, start: float) -> dict[str, Any]:
+        """The record where the method returned. Raises InvalidEstimate for what is none, or cannot be recorded."""
+        if not np.array_equal(self.problem.x_observed, self._x_observed):
+            raise InvalidEstimate("the method changed the observed events; let it work on a copy")
+        require_recordable(self.estimate, self.problem, self.simulate.used)
+        message = "; ".join(filter(None, (self.estimate.message, self.remark, self.estimate.doubt)))
+        status = Status.DOUBTFUL if self.estimate.doubt else Status.OK
+        try:
+            return self._recorded(status, message, start, _scored(self.estimate, self._task, self.cell))
+        except (TypeError, ValueError) as error:
+            raise InvalidEstimate(f"what the method returned cannot be recorded: the record {error}") from error
+
+    def _recorded(
+        self, status: Status, message: str, start: float, scored: dict[str, Any] | None = None
+    ) -> dict[str, Any]:
+        """The record with these fields. Raises TypeError or ValueError where a file could not hold it."""
         record = {
             **blank_record(self.cell, status, message),
             **self._floors,
@@ -117,10 +135,10 @@ class Trial:
             "simulator_seconds": self.simulate.seconds,
             "method_seconds": self.method_seconds,
             "peak_memory_mib": peak_memory_mib(),
-            **scored,
+            **(scored or {}),
         }
         record["harness_seconds"] = time.perf_counter() - start
-        return record
+        return decode_record(encode(record))
 
 
 def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bool = False) -> dict[str, Any]:
@@ -176,11 +194,11 @@ def execute_together(
 def told(error: BaseException) -> str:
     """The message of an error, for a record or a line to the user."""
     if isinstance(error, AvobenchError):
-        return str(error)
+        return text_of(error)
     if type(error).__name__ == "OutOfMemoryError":  # PyTorch's, whose message goes on about its allocator
-        message = ". ".join(str(error).split(". ")[:2])
+        message = ". ".join(text_of(error).split(". ")[:2])
         return f"{message}; fewer cells at a time (--group, --jobs) or --device cpu need less"
-    return f"{type(error).__name__}: {error}"
+    return raised(error)
 
 
 def blank_record(cell: Cell, status: Status, message: str) -> dict[str, Any]:
@@ -192,7 +210,7 @@ def blank_record(cell: Cell, status: Status, message: str) -> dict[str, Any]:
         **cell.identity,
         "parameter_names": list(cell.parameter_names),
         "status": str(status),
-        "message": message,
+        "message": message.encode(errors="backslashreplace").decode(),  # half a surrogate pair is no text
         "trace": [],
         **dict.fromkeys(SECONDS, 0.0),
         "versions": versions(cell.packages),
@@ -207,7 +225,7 @@ def _floors(task: Task, cell: Cell) -> dict[str, float | None]:
         try:
             floor = task.floor(task.targets()[cell.target], cell.num_observations, num_simulations)
         except (Exception, SystemExit) as error:
-            raise SimulatorError(f"the floor of {task.name} raised {type(error).__name__}: {error}") from error
+            raise SimulatorError(f"the floor of {task.name} raised {raised(error)}") from error
         if not isinstance(floor, numbers.Real) or floor < 0:
             raise SimulatorError(f"the floor of {task.name} must be a number, not negative, got {floor!r:.100}")
         floors[name] = float(floor) if np.isfinite(floor) else None

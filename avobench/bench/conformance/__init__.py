@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from avobench.bench.conformance import effects, methods, tasks
 from avobench.bench.conformance.promises import BrokenPromise
 from avobench.bench.plugins import registry
-from avobench.tasks.errors import SimulatorError
+from avobench.tasks.errors import SimulatorError, raised, text_of
 
 ROUNDS = {"task": tasks.rounds, "method": methods.rounds, "effect": effects.rounds}
 
@@ -52,5 +52,5 @@ def _result(what: str, check: Callable[[], None]) -> Result:
         check()
     except (Exception, SystemExit) as error:
         ours = isinstance(error, (BrokenPromise, SimulatorError))
-        return Result(False, what, " ".join(f"{'' if ours else type(error).__name__ + ': '}{error}".split()))
+        return Result(False, what, " ".join((text_of if ours else raised)(error).split()))
     return Result(True, what)

@@ -18,7 +18,7 @@ from avobench.bench.plugins import registry
 from avobench.bench.store.status import Status
 from avobench.methods import Method
 from avobench.methods.problem import Problem
-from avobench.tasks.errors import SimulatorError
+from avobench.tasks.errors import SimulatorError, raised
 
 METHOD_TASKS = ("poisson", "carl")
 NUM_OBSERVATIONS = 1000
@@ -155,5 +155,5 @@ def _failing_simulator(method: Method, trial: _Trial) -> None:
     except SimulatorError:
         return
     except Exception as error:
-        raise BrokenPromise(f"SimulatorError became {type(error).__name__}: {error}") from error
+        raise BrokenPromise(f"SimulatorError became {raised(error)}") from error
     expect(not failed_at, f"made an estimate though the simulator failed after {failed_at} events")

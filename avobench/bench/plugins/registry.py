@@ -25,7 +25,7 @@ from avobench.effects.model_file import AugmentedTask
 from avobench.methods import Method
 from avobench.methods.device import require_device
 from avobench.tasks import Task
-from avobench.tasks.errors import SimulatorError, UsageError, installed_by
+from avobench.tasks.errors import SimulatorError, UsageError, installed_by, raised
 from avobench.tasks.function import NAME
 
 BASES = {"task": Task, "method": Method, "effect": Effect}
@@ -273,7 +273,7 @@ def blamed(make: Callable[[], Any], what: str) -> Any:
     except (UsageError, SimulatorError, ValidationError):
         raise
     except (Exception, SystemExit) as error:
-        raise UsageError(f"{what} cannot be used, it raised {type(error).__name__}: {error}") from error
+        raise UsageError(f"{what} cannot be used, it raised {raised(error)}") from error
 
 
 @cache
@@ -313,7 +313,7 @@ def imported(kind: str, spec: str) -> Any:
             raise UsageError(f"{kind} '{spec}' needs {error.name}, which is not installed") from error
         raise UsageError(f"there is no module '{place}' here or installed, for {kind} '{spec}'") from error
     except (Exception, SystemExit) as error:
-        raise UsageError(f"{place} of {kind} '{spec}' raised {type(error).__name__}: {error}") from error
+        raise UsageError(f"{place} of {kind} '{spec}' raised {raised(error)}") from error
     if not hasattr(module, name):
         raise UsageError(
             "; ".join(filter(None, (f"{place} has no '{name}'", _did_you_mean(name, _of_kind(kind, module)))))

@@ -10,6 +10,7 @@ outlives its limit of time, and the limit of memory must be kept within the proc
 compiled code holds the interpreter's lock.
 """
 
+import math
 import multiprocessing.process
 import multiprocessing.resource_tracker
 import os
@@ -27,12 +28,13 @@ from multiprocessing.connection import Connection, wait
 from pickle import PicklingError
 from typing import Any
 
+import cloudpickle
 import psutil
 from joblib.externals.loky.backend import resource_tracker
 from joblib.externals.loky.backend.context import get_context
 
 from avobench.tasks import errors
-from avobench.tasks.errors import AvobenchError, ProcessEnded
+from avobench.tasks.errors import AvobenchError, ProcessEnded, UsageError, raised
 
 WATCH_SECONDS = 0.25
 """Time and memory are looked at this often: a process that fills 1 GiB a second is seen within 256 MiB."""
@@ -62,13 +64,23 @@ class Limits:
         return Limits(*(None if each is None else n * each for each in (self.seconds, self.mib)))
 
 
+NO_LIMITS = Limits()
+
+
+def in_seconds(name: str, seconds: object) -> Limits:
+    """The limit of time that a user asks for. Raises UsageError, with the name that it has there, for what is none."""
+    if isinstance(seconds, bool) or not isinstance(seconds, int | float) or not 0 < seconds < math.inf:
+        raise UsageError(f"{name} must be a number above 0, got {seconds!r:.40}")
+    return Limits(seconds=float(seconds))
+
+
 @dataclass(frozen=True)
 class Call:
     """A function of a module with its arguments, all of which can be pickled, and what it may take."""
 
     function: Callable[..., Any]
     arguments: tuple[Any, ...]
-    limits: Limits = Limits()
+    limits: Limits = NO_LIMITS
 
 
 class Fault(Exception):
@@ -85,6 +97,25 @@ def apart(call: Call) -> Any:
     if isinstance(outcome, BaseException):
         raise outcome
     return outcome
+
+
+def apart_within(seconds: float, function: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
+    """What a function returns, in a process of its own that is ended after so many seconds.
+
+    What it is given and what it returns may be of classes and functions of a script or a notebook. Raises as `apart`
+    does, and UsageError for seconds that are none, or for what cannot be sent.
+    """
+    limits = in_seconds("seconds", seconds)
+    try:
+        sent = cloudpickle.dumps((function, arguments, options))
+    except (TypeError, PicklingError, AttributeError) as error:
+        raise UsageError(f"what is given cannot be sent to the process that `seconds` limits: {error}") from error
+    return cloudpickle.loads(apart(Call(_unpacked, (sent,), limits)))
+
+
+def _unpacked(sent: bytes) -> bytes:
+    function, arguments, options = cloudpickle.loads(sent)
+    return cloudpickle.dumps(function(*arguments, **options))
 
 
 def here(calls: Iterable[Call]) -> Iterator[tuple[int, Any]]:
@@ -169,6 +200,7 @@ class _Process:
 
     def outcome(self) -> tuple[Any] | None:
         """The outcome of the call, in a tuple of one; None while it is under way."""
+        alive = self._process.is_alive()  # asked for first: what it sent before it ended is in the pipe then
         if self.pipe.poll():
             try:
                 kind, value, trace = self.pipe.recv()
@@ -181,6 +213,8 @@ class _Process:
             if kind == "raised":
                 value.__cause__ = _Trace(trace)
             return (value,)
+        if not alive:  # and a process that it forked off holds the pipe open
+            return (self._died(),)
         if (ended := self._over()) is not None:
             self.end(grace=0)
             return (ended,)
@@ -264,7 +298,7 @@ def _serve(pipe: Connection, parent: int) -> None:
             try:
                 pipe.send(answer)
             except (TypeError, AttributeError, PicklingError) as error:
-                pipe.send(("fault", f"{type(error).__name__}: {error}", traceback.format_exc()))
+                pipe.send(("fault", raised(error), traceback.format_exc()))
 
 
 def _answer(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[str, Any, str]:
@@ -273,7 +307,7 @@ def _answer(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[s
     except (Exception, SystemExit) as error:
         # A class of a user's would be imported where it arrives, with the code that goes with it.
         ours = isinstance(error, AvobenchError | OSError) and type(error).__module__ in (errors.__name__, "builtins")
-        said = error if ours else f"{type(error).__name__}: {error}"
+        said = error if ours else raised(error)
         return "raised" if ours else "fault", said, traceback.format_exc()
 
 

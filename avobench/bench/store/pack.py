@@ -35,7 +35,7 @@ def pack(store: Store) -> Packed:
         rows = dict(before)
         for entry in store.entries():
             if entry.path == store.table:
-                raise StoreError(f"{entry.path} {entry.fault}; {store.remedy(entry.path)}")
+                raise StoreError(f"{entry.path} {entry.fault}; {store.remedy(entry.path, entry.fault)}")
             if entry.record is None:
                 damaged[entry.path] = entry.fault
             elif entry.path.parent == store.records:
@@ -59,4 +59,4 @@ def _rows(store: Store) -> dict[str, Row]:
     try:
         return {row.file: row for row in read_rows(store.table)}
     except Unreadable as error:
-        raise StoreError(f"{store.table} {error}; {store.remedy(store.table)}") from error
+        raise StoreError(f"{store.table} {error}; {store.remedy(store.table, str(error))}") from error

@@ -17,7 +17,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from avobench.bench.store.files import write_atomically
-from avobench.bench.store.record import Record, decode_record
+from avobench.bench.store.record import NEWER, Record, decode_record
 
 SCHEMA = {"schema": "avobench-packed-records", "version": "1"}
 """The metadata of the file tell this."""
@@ -33,7 +33,7 @@ LARGE = 5000
 """A table of so many rows is large: at the higher level it would take minutes."""
 LEFT_OUT = ("schema_version", "trace")
 """Fields without a column: the one is that of the file, the other is most of a record and seldom read alone."""
-TYPES = {"integer": pa.int64(), "number": pa.float64(), "string": pa.string()}
+TYPES = {"boolean": pa.bool_(), "integer": pa.int64(), "number": pa.float64(), "string": pa.string()}
 AS_JSON = pa.string()
 """Objects, such as settings and versions, have other fields in other records."""
 UNREADABLE = (OSError, ValueError, KeyError, NotImplementedError, MemoryError, pa.ArrowException)
@@ -67,6 +67,9 @@ def read_rows(path: Path) -> Iterator[Row]:
 
 def _rows(table: pq.ParquetFile) -> Iterator[Row]:
     metadata = {key.decode(): value.decode() for key, value in (table.schema_arrow.metadata or {}).items()}
+    version = metadata.get("version", "")
+    if metadata.get("schema") == SCHEMA["schema"] and version.isdecimal() and int(version) > int(SCHEMA["version"]):
+        raise Unreadable(f"{NEWER}: it has version {version}, and {SCHEMA['version']} is known here")
     texts = all(table.schema_arrow.field(name).type == pa.string() for name in ("file", "record"))
     if not texts or {key: metadata.get(key) for key in SCHEMA} != SCHEMA:
         raise Unreadable(f"is not a table of records of version {SCHEMA['version']}")

@@ -26,6 +26,8 @@ NAME = r"[A-Za-z0-9][A-Za-z0-9.-]*"
 """The name of a task or method is part of a file's name, so nothing in it may lead to another folder."""
 TOLERANCE = 1e-12
 """A relative difference: a sum over many parameters depends on its order, by about 1e-16 a term."""
+DEPTH = 50
+"""Lists and objects may lie in one another so deep: far more than any setting needs, and no reader comes to its end."""
 IDENTITY = (
     *("task", "task_version", "task_settings", "task_source_sha256"),
     *("method", "method_version", "method_settings", "method_source_sha256"),
@@ -68,7 +70,7 @@ class Record(Strict):
     task: Name = Field(description="what was simulated")
     task_version: str = Field(description="raised when the task's events, summary or floor change their meaning")
     task_settings: dict[str, Any] = Field(description="the task's settings")
-    task_source_sha256: Sha256 | None = Field(
+    task_source_sha256: Sha256 = Field(
         None, description="checksum of the source of a task outside this package; no such field for one within it"
     )
     method: Name = Field(description="how θ was inferred")
@@ -77,10 +79,10 @@ class Record(Strict):
         description="the method's settings; `device` and `step` of AVO are left out at their defaults: "
         "they came later, and change a result by rounding alone"
     )
-    method_source_sha256: Sha256 | None = Field(
+    method_source_sha256: Sha256 = Field(
         None, description="likewise for the method, over the modules of its class and bases"
     )
-    amortised: Literal[True] | None = Field(
+    amortised: Literal[True] = Field(
         None,
         description="true where the simulated events are the same for all targets, so that `budget` is one for them "
         "all; no such field elsewhere",
@@ -113,7 +115,7 @@ class Record(Strict):
     )
     mean: PartlyKnown | None = Field(description="mean of the posterior or proposal")
     std: PartlyKnown | None = Field(description="standard deviation of the posterior or proposal")
-    standard_error: PartlyKnown | None = Field(
+    standard_error: PartlyKnown = Field(
         None, description="of `theta_hat`, where the method tells one; no such field elsewhere"
     )
     trace: list[TracePoint] = Field(
@@ -196,7 +198,7 @@ class Record(Strict):
                 raise ValueError(f"standard_error is given though the status is {self.status}")
             return
         differences = [found - true for found, true in zip(self.theta_hat, self.theta_true, strict=True)]
-        distance = math.fsum(difference * difference for difference in differences)
+        distance = sum(difference * difference for difference in differences)
         if not math.isclose(self.squared_error, distance, rel_tol=TOLERANCE):
             raise ValueError(f"squared_error is {self.squared_error}, theta_hat is {distance} from theta_true")
 
@@ -208,6 +210,17 @@ class Record(Strict):
             raise ValueError("the trace is not in the order of its simulations")
         if simulations and simulations[-1] > self.simulations_used:
             raise ValueError(f"the trace goes to {simulations[-1]} of {self.simulations_used} simulations used")
+
+
+def require_keepable(value: Any, depth: int = DEPTH) -> None:
+    """Raise ValueError where a value is JSON, and a table, a terminal or another reader would still fail over it."""
+    if isinstance(value, str) and not value.isascii() and value != value.encode(errors="ignore").decode():
+        raise ValueError("holds half of a surrogate pair, which is no text")
+    if isinstance(value, dict | list):
+        if not depth:
+            raise ValueError(f"holds more than {DEPTH} lists and objects in one another")
+        for inner in (*value, *value.values()) if isinstance(value, dict) else value:
+            require_keepable(inner, depth - 1)
 
 
 def check(record: dict[str, Any]) -> None:
@@ -237,7 +250,7 @@ def file_name(record: dict[str, Any]) -> str:
 
 
 def encode(record: dict[str, Any]) -> bytes:
-    """A record as one line of JSON with its checksum."""
+    """A record as one line of JSON with its checksum. Raises TypeError or ValueError for what no file can hold."""
     return (json.dumps({**record, "sha256": _checksum(record)}, allow_nan=False) + "\n").encode()
 
 
@@ -253,11 +266,7 @@ def decode(content: bytes) -> dict[str, Any]:
         raise ValueError(f"{NEWER}: it has schema version {version}, and {SCHEMA_VERSION} is known here")
     if version != SCHEMA_VERSION:
         raise ValueError(f"has schema version {record.get('schema_version')}, not {SCHEMA_VERSION}")
-    try:
-        found = _checksum(record)
-    except ValueError as error:
-        raise ValueError("holds a number that is not finite") from error
-    if found != claimed:
+    if _checksum(record) != claimed:
         raise ValueError("was changed after it was written (its checksum does not match)")
     return record
 
@@ -291,7 +300,13 @@ def _type(shape: dict[str, Any]) -> str:
 
 
 def _checksum(record: dict[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(record, sort_keys=True, allow_nan=False).encode()).hexdigest()
+    # The trace, which is most of a record, holds numbers alone, as `check` sees.
+    require_keepable({name: value for name, value in record.items() if name != "trace"})
+    try:
+        text = json.dumps(record, sort_keys=True, allow_nan=False)
+    except ValueError as error:
+        raise ValueError("holds a number that is not finite") from error
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 if __name__ == "__main__":

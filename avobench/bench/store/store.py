@@ -97,15 +97,23 @@ class Store:
             yield
 
     def write(self, record: dict[str, Any]) -> Path:
-        """Write one record, whole or not at all. Raises StoreError when the disk does not take it, or as `place`."""
+        """Write one record, whole or not at all.
+
+        Raises StoreError when the disk does not take it, or no reader would, UsageError as `place`.
+        """
         path = self.place(record)
+        try:
+            content = encode(record)
+            decode_record(content)
+        except (TypeError, ValueError) as error:
+            raise StoreError(f"{path.name} is not written: {error}") from error
         if why := not_plain(path):
             raise StoreError(f"{path} {why}; remove it")
         if not (self.path / "store.json").exists():
             raise StoreError(f"the results folder {self.path} was removed while it was in use, and its records with it")
         with store_errors(f"a record could not be written to {self.records}"):
             self.records.mkdir(exist_ok=True)
-            return write_atomically(path, encode(record))
+            return write_atomically(path, content)
 
     def place(self, record: dict[str, Any]) -> Path:
         """The file of a record, of which the identity and id are enough. Raises UsageError for a name that is none."""

@@ -8,6 +8,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+FORMULA = ("=", "+", "-", "@")
+"""How a text begins that a spreadsheet carries out."""
+
 
 def to_frame(records: Iterable[dict[str, Any]]) -> pd.DataFrame:
     """One row per cell; lists over parameters become columns `theta_true_0`, `theta_true_1`, ...; no trace."""
@@ -33,6 +36,23 @@ def to_frame(records: Iterable[dict[str, Any]]) -> pd.DataFrame:
     leading += ["squared_error", "floor", "num_observations", "budget", "simulations_used"]
     leading += ["simulator_seconds", "method_seconds"]
     return frame[leading + [name for name in frame.columns if name not in leading]]
+
+
+def as_csv(frame: pd.DataFrame) -> bytes:
+    """A table as CSV. A text that a spreadsheet would take for a formula begins with an apostrophe; numbers stay."""
+    texts = frame.select_dtypes(exclude="number")
+    return frame.assign(**texts.map(_cell)).to_csv(index=False).encode()
+
+
+def _cell(value: Any) -> Any:
+    if not isinstance(value, str):
+        return value
+    text = "\n".join(value.splitlines())  # pandas does not quote a carriage return, which ends a row for others
+    try:
+        float(text)
+    except ValueError:
+        return f"'{text}" if text.lstrip().startswith(FORMULA) else text
+    return text
 
 
 def mean_errors(records: list[dict[str, Any]]) -> NDArray[np.float64]:

@@ -14,6 +14,9 @@ from avobench.tasks.checked import checked_events
 from avobench.tasks.contract import NUM_TARGETS
 from avobench.tasks.errors import SimulatorError, UsageError
 
+MOST_CELLS = 100_000
+"""The most cells of a run: as many records as the commands that read a store were measured with."""
+
 
 def plan(
     tasks: list[str],
@@ -42,6 +45,9 @@ def plan(
     if not 0 <= seed < 2**63:
         raise UsageError(f"--seed must lie between 0 and 2^63 - 1, got {seed}")
     indices = parse_targets(targets)
+    asked = repetitions * len(indices) * len(set(methods)) * len(set(tasks))
+    if asked > MOST_CELLS:
+        raise UsageError(f"--repetitions {repetitions} makes {asked} cells, and a run is {MOST_CELLS} at most")
     if device != "cpu":
         settings = [*settings, *on_device(methods, device)]
     built = {kind: {} for kind in ("task", "method")}

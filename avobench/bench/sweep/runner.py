@@ -95,7 +95,8 @@ def run(
             store.place({**cell.identity, "id": cell.id})  # a name that is none is told before anything is made
         sound, damaged = store.read(traces=False)
         if store.table in damaged:  # it is not known which records are lost, and they may have taken days
-            raise StoreError(f"{store.table} {damaged[store.table]}; {store.remedy(store.table)}")
+            fault = damaged[store.table]
+            raise StoreError(f"{store.table} {fault}; {store.remedy(store.table, fault)}")
         for path, reason in damaged.items():
             if reason.startswith(UNREAD):
                 raise StoreError(f"{path} {reason}; {store.remedy(path, reason)}")

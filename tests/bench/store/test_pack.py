@@ -14,6 +14,7 @@ from kills import pack_calmly, pack_killed_at
 from sound_records import sound_records
 
 from avobench.bench.processes.local import LocalBackend
+from avobench.bench.store import packed
 from avobench.bench.store.pack import pack
 from avobench.bench.store.packed import ROWS_A_GROUP, Row, read_rows, write_rows
 from avobench.bench.store.record import IDENTITY, decode_record, file_name, identity_hash
@@ -271,3 +272,17 @@ def test_a_reader_beside_the_packing_sees_every_record(store, kept):
     assert process.exitcode == 0
     assert reads
     assert not files(store)
+
+
+def test_a_table_of_a_newer_version_is_left_and_said_to_be_newer(store, monkeypatch):
+    monkeypatch.setitem(packed.SCHEMA, "version", "2")
+    pack(store)
+    monkeypatch.undo()
+    content = store.table.read_bytes()
+    sound, damaged = store.read()
+    assert (sound, list(damaged)) == ([], [store.table])
+    cells = plan(["toys:Normal"], ["toys:Moment"], "0", 1, 400, 100, 0, [])
+    for work in (lambda: pack(store), lambda: run(cells, store, LocalBackend(1, store.running), View())):
+        with pytest.raises(StoreError, match=r"version 2, and 1 is known here; use the avobench that wrote it"):
+            work()
+    assert store.table.read_bytes() == content

@@ -59,7 +59,7 @@ def test_the_committed_records_make_sense():
 @patient
 @given(sound_records(), st.data())
 def test_a_field_of_another_type_or_a_missing_one_is_refused(record, data):
-    name = data.draw(st.sampled_from(sorted(record)))
+    name = data.draw(st.sampled_from(sorted(record.keys() - {"amortised"})))  # of which one value is right, or none
     wrong = data.draw(st.sampled_from([True, object, {"x": [1]}, [["x"]], [None, None, None, None]]))
     if wrong is object:
         del record[name]

@@ -1,5 +1,6 @@
 """Records on disk: whole or not at all, damage noticed, schema kept."""
 
+import hashlib
 import json
 from pathlib import Path
 
@@ -8,6 +9,8 @@ import pytest
 
 from avobench.bench.cells.trial import execute
 from avobench.bench.processes.local import LocalBackend
+from avobench.bench.store.pack import pack
+from avobench.bench.store.record import IDENTITY, file_name, identity_hash
 from avobench.bench.store.store import DamagedRecord, Store
 from avobench.bench.sweep.plan import plan
 from avobench.bench.sweep.runner import View, run
@@ -60,13 +63,43 @@ def test_a_damaged_record_is_named_and_set_aside_whole(store, damage, message):
     assert good.exists()
 
 
-def test_a_record_that_makes_no_sense_is_damaged_though_its_checksum_is_right(store):
+def nested(depth):
+    return {"x": nested(depth - 1)} if depth else {}
+
+
+FAR = {"theta_true": [0.0, 0.0], "theta_hat": [1.2e154, 1.2e154], "mean": [0.0, 0.0], "std": [1.0, 1.0], "trace": []}
+FAR |= {"squared_error": 1e308, "parameter_names": ["a", "b"]}  # a sum of squares that is beyond all floats
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"squared_error": -1.0}, "makes no sense: squared_error"),
+        ({"message": "lost \udcff"}, "half of a surrogate pair"),
+        ({"method_settings": {"\ud800": 1}}, "half of a surrogate pair"),
+        ({"task_settings": nested(900)}, "lists and objects in one another"),
+        ({"task_source_sha256": None}, "makes no sense: task_source_sha256"),
+        ({"amortised": None}, "makes no sense: amortised"),
+        (FAR, "makes no sense: squared_error"),
+    ],
+)
+def test_a_record_that_no_reader_could_use_is_damaged_though_its_checksum_is_right_and_is_not_written(
+    store, change, message
+):
     good, bad = records()
     store.write(good)
-    path = store.write({**bad, "squared_error": -1.0})
-    sound, damaged = store.read()
-    assert sound == [good]
-    assert "makes no sense: squared_error" in damaged[path]
+    bad |= change
+    bad["id"] = identity_hash({name: bad[name] for name in IDENTITY if name in bad})
+    checksum = hashlib.sha256(json.dumps(bad, sort_keys=True).encode()).hexdigest()
+    path = store.records / file_name(bad)
+    path.write_text(json.dumps({**bad, "sha256": checksum}))
+    for _ in range(2):
+        sound, damaged = store.read()
+        assert sound == [good]
+        assert message in damaged[path]
+        pack(store)
+    with pytest.raises(StoreError, match=message):
+        store.write(bad)
 
 
 def test_a_store_without_a_sound_record_says_so(store):

@@ -1,7 +1,12 @@
 """Records as a table: one row per cell, unlike ones apart."""
 
+import io
+
+import pandas as pd
+import pytest
+
 from avobench.bench.cells.trial import execute
-from avobench.bench.store.table import labels, to_frame
+from avobench.bench.store.table import as_csv, labels, to_frame
 from avobench.bench.sweep.plan import plan
 
 
@@ -25,3 +30,12 @@ def test_like_named_methods_of_other_settings_are_never_pooled():
     assert methods == ["moment steps=4"] * 2 + ["moment steps=2"] * 2 + ["moment steps=4"] * 2
     assert tasks == ["normal budget=400"] * 4 + ["normal budget=800"] * 2
     assert labels(records()) == (["normal"] * 2, ["moment"] * 2)
+
+
+@pytest.mark.parametrize("text", ["=1+1", "+cmd|' /C calc'!A0", "-2+3", "@SUM(A1)", "\t=1", "x\r=1"])
+def test_no_text_of_a_csv_is_a_formula_and_all_else_is_as_it_was(text):
+    frame = to_frame(records())
+    plain = frame.assign(message=["-1.5", "a=b"])
+    assert as_csv(plain) == plain.to_csv(index=False).encode()
+    read = pd.read_csv(io.BytesIO(as_csv(frame.assign(message=text))))
+    assert read["message"].tolist() == [f"'{text}" if text[0] != "x" else "x\n=1"] * 2
