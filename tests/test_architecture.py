@@ -1,6 +1,7 @@
 """The rules of the house that a reader relies on, beside the direction of imports, which `make lint` checks."""
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import avobench
@@ -12,10 +13,12 @@ MOST_PARAMETERS = 14
 """Keyword-only settings of `avobench.run` and `avobench.diagnose`, each with a default; everything else has fewer."""
 
 
+@cache
 def tree(path: Path) -> ast.Module:
     return ast.parse(path.read_text())
 
 
+@cache
 def functions(path: Path) -> list[ast.FunctionDef]:
     return [node for node in ast.walk(tree(path)) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
 

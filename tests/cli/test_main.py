@@ -21,13 +21,6 @@ def results(avobench, tmp_path):
     return path
 
 
-def test_list_names_every_task_and_method_with_its_settings(avobench):
-    code, out, _ = avobench("list")
-    assert code == 0
-    for word in ("poisson", "carl", "weinberg", "alignment", "avo-paper", "abc-smc", "bolfi", "GeV", "batch_size=32"):
-        assert word in out
-
-
 def test_run_shows_progress_and_a_summary(avobench, tmp_path):
     code, out, err = avobench(*QUICK[:-1], "--jobs", 1, "--results", tmp_path / "r")
     assert code == 0

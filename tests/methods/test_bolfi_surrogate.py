@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 from scipy.stats import uniform
 
-from avobench.methods import bolfi_surrogate
 from avobench.methods.bolfi_surrogate import (
     BatchedLCBSC,
     GaussianProcess,
@@ -122,17 +121,6 @@ def test_derivatives_are_those_of_the_values(hyperparameters, p, n, seed):
     _, gradient = posterior.log_likelihood()
     found = differences(lambda of: Posterior(x, y, Hyperparameters(*np.exp(of))).log_likelihood()[0], theta)
     assert gradient * np.exp(theta) == pytest.approx(found, rel=1e-3, abs=1e-3)
-
-
-@pytest.mark.parametrize("p", [1, 2, 5])
-def test_one_transposed_system_gives_the_hessian_that_p_squared_give(p, monkeypatch):
-    x, y, rng = evidence(p, 60, 3)
-    posterior, at = Posterior(x, y, Hyperparameters(2.0, 0.4, 0.5, 0.01)), rng.uniform(size=(7, p))
-    hessians = []
-    for most in (0, 5):
-        monkeypatch.setattr(bolfi_surrogate, "DIRECT", most)
-        hessians.append(posterior.moments(at, 2).variance_hessian)
-    assert hessians[0] == pytest.approx(hessians[1], rel=1e-9, abs=1e-9)
 
 
 @settings(max_examples=40, deadline=None)

@@ -45,9 +45,3 @@ def test_no_effect_is_tried_where_none_may_be_added(zeros):
     found = searched(zeros, max_effects=0)
     assert found.best is None
     assert not found.included
-
-
-def test_any_number_of_processes_gives_the_same_probabilities(zeros):
-    names = ("zero_inflation", "dead_time")
-    one, two = (searched(zeros, names, jobs, max_effects=1) for jobs in (1, 2))
-    assert one.probability == two.probability
