@@ -1,10 +1,8 @@
 """The code of the pages: it prints what stands below it, examples are quoted as they are, and shown commands work."""
 
-import os
 import re
 import shlex
 import shutil
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -45,11 +43,6 @@ def blocks(page, language):
     return blocks_of((DOCS / page).read_text(), language)
 
 
-def avobench(*arguments, **variables):
-    command = [sys.executable, "-m", "avobench", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, env=os.environ | variables)
-
-
 def words_and_numbers(page):
     """Of the outputs on a page, without how long anything took."""
     outputs = re.sub(r"simulated events, [\d.]+ s$", "simulated events", "\n".join(blocks_of(page, "text")), flags=re.M)
@@ -83,18 +76,18 @@ def test_the_page_quotes_its_example_and_its_other_code_runs_after_it(page, kind
 
 
 @every_page
-def test_every_command_of_the_page_works_and_prints_what_is_shown(page, kind, example, folder):
+def test_every_command_of_the_page_works_and_prints_what_is_shown(page, kind, example, folder, avobench):
     shown = [re.split(r"^\$ avobench (.*)\n", block, flags=re.MULTILINE)[1:] for block in blocks(page, "console")]
     assert [len(block) // 2 for block in shown] == [3, 1]
     for command, output in [pair for block in shown for pair in zip(block[::2], block[1::2], strict=True)]:
-        done = avobench(*shlex.split(command))
-        assert done.returncode == 0, done.stderr
-        assert output in ("", done.stdout)
+        code, told, errors = avobench(*shlex.split(command))
+        assert code == 0, errors
+        assert output in ("", told)
     assert list((folder / "results" / "local").iterdir())
 
 
 @every_page
-def test_an_entry_point_gives_the_example_its_name(page, kind, example, folder):
+def test_an_entry_point_gives_the_example_its_name(page, kind, example, folder, avobench):
     (text,) = blocks(page, "toml")
     ((group, points),) = tomllib.loads(text)["project"]["entry-points"].items()
     ((name, value),) = points.items()
@@ -104,8 +97,7 @@ def test_an_entry_point_gives_the_example_its_name(page, kind, example, folder):
     installed.mkdir()
     (installed / "METADATA").write_text("Metadata-Version: 2.1\nName: example\nVersion: 1.0\n")
     (installed / "entry_points.txt").write_text(f"[{group}]\n{name} = {value}\n")
-    listed = avobench("list", PYTHONPATH=str(folder))
-    assert f"  {name}: " in listed.stdout, listed.stderr
+    assert f"  {name}: " in avobench("list")[1]
 
 
 def test_decay_times_have_the_moments_and_the_distribution_of_their_density(folder):
