@@ -7,7 +7,7 @@ from itertools import chain
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.stats import chi2
@@ -108,7 +108,6 @@ def test_pythia_that_cannot_run_is_an_error(monkeypatch: pytest.MonkeyPatch) -> 
 # Detector
 
 
-@settings(deadline=None)
 @given(eta=st.floats(-4.99, 4.99), phi=st.floats(0, 6.28))
 def test_track_from_the_centre_hits_the_cell_it_points_to(eta: float, phi: float) -> None:
     row, column = (eta + 5) * NUM_ROWS / 10, phi * NUM_COLUMNS / (2 * np.pi)
@@ -118,7 +117,6 @@ def test_track_from_the_centre_hits_the_cell_it_points_to(eta: float, phi: float
     assert hit[1] == pytest.approx(column - 0.5, abs=0.5 + 1e-6)
 
 
-@settings(deadline=None)
 @given(
     theta=st.floats(-3.1, 3.1),
     position=st.tuples(*[st.floats(-0.05, 0.05)] * 3),

@@ -27,7 +27,7 @@ EXAMPLE = Store(ROOT / "results" / "bolfi-gpy").read_all()[0]
 ok_records = sound_records([Status.OK])
 known_records = sound_records([status for status in Status if status not in LOST])
 negative = st.floats(max_value=0, exclude_max=True, allow_infinity=False)
-patient = settings(deadline=None, max_examples=25)
+patient = settings(max_examples=25)
 more = st.integers(1, 2**40)
 
 
