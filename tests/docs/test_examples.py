@@ -1,8 +1,10 @@
 """The code of the pages: it prints what stands below it, examples are quoted as they are, and shown commands work."""
 
+import os
 import re
 import shlex
 import shutil
+import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -87,7 +89,7 @@ def test_every_command_of_the_page_works_and_prints_what_is_shown(page, kind, ex
 
 
 @every_page
-def test_an_entry_point_gives_the_example_its_name(page, kind, example, folder, avobench):
+def test_an_entry_point_gives_the_example_its_name(page, kind, example, folder):
     (text,) = blocks(page, "toml")
     ((group, points),) = tomllib.loads(text)["project"]["entry-points"].items()
     ((name, value),) = points.items()
@@ -97,7 +99,9 @@ def test_an_entry_point_gives_the_example_its_name(page, kind, example, folder, 
     installed.mkdir()
     (installed / "METADATA").write_text("Metadata-Version: 2.1\nName: example\nVersion: 1.0\n")
     (installed / "entry_points.txt").write_text(f"[{group}]\n{name} = {value}\n")
-    assert f"  {name}: " in avobench("list")[1]
+    command = [sys.executable, "-m", "avobench", "list", f"{kind}s"]  # this process has read the entry points already
+    listed = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"PYTHONPATH": str(folder)})
+    assert f"  {name}: " in listed.stdout, listed.stderr
 
 
 def test_decay_times_have_the_moments_and_the_distribution_of_their_density(folder):

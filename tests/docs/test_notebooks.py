@@ -8,8 +8,8 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
-FEWER = "import avobench, functools\navobench.infer = functools.partial(avobench.infer, budget=40_000)"
-"""Before a notebook: a quarter of the events that its inferences would take."""
+FEWER = "import avobench, functools\navobench.infer = functools.partial(avobench.infer, budget=60_000)"
+"""Before a notebook: fewer events than its inferences would take."""
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
