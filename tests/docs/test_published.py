@@ -15,6 +15,8 @@ from matplotlib.figure import Figure
 from scipy.optimize import minimize
 from scipy.stats import norm
 
+from avobench.bench.store.record import fields_table
+from avobench.bench.store.status import Status
 from avobench.bench.store.store import Store
 from avobench.bench.sweep.plan import plan
 from avobench.reports.figures import FIGURES, draw
@@ -156,3 +158,9 @@ def test_what_the_readme_says_of_the_line_s_centre_is_what_a_direct_fit_gives():
     assert its_error == pytest.approx(error, abs=0.001)
     assert abs(found - direct) < 2 * found_error
     assert direct - 867.380 > 5 * its_error  # so the difference from the line's energy is the file's
+
+
+def test_the_docs_have_the_fields_and_every_status():
+    text = (ROOT / "docs" / "records.md").read_text()
+    assert fields_table() in text
+    assert all(f"| `{status}` |" in text or f"`{status}` exactly when" in text for status in Status)

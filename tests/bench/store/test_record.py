@@ -14,7 +14,6 @@ from avobench.bench.store.record import (
     check,
     decode_record,
     encode,
-    fields_table,
     file_name,
     identity_hash,
 )
@@ -189,9 +188,3 @@ def test_a_name_that_could_lead_to_another_folder_is_refused(kind, name):
     refused(record)
     with pytest.raises(UsageError, match=f"the name of a {kind} must be"):
         file_name(record)
-
-
-def test_the_docs_have_the_fields_and_every_status():
-    text = (ROOT / "docs" / "records.md").read_text()
-    assert fields_table() in text
-    assert all(f"| `{status}` |" in text or f"`{status}` exactly when" in text for status in Status)
