@@ -26,8 +26,9 @@ def installed(tmp_path_factory):
     build = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", place / "dist", ROOT]
     done(*build, cwd=place)
     (wheel,) = (place / "dist").glob("avobench-*.whl")
-    done(PYTHON, "-m", "venv", place / "env")
-    pip = [place / "env" / "bin" / "python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    uv = [sys.executable, "-m", "uv"]
+    done(*uv, "venv", "--quiet", "--python", PYTHON, place / "env")
+    pip = [*uv, "pip", "install", "--quiet", "--python", place / "env" / "bin" / "python"]
     done(*pip, "--constraint", ROOT / "constraints.txt", wheel, cwd=place)
     return place
 

@@ -1,7 +1,5 @@
 """The conformance suite passes what is sound and tells each fault by the check that it breaks."""
 
-import time
-
 import numpy as np
 import pytest
 
@@ -51,16 +49,14 @@ def failed(kind, name):
 
 
 @pytest.mark.parametrize("name", ["poisson", "carl", "weinberg", "faulty:SoundTask", "faulty:SoundGenerator"])
-def test_sound_tasks_pass_within_two_seconds(name):
-    start = time.process_time()
+def test_sound_tasks_pass(name):
     results = list(check.run("task", name))
     assert [result for result in results if not result.passed] == []
     assert {result.what for result in results} >= {DESCRIBED, SIMULATES, OWN, NEIGHBOURS, FLOOR, PICKLE}
     assert all(result.why == "" for result in results)
-    assert time.process_time() - start < 2
 
 
-@pytest.mark.parametrize("name", ["faulty:SoundMethod", "abc-smc"])
+@pytest.mark.parametrize("name", ["faulty:SoundMethod", "smm"])
 def test_sound_methods_pass(name):
     results = list(check.run("method", name))
     assert [result for result in results if not result.passed] == []
@@ -169,11 +165,6 @@ def test_a_later_round_is_tried_only_when_the_one_before_passed():
 def test_a_task_that_cannot_be_made_is_named():
     with pytest.raises(UsageError, match=r"faulty:FailsWhenMade.*RuntimeError: no detector"):
         list(check.run("task", "faulty:FailsWhenMade"))
-
-
-def test_a_name_that_does_not_exist_is_wrong_usage():
-    with pytest.raises(UsageError, match="did you mean poisson"):
-        list(check.run("task", "poison"))
 
 
 def test_a_class_that_needs_an_argument_is_wrong_usage():

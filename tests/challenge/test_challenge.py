@@ -21,11 +21,11 @@ from avobench.challenge.table import as_text
 from avobench.challenge.targets import targets
 from avobench.challenge.visibility import visibility
 from avobench.cli import main as cli
-from avobench.diagnosis.schema import Diagnosis
 from avobench.effects.catalogue import catalogue
 from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
+from diagnoses import diagnosis
 from shapes.primitives import Library
 
 FOREIGN = Library("counts")
@@ -66,40 +66,21 @@ def fresh(folder, tmp_path):
     return copy, folder / "answers.json"
 
 
-def said(verdict="no significant disagreement", effects=(), theta=1.0, **changes):
+def said(verdict="no significant disagreement", effects=(), theta=1.0):
     """A diagnosis of a poisson data set; effects are (name, tied names)."""
     gap = {"value": 2.0, "low": 1.0, "high": 3.0}
     value = {"log_rate": {"value": theta, "std": 0.1}}
     combination = {"coefficients": {"log_rate": 0.25}, "value": theta / 4, "std": 0.025}
-    content = {
-        "verdict": verdict,
-        "alpha": 0.05,
-        "p_value_before": 0.5,
-        "p_value_after": 0.4 if effects else None,
-        "gates": {},
-        "gap_before": gap,
-        "gap_after": {**gap, "value": 1.1} if effects else None,
-        "theta_before": value,
-        "theta_after": value if effects else None,
-        "identified_before": [combination],
-        "identified_after": [combination] if effects else None,
-        "effects": [
-            {
-                "name": name,
-                "feature": None,
-                "parameters": {},
-                "tied_with": [{"name": rival, "feature": None} for rival in ties],
-            }
-            for name, ties in effects
-        ],
-        **{name: [] for name in ("regions", "candidates", "identifiability", "notes")},
-        "num_events": 1000,
-        "num_simulations": 1,
-        "seconds": 1.0,
-        "seed": 0,
-        "versions": {},
-    }
-    return Diagnosis.model_validate({**content, **changes})
+    after = {"gap_after": {**gap, "value": 1.1}, "theta_after": value, "identified_after": [combination]}
+    found = [
+        {
+            **{"name": name, "feature": None, "parameters": {}},
+            "tied_with": [{"name": rival, "feature": None} for rival in ties],
+        }
+        for name, ties in effects
+    ]
+    before = {"p_value_before": 0.5, "gap_before": gap, "theta_before": value, "identified_before": [combination]}
+    return diagnosis(verdict, **before, **(after if effects else {}), effects=found)
 
 
 def test_data_are_repeated_for_a_seed_and_differ_for_another(folder, tmp_path):

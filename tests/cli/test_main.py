@@ -21,13 +21,6 @@ def results(avobench, tmp_path):
     return path
 
 
-def test_list_names_every_task_and_method_with_its_settings(avobench):
-    code, out, _ = avobench("list")
-    assert code == 0
-    for word in ("poisson", "carl", "weinberg", "alignment", "avo-paper", "abc-smc", "bolfi", "GeV", "batch_size=32"):
-        assert word in out
-
-
 def test_run_shows_progress_and_a_summary(avobench, tmp_path):
     code, out, err = avobench(*QUICK[:-1], "--jobs", 1, "--results", tmp_path / "r")
     assert code == 0
@@ -67,11 +60,9 @@ def test_run_redraws_the_figure(avobench, tmp_path):
     ("arguments", "code", "message"),
     [
         (["run", "--task", "poison"], 2, "did you mean poisson?"),
-        (["run", "--budget", "0"], 2, "--budget must be at least 1"),
         (["run", "--budget", "many"], 2, "--budget"),
         (["run", "--jobs", "-1"], 2, "--jobs must be at least 1"),
         (["run", "--repetitions", "9" * 12], 2, "cells, and a run is"),
-        (["run", "--targets", "0-15"], 2, "within 0-14"),
         (["run", "--set", "avo-paper.batch=3"], 2, "did you mean batch_size?"),
         (["run", "--colour"], 2, "--colour"),
         (["status", "--results", "nowhere"], 2, "there is no results folder"),
@@ -82,7 +73,6 @@ def test_run_redraws_the_figure(avobench, tmp_path):
         (["export", "--format", "csv", "--out", "nowhere/table.csv"], 2, "there is no folder nowhere"),
         (["export", "--format", "xls", "--out", "table.xls"], 2, "xls"),
         (["figure", "benchmrk"], 2, "benchmrk"),
-        (["check", "task", "poison"], 2, "did you mean poisson?"),
         (["nonsense"], 2, "nonsense"),
     ],
 )

@@ -8,6 +8,8 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
+FEWER = "import avobench, functools\navobench.infer = functools.partial(avobench.infer, budget=60_000)"
+"""Before a notebook: fewer events than its inferences would take."""
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
@@ -17,8 +19,9 @@ def run():
 
     def cells(name, expression):
         notebook = nbformat.read(EXAMPLES / f"{name}.ipynb", as_version=4)
+        notebook.cells.insert(0, nbformat.v4.new_code_cell(FEWER))
         notebook.cells.append(nbformat.v4.new_code_cell(expression))
-        NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(EXAMPLES)}}).execute()
+        NotebookClient(notebook, timeout=None, resources={"metadata": {"path": str(EXAMPLES)}}).execute()
         return notebook.cells
 
     return cells

@@ -1,6 +1,11 @@
 """Every published number is one that a command prints from the committed records."""
 
+import contextlib
+import io
 import re
+import runpy
+import shlex
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +15,8 @@ from matplotlib.figure import Figure
 from scipy.optimize import minimize
 from scipy.stats import norm
 
+from avobench.bench.store.record import fields_table
+from avobench.bench.store.status import Status
 from avobench.bench.store.store import Store
 from avobench.bench.sweep.plan import plan
 from avobench.reports.figures import FIGURES, draw
@@ -17,7 +24,7 @@ from paper.claims.reproduction import gather
 from paper.claims.reproduction import pages as claims
 from paper.figures.__main__ import FOLDERS
 from paper.figures.__main__ import draw as draw_of_the_paper
-from paper.printed import BLOCK, filled, output
+from paper.printed import BLOCK, STEADY, filled, output
 from paper.studies.real import read_all as read_real
 from paper.tables.real import page as real_page
 
@@ -31,11 +38,30 @@ SHOWN = re.compile(r"<!-- (printed by|text of|code of): ")
 PAGES = [page.relative_to(ROOT).as_posix() for page in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))]
 
 
+@pytest.fixture
+def printed_here(avobench, monkeypatch):
+    """What `paper.printed.printed` gives, without a process for each command."""
+
+    def printed(command):
+        program, *arguments = shlex.split(command)
+        if program == "avobench":
+            code, told, _ = avobench(*arguments)
+            assert code == 0
+        else:
+            monkeypatch.setattr(sys, "argv", arguments[1:])
+            with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.suppress(SystemExit):
+                runpy.run_module(arguments[1], run_name="__main__", alter_sys=True)
+            told = out.getvalue()
+        return "\n".join(line.rstrip() for line in told.strip("\n").splitlines()) + "\n"
+
+    return printed
+
+
 @pytest.mark.parametrize("page", [page for page in PAGES if SHOWN.search((ROOT / page).read_text())])
-def test_a_page_shows_what_its_commands_print_and_its_files_hold(page, monkeypatch):
+def test_a_page_shows_what_its_commands_print_and_its_files_hold(page, printed_here, monkeypatch):
     monkeypatch.chdir(ROOT)
     text = (ROOT / page).read_text()
-    assert filled(text) == text
+    assert filled(text, STEADY | {"printed": printed_here}) == text
 
 
 @pytest.mark.parametrize("page", ["docs/tables/methods.md", "docs/challenge.md", "docs/performance.md"])
@@ -130,3 +156,9 @@ def test_what_the_readme_says_of_the_line_s_centre_is_what_a_direct_fit_gives():
     assert its_error == pytest.approx(error, abs=0.001)
     assert abs(found - direct) < 2 * found_error
     assert direct - 867.380 > 5 * its_error  # so the difference from the line's energy is the file's
+
+
+def test_the_docs_have_the_fields_and_every_status():
+    text = (ROOT / "docs" / "records.md").read_text()
+    assert fields_table() in text
+    assert all(f"| `{status}` |" in text or f"`{status}` exactly when" in text for status in Status)

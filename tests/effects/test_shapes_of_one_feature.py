@@ -67,7 +67,6 @@ def test_a_turn_on_has_the_mean_that_its_curve_gives(width):
     assert x.mean() == pytest.approx((width + 1) / (width + 2), abs=five_errors(x))
 
 
-@settings(deadline=None)
 @given(place=st.floats(-0.5, 0.5), width=st.floats(0.05, 0.5), lost=st.floats(0.1, 1))
 def test_of_a_turn_on_one_side_is_the_mirror_of_the_other(place, width, lost):
     span = Range(-1.0, 1.0, True)
@@ -197,7 +196,6 @@ def test_a_window_acts_after_everything_else_whichever_was_added_first():
     assert len(window.guess(smeared)) == 0
 
 
-@settings(deadline=None)
 @given(low=st.floats(-3, 5), width=st.floats(0.5, 8))
 def test_the_window_of_any_data_is_within_its_bounds_and_can_be_absent(low, width):
     x = low + width * np.random.default_rng(0).random((2000, 1))
@@ -252,7 +250,6 @@ def test_these_act_on_one_feature_only():
     assert sorted(found, key=str) == sorted(((family, j) for family in families for j in range(5)), key=str)
 
 
-@settings(deadline=None)
 @given(centre=st.floats(-1, 1), width=st.floats(0.02, 0.8), which=st.sampled_from(["one", "all"]))
 def test_a_dead_region_has_events_on_both_sides(centre, width, which):
     """Wherever it is said to be, a fortieth of the range at either end is outside of it, and its width is the same."""
@@ -274,7 +271,6 @@ def test_a_dead_region_of_an_angle_may_lie_where_that_comes_round_again():
     assert kept.tolist() == [0, 1, 1]
 
 
-@settings(deadline=None)
 @given(asymmetry=st.floats(-0.95, 0.95), power=st.floats(0.3, 3))
 def test_a_growing_acceptance_loses_on_one_side_alone_and_most_at_its_end(asymmetry, power):
     span = Range(-1.0, 1.0, True)
@@ -371,7 +367,7 @@ def test_a_smearing_may_grow_from_one_end_to_the_other(name, far):
 
 
 @given(st.floats(0.05, 0.6), st.floats(-0.3, 0.3))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_values_of_few_digits_are_read_in_steps_that_grow_with_them(step, off):
     """The logarithm of the size is rounded; the border between two values then lies below the middle."""
     x = np.random.default_rng(0).normal(4, 8, 20_000)

@@ -85,13 +85,13 @@ def test_estimates_are_those_that_they_were():
 
 
 def test_of_many_inputs_each_parameter_has_one_sum():
-    """Of 180 inputs each tells a little: all their means at once would move with theta by noise alone."""
+    """Of 60 inputs each tells a little: all their means at once would move with theta by noise alone."""
     rng = np.random.default_rng(0)
     x = rng.normal(size=(4000, 60)).astype(np.float32)
     mix = rng.normal(size=(60, 3))
     np.testing.assert_allclose(regression(x, 2 + x @ mix), mix, atol=1e-4)
     shared = task(
-        lambda theta, rng: rng.normal(np.repeat(theta, 60, axis=1), 6),
+        lambda theta, rng: rng.normal(np.repeat(theta, 20, axis=1), 3.5),
         prior={name: (-1, 1) for name in "abc"},
         name="shared",
     )

@@ -8,7 +8,6 @@ import torch
 
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.trial import execute
-from avobench.bench.plugins import registry
 from avobench.bench.store.status import reason
 from avobench.methods.avo_paper import (
     AvoPaper,
@@ -21,7 +20,6 @@ from avobench.methods.avo_paper import (
 from avobench.methods.discriminator import Discriminator, cross_entropy, input_gradient_penalty
 from avobench.methods.proposal import TruncatedGaussian
 from avobench.tasks import Box
-from avobench.tasks.errors import UsageError
 from gaussian import GaussianMean, gaussian_problem
 
 
@@ -182,18 +180,6 @@ def test_inputs_are_standardised_by_the_observed_events():
     inputs = Discriminator(given, (8,), np.random.default_rng(0)).inputs(given.x_observed)
     np.testing.assert_allclose(inputs.mean(dim=0), 0, atol=1e-3)
     np.testing.assert_allclose(inputs.std(dim=0), 1, atol=1e-3)
-
-
-def test_the_device_is_part_of_a_cell_only_where_it_is_not_the_cpu():
-    identity = registry.identity("method", "avo-paper", AvoPaper())
-    assert "device" not in identity["method_settings"]
-    assert "hidden" in identity["method_settings"]
-
-
-@pytest.mark.skipif(torch.cuda.is_available(), reason="there is a CUDA device")
-def test_a_device_that_is_not_there_is_refused_in_a_line():
-    with pytest.raises(UsageError, match="PyTorch finds no CUDA device on this machine; leave device at cpu"):
-        registry.build("method", "avo-paper", {"device": "cuda"})
 
 
 def test_a_device_out_of_memory_fails_its_cell_in_a_line(monkeypatch):

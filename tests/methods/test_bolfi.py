@@ -53,9 +53,8 @@ def test_acquisition_noise_and_many_initial_evaluations(surrogate):
     assert estimate.theta == pytest.approx(TRUTH, abs=1)
 
 
-@pytest.mark.parametrize("unit_box", [True, False])
-def test_keeps_the_order_of_the_parameters(unit_box):
-    method = Bolfi(events_per_theta=16, num_trace_points=2, unit_box=unit_box)
+def test_keeps_the_order_of_the_parameters_also_in_their_own_units():
+    method = Bolfi(events_per_theta=16, num_trace_points=2, unit_box=False)
     estimate, _ = infer(30 * 16, method=method, task=GaussianMeans(), truth=np.array([-1.5, 12.0]))
     assert estimate.theta == pytest.approx([-1.5, 12.0], abs=0.7)
     assert estimate.mean.shape == estimate.std.shape == (2,)

@@ -11,7 +11,7 @@ from avobench.methods.discriminator import mlp
 from avobench.methods.fused_step import FusedStep
 from paper.speed.discriminator_steps import AutogradStep, StackedStep
 
-settings.register_profile("fused", deadline=None, max_examples=25)
+settings.register_profile("fused", max_examples=25)
 SLOPES = (0.25, -0.5, 1.0, 2.0)
 """Of PReLU: a slope of 1 is no special case, nor is a negative one."""
 

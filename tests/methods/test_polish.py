@@ -16,7 +16,7 @@ def polished(real, synthetic, u, start, std=0.3, toward=0.0):
     return polish(folds, start * ones, np.diag(std * ones), -EDGE * ones, EDGE * ones, toward)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.integers(0, 2**32), st.floats(-1.5, 1.5), st.floats(-0.3, 0.3))
 def test_estimate_and_error_of_a_gaussian_mean(seed, truth, off):
     """x ~ N(u, 1): the best estimate is the observed mean minus that simulated at the same place."""

@@ -9,7 +9,6 @@ from avobench.reports.quantities import (
     ahead,
     asymmetry_errors,
     by_mean,
-    comparable,
     efficient_median,
     ideal_errors,
     inefficiency,
@@ -43,12 +42,6 @@ def test_a_failed_cell_is_infinitely_far_off(make_record):
     frame = labelled([make_record("poisson", "avo", target, offset) for target, offset in enumerate((0.1, None))])
     assert np.isinf(frame["ratio"].iloc[1])
     assert np.isinf(frame["squared_error"].iloc[1])
-
-
-def test_methods_are_compared_on_their_common_targets(make_record):
-    records = [make_record("poisson", "avo", target, 0.1) for target in (0, 1)]
-    records += [make_record("poisson", "bolfi", target, 0.1) for target in (1, 2)]
-    assert set(comparable(labelled(records))["target"]) == {1}
 
 
 def test_the_asymmetry_is_scored_against_its_floor(make_record):

@@ -46,7 +46,7 @@ def proof(module, tmp_path, *arguments):
 @LINUX
 def test_every_kind_of_failure_of_the_file_system_is_told_or_harmless(tmp_path):
     warm.environment()
-    found = proof("faults", tmp_path, "--every", "12")
+    found = proof("faults", tmp_path, "--every", "18")
     assert found["wrong"] == []
     assert sum(count for *_, count in found["outcomes"]) > 15
 

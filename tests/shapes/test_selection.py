@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from avobench.challenge.shape import Injection, Place
-from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
-from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
 from shapes.selection import SELECTION
 
@@ -14,20 +12,9 @@ N = 20_000
 SHAPES = {shape.name: shape for shape in SELECTION.shapes}
 
 
-def place(task, theta, feature, n=4_000):
-    at = np.tile(np.array(theta, float), (n, 1))
-    return Place(task, feature, task.simulate(at, np.random.default_rng(99))), at
-
-
-WHERE = {
-    "a cosine": place(Weinberg(), [44, 1], 0),
-    "one feature": place(Carl(), [0.5, -0.5], 1),
-    "all features": place(Carl(), [0.5, -0.5], "all"),
-}
-EVERY = [(where, shape) for where, (there, _) in WHERE.items() for shape in SELECTION.shapes if shape.suits(there)]
 EVEN = Place(Weinberg(), 0, 2 * (np.arange(N)[:, None] + 0.5) / N - 1)
 """A cosine that is spread evenly."""
-LINE, _ = place(Carl(), [0.5, -0.5], 1, N)
+LINE = Place(Carl(), 1, Carl().simulate(np.tile([0.5, -0.5], (N, 1)), np.random.default_rng(99)))
 
 
 def measured(name, where=EVEN, **settings):
@@ -40,29 +27,6 @@ def measured(name, where=EVEN, **settings):
 
     x = injection.measure(simulate, np.zeros((N, 2)), np.random.default_rng(0))
     return where.read(where.reference), where.read(x)
-
-
-@pytest.mark.parametrize(("name", "shape"), EVERY, ids=[f"{shape.name} of {name}" for name, shape in EVERY])
-def test_a_shape_keeps_size_type_and_seed_and_changes_something(name, shape):
-    where, at = WHERE[name]
-    injection = shape.draw(where, np.random.default_rng(3)).stronger(1e6)
-    x, same, other = (injection.measure(where.task.simulate, at, np.random.default_rng(seed)) for seed in (1, 1, 2))
-    plain = where.task.simulate(at, np.random.default_rng(1))
-    assert (x.shape, x.dtype) == (plain.shape, where.task.dtype)
-    np.testing.assert_array_equal(x, same)
-    assert np.isfinite(x).all()
-    assert not any(np.allclose(x, each) for each in (other, plain))
-    assert np.abs(x).max() <= 1 or not where.cosine
-    if shape.stage != 3:  # a selection exchanges whole events
-        np.testing.assert_array_equal(*(np.delete(each, where.columns, axis=1) for each in (x, plain)))
-
-
-def test_every_shape_has_a_place_among_real_features_and_none_elsewhere():
-    assert {shape.name for _, shape in EVERY} == set(SHAPES)
-    assert len(SHAPES) == len(SELECTION.shapes)
-    counts, _ = place(Poisson(), [1], 0, 10)
-    images, _ = place(Alignment(), [0.4], None, 2)
-    assert not any(shape.suits(counts) or shape.suits(images) for shape in SELECTION.shapes)
 
 
 LOST = [

@@ -59,17 +59,6 @@ def test_components_are_independent_of_one_another():
         assert np.abs(np.corrcoef(w.T) - np.eye(5)).max() < 5 / np.sqrt(len(z))
 
 
-def test_each_row_has_its_own_theta_and_its_own_mixture_component():
-    theta = np.tile([(-2.0, 1.0), (2.0, -1.0)], (20_000, 1))
-    z = components(theta, 2, 1_000)
-    assert (p_values(z[::2], -2, 1) > 1e-4).all()
-    assert (p_values(z[1::2], 2, -1) > 1e-4).all()
-    mean, variance = moments(0, 0)
-    mean = np.hstack([theta, np.tile(mean[2:], (len(theta), 1))])
-    residual = (z - mean) / np.sqrt(variance)
-    assert (np.abs((residual[1:] * residual[:-1]).mean(axis=0)) < 4 / np.sqrt(len(z))).all()
-
-
 def test_the_summary_counts_what_is_out_of_range():
     x = np.array([[-15.0, 15.0, 0, 0, 0], [-15.1, 15.1, 0, 0, 0], [-1e9, 1e9, 0.5, 0, 0], [14.5, 14.5, 0.9, 0, 0]])
     shares = TASK.summary(x).reshape(5, 32)

@@ -4,8 +4,6 @@ import sys
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import avobench
 from avobench.tasks.errors import UsageError
@@ -62,14 +60,6 @@ def test_features_are_of_the_kinds_that_are_stated():
     half = task(lambda theta, rng: np.rint(theta[:, 0] - 2), prior={"a": (1, 9)}, name="low", kinds={"x1": "count"})
     with pytest.raises(ValueError, match="low makes -1 where"):
         half.simulate(np.ones((3, 1)), np.random.default_rng(0))
-
-
-@settings(max_examples=30, deadline=None)
-@given(low=st.floats(-5, 5), width=st.floats(1e-3, 10), n=st.integers(1, 50))
-def test_any_prior_makes_a_task_whose_rows_have_their_own_theta(low, width, n):
-    made = task(lambda theta, rng: theta[:, 0], prior={"x": (low, low + width)}, name="copy")
-    theta = made.prior.sample(n, np.random.default_rng(0))
-    assert np.array_equal(made.simulate(theta, np.random.default_rng(0)), theta)
 
 
 @pytest.mark.parametrize(

@@ -35,15 +35,6 @@ def test_counts_follow_the_exact_distribution(theta, batch, n):
     assert p_value(x, theta) > 1e-4
 
 
-def test_each_row_has_its_own_rate_and_rows_are_independent():
-    theta = np.tile([[0.0], [3.0]], (20_000, 1))
-    x = events(theta, 1, 1_000)[:, 0]
-    assert p_value(x[::2], 0.0) > 1e-4
-    assert p_value(x[1::2], 3.0) > 1e-4
-    residual = (x - np.exp(theta[:, 0])) / np.exp(theta[:, 0] / 2)
-    assert abs(np.mean(residual[1:] * residual[:-1])) < 4 / np.sqrt(len(x))
-
-
 def test_the_summary_has_a_bin_for_each_count_and_one_above():
     x = np.array([[0], [0], [99], [100], [22_026]])
     summary = TASK.summary(x)

@@ -11,6 +11,12 @@ from avobench.tasks import Box, Task
 from avobench.tasks.errors import BudgetExhausted, SimulatorError
 
 
+def declare(base, faults):
+    """A class of this module for each name, with one thing changed of the base."""
+    for name, changes in faults.items():
+        globals()[name] = type(name, (base,), {"__module__": __name__, **changes})
+
+
 class SoundTask(Task):
     """x ~ N(theta, 1)."""
 
@@ -37,8 +43,43 @@ class SoundTask(Task):
         return 1 / num_observations + (1 / num_simulations if num_simulations else 0)
 
 
-class Nameless(SoundTask):
-    source = ""
+TASKS = {
+    "Nameless": {"source": ""},
+    "TwoNames": {"parameter_names": ("location", "scale")},
+    "WidePrior": {"prior": Box((-10,), (1,))},
+    "TwoKinds": {"feature_kinds": ("count", "count")},
+    "HalfCounts": {"feature_kinds": ("count",)},
+    "WideAngle": {"feature_kinds": ("angle",)},
+    "TargetsElsewhere": {"targets": lambda self, n=15: np.full((n, 1), 2.0)},
+    "NotANumber": {"events": lambda self, theta, rng: np.where(theta > 0, np.nan, rng.normal(theta))},
+    "SinglePrecision": {"events": lambda self, theta, rng: rng.normal(theta).astype(np.float32)},
+    "Flat": {"events": lambda self, theta, rng: rng.normal(theta)[:, 0]},
+    "FailsAtTheEdge": {"events": lambda self, theta, rng: np.where(np.abs(theta) == 9, np.inf, rng.normal(theta))},
+    "Anywhere": {"simulate": lambda self, theta, rng: rng.normal(theta)},
+    "OwnEntropy": {"events": lambda self, theta, rng: np.random.default_rng().normal(theta)},
+    "GlobalRandomness": {"events": lambda self, theta, rng: np.random.normal(theta)},
+    "FixedSeed": {"events": lambda self, theta, rng: np.random.default_rng(0).normal(theta)},
+    "IgnoresTheta": {"events": lambda self, theta, rng: rng.standard_normal(theta.shape)},
+    "FirstTheta": {"events": lambda self, theta, rng: rng.normal(theta[0], size=theta.shape)},
+    "SharedLatent": {
+        "events": lambda self, theta, rng: rng.normal(theta, np.sqrt(1 / 2)) + rng.normal(0, np.sqrt(1 / 2))
+    },
+    "SummaryOfOrder": {"summary": lambda self, x: x.mean(axis=0) + x[0]},
+    "GrowingSummary": {"summary": lambda self, x: np.sort(x[:, 0])},
+    "TableSummary": {"summary": lambda self, x: x.mean(axis=0, keepdims=True)},
+    "HalfAFloor": {"floor_shares": (0.5,)},
+    "RisingFloor": {
+        "floor": lambda self, theta, num_observations, num_simulations: (
+            1 / num_observations + (num_simulations or 0) / 1e9
+        )
+    },
+    "NoFloor": {"floor": lambda self, theta, num_observations, num_simulations: 0.0},
+    "DeterminesMore": {"identifiable": lambda self, theta: np.hstack([theta, theta**2])},
+    "DeterminesAnother": {"identifiable": lambda self, theta: 2 * theta},
+    "DeterminesInNothing": {"identifiable_scale": np.zeros(1)},
+    "GeneratesNothing": {"generates": "noise"},
+}
+declare(SoundTask, TASKS)
 
 
 @dataclass(frozen=True)
@@ -46,75 +87,15 @@ class HoldsASet(SoundTask):
     edges: Any = frozenset({1, 2})
 
 
-class TwoNames(SoundTask):
-    parameter_names = ("location", "scale")
-
-
-class WidePrior(SoundTask):
-    prior = Box((-10,), (1,))
-
-
-class TwoKinds(SoundTask):
-    feature_kinds = ("count", "count")
-
-
-class HalfCounts(SoundTask):
-    feature_kinds = ("count",)
-
-
-class WideAngle(SoundTask):
-    feature_kinds = ("angle",)
-
-
-class TargetsElsewhere(SoundTask):
-    def targets(self, n=15):
-        return np.full((n, 1), 2.0)
-
-
-class NotANumber(SoundTask):
-    def events(self, theta, rng):
-        return np.where(theta > 0, np.nan, rng.normal(theta))
-
-
-class SinglePrecision(SoundTask):
-    def events(self, theta, rng):
-        return rng.normal(theta).astype(np.float32)
-
-
-class Flat(SoundTask):
-    def events(self, theta, rng):
-        return rng.normal(theta)[:, 0]
-
-
 class Burning(SoundTask):
     def events(self, theta, rng):
         raise RuntimeError("the detector\nis on fire")
-
-
-class FailsAtTheEdge(SoundTask):
-    def events(self, theta, rng):
-        return np.where(np.abs(theta) == 9, np.inf, rng.normal(theta))
-
-
-class Anywhere(SoundTask):
-    def simulate(self, theta, rng):
-        return rng.normal(theta)
 
 
 class ChangesTheta(SoundTask):
     def events(self, theta, rng):
         theta += rng.standard_normal(theta.shape)
         return theta.copy()
-
-
-class OwnEntropy(SoundTask):
-    def events(self, theta, rng):
-        return np.random.default_rng().normal(theta)
-
-
-class GlobalRandomness(SoundTask):
-    def events(self, theta, rng):
-        return np.random.normal(theta)
 
 
 class SeedsGlobally(SoundTask):
@@ -127,26 +108,6 @@ class Silences(SoundTask):
     def events(self, theta, rng):
         np.seterr(under="ignore" if np.geterr()["under"] == "warn" else "warn")
         return rng.normal(theta)
-
-
-class FixedSeed(SoundTask):
-    def events(self, theta, rng):
-        return np.random.default_rng(0).normal(theta)
-
-
-class IgnoresTheta(SoundTask):
-    def events(self, theta, rng):
-        return rng.standard_normal(theta.shape)
-
-
-class FirstTheta(SoundTask):
-    def events(self, theta, rng):
-        return rng.normal(theta[0], size=theta.shape)
-
-
-class SharedLatent(SoundTask):
-    def events(self, theta, rng):
-        return rng.normal(theta, np.sqrt(1 / 2)) + rng.normal(0, np.sqrt(1 / 2))
 
 
 class PairsOfRows(SoundTask):
@@ -162,52 +123,9 @@ class Antithetic(SoundTask):
         return theta + np.concatenate([half, -half])[:n, None]
 
 
-class SummaryOfOrder(SoundTask):
-    def summary(self, x):
-        return x.mean(axis=0) + x[0]
-
-
-class GrowingSummary(SoundTask):
-    def summary(self, x):
-        return np.sort(x[:, 0])
-
-
-class TableSummary(SoundTask):
-    def summary(self, x):
-        return x.mean(axis=0, keepdims=True)
-
-
-class HalfAFloor(SoundTask):
-    floor_shares = (0.5,)
-
-
-class RisingFloor(SoundTask):
-    def floor(self, theta, num_observations, num_simulations):
-        return 1 / num_observations + (num_simulations or 0) / 1e9
-
-
-class NoFloor(SoundTask):
-    def floor(self, theta, num_observations, num_simulations):
-        return 0.0
-
-
 class Unpicklable(SoundTask):
     def __init__(self):
         self.trick = lambda: None
-
-
-class DeterminesMore(SoundTask):
-    def identifiable(self, theta):
-        return np.hstack([theta, theta**2])
-
-
-class DeterminesAnother(SoundTask):
-    def identifiable(self, theta):
-        return 2 * theta
-
-
-class DeterminesInNothing(SoundTask):
-    identifiable_scale = np.zeros(1)
 
 
 class DeterminesTogether(SoundTask):
@@ -248,10 +166,6 @@ class SoundGenerator(SoundTask):
         self.require_support(theta)
         (noise,) = self.generate(len(theta), rng)
         return self.detect(alter(noise, slice(0, len(noise))) if alter else noise, theta)
-
-
-class GeneratesNothing(SoundTask):
-    generates = "noise"
 
 
 class DetectsAnew(SoundGenerator):
@@ -309,8 +223,19 @@ class SoundMethod(Method):
         return Estimate(theta, "nearest", "posterior", theta, theta * np.nan, trace)
 
 
-class NoMinimum(SoundMethod):
-    least = 0
+METHODS = {
+    "NoMinimum": {"least": 0},
+    "Greedy": {
+        "draws": lambda self, problem, rng: problem.simulate.repeat(
+            problem.prior.sample(1, rng), problem.simulate.budget + 1
+        )
+    },
+    "NegativeSpread": {
+        "estimate": lambda self, problem, theta: Estimate(theta, "nearest", "posterior", theta, -np.ones_like(theta))
+    },
+    "SaysNothing": {"estimate": lambda self, problem, theta: Estimate(theta, " ", "posterior", theta, theta * 0)},
+}
+declare(SoundMethod, METHODS)
 
 
 @dataclass(frozen=True)
@@ -321,11 +246,6 @@ class HoldsATask(SoundMethod):
 class UnpicklableMethod(SoundMethod):
     def __init__(self):
         self.trick = lambda: None
-
-
-class Greedy(SoundMethod):
-    def draws(self, problem, rng):
-        return problem.simulate.repeat(problem.prior.sample(1, rng), problem.simulate.budget + 1)
 
 
 class RaisesItsBudget(SoundMethod):
@@ -356,16 +276,6 @@ class OutsideEstimate(SoundMethod):
 class WideEstimate(SoundMethod):
     def estimate(self, problem, theta):
         return super().estimate(problem, theta[None])
-
-
-class NegativeSpread(SoundMethod):
-    def estimate(self, problem, theta):
-        return Estimate(theta, "nearest", "posterior", theta, -np.ones_like(theta))
-
-
-class SaysNothing(SoundMethod):
-    def estimate(self, problem, theta):
-        return Estimate(theta, " ", "posterior", theta, theta * 0)
 
 
 class AsksOutside(SoundMethod):

@@ -134,7 +134,7 @@ def test_sound_events_pass_without_a_warning(task):
     assert checked.dtype == task.dtype
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.integers(1, 799), st.sampled_from([np.nan, np.inf, -np.inf]))
 def test_rows_that_are_not_finite_are_counted_and_refused_or_dropped(count, bad):
     x = simulate(Carl())

@@ -257,7 +257,7 @@ def test_an_edit_of_what_a_class_uses_is_another_identity(tmp_path, old, new):
     assert identity_of(tmp_path, FILE) != identity_of(tmp_path, FILE.replace(old, new))
 
 
-@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=20, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(edits=st.lists(st.sampled_from(NOT_ITS_OWN), unique=True), place=st.sampled_from(["", "\n\n# a remark\n"]))
 def test_edits_of_anything_else_in_the_file_are_none(tmp_path, edits, place):
     text = place + FILE

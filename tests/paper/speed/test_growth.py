@@ -3,19 +3,13 @@
 import pandas as pd
 import pytest
 
-from paper.speed.growth import against_budget_and_observations, exponent, sweep
+from paper.speed.growth import exponent, sweep
 
 
 @pytest.mark.parametrize("power", [-1.0, 0.0, 0.5, 2.0])
 def test_the_exponent_of_a_power_law_is_its_power(power):
     x = pd.Series([1.0, 3.0, 10.0, 200.0])
     assert exponent(x, 7 * x**power) == pytest.approx(power, abs=1e-12)
-
-
-def test_time_and_memory_are_told_for_every_size():
-    table = against_budget_and_observations("avo-paper", (1000, 2000))
-    assert table["size"].tolist() == [1000, 2000] * 2
-    assert (table["seconds"] > 0).all()
 
 
 def test_memory_does_not_grow_with_the_number_of_cells(tmp_path):

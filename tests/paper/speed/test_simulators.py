@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from avobench.bench.plugins.registry import build
-from paper.speed.simulators import BARE, numpy_rates, pythia_rates
+from paper.speed.simulators import BARE, numpy_rates
 
 
 @pytest.mark.parametrize("name", BARE)
@@ -21,10 +21,3 @@ def test_rates_of_the_numpy_simulators_are_told_for_each():
     table = numpy_rates(100, num_events=2000, rounds=2)
     assert table["task"].tolist() == list(BARE)
     assert (table[["events/s", "bare", "times the bare"]] > 0).all(axis=None)
-
-
-def test_pythia_is_timed_in_one_process_and_in_two():
-    table = pythia_rates([(1, 100), (2, 1000)], rounds=1, num_events=1000)
-    assert table["processes"].tolist() == [1, 2]
-    assert (table[["events/s", "bare", "share of bare"]] > 0).all(axis=None)
-    assert table["bare, times the first"].tolist() == pytest.approx((table["bare"] / table["bare"][0]).tolist())

@@ -5,7 +5,7 @@ import pytest
 
 from avobench.tasks.errors import UsageError
 from paper.studies import experience
-from paper.studies.experience import Examples, examples, of_kind, trained
+from paper.studies.experience import examples, of_kind
 from shapes import SEEN
 
 
@@ -38,12 +38,3 @@ def test_what_was_kept_is_not_made_again_and_what_is_missing_is_told(few, tmp_pa
     (tmp_path / "poissons.npz").unlink()
     with pytest.raises(UsageError, match=r"there is no .*poissons\.npz"):
         of_kind("count", tmp_path)
-
-
-def test_networks_know_again_what_they_have_seen():
-    rng = np.random.default_rng(0)
-    names = np.array(["a", "b", "c"] * 100)
-    portraits = rng.normal(size=(300, 8)) + 4 * (names[:, None] == np.array(["a", "b", "c", *"defgh"]))
-    families, networks = trained(Examples(portraits.astype(np.float32), np.stack([names, names], 1)))
-    assert families == ["a", "b", "c"]
-    assert len(networks) == experience.NETWORKS

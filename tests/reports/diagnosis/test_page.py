@@ -10,13 +10,14 @@ import pytest
 
 from avobench.diagnosis import Result
 from avobench.diagnosis.report.result import Maps, Pictures, Spectrum
-from avobench.diagnosis.schema import Diagnosis, Region, Verdict
+from avobench.diagnosis.schema import Region, Verdict
 from avobench.effects.model import Model
 from avobench.reports.diagnosis import write
 from avobench.reports.diagnosis.distribution import distribution
 from avobench.reports.diagnosis.page import render
 from avobench.tasks import Box, Task
 from avobench.tasks.poisson import Poisson
+from diagnoses import diagnosis as made
 
 HOSTILE = "<script>document.title = 'run'</script><img src=x onerror=alert(1)> & \"quotes\""
 VALUE = {"value": 1.5, "std": 0.1}
@@ -28,18 +29,12 @@ def diagnosis(task, verdict=Verdict.NAMED, **changes):
     theta = {name: VALUE for name in task.parameter_names}
     parameter = {"value": 0.04, "std": 0.002, "null": 0.0, "unit": "1"}
     found = {**EFFECT, "parameters": {"fraction": parameter}, "tied_with": [{**EFFECT, "name": "dead_time"}]}
+    card = {**EFFECT, "retained": 0.6, "minimum_detectable": 0.006, "theta_bias": {"log_rate": 0.01}}
     content = {
-        "verdict": verdict,
-        "alpha": 0.05,
-        "p_value_before": 1e-9,
-        "p_value_after": 0.4 if named else None,
         "gates": {"summary": {"statistic": 900.0, "dof": 12, "p_value": 1e-9}},
         "gap_before": {"value": 70.0, "low": 65.0, "high": 75.0},
-        "gap_after": {"value": 1.1, "low": 0.6, "high": 1.6} if named else None,
         "theta_before": theta,
         "theta_after": theta if named else None,
-        "identified_before": [],
-        "identified_after": [] if named else None,
         "effects": [found] if named else [],
         "regions": [
             {"feature": None, "low": -0.5, "high": 0.5, "kind": "excess", "z": 20.0, "p_global": 0.0005},
@@ -50,25 +45,12 @@ def diagnosis(task, verdict=Verdict.NAMED, **changes):
             {**EFFECT, "name": "dead_time", "score": 3.6, "p_value": 0.3, "held_out_gap": 1.2},
             {**EFFECT, "name": "pile_up", "score": 6.0, "p_value": 1e-9, "held_out_gap": None},
         ],
-        "identifiability": [
-            {
-                **EFFECT,
-                "retained": 0.6,
-                "minimum_detectable": 0.006,
-                "theta_bias": {"log_rate": 0.01},
-                "rivals": [EFFECT],
-            }
-        ],
+        "identifiability": [{**card, "rivals": [EFFECT]}],
         "notes": [HOSTILE],
         "num_events": 5000,
-        "num_simulations": 100_000,
-        "seconds": 2.0,
-        "seed": 0,
-        "versions": {"avobench": "0.1.0"},
     }
     pictures = Pictures((spectrum(task, named),), maps(named) if task.event_shape else None)
-    fit = SimpleNamespace(model=Model(task))
-    return Result(task, Diagnosis.model_validate({**content, **changes}), fit, pictures, None)
+    return Result(task, made(verdict, **{**content, **changes}), SimpleNamespace(model=Model(task)), pictures, None)
 
 
 class Images(Task):

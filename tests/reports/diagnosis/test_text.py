@@ -2,11 +2,11 @@
 
 import pytest
 
-from avobench.diagnosis.schema import Diagnosis, Verdict
+from avobench.diagnosis.schema import Verdict
 from avobench.reports.diagnosis.text import details, meaning, summary
+from diagnoses import diagnosis as made
 
 NAMES = ("saturation", "outliers", "scale", "offset")
-GAP = {"value": 1.1, "low": 0.6, "high": 1.6}
 
 
 def named(name, feature="mass"):
@@ -19,38 +19,24 @@ def diagnosis(verdict, ties=0, p_before=1e-9, p_after=0.4, **changes):
         "sigma": {"value": 1.5, "std": 0.1, "null": 0.0, "unit": "of the feature"},
         "knee": {"value": 0.924, "std": None, "null": None, "unit": "of half the range"},
     }
+    found = {**named(NAMES[0]), "parameters": parameters, "tied_with": list(map(named, NAMES[1 : 1 + ties]))}
     ranks = [{**named(name), "score": 1.0, "p_value": 0.3, "held_out_gap": 1.0} for name in NAMES]
     content = {
-        "verdict": verdict,
-        "alpha": 0.05,
         "p_value_before": p_before,
         "p_value_after": p_after if added else None,
         "gates": {
             "summary": {"statistic": 60.0, "dof": 43, "p_value": 0.8 * p_before, "share": 0.8},
             "cells": {"statistic": 1.0, "dof": None, "p_value": 0.5, "share": 0.2, "sides": 2},
         },
-        "gap_before": GAP,
-        "gap_after": GAP if added else None,
         "theta_before": {"mu": {"value": 1.0, "std": 0.1}},
-        "theta_after": None,
-        "identified_before": [],
         "identified_after": None,
-        "effects": [{**named(NAMES[0]), "parameters": parameters, "tied_with": list(map(named, NAMES[1 : 1 + ties]))}]
-        if added
-        else [],
+        "effects": [found] if added else [],
         "regions": [
             {"feature": "mass", "low": 3, "high": 4, "kind": "excess", "z": 5.0, "p_global": 0.001, "unit": "GeV"}
         ],
         "candidates": ranks if added else [],
-        "identifiability": [],
-        "notes": [],
-        "num_events": 200,
-        "num_simulations": 1000,
-        "seconds": 1.0,
-        "seed": 0,
-        "versions": {},
     }
-    return Diagnosis.model_validate({**content, **changes})
+    return made(verdict, **{**content, **changes})
 
 
 AGREE = "simulation and measurement agree"
