@@ -85,7 +85,7 @@ class Effort:
             self,
             fit=min(self.fit, max(num_events, 2000)),
             sample=min(self.sample, max(3 * num_events, 10_000)),
-            card=min(self.card, max(num_events // 7, 300)),
+            card=min(self.card, max(3 * num_events // 20, 300)),
             covariance=min(self.covariance, max(3 * num_events, 2000)),
             scan=(points, min(events, max(num_events // 100, 20))),
         )

@@ -173,14 +173,28 @@ def bank(
     x = x.astype(np.int64) if x.dtype.kind in "bui" else x.astype(np.float64)
     if x.ndim != 2 or (features and len(features) != x.shape[1]):
         raise UsageError(f"simulated events must be (M, d) with d = {len(features) or 'features'}, got {x.shape}")
+    names, columns, box = _parameters(theta, prior, len(x))
+    rows, worth = (rng.permutation(len(x)), 1.0) if weights is None else _drawn(weights, len(x), rng)
+    made = SampleTask(x[rows], columns[rows], names, features, box, worth, name)
+    least = min(range(len(made.groups)), key=lambda k: len(made.groups[k]))
+    if (few := len(made.groups[least]) + len(made.aside[least])) < LEAST:
+        where = f" at theta = {made.nodes[least].tolist()}" if names else ""
+        raise UsageError(f"{few} simulated events{where} are too few, at least {LEAST} are needed at each theta")
+    return made
+
+
+def _parameters(
+    theta: ArrayLike | Mapping[str, ArrayLike] | None, prior: Mapping[str, tuple[float, float]] | None, n: int
+) -> tuple[list[str], NDArray[np.float64], Box]:
+    """Names, values (n, p) and prior of the parameters at which n events were made. Raises UsageError."""
     if isinstance(theta, Mapping):
         names, columns = list(theta), np.column_stack([np.asarray(column, float) for column in theta.values()])
     else:
-        columns = np.empty((len(x), 0)) if theta is None else np.asarray(theta, float).reshape(len(x), -1)
+        columns = np.empty((n, 0)) if theta is None else np.asarray(theta, float).reshape(n, -1)
         names = list(prior or [f"theta{j + 1}" for j in range(columns.shape[1])])
     columns = _finite("theta", columns)
-    if len(columns) != len(x) or columns.shape[1] != len(names):
-        raise UsageError(f"{len(x)} events need as many rows of {len(names)} parameters, got {columns.shape}")
+    if columns.shape != (n, len(names)):
+        raise UsageError(f"{n} events need as many rows of {len(names)} parameters, got {columns.shape}")
     constant = [one for one, column in zip(names, columns.T, strict=True) if np.ptp(column) == 0]
     if constant:
         raise UsageError(f"all events were made at one {constant[0]}: leave it out of theta")
@@ -189,28 +203,24 @@ def bank(
         raise UsageError(f"the prior is of {', '.join(ends)}, theta of {', '.join(names)}")
     box = Box(tuple(ends[one][0] for one in names), tuple(ends[one][1] for one in names))
     if outside := int((~box.contains(columns)).sum()):
-        raise UsageError(f"{outside} of {len(x)} events were made outside the prior of theta: widen it, or drop them")
-    rows, worth = rng.permutation(len(x)), 1.0
-    if weights is not None:
-        w = _finite("weights", weights).astype(float).ravel()
-        if len(w) != len(x):
-            raise UsageError(f"{len(x)} events need as many weights, got {len(w)}")
-        if (w < 0).any():
-            raise UsageError(
-                f"{(w < 0).sum()} weights are negative; add up positive and negative events that lie close together"
-            )
-        if not w.sum() > 0:
-            raise UsageError("all weights are zero")
-        worth = float(w.sum() ** 2 / (w**2).sum() / len(w))
-        steps = (np.arange(len(w)) + rng.random()) / len(w)
-        drawn = np.searchsorted(np.cumsum(w[rows]) / w.sum(), steps)
-        rows = rng.permutation(rows[np.minimum(drawn, len(w) - 1)])
-    made = SampleTask(x[rows], columns[rows], names, features, box, worth, name)
-    least = min(range(len(made.groups)), key=lambda k: len(made.groups[k]))
-    if (few := len(made.groups[least]) + len(made.aside[least])) < LEAST:
-        where = f" at theta = {made.nodes[least].tolist()}" if names else ""
-        raise UsageError(f"{few} simulated events{where} are too few, at least {LEAST} are needed at each theta")
-    return made
+        raise UsageError(f"{outside} of {n} events were made outside the prior of theta: widen it, or drop them")
+    return names, columns, box
+
+
+def _drawn(weights: ArrayLike, n: int, rng: np.random.Generator) -> tuple[NDArray[np.intp], float]:
+    """The rows of n events that their weights draw, in random order, and what a row is worth. Raises UsageError."""
+    w = _finite("weights", weights).astype(float).ravel()
+    if len(w) != n:
+        raise UsageError(f"{n} events need as many weights, got {len(w)}")
+    if (w < 0).any():
+        raise UsageError(
+            f"{(w < 0).sum()} weights are negative; add up positive and negative events that lie close together"
+        )
+    if not w.sum() > 0:
+        raise UsageError("all weights are zero")
+    steps = (np.arange(n) + rng.random()) / n
+    rows = np.searchsorted(np.cumsum(w) / w.sum(), steps)
+    return rng.permutation(np.minimum(rows, n - 1)), float(w.sum() ** 2 / (w**2).sum() / n)
 
 
 def _column(table: Any, name: str) -> NDArray:

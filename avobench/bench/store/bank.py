@@ -16,7 +16,10 @@ from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 from avobench.tasks.meter import Meter
 
-SCHEMA, VERSION = "avobench-bank", 1
+SCHEMA = "avobench-bank"
+"""What bank.json says that its folder is."""
+VERSION = 1
+"""Of the format of the folder."""
 NODE = "node of "
 """What the columns of a node's coordinates begin with; those of theta and of the features have their own names."""
 

@@ -9,6 +9,7 @@ from scipy.stats import binom, kstest
 from sklearn.ensemble import HistGradientBoostingClassifier
 from sklearn.metrics import roc_auc_score
 
+from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.descent import refine
 from avobench.diagnosis.fit.null import fit_null
 from avobench.diagnosis.goodness_of_fit.gates import (
@@ -193,7 +194,7 @@ def both_gates(task, x, rng):
     """The p-values of both gates."""
     fit, target = fit_null(Model(task), x, rng, LIGHT, None)
     gate, own, own_target = summary_gate(fit, target, rng, LIGHT)
-    return gate.p_value, classifier_gate(own, own_target, x, rng).p_value
+    return gate.p_value, classifier_gate(own, own_target, x, rng, Effort()).p_value
 
 
 def test_p_values_of_the_classifier_are_uniform_for_a_true_model():
