@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.settings import FIT
 from avobench.diagnosis.summary.target import Target, Vectors
-from avobench.effects.bank import Session
+from avobench.effects.bank import Bank, Session
 from avobench.effects.model import Model, Source
 
 
@@ -102,6 +102,21 @@ def basis_slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def surrogate(model: Model, vectors: Vectors, design: Design, num_events: int, rng: np.random.Generator) -> Surrogate:
+    """The mean vector over a design.
+
+    Of events of a bank the last effect is known from what it does to each, so that only what it changes adds to the
+    noise; see `ReferenceModel`.
+    """
+    if not (isinstance(model.events, Bank) and model.effects and model.newest_acts_last):
+        return from_events(model, vectors, design, num_events, rng)
+    before = model.minus(len(model.effects) - 1)
+    p = before.dim
+    extent = np.maximum(np.abs(design.axes[:p]).sum(axis=1), 1e-6)
+    reference = surrogate(before, vectors, Design.box(design.centre[:p], extent), num_events, rng)
+    return ReferenceModel(before, reference).extended(model, vectors, design, num_events, rng)
+
+
+def from_events(model: Model, vectors: Vectors, design: Design, num_events: int, rng: np.random.Generator) -> Surrogate:
     """The mean vector over a design, from events of which half lie at its centre and half are spread over it.
 
     Each spread event has a twin at the centre, simulated from the same seed. Where a simulator makes much the same of
@@ -204,7 +219,7 @@ class ReferenceModel:
             some = slice(None, None, max(n // FIT.compared_twins, 1))
             moved = float(vectors.moved(x[some], y[some]).mean())
             if left == num_events and moved > 1:
-                return surrogate(model, vectors, design, num_events, rng)
+                return from_events(model, vectors, design, num_events, rng)
             unlike += n / num_events * moved
             normal += b.T @ b
             hit = (x != y).any(axis=1)
