@@ -1,0 +1,63 @@
+"""Hidden effects and nothing hidden, diagnosed from a bank: `python -m paper.studies.bank CHALLENGE... --out FILE`.
+
+A challenge is a folder of `avobench challenge make`; the ones of `results/bank` are made by
+
+    avobench challenge make --task T --cases 12 --seed 71 --events 20000 --kinds foreign --shapes shapes:SEEN --out T
+    avobench challenge make --task T --cases 20 --seed 72 --events 20000 --kinds none --out T-null
+    avobench challenge make --task T --cases 20 --seed 73 --events 1000 --kinds none --out T-null-1000
+
+for poisson, weinberg and carl. The search before was run in a checkout of 4c8d801. One JSON line per data set is added
+to FILE; those that it has are left alone.
+"""
+
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+import click
+
+from avobench.bench.events import read_events
+from avobench.bench.plugins import registry
+from avobench.diagnosis import diagnose
+from avobench.diagnosis.checks import Checks
+
+FOLDER = Path("results/bank")
+
+
+def diagnosed(folder: Path, number: int, answers: dict[str, Any]) -> dict[str, Any]:
+    """What a diagnosis says of one data set, and what it took."""
+    began, answer = time.process_time(), answers["cases"][number]
+    task = registry.build("task", answers["task"], {})
+    checks = Checks(task)
+    x, _ = checks.events(read_events(str(folder / "data" / f"{answer['case']}.npz")))
+    said = diagnose(task, x, seed=number, effects=checks.entries(), num_spent=checks.used).diagnosis
+    return {
+        "data": folder.name,
+        "case": number,
+        "truth": sorted(effect["name"] for effect in answer["effects"]),
+        "named": sorted(effect.name for effect in said.effects),
+        "models": [sorted(effect.name for effect in model.effects) for model in said.models],
+        "p_value": said.p_value_before,
+        "calls_per_event": round(said.num_simulations / answers["num_events"], 2),
+        "seconds": round(time.process_time() - began, 1),
+    }
+
+
+@click.command()
+@click.argument("folders", nargs=-1, required=True, type=click.Path(path_type=Path, exists=True))
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="File of JSON lines.")
+def main(folders: tuple[Path, ...], out: Path) -> None:
+    """Diagnose each data set of the challenges that FILE does not have."""
+    have = [json.loads(line) for line in out.read_text().splitlines()] if out.exists() else []
+    done = {(row["data"], row["case"]) for row in have}
+    for folder in folders:
+        answers = json.loads((folder / "answers.json").read_text())
+        for number in range(len(answers["cases"])):
+            if (folder.name, number) not in done:
+                with out.open("a") as file:
+                    file.write(json.dumps(diagnosed(folder, number, answers)) + "\n")
+
+
+if __name__ == "__main__":
+    main()
