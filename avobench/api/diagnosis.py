@@ -133,7 +133,8 @@ class Diagnosed:
         `avobench.load` reads the folder again, and commands accept `model.json` as a task. A task that has no name by
         which another process finds it, such as one that was made in a script or a notebook, is kept in `task.py`: its
         function or class, and what that uses of its module. There is no model.json, and a warning says why, where that
-        cannot be. Each file is written whole or not at all, and diagnosis.json last, so that a folder that has it has
+        cannot be. Of a sample of simulated events there is `simulated.parquet` in its place: events with the effects
+        that were added. Each file is written whole or not at all, and diagnosis.json last: a folder that has it has
         all. Raises UsageError where the folder cannot be used.
         """
         from avobench.reports import diagnosis as report
@@ -143,17 +144,19 @@ class Diagnosed:
         # All that may fail is made before anything of another run is removed, to which this does not belong.
         if self.result.fit is None:
             raise UsageError("this diagnosis was read from a folder; copy that folder")
-        lost, content, code = self.lost, self.content, None
-        if not lost and not content.task:
+        lost, content, code, sample = self.lost, self.content, None, isinstance(self.task, SampleTask)
+        if not lost and not content.task and not sample:
             name, code = _code(self.task)
             lost = "" if code else f"the simulator of {self.task.name}"
             content = content.model_copy(update={"task": f"{folder.resolve() / 'task.py'}:{name}"})
         pictures = json.dumps({"task": description(self.task), **asdict(self.result.pictures)}, default=plain)
         said = json.dumps(self.diagnosis.model_dump(mode="json"), indent=1)
-        for name in ("diagnosis.json", "correction.npz", "model.json", "task.py"):
+        for name in ("diagnosis.json", "correction.npz", "model.json", "task.py", "simulated.parquet"):
             (folder / name).unlink(missing_ok=True)
         paths = report.write(self.task, self.result, folder, title or self.task.name)
-        if lost:
+        if sample:
+            paths.append(write_atomically(folder / "simulated.parquet", self._simulated()))
+        elif lost:
             warnings.warn(
                 f"no model.json: another process does not find {lost}; define it by `def` or `class` at the top of a "
                 "file or of a cell",
@@ -168,6 +171,13 @@ class Diagnosed:
             np.savez_compressed(buffer, x=weights.x, weights=weights.weights)
             paths.append(write_atomically(folder / "correction.npz", buffer.getvalue()))
         return [*paths, write_atomically(folder / "diagnosis.json", f"{said}\n".encode())]
+
+    def _simulated(self) -> bytes:
+        """As many events as the sample has, with the effects that were added, as Parquet."""
+        fit, content = self.result.fit, io.BytesIO()
+        x = fit.model.simulate(np.tile(fit.params, (len(self.task.events), 1)), np.random.default_rng(0))
+        pd.DataFrame(x, columns=list(self.task.labels)).to_parquet(content, index=False)
+        return content.getvalue()
 
     @classmethod
     def read(cls, folder: Path, trust: bool = False) -> "Diagnosed":

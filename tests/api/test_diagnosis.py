@@ -5,6 +5,7 @@ from dataclasses import replace
 from types import ModuleType
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import avobench
@@ -92,3 +93,18 @@ def test_the_code_of_a_notebook_is_that_of_its_cells():
     home = {}
     exec(text, home)
     assert home["sim"](None, None) == 2
+
+
+def test_two_samples_are_compared_and_the_sample_with_the_effect_is_written(tmp_path):
+    rng = np.random.default_rng(0)
+    simulated = pd.DataFrame({"time": rng.exponential(2.0, 30_000)})
+    measured = pd.DataFrame({"run": 1, "time": np.r_[rng.exponential(2.0, 2000), rng.normal(6, 0.1, 200)]})
+    found = avobench.diagnose(simulated, measured, effects=["peak_background"], progress=False)
+    assert found.effects["effect"].unique().tolist() == ["peak_background"]
+    assert found.effects.set_index("parameter").loc["fraction", "value"] == pytest.approx(200 / 2200, abs=0.03)
+    assert found.diagnosis.num_simulations == 30_000
+    found.save(tmp_path)
+    after = pd.read_parquet(tmp_path / "simulated.parquet")["time"]
+    share = ((after > 5.7) & (after < 6.3)).mean()
+    assert share == pytest.approx(((measured["time"] > 5.7) & (measured["time"] < 6.3)).mean(), abs=0.02)
+    assert not (tmp_path / "model.json").exists()
