@@ -48,9 +48,14 @@ def printed_here(avobench, monkeypatch):
             code, told, _ = avobench(*arguments)
             assert code == 0
         else:
-            monkeypatch.setattr(sys, "argv", arguments[1:])
+            module = arguments[0] == "-m"
+            monkeypatch.setattr(sys, "argv", arguments[module:])
             with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.suppress(SystemExit):
-                runpy.run_module(arguments[1], run_name="__main__", alter_sys=True)
+                if module:
+                    runpy.run_module(arguments[1], run_name="__main__", alter_sys=True)
+                else:
+                    monkeypatch.syspath_prepend(str(Path(arguments[0]).parent))
+                    runpy.run_path(arguments[0], run_name="__main__")
             told = out.getvalue()
         return "\n".join(line.rstrip() for line in told.strip("\n").splitlines()) + "\n"
 
