@@ -22,6 +22,8 @@ class Isolated(click.Command):
         limits = NO_LIMITS if seconds is None else in_seconds("--seconds", seconds)
         theirs = sorted(set(_theirs(context.params)))
         state = context.find_object(State)
+        if state and context.params.get("bank"):
+            state.resumes = True
         if state and state.in_process and seconds is not None:
             raise UsageError("--seconds is not for --in-process: nothing could end it")
         if (not theirs and seconds is None) or (state and state.in_process):
