@@ -251,7 +251,8 @@ def fisher_information(
             rise[i] += (high - low).sum(axis=0)
     mean, slope = total / num_events, rise / (2 * STEP * num_events)
     covariance = outer / num_events - mean[:, :, None] * mean[:, None, :]
-    return np.einsum("ki,ki->k", slope, np.linalg.solve(covariance, slope[:, :, None])[:, :, 0])
+    # A row that no event hits has no variance, and tells nothing: the pseudo-inverse leaves it out.
+    return np.einsum("ki,kij,kj->k", slope, np.linalg.pinv(covariance, hermitian=True), slope)
 
 
 class _Stream:

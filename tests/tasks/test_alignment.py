@@ -280,6 +280,8 @@ def test_floor_is_what_the_fisher_information_allows() -> None:
     floors = [TASK.floor(np.array([t]), 100_000, 160_000) for t in theta]
     assert floors == pytest.approx((1 / 100_000 + 1 / 160_000) / measured, rel=0.15)
     assert TASK.floor(np.zeros(1), 100_000, None) == pytest.approx(floors[0] / (1 + 1 / 1.6))
+    few = fisher_information(Alignment(), theta[2:], 100, np.random.default_rng(0))
+    assert np.isfinite(few).all()  # though no event hits the outermost row
 
 
 def test_fisher_information_predicts_a_real_estimator() -> None:
