@@ -1,9 +1,7 @@
 """The paper's box plots (Figure 4): squared error of each method, one panel per task, with the floor drawn in."""
 
-from pathlib import Path
 from typing import Any
 
-import matplotlib
 import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
@@ -11,11 +9,11 @@ from matplotlib.figure import Figure
 from avobench.bench.store.status import ESTIMATED
 from avobench.bench.store.table import labels, to_frame
 from avobench.reports.quantities import comparable
-from avobench.reports.style import FLOOR, METHOD_ORDER, STYLE, TASK_ORDER, colours, ordered, panels, save
+from avobench.reports.style import FLOOR, METHOD_ORDER, TASK_ORDER, colours, ordered, panels
 
 
-def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write benchmark.pdf, benchmark.png and benchmark.csv to `folder`.
+def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
+    """The figure has one panel per task, and the table one row per box.
 
     Boxes show quartiles, whiskers reach to the extreme points, every cell is a point. The dashed line is the median
     floor over the targets shown and the band spans their floors. A panel shows the targets that all of its methods
@@ -25,8 +23,7 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
     frame = to_frame(records)
     frame["task"], frame["method"] = labels(records)
     frame = pd.concat([comparable(cells) for _, cells in frame.groupby("task", sort=False)])
-    with matplotlib.rc_context(STYLE):
-        return save(_figure(frame), numbers(frame), folder, "benchmark")
+    return _figure(frame), numbers(frame)
 
 
 def numbers(frame: pd.DataFrame) -> pd.DataFrame:

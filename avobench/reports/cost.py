@@ -1,9 +1,7 @@
 """Seconds against squared error: what a better estimate costs."""
 
-from pathlib import Path
 from typing import Any
 
-import matplotlib
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -11,22 +9,21 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from avobench.bench.store.status import ESTIMATED
 from avobench.reports.quantities import comparable, labelled
-from avobench.reports.style import FLOOR, MARKERS, METHOD_ORDER, STYLE, TASK_ORDER, colours, note, ordered, panels, save
+from avobench.reports.style import FLOOR, MARKERS, METHOD_ORDER, TASK_ORDER, colours, note, ordered, panels
 
 SHAPES = dict(zip(METHOD_ORDER, MARKERS, strict=False))
 """The mark of each of the paper's methods, whichever of them are shown."""
 
 
-def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write cost.pdf, cost.png and cost.csv to `folder`, one panel per task.
+def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
+    """The figure has one panel per task, and the table one row per task and method.
 
     A small mark is a cell: the seconds it took in simulator and method, one thread, and its squared error. The large
     mark is the median of both. The dashed line is the median floor. The panel of a task whose cells all failed says so.
     """
     frame = labelled(records)
     frame = pd.concat([comparable(cells) for _, cells in frame.groupby("task", sort=False)])
-    with matplotlib.rc_context(STYLE):
-        return save(_figure(frame), numbers(frame), folder, "cost")
+    return _figure(frame), numbers(frame)
 
 
 def numbers(frame: pd.DataFrame) -> pd.DataFrame:

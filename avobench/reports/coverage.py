@@ -5,10 +5,8 @@ Gaussian intervals for each parameter. Of intervals of 68 % such a share should 
 proposal is no statement about theta, and is left out.
 """
 
-from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -17,7 +15,7 @@ from scipy.stats import norm
 
 from avobench.bench.store.status import ESTIMATED
 from avobench.bench.store.table import labels
-from avobench.reports.style import FLOOR, METHOD_ORDER, STYLE, TASK_ORDER, colours, ordered, panels, save
+from avobench.reports.style import FLOOR, METHOD_ORDER, TASK_ORDER, colours, ordered, panels
 from avobench.tasks.errors import StoreError
 
 LEVELS = (0.68, 0.95)
@@ -80,8 +78,8 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     )
 
 
-def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write coverage.pdf, coverage.png and coverage.csv to `folder`: one panel per task.
+def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
+    """The figure has one panel per task, and the table one row per point of a curve.
 
     Raises StoreError where no record quotes anything.
     """
@@ -93,8 +91,7 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
         pd.DataFrame({"task": task, "method": method, "nominal": CURVE, "empirical": held})
         for (task, method), held in curves.items()
     ]
-    with matplotlib.rc_context(STYLE):
-        return save(_figure(curves), pd.concat(rows), folder, "coverage")
+    return _figure(curves), pd.concat(rows)
 
 
 def _figure(curves: dict[tuple[str, str], NDArray[np.float64]]) -> Figure:

@@ -1,9 +1,7 @@
 """What the paper says of BOLFI without showing it: the squared error against the simulations used so far."""
 
-from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -12,15 +10,15 @@ from numpy.typing import NDArray
 
 from avobench.bench.store.status import ESTIMATED
 from avobench.reports.quantities import comparable, labelled, task_of
-from avobench.reports.style import FLOOR, METHOD_ORDER, STYLE, TASK_ORDER, colours, note, ordered, panels, save
+from avobench.reports.style import FLOOR, METHOD_ORDER, TASK_ORDER, colours, note, ordered, panels
 from avobench.tasks.errors import StoreError
 
 NUM_POINTS = 24
 """Numbers of simulations at which the traces are read, from 1/160 of the budget to all of it."""
 
 
-def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write efficiency.pdf, efficiency.png and efficiency.csv to `folder`, one panel per task.
+def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
+    """The figure has one panel per task, and the table one row per point of a line.
 
     A line is the median over the cells of the squared error that the estimate of that moment has; the band is its
     quartiles. It begins where all cells have an estimate. The dashed line is the floor with as many simulations. The
@@ -30,8 +28,7 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
     table = pd.concat([numbers(comparable(cells)) for _, cells in frame.groupby("task", sort=False)])
     if table.empty:
         raise StoreError("no cell has an estimate to draw")
-    with matplotlib.rc_context(STYLE):
-        return save(_figure(table, ordered(frame["task"], TASK_ORDER)), table, folder, "efficiency")
+    return _figure(table, ordered(frame["task"], TASK_ORDER)), table
 
 
 def numbers(cells: pd.DataFrame) -> pd.DataFrame:

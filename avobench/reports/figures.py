@@ -2,9 +2,13 @@
 
 import importlib
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from avobench.tasks.errors import StoreError
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
 
 FIGURES = ("benchmark", "efficiency", "cost", "coverage")
 TRACED = ("efficiency",)
@@ -12,9 +16,23 @@ TRACED = ("efficiency",)
 
 
 def draw(name: str, records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Draw one figure of FIGURES; raises StoreError when there is nothing to draw or the files cannot be written."""
-    module = importlib.import_module(f"avobench.reports.{name}")  # here, because matplotlib takes a second to load
+    """Write one figure of FIGURES and its numbers to `folder`, as `name`.pdf, .png and .csv.
+
+    Raises StoreError when there is nothing to draw or the files cannot be written.
+    """
+    from avobench.reports.style import save
+
     try:
-        return module.draw(records, folder)
+        return save(*drawn(name, records), folder, name)
     except OSError as error:
         raise StoreError(f"the figure could not be written to {folder}: {error.strerror or error}") from error
+
+
+def drawn(name: str, records: list[dict[str, Any]]) -> "tuple[Figure, pd.DataFrame]":
+    """One figure of FIGURES and the numbers that it shows; raises StoreError when there is nothing to draw."""
+    import matplotlib  # here, because it takes a second to load
+
+    from avobench.reports.style import STYLE
+
+    with matplotlib.rc_context(STYLE):
+        return importlib.import_module(f"avobench.reports.{name}").drawn(records)

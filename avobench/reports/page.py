@@ -1,7 +1,6 @@
 """One self-contained page of a results folder: figures, tables, and what stands behind each number."""
 
 import json
-import tempfile
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -14,8 +13,9 @@ from avobench.bench.store.store import Store
 from avobench.bench.store.table import labels, to_frame
 from avobench.reports import html
 from avobench.reports.benchmark import numbers
-from avobench.reports.figures import draw
+from avobench.reports.figures import drawn
 from avobench.reports.quantities import comparable
+from avobench.reports.style import csv, image
 
 CAPTIONS = {
     "benchmark": "Squared error of each method on each task. Boxes show quartiles, whiskers the "
@@ -58,9 +58,8 @@ def render(results: Path) -> str:
 
 
 def _picture(name: str, records: list[dict[str, Any]]) -> html.Picture:
-    with tempfile.TemporaryDirectory() as folder:
-        _, png, csv = draw(name, records, Path(folder))
-        return html.Picture(name, CAPTIONS[name], png.read_bytes(), html.address("text/csv", csv.read_bytes()))
+    figure, table = drawn(name, records)
+    return html.Picture(name, CAPTIONS[name], image(figure, "png"), html.address("text/csv", csv(table)))
 
 
 def _tables(store: Store, records: list[dict[str, Any]]) -> Iterator[tuple[str, Callable[[], html.Table]]]:

@@ -71,11 +71,19 @@ def note(axis: Axes, text: str) -> None:
 
 def save(figure: Figure, table: pd.DataFrame, folder: Path, name: str) -> list[Path]:
     """Write `name`.pdf, .png and, with the numbers drawn, .csv to `folder`, each whole or not at all."""
-    paths = []
-    for suffix, options in (("pdf", {"metadata": {"CreationDate": None}}), ("png", {"dpi": 200})):
-        content = io.BytesIO()
-        with matplotlib.rc_context(STYLE):  # some of it is read only now
-            figure.savefig(content, format=suffix, **options)
-        paths.append(write_atomically(folder / f"{name}.{suffix}", content.getvalue()))
-    content = table.to_csv(index=False, float_format="%.6g").encode()
-    return [*paths, write_atomically(folder / f"{name}.csv", content)]
+    contents = (("pdf", image(figure, "pdf")), ("png", image(figure, "png")), ("csv", csv(table)))
+    return [write_atomically(folder / f"{name}.{suffix}", content) for suffix, content in contents]
+
+
+def image(figure: Figure, suffix: str) -> bytes:
+    """The content of a file of the figure, as "pdf" or "png"."""
+    options = {"pdf": {"metadata": {"CreationDate": None}}, "png": {"dpi": 200}}[suffix]
+    content = io.BytesIO()
+    with matplotlib.rc_context(STYLE):  # some of it is read only now
+        figure.savefig(content, format=suffix, **options)
+    return content.getvalue()
+
+
+def csv(table: pd.DataFrame) -> bytes:
+    """The content of a file of the numbers that a figure shows."""
+    return table.to_csv(index=False, float_format="%.6g").encode()

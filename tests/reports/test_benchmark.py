@@ -1,13 +1,12 @@
 """The box plots show what the records hold."""
 
 import numpy as np
-import pandas as pd
 import pytest
-from matplotlib.figure import Figure
 
 from avobench.bench.cells.trial import execute
 from avobench.bench.sweep.plan import plan
 from avobench.reports import benchmark
+from avobench.reports.figures import draw
 
 
 @pytest.fixture(scope="module")
@@ -23,9 +22,8 @@ def failed(record):
     return {**record, "status": "method_error", "squared_error": None, "theta_hat": None, "mean": None, "std": None}
 
 
-def test_the_table_holds_the_quartiles_of_what_is_ok(records, tmp_path):
-    benchmark.draw([*records[:4], failed(records[4])], tmp_path)
-    (row,) = pd.read_csv(tmp_path / "benchmark.csv").to_dict("records")
+def test_the_table_holds_the_quartiles_of_what_is_ok(records):
+    (row,) = benchmark.drawn([*records[:4], failed(records[4])])[1].to_dict("records")
     errors = [record["squared_error"] for record in records[:4]]
     assert (row["task"], row["cells"], row["failed"], row["targets"]) == ("poisson", 5, 1, 5)
     names = ("min", "lower_quartile", "median", "upper_quartile", "max")
@@ -34,11 +32,9 @@ def test_the_table_holds_the_quartiles_of_what_is_ok(records, tmp_path):
     assert row["median_error_over_floor"] == pytest.approx(np.median(ratios), rel=1e-5)
 
 
-def test_a_box_a_method_and_setting_and_a_panel_a_task_with_its_floor(records, monkeypatch, tmp_path):
-    figures = []
-    monkeypatch.setattr(Figure, "savefig", lambda self, file, **_: figures.append(self) or file.write(b"figure"))
-    benchmark.draw(records, tmp_path)
-    panels = [axis for axis in figures[0].axes if axis.get_visible()]
+def test_a_box_a_method_and_setting_and_a_panel_a_task_with_its_floor(records):
+    figure, _ = benchmark.drawn(records)
+    panels = [axis for axis in figure.axes if axis.get_visible()]
     assert [axis.get_title() for axis in panels] == ["poisson: 5 targets", "weinberg: 5 targets"]
     assert [len(axis.get_xticks()) for axis in panels] == [2, 1]
     for axis, shown in zip(panels, (records[:5] + records[10:], records[5:10]), strict=True):
@@ -50,13 +46,12 @@ def test_a_box_a_method_and_setting_and_a_panel_a_task_with_its_floor(records, m
 
 
 def test_nothing_but_failures_still_makes_a_figure(records, tmp_path):
-    paths = benchmark.draw([failed(record) for record in records[:2]], tmp_path)
+    paths = draw("benchmark", [failed(record) for record in records[:2]], tmp_path)
     assert all(path.stat().st_size for path in paths)
 
 
-def test_only_targets_that_all_methods_have_are_compared(records, tmp_path):
+def test_only_targets_that_all_methods_have_are_compared(records):
     weinberg, other = records[5:10], [{**record, "method": "other"} for record in records[6:8]]
-    benchmark.draw([*weinberg, *other], tmp_path)
-    table = pd.read_csv(tmp_path / "benchmark.csv").set_index("method")
+    table = benchmark.drawn([*weinberg, *other])[1].set_index("method")
     assert table["targets"].tolist() == [2, 2]
     assert table.loc["avo-paper", "median"] == pytest.approx(table.loc["other", "median"])

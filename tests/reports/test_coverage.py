@@ -1,7 +1,6 @@
 """Coverage is the share of true parameters within what was quoted."""
 
 import numpy as np
-import pandas as pd
 import pytest
 from scipy.stats import norm
 
@@ -18,7 +17,7 @@ def quoted(record, pull, how="standard_error"):
     return {**record, "mean": middle, "std": spread, "spread_of": how}
 
 
-def test_a_curve_of_gaussian_pulls_is_the_diagonal_and_of_too_narrow_ones_below(benchmark, tmp_path):
+def test_a_curve_of_gaussian_pulls_is_the_diagonal_and_of_too_narrow_ones_below(benchmark):
     one = next(record for record in benchmark if (record["task"], record["method"]) == ("poisson", "avo"))
     pulls = norm.ppf((np.arange(400) + 0.5) / 400)
     told = [quoted(one, pull) for pull in pulls]
@@ -28,11 +27,11 @@ def test_a_curve_of_gaussian_pulls_is_the_diagonal_and_of_too_narrow_ones_below(
     assert rows.loc["avo", ["within 68%", "within 95%"]].tolist() == ["68%", "95%"]
     half = norm.cdf(norm.ppf(0.84) / 2) * 2 - 1
     assert float(rows.loc["abc-smc", "within 68%"].rstrip("%")) / 100 == pytest.approx(half, abs=0.006)
-    drawn = pd.read_csv(coverage.draw(told, tmp_path)[2]).set_index("method")
+    drawn = coverage.drawn(told)[1].set_index("method")
     assert np.abs(drawn.loc["avo", "empirical"] - drawn.loc["avo", "nominal"]).max() < 0.006
 
 
-def test_a_proposal_and_a_failure_quote_nothing_and_an_unknown_spread_holds_nothing(benchmark, tmp_path):
+def test_a_proposal_and_a_failure_quote_nothing_and_an_unknown_spread_holds_nothing(benchmark):
     proposal = quoted(benchmark[0], 0.5, "proposal")
     assert coverage.distances(proposal) is None
     assert coverage.distances({**quoted(benchmark[0], 0.5), "status": "crashed"}) is None
@@ -40,4 +39,4 @@ def test_a_proposal_and_a_failure_quote_nothing_and_an_unknown_spread_holds_noth
     unknown["std"] = [None] * len(unknown["std"])
     assert np.isinf(coverage.distances(unknown)).all()
     with pytest.raises(StoreError, match="no coverage to draw"):
-        coverage.draw([proposal], tmp_path)
+        coverage.drawn([proposal])

@@ -5,18 +5,9 @@ import pandas as pd
 import pytest
 
 from avobench.bench.store.store import Store
-from avobench.reports import cost, efficiency
-from avobench.reports.figures import FIGURES
+from avobench.reports.efficiency import errors_at
+from avobench.reports.figures import FIGURES, draw, drawn
 from avobench.reports.style import METHOD_COLOURS, PALETTE, colours
-
-
-def drawn(module, records, folder):
-    """The table of a figure, once its three files are there."""
-    paths = module.draw(records, folder)
-    assert [path.suffix for path in paths] == [".pdf", ".png", ".csv"]
-    assert paths[0].read_bytes().startswith(b"%PDF")
-    assert paths[1].read_bytes().startswith(b"\x89PNG")
-    return pd.read_csv(paths[2])
 
 
 def test_a_method_has_one_colour_in_every_figure():
@@ -28,12 +19,12 @@ def test_a_method_has_one_colour_in_every_figure():
 
 def test_efficiency_reads_the_trace_as_it_was_known_at_the_time(make_record):
     record = make_record("poisson", "avo", 0, 0.1)
-    errors = efficiency.errors_at(record, np.array([7_999, 8_000, 15_999, 16_000, 10**6]))
+    errors = errors_at(record, np.array([7_999, 8_000, 15_999, 16_000, 10**6]))
     np.testing.assert_allclose(errors, [np.nan, 1, 1, 0.01, 0.01])
 
 
-def test_efficiency_shows_medians_from_the_first_estimate_of_all(benchmark, tmp_path):
-    table = drawn(efficiency, [record for record in benchmark if record["task"] == "poisson"], tmp_path)
+def test_efficiency_shows_medians_from_the_first_estimate_of_all(benchmark):
+    _, table = drawn("efficiency", [record for record in benchmark if record["task"] == "poisson"])
     own = table[(table["task"] == "poisson") & (table["method"] == "bolfi")]
     assert own["simulations"].min() >= 8_000
     assert own["simulations"].max() == 16_000
@@ -44,9 +35,9 @@ def test_efficiency_shows_medians_from_the_first_estimate_of_all(benchmark, tmp_
     assert own["floor"].is_monotonic_decreasing
 
 
-def test_cost_shows_the_medians(benchmark, tmp_path):
+def test_cost_shows_the_medians(benchmark):
     shown = [record for record in benchmark if record["task"] in ("carl", "weinberg")]
-    table = drawn(cost, shown, tmp_path).set_index(["task", "method"])
+    table = drawn("cost", shown)[1].set_index(["task", "method"])
     assert table.loc[("carl", "bolfi"), "cells"] == 6
     assert table.loc[("carl", "bolfi"), "median_seconds"] == pytest.approx(1 + 10 * 1.25)
     assert table.loc[("carl", "bolfi"), "median_squared_error"] == pytest.approx(2e-4)
@@ -55,9 +46,11 @@ def test_cost_shows_the_medians(benchmark, tmp_path):
 def test_failures_and_a_users_task_leave_the_others_to_be_drawn(benchmark, make_record, tmp_path):
     mine, known = [{**record, "task": "mine"} for record in benchmark[:8]], benchmark[:16]
     records = [*mine, *known, make_record("poisson", "bolfi", 5, None), make_record("poisson", "avo", 5, None)]
-    for module in (efficiency, cost):
-        table = drawn(module, records, tmp_path)
-        assert {"mine", "poisson"} <= set(table["task"])
+    for name in ("efficiency", "cost"):
+        pdf, png, csv = draw(name, records, tmp_path)
+        assert pdf.read_bytes().startswith(b"%PDF")
+        assert png.read_bytes().startswith(b"\x89PNG")
+        assert {"mine", "poisson"} <= set(pd.read_csv(csv)["task"])
 
 
 def test_the_command_draws_several(avobench, make_record, tmp_path):
