@@ -2,7 +2,7 @@
 
 import itertools
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -43,6 +43,11 @@ class SoundTask(Task):
         return 1 / num_observations + (1 / num_simulations if num_simulations else 0)
 
 
+def halves(theta, rng):
+    """A random number for half of the rows."""
+    return rng.standard_normal((len(theta) + 1) // 2)
+
+
 TASKS = {
     "Nameless": {"source": ""},
     "TwoNames": {"parameter_names": ("location", "scale")},
@@ -78,6 +83,13 @@ TASKS = {
     "DeterminesAnother": {"identifiable": lambda self, theta: 2 * theta},
     "DeterminesInNothing": {"identifiable_scale": np.zeros(1)},
     "GeneratesNothing": {"generates": "noise"},
+    "PairsOfRows": {"events": lambda self, theta, rng: theta + np.repeat(halves(theta, rng), 2)[: len(theta), None]},
+    "Antithetic": {
+        "events": lambda self, theta, rng: theta + np.outer([1, -1], halves(theta, rng)).reshape(-1, 1)[: len(theta)]
+    },
+    "Unpicklable": {"__init__": lambda self: setattr(self, "trick", lambda: None)},
+    "FailsWhenMade": {"__init__": lambda self: int("no detector")},
+    "NeedsAnArgument": {"__init__": lambda self, scale: None},
 }
 declare(SoundTask, TASKS)
 
@@ -108,24 +120,6 @@ class Silences(SoundTask):
     def events(self, theta, rng):
         np.seterr(under="ignore" if np.geterr()["under"] == "warn" else "warn")
         return rng.normal(theta)
-
-
-class PairsOfRows(SoundTask):
-    def events(self, theta, rng):
-        n = len(theta)
-        return theta + np.repeat(rng.standard_normal((n + 1) // 2), 2)[:n, None]
-
-
-class Antithetic(SoundTask):
-    def events(self, theta, rng):
-        n = len(theta)
-        half = rng.standard_normal((n + 1) // 2)
-        return theta + np.concatenate([half, -half])[:n, None]
-
-
-class Unpicklable(SoundTask):
-    def __init__(self):
-        self.trick = lambda: None
 
 
 class DeterminesTogether(SoundTask):
@@ -168,14 +162,11 @@ class SoundGenerator(SoundTask):
         return self.detect(alter(noise, slice(0, len(noise))) if alter else noise, theta)
 
 
-class DetectsAnew(SoundGenerator):
-    def simulate(self, theta, rng, alter=None):
-        return super().simulate(theta, rng, alter) + 1
-
-
-class AltersNothing(SoundGenerator):
-    def simulate(self, theta, rng, alter=None):
-        return super().simulate(theta, rng)
+GENERATORS = {
+    "DetectsAnew": {"simulate": lambda self, *given: SoundGenerator.simulate(self, *given) + 1},
+    "AltersNothing": {"simulate": lambda self, theta, rng, alter=None: SoundGenerator.simulate(self, theta, rng)},
+}
+declare(SoundGenerator, GENERATORS)
 
 
 class GeneratesMore(SoundGenerator):
@@ -186,16 +177,6 @@ class GeneratesMore(SoundGenerator):
         self.require_support(theta)
         (noise,) = SoundGenerator.generate(self, len(theta), rng)
         return self.detect(alter(noise, slice(0, len(noise))) if alter else noise, theta)
-
-
-class FailsWhenMade(SoundTask):
-    def __init__(self):
-        raise RuntimeError("no detector")
-
-
-class NeedsAnArgument(SoundTask):
-    def __init__(self, scale):
-        self.scale = scale
 
 
 class SoundMethod(Method):
@@ -223,17 +204,64 @@ class SoundMethod(Method):
         return Estimate(theta, "nearest", "posterior", theta, theta * np.nan, trace)
 
 
+def drawing(draws):
+    """A fault of what the method simulates."""
+    return {"draws": lambda self, problem, rng: draws(self, problem, rng)}
+
+
+def telling(theta=lambda theta: theta, std=lambda theta: theta * 0, how="nearest", trace=lambda used, theta: []):
+    """A fault of the estimate that it returns."""
+    return {
+        "estimate": lambda self, problem, at: Estimate(
+            theta(at), how, "posterior", theta(at), std(at), trace(problem.simulate.used, at)
+        )
+    }
+
+
+def seeded(seed):
+    """Draws of another generator than the one that is given."""
+    return drawing(lambda self, problem, rng: SoundMethod.draws(self, problem, np.random.default_rng(seed())))
+
+
+def few(self, problem, rng):
+    theta = problem.prior.sample(10, rng)
+    return theta, problem.simulate.repeat(theta, 10)
+
+
+RUNS = itertools.count()
 METHODS = {
     "NoMinimum": {"least": 0},
-    "Greedy": {
-        "draws": lambda self, problem, rng: problem.simulate.repeat(
-            problem.prior.sample(1, rng), problem.simulate.budget + 1
+    "UnpicklableMethod": {"__init__": lambda self: setattr(self, "trick", lambda: None)},
+    "Quits": drawing(few),
+    "Greedy": drawing(
+        lambda self, problem, rng: problem.simulate.repeat(problem.prior.sample(1, rng), problem.simulate.budget + 1)
+    ),
+    "UnderstatesMinimum": drawing(
+        lambda self, problem, rng: (
+            problem.simulate.repeat(problem.prior.center, 150) is not None and SoundMethod.draws(self, problem, rng)
         )
+    ),
+    "AsksOutside": drawing(lambda self, problem, rng: problem.simulate(np.array([problem.support.high]) + 1)),
+    "WritesPlainly": drawing(lambda self, problem, rng: problem.x_observed.__setitem__(0, 0)),
+    "GlobalRandomMethod": seeded(lambda: np.random.randint(2**31)),
+    "OwnEntropyMethod": seeded(lambda: None),
+    "Remembers": seeded(lambda: next(RUNS)),
+    "OutsideEstimate": telling(lambda theta: theta + 100),
+    "WideEstimate": telling(lambda theta: theta[None]),
+    "NegativeSpread": telling(std=lambda theta: -np.ones_like(theta)),
+    "SaysNothing": telling(how=" "),
+    "TracesBackwards": telling(trace=lambda used, theta: [TracePoint(used, theta), TracePoint(used // 2, theta)]),
+    "TracesBeyond": telling(trace=lambda used, theta: [TracePoint(used + 1, theta)]),
+    "TracesTooMuch": telling(trace=lambda used, theta: [TracePoint(used, np.append(theta, 0))]),
+    "TracesNotANumber": telling(trace=lambda used, theta: [TracePoint(used, theta * np.nan)]),
+    "MixesThemUp": {
+        "together": True,
+        "infer_together": lambda self, problems, rngs: Method.infer_together(self, problems, rngs)[::-1],
     },
-    "NegativeSpread": {
-        "estimate": lambda self, problem, theta: Estimate(theta, "nearest", "posterior", theta, -np.ones_like(theta))
+    "SharesAStream": {
+        "together": True,
+        "infer_together": lambda self, problems, rngs: Method.infer_together(self, problems, [rngs[0]] * len(rngs)),
     },
-    "SaysNothing": {"estimate": lambda self, problem, theta: Estimate(theta, " ", "posterior", theta, theta * 0)},
 }
 declare(SoundMethod, METHODS)
 
@@ -243,20 +271,9 @@ class HoldsATask(SoundMethod):
     task: Any = SoundTask
 
 
-class UnpicklableMethod(SoundMethod):
-    def __init__(self):
-        self.trick = lambda: None
-
-
 class RaisesItsBudget(SoundMethod):
     def draws(self, problem, rng):
         problem.simulate.budget *= 2
-        return super().draws(problem, rng)
-
-
-class UnderstatesMinimum(SoundMethod):
-    def draws(self, problem, rng):
-        problem.simulate.repeat(problem.prior.center, 150)
         return super().draws(problem, rng)
 
 
@@ -268,26 +285,6 @@ class Makeshift(SoundMethod):
             return problem.prior.center[None], problem.x_observed[None]
 
 
-class OutsideEstimate(SoundMethod):
-    def estimate(self, problem, theta):
-        return super().estimate(problem, theta + 100)
-
-
-class WideEstimate(SoundMethod):
-    def estimate(self, problem, theta):
-        return super().estimate(problem, theta[None])
-
-
-class AsksOutside(SoundMethod):
-    def draws(self, problem, rng):
-        problem.simulate(np.array([problem.support.high]) + 1)
-
-
-class WritesPlainly(SoundMethod):
-    def draws(self, problem, rng):
-        problem.x_observed[0] = 0
-
-
 class ForcesAWrite(SoundMethod):
     def draws(self, problem, rng):
         problem.x_observed.setflags(write=True)
@@ -295,58 +292,10 @@ class ForcesAWrite(SoundMethod):
         return super().draws(problem, rng)
 
 
-class TracesBackwards(SoundMethod):
-    def estimate(self, problem, theta):
-        good = super().estimate(problem, theta)
-        good.trace.reverse()
-        return good
-
-
-class TracesBeyond(SoundMethod):
-    def estimate(self, problem, theta):
-        trace = [TracePoint(problem.simulate.used + 1, theta)]
-        return Estimate(theta, "nearest", "posterior", theta, theta * 0, trace)
-
-
-class TracesTooMuch(SoundMethod):
-    def estimate(self, problem, theta):
-        trace = [TracePoint(problem.simulate.used, np.append(theta, 0))]
-        return Estimate(theta, "nearest", "posterior", theta, theta * 0, trace)
-
-
-class TracesNotANumber(SoundMethod):
-    def estimate(self, problem, theta):
-        trace = [TracePoint(problem.simulate.used, theta * np.nan)]
-        return Estimate(theta, "nearest", "posterior", theta, theta * 0, trace)
-
-
-class Quits(SoundMethod):
-    def draws(self, problem, rng):
-        theta = problem.prior.sample(10, rng)
-        return theta, problem.simulate.repeat(theta, 10)
-
-
-class GlobalRandomMethod(SoundMethod):
-    def draws(self, problem, rng):
-        return super().draws(problem, np.random.default_rng(np.random.randint(2**31)))
-
-
 class FixedGlobalSeed(SoundMethod):
     def draws(self, problem, rng):
         np.random.seed(0)
         return super().draws(problem, np.random.default_rng(np.random.randint(2**31)))
-
-
-class OwnEntropyMethod(SoundMethod):
-    def draws(self, problem, rng):
-        return super().draws(problem, np.random.default_rng())
-
-
-class Remembers(SoundMethod):
-    runs: ClassVar = itertools.count()
-
-    def draws(self, problem, rng):
-        return super().draws(problem, np.random.default_rng(next(self.runs)))
 
 
 class SwallowsFailure(SoundMethod):
@@ -359,20 +308,6 @@ class SwallowsFailure(SoundMethod):
             except SimulatorError:
                 continue
         return np.array(theta), np.array(x)
-
-
-class MixesThemUp(SoundMethod):
-    together = True
-
-    def infer_together(self, problems, rngs):
-        return super().infer_together(problems, rngs)[::-1]
-
-
-class SharesAStream(SoundMethod):
-    together = True
-
-    def infer_together(self, problems, rngs):
-        return super().infer_together(problems, [rngs[0]] * len(rngs))
 
 
 class DisguisesFailure(SoundMethod):
