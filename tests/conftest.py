@@ -42,3 +42,8 @@ def beside_users_modules(monkeypatch):
     """`toys:Normal` is found as a user's own module is: beside the user."""
     monkeypatch.chdir(USERS)
     monkeypatch.syspath_prepend(str(USERS))
+
+
+def pytest_collection_modifyitems(items):
+    """The longest files come first, so that at the end no core waits for another."""
+    items.sort(key=lambda item: item.path.name not in ("test_robustness.py", "test_wheel.py", "test_published.py"))

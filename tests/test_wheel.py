@@ -23,10 +23,9 @@ def done(*command, **options):
 def installed(tmp_path_factory):
     """A folder with an environment in which the wheel is installed, without any extra."""
     place = tmp_path_factory.mktemp("wheel")
-    build = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", place / "dist", ROOT]
-    done(*build, cwd=place)
-    (wheel,) = (place / "dist").glob("avobench-*.whl")
     uv = [sys.executable, "-m", "uv"]
+    done(*uv, "build", "--quiet", "--wheel", "--out-dir", place / "dist", ROOT, cwd=place)
+    (wheel,) = (place / "dist").glob("avobench-*.whl")
     done(*uv, "venv", "--quiet", "--python", PYTHON, place / "env")
     pip = [*uv, "pip", "install", "--quiet", "--python", place / "env" / "bin" / "python"]
     done(*pip, "--constraint", ROOT / "constraints.txt", wheel, cwd=place)
