@@ -10,12 +10,19 @@ from avobench.challenge.shape import Injection, Place
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.effects.pool import Pool
+from avobench.tasks import alignment
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
 from shapes.images import rocking_frame, wandering_beam
 
 N = 2_000
+
+
+@pytest.fixture(autouse=True)
+def _small_chunks(monkeypatch):
+    """Pythia generates no more than a test asks for."""
+    monkeypatch.setattr(alignment, "CHUNK", 100)
 
 
 def effect_of(task, name, shape=None):
@@ -49,8 +56,8 @@ def test_effects_act_in_the_order_of_their_stages_whichever_was_added_first(task
     np.testing.assert_array_equal(z, alone)
 
 
-def images(task, name, theta, phi, shape=None):
-    at = np.tile([theta, *phi], (N, 1))
+def images(task, name, theta, phi, shape=None, n=N):
+    at = np.tile([theta, *phi], (n, 1))
     return Model(task, (effect_of(task, name, shape),)).simulate(at, np.random.default_rng(3))
 
 
@@ -67,9 +74,9 @@ def test_a_tracker_out_of_place_is_what_the_challenge_makes_of_it(theta, shape, 
     # Two codes for one geometry, on the same particles: a hit in another cell only where rounding decides.
     task = Alignment()
     where = Place(task, None, np.zeros((1, 1024), np.uint8))
-    at = np.full((N, 1), theta)
+    at = np.full((200, 1), theta)
     expected = Injection(shape, where, settings).measure(task.simulate, at, np.random.default_rng(3))
-    found = images(task, shape.family, theta, phi)
+    found = images(task, shape.family, theta, phi, n=200)
     assert (found != expected).sum() <= 2
     assert (found != task.simulate(at, np.random.default_rng(3))).any(axis=1).mean() > 0.9
 
