@@ -1,4 +1,4 @@
-"""What every command that reads records does about damaged ones: it goes on, names each, and ends with exit code 1."""
+"""Every command that reads records treats damaged ones alike: it goes on, names each, and ends with exit code 1."""
 
 import warnings
 from collections.abc import Callable

@@ -89,7 +89,7 @@ _DOMAINS = {
 
 
 def _effect(shapes: Sequence[Effect], told: Callable[[Parameter], str]) -> list[str]:
-    """What an effect does, its source, and a line for all shapes with the same parameters."""
+    """The sentence of an effect, its source, and a line for all shapes with the same parameters."""
     first = shapes[0]
     lines = [*_wrapped(f"    {first.name}: {first.sentence}", 8)]
     alike: dict[str, list[str]] = {}

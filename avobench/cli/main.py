@@ -94,7 +94,7 @@ def _stop(state: State) -> NoReturn:
 
 
 def _said(error: Exception) -> str:
-    """What went wrong, for a person."""
+    """The error in words for a person."""
     from avobench.bench.processes.apart import Fault
     from avobench.tasks.errors import AvobenchError
 

@@ -35,5 +35,5 @@ DROP_INVALID = click.option("--drop-invalid", is_flag=True, help="Leave out rows
 
 
 def named(spec: str, trust: bool) -> str:
-    """What names a task; the user answers for the code that its file names where `trust` says so."""
+    """The argument that names a task; the user answers for the code that its file names where `trust` says so."""
     return registry.trusted(spec) if trust else spec

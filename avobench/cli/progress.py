@@ -1,4 +1,4 @@
-"""What a command shows while it works: a live display on a terminal, plain lines elsewhere. All on standard error."""
+"""The progress that a command shows: a live display on a terminal, plain lines elsewhere. All on standard error."""
 
 import time
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What holds for a command line as a whole, whichever command it is of."""
+"""The state of a command line as a whole, whichever command it is of."""
 
 import os
 import signal
@@ -14,16 +14,16 @@ STOPPING_SECONDS = 3.0
 
 @dataclass
 class State:
-    """What holds for the whole command, whichever it is."""
+    """The state of the whole command, whichever it is."""
 
     debug: bool = False
     """Show tracebacks."""
     in_process: bool = False
     """Run the user's code in this process, for a debugger."""
     resumes: bool = False
-    """Whether the command, when it was stopped and is given again, goes on from what was finished; it sets this."""
+    """True if the command, when it was stopped and is given again, goes on from what was finished; it sets this."""
     interrupted: float | None = None
-    """When Ctrl-C first came, by the monotonic clock, whatever was made of it by what it interrupted."""
+    """The time at which Ctrl-C first came, by the monotonic clock, whatever was made of it by what it interrupted."""
 
     def interrupt(self, number: int, frame: FrameType | None) -> None:
         """The handler of Ctrl-C: the first raises KeyboardInterrupt, one that comes when that was in vain ends all."""

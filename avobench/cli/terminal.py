@@ -1,4 +1,4 @@
-"""What a command prints is text, and gives the terminal no orders."""
+"""The output of a command is text, and gives the terminal no orders."""
 
 import click
 

@@ -1,4 +1,4 @@
-"""How theta is inferred: one readable module a method, and the base class that a user's own method derives from."""
+"""The methods: one readable module for each, and the base class that a user's own method derives from."""
 
 from avobench.methods.contract import Estimate, Method, TracePoint, WeightedSample
 from avobench.methods.problem import Problem, Simulator

@@ -39,7 +39,7 @@ DIRECT = 2
 """Number of parameters up to which the second derivatives are solved for one by one. The records of the benchmark were
 made so, and a last bit decides between equal minima; with more parameters it takes three to seven times as long."""
 JITTER = 1e-8
-"""What GPy adds to the noise variance of the evidence (its ExactGaussianInference)."""
+"""GPy adds this to the noise variance of the evidence (its ExactGaussianInference)."""
 
 
 class Hyperparameters(NamedTuple):

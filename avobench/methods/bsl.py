@@ -131,7 +131,7 @@ class Bsl(Method):
 
 
 class _Near(NamedTuple):
-    """How the summary moves with theta near the observation."""
+    """The way in which the summary moves with theta near the observation."""
 
     nearest: NDArray[np.float64]
     """The theta (p,) of the nearest summary."""

@@ -39,14 +39,14 @@ class WeightedSample(NamedTuple):
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a method learned. All parameters in raw units."""
+    """The answer of a method. All parameters are in raw units."""
 
     theta: NDArray[np.float64]
     """Best fit (p,), finite and within the support."""
     how: str
-    """How the best fit was taken, e.g. "mode of the final proposal"."""
+    """The way in which the estimate was taken, e.g. "mode of the final proposal"."""
     spread_of: str
-    """What `mean` and `std` describe: "proposal" or "posterior"."""
+    """The distribution that `mean` and `std` describe: "proposal" or "posterior"."""
     mean: NDArray[np.float64]
     """(p,)"""
     std: NDArray[np.float64]
@@ -82,13 +82,13 @@ class Method(ABC):
     """Modules that must be importable, checked before a sweep begins; `extra` is the extra that installs them."""
     extra: ClassVar[str] = ""
     amortised: ClassVar[bool] = False
-    """Whether nothing that it simulates depends on the observation, so that one budget serves all targets of a task.
+    """True if nothing that it simulates depends on the observation, so that one budget serves all targets of a task.
 
     All cells of a task and repetition then have the same random streams, hence the same simulated events, and their
     records say `amortised`: they are not to be compared with those of methods that have a budget for each target.
     """
     together: ClassVar[bool] = False
-    """Whether `infer_together` takes less time than one problem after the other."""
+    """True if `infer_together` takes less time than one problem after the other."""
 
     @abstractmethod
     def min_simulations(self, num_parameters: int) -> int:
@@ -106,7 +106,7 @@ class Method(ABC):
         """
 
     def infer_together(self, problems: Sequence[Problem], rngs: Sequence[np.random.Generator]) -> list[Estimate]:
-        """What `infer` makes of each problem with its own random stream, to floating-point reordering.
+        """Return what `infer` makes of each problem with its own random stream, to floating-point reordering.
 
         The problems are of one task. A method that gains from knowing them all at once, such as one that trains their
         networks in one batch, says so with `together = True`. What goes wrong with any of them is raised for all.

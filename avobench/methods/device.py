@@ -1,4 +1,4 @@
-"""Where the networks of a method may be."""
+"""The device on which the networks of a method are."""
 
 
 def require_device(device: str) -> None:

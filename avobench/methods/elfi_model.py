@@ -1,4 +1,4 @@
-"""What the adapters of ELFI share: its import, a client in this process, and a model of the prior."""
+"""The parts that the adapters of ELFI share: its import, a client in this process, and a model of the prior."""
 
 import warnings
 from collections.abc import Iterator

@@ -58,7 +58,7 @@ class Inputs:
 
     @property
     def doubt(self) -> str:
-        """What makes any answer doubtful, or ""."""
+        """The reason why any answer is doubtful, or ""."""
         names = self._problem.feature_names or [f"x{j + 1}" for j in range(len(self._missed))]
         doubts = [
             f"the simulator makes {names[j]} = {self._first[0, j]:g} alone, which was never observed: it is left out"
@@ -78,7 +78,7 @@ class Inputs:
 
 
 def origin(x: NDArray) -> NDArray[np.float64]:
-    """Where the features of events x (n, d) are counted from before they become float32: (d,).
+    """The zero from which the features of events x (n, d) are counted before they become float32: (d,).
 
     It is zero but for features far from it, such as times since 1970, of which float32 would lose what varies.
     """

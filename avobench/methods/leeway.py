@@ -1,4 +1,4 @@
-"""What the events leave open, and the best estimate there: the posterior over the whole prior box.
+"""The parameters that the events leave open, and the best estimate there: the posterior over the whole prior box.
 
 The polish finds one point where the simulated means agree with the observed ones. Where a combination of parameters is
 open there are many, on a curve or a surface through the box, and the polish ends at the one nearest to the prior's
@@ -41,12 +41,12 @@ STANDARD_ERROR = np.exp(-0.5)
 
 
 def is_open(answer: Polished) -> bool:
-    """Whether a combination of parameters is nearly as uncertain as the prior has it."""
+    """Tell whether a combination of parameters is nearly as uncertain as the prior has it."""
     return bool(np.linalg.eigvalsh(answer.covariance)[-1] > OPEN**2)
 
 
 def leaves_open(answer: Polished) -> bool:
-    """Whether a combination is open of so few parameters that the best of all answers can be looked for."""
+    """Tell whether a combination is open of so few parameters that the best of all answers can be looked for."""
     return len(answer.mean) <= MOST_PARAMETERS and is_open(answer)
 
 

@@ -1,4 +1,4 @@
-"""What a method is given: the observation, the metered simulator, and what is known of the parameters."""
+"""The problem that a method is given: the observation, the metered simulator, and what is known of the parameters."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -45,7 +45,7 @@ class Problem:
     prior: Box
     """Uniform prior, in raw units."""
     support: Box
-    """Where the simulator may be called; contains the prior."""
+    """The box in which the simulator may be called; it contains the prior."""
     x_observed: NDArray
     """Observed events (N, d), read-only."""
     simulate: Simulator

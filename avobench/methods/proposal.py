@@ -79,7 +79,7 @@ class TruncatedGaussian:
 
 
 def _distances(a: NDArray[np.float64], b: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """How far the nearest and the farthest point of [a, b] are from the mean, in standard deviations."""
+    """The distances of the nearest and the farthest point of [a, b] from the mean, in standard deviations."""
     return np.maximum(np.maximum(a, -b), 0), np.maximum(-a, b)
 
 

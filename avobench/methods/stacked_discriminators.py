@@ -18,7 +18,7 @@ from avobench.methods.fused_step import FusedStep
 
 
 class Lesson(NamedTuple):
-    """What one problem gives its two discriminators in one iteration, and which events they are to judge afterwards.
+    """The events that one problem gives its two discriminators in one iteration, and those to judge afterwards.
 
     Events are counted from the first that was simulated; those in even rows are of the first half, whose network is the
     first, those in odd rows of the second.

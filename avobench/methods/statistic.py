@@ -1,4 +1,4 @@
-"""What an event says about theta, learnt from simulated events: one small network a parameter. Needs PyTorch.
+"""A statistic of an event, learnt from simulated events: one small network per parameter. Needs PyTorch.
 
 With u drawn around some place and x simulated at u, the network T_i that minimises E[(T_i(x) - u_i)^2] is E[u_i | x],
 which near that place is u's mean plus its variance times the score of x. The mean of T over the observed events then

@@ -1,4 +1,4 @@
-"""How often the truth lies within what is quoted: `avobench figure coverage`.
+"""The coverage of quoted errors: how often the truth lies within them, in `avobench figure coverage`.
 
 A method quotes a standard error of its estimate, or a posterior with a mean and a standard deviation; either makes
 Gaussian intervals for each parameter. Of intervals of 68 % such a share should hold the true value. The width of a

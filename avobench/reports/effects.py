@@ -1,4 +1,4 @@
-"""What each effect of a task does to its events: their distribution without it, and with each of its shapes."""
+"""Pictures of each effect of a task: the distribution of its events without it, and with each of its shapes."""
 
 import textwrap
 from collections.abc import Iterator
@@ -31,11 +31,11 @@ MOST_BARS = 60
 MARGIN = 0.15
 """Share of the range that is drawn on either side of it, because an effect may put events there."""
 THETA = 0.75
-"""How far along each side of the prior the events are: off the middle, where some tasks are symmetric."""
+"""The events lie so far along each side of the prior: off the middle, where some tasks are symmetric."""
 MIDDLING = 0.12
 """Share of the events that an effect moves to another bin at the strength that is drawn: clear, and no caricature."""
 PLACES = (0.7, 0.5, 0.9, 0.3)
-"""How far along their bounds shape parameters are: the first at which the strength can be middling. The middle is not
+"""Shape parameters lie so far along their bounds: the first at which the strength can be middling. The middle is not
 tried first, since a skewness or a slope is zero there."""
 SHARES = tuple(np.geomspace(0.01, 1, 16).tolist())
 """Strengths that are tried in turn, as shares of the way from null to bound."""

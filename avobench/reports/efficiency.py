@@ -1,4 +1,4 @@
-"""What the paper says of BOLFI without showing it: the squared error against the simulations used so far."""
+"""The efficiency of each method: the squared error against the simulations used so far."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What the pages are made of: tables, figures, and the one document around them, which needs no network."""
+"""The parts of a page: tables, figures, and the one document around them, which needs no network."""
 
 import base64
 import hashlib
@@ -21,7 +21,7 @@ CHOICES = ("task", "method", "status", "verdict")
 LONG = 22
 """A text of more letters may be broken into lines; a name or a date stays in one."""
 PNG_WIDTH = slice(16, 20)
-"""Where a PNG says how many pixels wide it is."""
+"""The bytes of a PNG that say how many pixels wide it is."""
 T = TypeVar("T")
 
 
@@ -77,14 +77,14 @@ class Picture:
 
 @dataclass(frozen=True)
 class Missing:
-    """What stands in the place of a figure or a table that could not be made."""
+    """The sentence in the place of a figure or a table that could not be made."""
 
     name: str
     reason: str
 
 
 def made(name: str, make: Callable[[], T]) -> T | Missing:
-    """What `make` returns, or, if it fails, why there is no such figure or table.
+    """Return what `make` returns, or, if it fails, why there is no such figure or table.
 
     Anything may fail that reads what users' tasks and methods left, and the rest of the page is to be there all the
     same. Only what concerns the disk is left to the caller.

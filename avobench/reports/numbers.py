@@ -1,4 +1,4 @@
-"""How numbers are printed: on both pages, in the figures and by the command line."""
+"""The way in which numbers are printed: on both pages, in the figures and by the command line."""
 
 import math
 from collections.abc import Sequence

@@ -133,9 +133,9 @@ def _pairs(settings: str) -> str:
 
 
 def _moment(started: str) -> str:
-    """When a record was begun, in UTC, to the minute: `2026-11-21 20:40`."""
+    """The time at which a record was begun, in UTC, to the minute: `2026-11-21 20:40`."""
     return started[: len("2026-11-21T20:40")].replace("T", " ")
 
 
 PLAIN = {"task_settings": _pairs, "method_settings": _pairs, "versions": _pairs, "started": _moment}
-"""How the columns of these names are shown; the download has them as they are in the records."""
+"""Functions that make the text shown of columns of these names; the download has them as they are in the records."""

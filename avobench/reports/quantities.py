@@ -1,4 +1,4 @@
-"""What figures, targets and pages compute from records."""
+"""Quantities that figures, targets and pages compute from records."""
 
 from collections.abc import Callable
 from functools import cache

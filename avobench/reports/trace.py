@@ -1,4 +1,4 @@
-"""How an estimate came about, each parameter against the number of simulated events; and what is known of it now."""
+"""The figure of one estimate: each parameter against the number of simulated events, and its error."""
 
 import matplotlib
 import numpy as np

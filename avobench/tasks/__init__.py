@@ -1,4 +1,4 @@
-"""What is simulated: one module a task, and the base class that a user's own task derives from."""
+"""The tasks, which are simulated: one module a task, and the base class that a user's own task derives from."""
 
 from avobench.tasks.contract import Box, Discriminator, Task
 

@@ -17,7 +17,7 @@ NUM_ROWS = 32
 NUM_COLUMNS = 32
 """Columns of the grid, uniform in azimuth over [0, 2 pi] (paper, Section 4.2)."""
 MAX_ETA = 5.0
-"""What leaves the sphere further forward is lost (paper, Section 4.2)."""
+"""Particles that leave the sphere further forward are lost (paper, Section 4.2)."""
 
 CHUNK = 1000
 """Events generated at a time: in batches of 32 Pythia's `nextBatch` is a fifth slower an event."""
@@ -54,7 +54,7 @@ class Particles:
     offsets: NDArray[np.int64]
     """(n + 1,): event i owns the particles offsets[i] to offsets[i + 1]."""
     position: NDArray[np.float64]
-    """Where each was produced, relative to the interaction point [mm]: (3, m)."""
+    """The point where each was produced, relative to the interaction point [mm]: (3, m)."""
     momentum: NDArray[np.float64]
     """[GeV]: (3, m)."""
     energy: NDArray[np.float64]
@@ -78,7 +78,7 @@ class Particles:
 
 
 Alter = Callable[[Particles, slice], Particles]
-"""What happens to particles before they reach the detector, and in which rows of theta their events are."""
+"""The change of particles before they reach the detector, and in which rows of theta their events are."""
 
 
 @dataclass(frozen=True)
@@ -102,11 +102,11 @@ class Alignment(Task):
     radius: float = 3.2
     """Radius of the sphere [mm]. The paper gives only "roughly one pixel" for theta = 1; its code has 10."""
     response: Literal["hit", "energy"] = "hit"
-    """What a cell records: 1 if any particle crossed it, or the summed energy [GeV] of those that did."""
+    """The value that a cell records: 1 if any particle crossed it, or the summed energy [GeV] of those that did."""
     log1p: bool = False
     """Record log(1 + energy / GeV) instead of the energy."""
     particles: Literal["charged", "visible"] = "charged"
-    """Which particles are recorded; "visible" is everything but neutrinos."""
+    """The particles that are recorded; "visible" is everything but neutrinos."""
     max_tau0: float = 1000.0
     """Particles of longer mean lifetime c tau_0 [mm] do not decay. At 1000, Pythia's own limit, K0S and Lambda do."""
 

@@ -112,7 +112,7 @@ def _moments(
 
 
 def measured(num_events: int = NUM_EVENTS, seed: int = 0) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """What FLOORS holds, and each parameter's share of the first of them, with no offset: (3, 3), (3,)."""
+    """The numbers of FLOORS, and each parameter's share of the first of them, with no offset: (3, 3), (3,)."""
     points = np.array([(r * np.cos(AZIMUTH), r * np.sin(AZIMUTH), z) for r, z in product(RADII, HEIGHTS)])
     inverse = np.linalg.inv(information(Alignment3(), points, num_events, np.random.default_rng(seed)))
     floors = np.trace(inverse, axis1=1, axis2=2)

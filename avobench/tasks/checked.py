@@ -1,4 +1,4 @@
-"""What a simulator returns, held against what its task declares."""
+"""The events that a simulator returns are held against what its task declares."""
 
 import numpy as np
 from numpy.typing import NDArray

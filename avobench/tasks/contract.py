@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 NUM_TARGETS = 15
 """Target parameters of every task (paper, Section 4.3)."""
 Kind = Literal["count", "continuous", "angle"]
-"""What a feature is: how many there are of something, a real number, or one that comes round again. An angle does so
-after 360 if its unit is "deg", else after 2 pi. A cosine is a real number that ends at -1 and 1."""
+"""The kind of a feature: how many there are of something, a real number, or one that comes round again. An angle does
+so after 360 if its unit is "deg", else after 2 pi. A cosine is a real number that ends at -1 and 1."""
 ParameterKind = Literal["integer", "continuous"]
-"""What a parameter is: a whole number, or any real one."""
+"""The kind of a parameter: a whole number, or any real one."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Box:
         return inside
 
     def contains_all(self, theta: NDArray[np.float64]) -> bool:
-        """Whether all rows of theta (n, p) lie in the box; `contains(theta).all()`, in less time. n > 0.
+        """Tell whether all rows of theta (n, p) lie in the box; `contains(theta).all()`, in less time. n > 0.
 
         Raises ValueError for another number of columns.
         """
@@ -70,7 +70,7 @@ class Box:
 
 
 def _within(values: NDArray[np.float64], low: float, high: float) -> bool:
-    """Whether all values lie in [low, high].
+    """Tell whether all values lie in [low, high].
 
     Where there is a NaN, argmin and argmax find it, and it fails both comparisons. On few values a call of them takes a
     third of what one of min, max, or a comparison of arrays does.
@@ -100,20 +100,20 @@ class Task(ABC):
     parameter_names: ClassVar[tuple[str, ...]]
     parameter_units: ClassVar[tuple[str, ...]]
     parameter_kinds: ClassVar[tuple[ParameterKind, ...]] = ()
-    """What each parameter is, where one of them is no real number. The prior and the support of an integer end at whole
-    numbers; whoever simulates through `checked_events` may ask for any number between, see `at_whole`."""
+    """The kind of each parameter, where one of them is no real number. The prior and the support of an integer end at
+    whole numbers; whoever simulates through `checked_events` may ask for any number between, see `at_whole`."""
     source: ClassVar[str]
-    """Where the simulator comes from."""
+    """The source of the simulator, such as a paper and its section."""
     prior: ClassVar[Box]
     """Uniform prior; the targets are drawn from it."""
     support: ClassVar[Box]
-    """Where the simulator is defined; contains the prior."""
+    """The box in which the simulator is defined; it contains the prior."""
     num_features: ClassVar[int]
     feature_names: ClassVar[tuple[str, ...]] = ()
     """One a feature, where they have names."""
     feature_kinds: ClassVar[tuple[Kind, ...]] = ()
-    """What each feature is; where a task says nothing, whole numbers are counts and all others continuous. Cells of an
-    image, which is declared by `event_shape`, have none."""
+    """The kind of each feature; where a task says nothing, whole numbers are counts and all others continuous. Cells of
+    an image, which is declared by `event_shape`, have none."""
     feature_units: ClassVar[tuple[str, ...]] = ()
     """One a feature, where they have units; that of a pure number is "1"."""
     event_shape: ClassVar[tuple[int, ...]] = ()
@@ -126,7 +126,7 @@ class Task(ABC):
     dtype: ClassVar[DTypeLike] = np.float64
     discriminator: ClassVar[Discriminator] = Discriminator()
     generates: ClassVar[str] = ""
-    """What it makes in a first step that does not know theta, such as "particles"; "" where it simulates in one step.
+    """The product of a first step that does not know theta, such as "particles"; "" where it simulates in one step.
 
     A task that says so defines `generate(num_events, rng)`, which yields pieces of `len(piece)` events that have
     `events(start, stop)`, and `detect(piece, theta)`, which makes their events; its `simulate` takes a third argument,
@@ -135,19 +135,19 @@ class Task(ABC):
     tracker that they cross [mm]; effects on particles apply to it.
     """
     by_default: ClassVar[bool] = True
-    """Whether a sweep for which no task is named carries it out."""
+    """True if a sweep for which no task is named carries it out."""
     packages: ClassVar[tuple[str, ...]] = ()
     """Modules that must be importable, checked before a sweep begins; `extra` is the extra that installs them."""
     extra: ClassVar[str] = ""
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """What to call each feature: its name, or x1, x2, ... where they have none: (d,)"""
+        """The label of each feature: its name, or x1, x2, ... where they have none: (d,)"""
         return self.feature_names or tuple(f"x{j + 1}" for j in range(self.num_features))
 
     @property
     def kinds_of_features(self) -> tuple[Kind, ...]:
-        """What each feature is, as it was stated or as `dtype` says: (d,)"""
+        """The kind of each feature, as it was stated or as `dtype` says: (d,)"""
         whole = np.dtype(self.dtype).kind in "iu"
         return self.feature_kinds or ("count" if whole else "continuous",) * self.num_features
 
@@ -161,7 +161,7 @@ class Task(ABC):
 
     @property
     def is_integer(self) -> NDArray[np.bool_]:
-        """Which parameters are whole numbers: (p,)."""
+        """A mask of the parameters that are whole numbers: (p,)."""
         return np.array([kind == "integer" for kind in self.parameter_kinds or ("",) * len(self.parameter_names)])
 
     def at_whole(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
@@ -184,7 +184,7 @@ class Task(ABC):
         return nearest, np.hypot(error, theta - nearest)
 
     def identifiable(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What the events determine of theta: (n, p) -> (n, k), with k < p, or theta itself."""
+        """The part of theta that the events determine: (n, p) -> (n, k), with k < p, or theta itself."""
         return theta
 
     @property

@@ -26,7 +26,7 @@ class BudgetExhausted(AvobenchError):
 
 
 class InvalidEstimate(AvobenchError):
-    """What a method returned cannot be recorded as an estimate."""
+    """The answer of a method cannot be recorded as an estimate."""
 
 
 class ProcessEnded(AvobenchError):
@@ -49,12 +49,12 @@ def text_of(error: BaseException) -> str:
 
 
 def raised(error: BaseException) -> str:
-    """What code of a user's raised: the type of the exception and its text."""
+    """The exception that code of a user's raised, in words: the type of the exception and its text."""
     return f"{type(error).__name__}: {text_of(error)}"
 
 
 def installed_by(extra: str) -> str:
-    """How an optional part of the package is installed, for the end of a message."""
+    """The command that installs an optional part of the package, for the end of a message."""
     return f"in a clone of avobench, pip install '.[{extra}]'"
 
 

@@ -94,7 +94,7 @@ class FunctionTask(Task):
 
     @property
     def arguments(self) -> dict[str, Any]:
-        """What `task` is given beside the function to make this task again, of plain numbers and texts."""
+        """The arguments of `task`, beside the function, that make this task again: plain numbers and texts."""
         prior, support = (
             dict(zip(self.parameter_names, zip(box.low, box.high, strict=True), strict=True))
             for box in (self.prior, self.support)
@@ -241,6 +241,6 @@ def task(
 
 
 def _in(function: Simulate, error: BaseException) -> bool:
-    """Whether an error came out of a function, or tells of the shape of what it returned."""
+    """Tell whether an error came out of a function, or tells of the shape of what it returned."""
     frames = (frame.f_code for frame, _ in walk_tb(error.__traceback__))
     return getattr(function, "__code__", None) in frames or "gave events of shape" in text_of(error)

@@ -52,7 +52,7 @@ class SampleTask(Task):
 
     @property
     def parts(self) -> tuple[object, ...]:
-        """What decides which events there are."""
+        """All that decides which events there are."""
         return (self.events.tobytes().hex()[:4096], len(self.events), repr(self.nodes))
 
     def corner(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.intp]:

@@ -10,7 +10,7 @@ from scipy.fft import dct
 from avobench.tasks.contract import Box, Discriminator, Task, histogram
 
 KINDS = ("scale", "correlation", "tail", "mean")
-"""What the parameters of `Warped` set, over and over in this order."""
+"""The kinds of what the parameters of `Warped` set, over and over in this order."""
 SPREAD = 0.8
 """Standard deviation of a coordinate of z at theta = 0; sinh then stretches the tails of x to ten times its core."""
 NARROW = 0.5
@@ -46,7 +46,7 @@ class Mixed(Task):
     """
 
     kinds: ClassVar[tuple[str, ...]]
-    """What each parameter sets, of KINDS."""
+    """The one of KINDS that each parameter sets."""
 
     by_default: ClassVar = False
     parameter_names: ClassVar[tuple[str, ...]]

@@ -35,7 +35,7 @@ class Cell:
     """Modules beyond those of avobench that the method and the task use."""
     amortised: bool = field(init=False)
     together: bool = field(init=False)
-    """Whether the method gains from several cells at once."""
+    """True if the method gains from several cells at once."""
 
     def __post_init__(self) -> None:
         for kind in ("task", "method"):  # a worker may have another working folder

@@ -8,7 +8,7 @@ from avobench.tasks.errors import InvalidEstimate
 FLOATS = (np.float16, np.float32, np.float64)
 """A record holds numbers of 64 bits: a wider one would be rounded, out of its support perhaps."""
 SPREADS = ("posterior", "proposal")
-"""What the mean and std of an estimate may be of."""
+"""The mean and std of an estimate are of one of these."""
 
 
 def require_recordable(estimate: object, problem: Problem, used: int) -> None:

@@ -88,7 +88,7 @@ class Trial:
 
     @contextmanager
     def failing(self) -> Iterator[None]:
-        """What goes wrong within the block becomes the failure of this cell; with `debug` its traceback is printed."""
+        """An error within the block becomes the failure of this cell; with `debug` its traceback is printed."""
         try:
             yield
         except (Exception, SystemExit) as error:

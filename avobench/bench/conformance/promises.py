@@ -31,7 +31,7 @@ def expect(holds: bool, why: str) -> None:
 
 
 def is_text(value: object) -> bool:
-    """Whether a value is a string with something to read in it."""
+    """Tell whether a value is a string with something to read in it."""
     return isinstance(value, str) and bool(value.strip())
 
 

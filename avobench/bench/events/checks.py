@@ -1,4 +1,4 @@
-"""What may be wrong with measured events, or with the simulator, told before anything is inferred from them."""
+"""Faults of measured events, or of the simulator, are told before anything is inferred from them."""
 
 from collections.abc import Callable
 from functools import partial
@@ -260,7 +260,7 @@ def _outside(task: Task, x: NDArray, simulated: NDArray, diagnosis: bool = True)
 
 
 def _reach(made: NDArray, n: int) -> tuple[float, float]:
-    """How far down and up n values may reach by chance, if they are like simulated ones (m,).
+    """The limits down and up to which n values may reach by chance, if they are like simulated ones (m,).
 
     From the last thousandth of the simulated ones to their end a tail grows by some factor about the median. It grows
     by the same again each time that as many times more values are drawn, at most: that is how a power falls, and all

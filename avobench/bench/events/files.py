@@ -142,7 +142,7 @@ def _table(file: str, arrays: dict[str, NDArray | pd.Series]) -> pd.DataFrame:
 
 
 def _first_text(values: NDArray | pd.Series) -> str:
-    """Which cell of a column of text is the first that is no number, where the column comes from a text file."""
+    """The first cell of a column of text that is no number, where the column comes from a text file."""
     if not isinstance(values, pd.Series) or values.index.name != "line" or values.dtype.kind == "M":
         return ""
     wrong = values[pd.to_numeric(values, errors="coerce").isna() & values.notna()]

@@ -16,17 +16,17 @@ from avobench.tasks.errors import UsageError
 SUFFIXES = (".csv", ".tsv", ".txt", ".dat")
 """Text files that are read, also with .gz behind."""
 SEPARATORS = (";", "\t", "|", ",")
-"""What may separate columns, in the order in which it is looked for: in a line with semicolons, commas are decimal."""
+"""Columns are separated by one of these, looked for in this order: in a line with semicolons, commas are decimal."""
 LINES = 200
 """Lines from which the form of a file is found out."""
 VOID = ("", "nan", "NaN", "NAN", "NA", "N/A", "null", "NULL", "None", "-")
-"""What a cell may hold where a value is missing."""
+"""A cell holds one of these where a value is missing."""
 NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?|[-+]?(inf|infinity)", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class Form:
-    """How a text file holds its table."""
+    """The form of the table in a text file."""
 
     separator: str
     decimal: str
@@ -35,7 +35,7 @@ class Form:
     skip: int
     """Lines of names and units before the first event."""
     trailing: bool
-    """Whether every event ends with a separator behind which there is nothing."""
+    """True if every event ends with a separator behind which there is nothing."""
 
 
 def read_text(path: str) -> tuple[pd.DataFrame, bool]:
@@ -110,14 +110,14 @@ def _number(cell: str) -> bool:
 
 
 def _units(row: list[str], event: list[str]) -> bool:
-    """Whether a row below the names holds units: words and no number, with a number below at least one word."""
+    """Tell whether a row below the names holds units: words and no number, with a number below at least one word."""
     words = [k for k, cell in enumerate(row) if not _number(cell)]
     numbers = any(_number(cell) and cell.strip() not in VOID for cell in row)
     return not numbers and any(k < len(event) and _number(event[k]) and event[k].strip() for k in words)
 
 
 def _numbered(path: str, rows: list[list[str]]) -> bool:
-    """Whether the first line numbers the columns 0, 1, ..., as pandas does, and is no event."""
+    """Tell whether the first line numbers the columns 0, 1, ..., as pandas does, and is no event."""
     first = [cell.strip() for cell in rows[0]]
     if len(rows) < 2 or first != [str(k) for k in range(len(first))]:
         return False
@@ -150,7 +150,7 @@ def _parsed(path: str, events: list[tuple[int, str]], form: Form) -> pd.DataFram
 
 
 def _with_line(error: str, events: list[tuple[int, str]]) -> str:
-    """What the parser says, with the line of the file."""
+    """The message of the parser, with the line of the file."""
     found = re.search(r"Row #(\d+): Expected (\d+) columns, got (\d+)", error)
     if not found:
         return error

@@ -40,7 +40,7 @@ NAMES = {
     "method": (NAME, "letters, digits, dots and dashes"),
     "effect": (r"[A-Za-z0-9_]+", "letters, digits and underscores"),
 }
-"""What a name may be, which becomes a part of file names and of other names; and how that is said."""
+"""The pattern of a name, which becomes a part of file names and of other names, and the pattern in words."""
 
 
 class Trusted(str):
@@ -97,14 +97,14 @@ def load(kind: str, spec: str) -> Any:
 
 
 def runs_theirs(kind: str, spec: str) -> bool:
-    """Whether what `spec` names runs code that is not of this project; False too for a name that there is not."""
+    """Tell whether what `spec` names runs code that is not of this project; False too for a name that there is not."""
     if ":" in spec or is_model(kind, spec):
         return True
     return any(point.name == spec and not point.value.startswith("avobench.") for point in _points(kind))
 
 
 def is_model(kind: str, spec: str) -> bool:
-    """Whether `spec` is the file of a task with effects added, as `avobench diagnose` writes it."""
+    """Tell whether `spec` is the file of a task with effects added, as `avobench diagnose` writes it."""
     return kind == "task" and spec.endswith(".json")
 
 
@@ -294,7 +294,7 @@ def _registered(kind: str, name: str) -> Any:
 
 
 def imported(kind: str, spec: str) -> Any:
-    """What a module or a file holds by the name of `spec`; `my_module:MyTask` is looked for beside the user first.
+    """The object of a module or a file that `spec` names; `my_module:MyTask` is looked for beside the user first.
 
     Raises UsageError in one line.
     """

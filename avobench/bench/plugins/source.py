@@ -35,7 +35,7 @@ class Statement(NamedTuple):
 
 
 def is_ours(thing: Any) -> bool:
-    """Whether a class or function belongs to this project, to Python, or to what is compiled into it."""
+    """Tell whether a class or function belongs to this project, to Python, or to what is compiled into it."""
     module = thing.__module__
     top = module.partition(".")[0]
     ours = top == "avobench" or (top in sys.stdlib_module_names and top != "__main__")
@@ -70,7 +70,7 @@ def as_module(thing: Any) -> str | None:
 
 
 def _is_python(cell: str) -> bool:
-    """Whether the cell of a notebook is nothing but Python: a line that begins with % is not."""
+    """Tell whether the cell of a notebook is nothing but Python: a line that begins with % is not."""
     try:
         ast.parse(cell)
     except SyntaxError:

@@ -21,7 +21,7 @@ PREFIX = f"{__name__}."
 
 
 def module_name(path: str | Path) -> str:
-    """What the module of a file is called."""
+    """The name of the module of a file."""
     return PREFIX + quote(os.path.abspath(path)).replace(".", "%2E")
 
 

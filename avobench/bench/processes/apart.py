@@ -43,7 +43,7 @@ GRACE_SECONDS = 2.0
 PARENT_SECONDS = 0.5
 """A process looks this often whether the one that started it is still there."""
 ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL", "BLIS", "NUMEXPR", "NUMBA")}
-"""What the libraries read that would else share a product of matrices out to threads, with other rounding."""
+"""Without these, libraries would share a product of matrices out to threads, with other rounding."""
 SAFE_PATH = "PYTHONSAFEPATH"
 MIB = 2**20  # bytes
 _KEPT: "ContextVar[list[_Process] | None]" = ContextVar("kept", default=None)
@@ -52,7 +52,7 @@ _KEPT: "ContextVar[list[_Process] | None]" = ContextVar("kept", default=None)
 
 @dataclass(frozen=True)
 class Limits:
-    """What a call may take in its process; no limit where None. Processes that it starts itself are not counted."""
+    """The limits of a call in its process; None is no limit. Processes that it starts itself are not counted."""
 
     seconds: float | None = None
     """The limit of time by the clock on the wall, the loading of packages included."""
@@ -92,7 +92,7 @@ class _Trace(Exception):
 
 
 def apart(call: Call) -> Any:
-    """What a call returns, in a process of its own; raises its AvobenchError or OSError, ProcessEnded or Fault."""
+    """Carry a call out in a process of its own; raises its AvobenchError or OSError, ProcessEnded or Fault."""
     ((_, outcome),) = outcomes(1, [call])
     if isinstance(outcome, BaseException):
         raise outcome
@@ -100,7 +100,7 @@ def apart(call: Call) -> Any:
 
 
 def apart_within(seconds: float, function: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
-    """What a function returns, in a process of its own that is ended after so many seconds.
+    """Return what a function returns in a process of its own, which is ended after so many seconds.
 
     What it is given and what it returns may be of classes and functions of a script or a notebook. Raises as `apart`
     does, and UsageError for seconds that are none, or for what cannot be sent.

@@ -18,9 +18,9 @@ from avobench.bench.store.status import Status
 from avobench.tasks.errors import ProcessEnded
 
 LIMITS = Limits(seconds=6 * 3600, mib=8192)
-"""What a cell may take. The longest of the committed records took 21 minutes, the largest 3.3 GiB."""
+"""The limits of a cell. The longest of the committed records took 21 minutes, the largest 3.3 GiB."""
 EACH = ("target", "repetition", "theta_true")
-"""What may differ between the cells of a piece."""
+"""These fields may differ between the cells of a piece."""
 Piece = tuple[Cell, ...]
 """Cells that a worker carries out as one."""
 

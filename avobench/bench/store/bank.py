@@ -17,11 +17,11 @@ from avobench.tasks.errors import UsageError
 from avobench.tasks.meter import Meter
 
 SCHEMA = "avobench-bank"
-"""What bank.json says that its folder is."""
+"""The kind that bank.json gives of its folder."""
 VERSION = 1
 """Of the format of the folder."""
 NODE = "node of "
-"""What the columns of a node's coordinates begin with; those of theta and of the features have their own names."""
+"""The columns of a node's coordinates begin with this; those of theta and of the features have their own names."""
 
 
 class KeptBank(Bank):
@@ -90,7 +90,7 @@ class KeptBank(Bank):
 
 
 def _identity(task: Task) -> dict[str, Any]:
-    """What decides which events a task makes. Raises UsageError where its source cannot be read."""
+    """All that decides which events a task makes. Raises UsageError where its source cannot be read."""
     try:
         source = source_hash([type(task), *task.parts])
     except (OSError, TypeError) as error:

@@ -10,7 +10,7 @@ from pathlib import Path
 from avobench.tasks.errors import StoreError, UsageError
 
 NAMES = ("store.json", "records", "records.parquet", "running", "damaged", "sweeps.jsonl", ".lock", ".writer")
-"""What a store uses in its folder, none of which may be a link: a folder from elsewhere could lead out by it."""
+"""The names in the folder of a store. None may be a link: a folder from elsewhere could lead out by it."""
 
 
 def write_atomically(path: Path, content: bytes, check: Callable[[Path], None] | None = None) -> Path:
@@ -57,7 +57,7 @@ def write_file(path: Path, content: bytes) -> None:
 
 @contextmanager
 def store_errors(what: str) -> Iterator[None]:
-    """What the disk refuses within the block is raised as a StoreError, which says what could not be done and why."""
+    """An OSError within the block is raised as a StoreError, which says what could not be done and why."""
     try:
         yield
     except OSError as error:

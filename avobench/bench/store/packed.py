@@ -37,7 +37,7 @@ TYPES = {"boolean": pa.bool_(), "integer": pa.int64(), "number": pa.float64(), "
 AS_JSON = pa.string()
 """Objects, such as settings and versions, have other fields in other records."""
 UNREADABLE = (OSError, ValueError, KeyError, NotImplementedError, MemoryError, pa.ArrowException)
-"""What PyArrow raises on a file whose bytes were changed."""
+"""PyArrow raises one of these on a file whose bytes were changed."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Row:
     file: str
     """The name of the file that it had."""
     text: str
-    """What that file held."""
+    """The content of that file."""
 
 
 class Unreadable(Exception):

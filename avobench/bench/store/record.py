@@ -19,9 +19,9 @@ from avobench.tasks.errors import UsageError
 SCHEMA_VERSION = 1
 """The version of the schema is raised when a field changes its meaning."""
 UNREAD = "cannot be read"
-"""How the fault of a file begins that the disk does not give: what it holds may be sound, and is never made again."""
+"""The fault of a file that the disk does not give begins so: its content may be sound, and is never made again."""
 NEWER = f"{UNREAD} by this version of avobench"
-"""How the fault of a record begins that a newer version wrote."""
+"""The fault of a record that a newer version wrote begins so."""
 NAME = r"[A-Za-z0-9][A-Za-z0-9.-]*"
 """The name of a task or method is part of a file's name, so nothing in it may lead to another folder."""
 TOLERANCE = 1e-12
@@ -255,7 +255,7 @@ def encode(record: dict[str, Any]) -> bytes:
 
 
 def decode(content: bytes) -> dict[str, Any]:
-    """What `encode` was given, of whatever kind; raises ValueError saying what is wrong with `content`."""
+    """The record that `encode` was given, of whatever kind; raises ValueError saying what is wrong with `content`."""
     try:
         record = json.loads(content.decode())
         claimed = record.pop("sha256")

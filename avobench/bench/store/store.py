@@ -23,12 +23,12 @@ from avobench.tasks.errors import StoreError, UsageError
 
 SCHEMA = {"schema": "avobench-records", "version": SCHEMA_VERSION}
 NO_LOCKS = (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP)
-"""What a file system says that has no locks."""
+"""A file system without locks raises one of these errors."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """What a store keeps of one cell."""
+    """The entry of one cell in a store."""
 
     path: Path
     """Its file; of a packed record, the table's path and within it the name of the file that it had."""
@@ -36,7 +36,7 @@ class Entry:
     record: dict[str, Any] | None
     """None where it is damaged."""
     fault: str = ""
-    """What is wrong with a damaged one."""
+    """The fault of a damaged one."""
 
 
 class Store:
@@ -138,7 +138,7 @@ class Store:
         return [sweep for sweep in sweeps if isinstance(sweep, dict)]
 
     def entries(self) -> Iterator[Entry]:
-        """What is kept, one entry a cell: files first, then the rows of the table; last a table not all readable.
+        """The entries, one per cell: files first, then the rows of the table; last a table not all readable.
 
         A reader needs no lock. What is packed meanwhile is gone as a file, but then in the table, which is read after.
         """

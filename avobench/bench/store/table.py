@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 FORMULA = ("=", "+", "-", "@")
-"""How a text begins that a spreadsheet carries out."""
+"""A spreadsheet carries out a text that begins with one of these."""
 
 
 def to_frame(records: Iterable[dict[str, Any]]) -> pd.DataFrame:

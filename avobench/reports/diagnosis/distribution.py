@@ -72,7 +72,7 @@ def distribution(spectrum: Spectrum, regions: Sequence[Region], name: str, unit:
 
 
 def _enlarged(regions: Sequence[Region], low: float, high: float) -> list[tuple[float, float]]:
-    """What is drawn enlarged, from left to right: the strongest narrow regions, with as much on either side."""
+    """The enlarged parts, from left to right: the strongest narrow regions, with as much on either side."""
     spans: list[tuple[float, float]] = []
     for region in regions:
         beside = max(region.high - region.low, LEAST_ENLARGED * (high - low))

@@ -1,4 +1,4 @@
-"""What all figures of a diagnosis share: what a figure is, and its colours, each repeated in a style or a marker."""
+"""A figure of a diagnosis, and the colours of all of them, each repeated in a style or a marker."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What the order of events says, a sentence each."""
+"""Sentences on the order of events, one for each finding."""
 
 from avobench.diagnosis.schema import Diagnosis, Disorder
 from avobench.reports.numbers import number, p_equals
