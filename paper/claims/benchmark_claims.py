@@ -10,26 +10,24 @@ from avobench.bench.plugins.registry import settings_of
 from avobench.methods.avo import Avo
 from avobench.reports.efficiency import errors_at
 from avobench.reports.numbers import p_equals
-from avobench.reports.quantities import (
-    MOST_CHANCE,
-    ahead,
-    asymmetry_errors,
-    efficient_median,
-    errors_by_target,
-    labelled,
-    still,
-)
+from avobench.reports.quantities import labelled
 from avobench.reports.style import TASK_ORDER
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.errors import StoreError
 from paper.claims.claims import Claim, Evidence, Finding
 from paper.quantities import (
+    MOST_CHANCE,
+    ahead,
+    asymmetry_errors,
     beside_ideal,
+    efficient_median,
+    errors_by_target,
     in_units_of_the_best,
     inefficiency_of,
     interval_text,
     median,
     ratio_of_means,
+    still,
 )
 from paper.tables.targets import RIVALS
 

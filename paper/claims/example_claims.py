@@ -6,12 +6,12 @@ import numpy as np
 import pandas as pd
 from scipy.stats import poisson
 
-from avobench.reports.proposals import convergence, proposal
 from avobench.tasks.alignment import NUM_COLUMNS, NUM_ROWS
 from paper.claims.claims import Claim, Evidence, Finding
 from paper.figures.alignment import chosen as alignment_runs
 from paper.figures.poisson import COUNTS, model
 from paper.figures.poisson import chosen as poisson_runs
+from paper.proposals import convergence, proposal
 
 CONCENTRATES = (
     "Criterion: in every run theta* lies within one standard deviation of the mean of the final proposal. The mean has "

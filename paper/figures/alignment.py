@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from avobench.bench.store.status import Status
-from avobench.reports.proposals import convergence, density
 from avobench.reports.style import METHOD_COLOURS, STYLE, TRUTH, save
 from avobench.tasks.errors import StoreError
+from paper.proposals import convergence, density
 
 THETA = np.linspace(-3, 3, 301)
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy.stats import poisson
 
 from avobench.bench.store.status import Status
-from avobench.reports.proposals import convergence, density, proposal
 from avobench.reports.style import PALETTE, STYLE, TRUTH, save
 from avobench.tasks.errors import StoreError
+from paper.proposals import convergence, density, proposal
 
 GAMMAS = {
     0.0: (r"$\gamma = 0$", PALETTE[0], {"ls": "-", "lw": 3, "alpha": 0.4}),

@@ -9,27 +9,24 @@ from scipy.stats import gmean
 
 from avobench.bench.store.status import ESTIMATED
 from avobench.reports.coverage import distances, within
-from avobench.reports.quantities import (
-    ahead,
-    asymmetry_errors,
-    by_mean,
-    efficient_median,
-    ideal_errors,
-    labelled,
-    still,
-    task_of,
-)
+from avobench.reports.quantities import labelled, task_of
 from avobench.reports.style import METHOD_ORDER, TASK_ORDER, ordered
 from paper.experiments import ABLATION_TASKS, DEVELOPMENT, EXPERIMENTS, Runs
 from paper.quantities import (
     WORST_RUN,
+    ahead,
+    asymmetry_errors,
     asymmetry_inefficiency,
     beside_ideal,
+    by_mean,
+    efficient_median,
+    ideal_errors,
     in_units_of_the_best,
     inefficiency_of,
     interval_text,
     median,
     ratio_of_means,
+    still,
     worst,
 )
 from paper.tables.targets import METHOD
@@ -153,7 +150,7 @@ def rivals(records: Records) -> pd.DataFrame:
     `targets` says of how many targets a row is; a test takes those that both have. The inefficiency is the median
     squared error over the floor in units of an efficient estimator's; on weinberg, where the events determine c alone,
     it is the mean squared error over that of the ideal posterior mean. `avo ahead` is the p-value of a paired test, see
-    `avobench.reports.quantities.ahead`. Records of tasks that are not registered are left out.
+    `paper.quantities.ahead`. Records of tasks that are not registered are left out.
     """
     frame = labelled([record for record in records if task_of(record) is not None])
     return pd.DataFrame([row for task in ordered(frame["task"], TASK_ORDER) for row in _rivals(task, frame)])

@@ -9,12 +9,15 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from avobench.reports.numbers import p_equals
-from avobench.reports.quantities import MOST_CHANCE, ahead, by_mean, comparable, labelled, task_of
+from avobench.reports.quantities import comparable, labelled, task_of
 from avobench.reports.style import METHOD_ORDER, ordered
 from paper.quantities import (
+    MOST_CHANCE,
     WORST_RUN,
+    ahead,
     asymmetry_in_units_of_the_best,
     beside_ideal,
+    by_mean,
     in_units_of_the_best,
     interval_text,
     median,

@@ -6,8 +6,8 @@ import pytest
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.trial import blank_record, execute
 from avobench.bench.store.status import Status
-from avobench.reports.quantities import efficient_median
 from paper.experiments import EXPERIMENTS, Runs
+from paper.quantities import efficient_median
 from paper.tables import experiments as tables
 from paper.tasks import FRESH, spec
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from avobench.bench.store.store import Store
-from avobench.reports.quantities import efficient_median
+from paper.quantities import efficient_median
 from paper.tables.__main__ import table as command
 from paper.tables.targets import table
 

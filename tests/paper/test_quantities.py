@@ -5,18 +5,9 @@ import pandas as pd
 import pytest
 from scipy.stats import chi2
 
-from avobench.reports.quantities import (
-    ahead,
-    asymmetry_errors,
-    by_mean,
-    efficient_median,
-    ideal_errors,
-    inefficiency,
-    interval,
-    labelled,
-    task_of,
-)
+from avobench.reports.quantities import labelled, task_of
 from avobench.tasks.weinberg import Weinberg
+from paper.quantities import ahead, asymmetry_errors, by_mean, efficient_median, ideal_errors, interval
 
 
 def test_the_median_of_one_parameter_is_that_of_chi_squared():
@@ -27,15 +18,6 @@ def test_the_median_of_one_parameter_is_that_of_chi_squared():
 def test_the_median_of_a_weighted_sum_is_that_of_draws(shares):
     z = np.random.default_rng(0).standard_normal((400_000, len(shares)))
     assert efficient_median(shares) == pytest.approx(np.median(z**2 @ np.array(shares)), abs=5e-3)
-
-
-def test_an_efficient_estimator_of_carl_has_inefficiency_one(make_record):
-    """Gaussian errors of standard deviation 1 and 3, in units of the floor's two parts."""
-    rng = np.random.default_rng(1)
-    task = task_of(make_record("carl", "avo", 0, 0.0))
-    errors = (rng.normal(0, 1, 100_000) ** 2 + rng.normal(0, 3, 100_000) ** 2) / 2_000
-    ratios = pd.Series(errors / task.floor(task.targets()[0], 2_000, None))
-    assert inefficiency(ratios, task.floor_shares) == pytest.approx(1, abs=0.03)
 
 
 def test_a_failed_cell_is_infinitely_far_off(make_record):
