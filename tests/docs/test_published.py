@@ -15,7 +15,6 @@ from matplotlib.figure import Figure
 from scipy.optimize import minimize
 from scipy.stats import norm
 
-from avobench.bench.store.record import fields_table
 from avobench.bench.store.status import Status
 from avobench.bench.store.store import Store
 from avobench.bench.sweep.plan import plan
@@ -27,6 +26,7 @@ from paper.figures.__main__ import draw as draw_of_the_paper
 from paper.printed import BLOCK, STEADY, filled, output
 from paper.studies.real import read_all as read_real
 from paper.tables.real import page as real_page
+from paper.tables.records import fields_table
 
 ROOT = Path(__file__).parents[2]
 REFERENCE = Store(ROOT / "results" / "reference")

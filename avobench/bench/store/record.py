@@ -278,27 +278,6 @@ def decode_record(content: bytes) -> dict[str, Any]:
     return record
 
 
-def fields_table() -> str:
-    """The fields of a record with their types and meaning, as a table in Markdown."""
-    properties = Record.model_json_schema()["properties"]
-    rows = [f"| `{name}` | {_type(shape)} | {shape['description']} |" for name, shape in properties.items()]
-    rows.insert(1, "| `sha256` | text | checksum of all other fields |")
-    return "\n".join(["| field | type | meaning |", "|---|---|---|", *rows]) + "\n"
-
-
-def _type(shape: dict[str, Any]) -> str:
-    """A type of the JSON schema in a word or two."""
-    if "anyOf" in shape:
-        return " or ".join(map(_type, shape["anyOf"]))
-    if shape.get("type") == "array":
-        return f"list of {_type(shape['items']).replace(' or ', 's or ')}s"
-    words = {"string": "text", "integer": "whole number"}
-    if "Status" in shape.get("$ref", ""):
-        return "text"
-    kind = shape.get("type", "object")
-    return words.get(kind, kind)
-
-
 def _checksum(record: dict[str, Any]) -> str:
     # The trace, which is most of a record, holds numbers alone, as `check` sees.
     require_keepable({name: value for name, value in record.items() if name != "trace"})
@@ -307,7 +286,3 @@ def _checksum(record: dict[str, Any]) -> str:
     except ValueError as error:
         raise ValueError("holds a number that is not finite") from error
     return hashlib.sha256(text.encode()).hexdigest()
-
-
-if __name__ == "__main__":
-    print(fields_table(), end="")
