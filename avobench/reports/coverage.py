@@ -18,7 +18,6 @@ from avobench.bench.store.table import labels
 from avobench.reports.style import FLOOR, METHOD_ORDER, TASK_ORDER, colours, ordered, panels
 from avobench.tasks.errors import StoreError
 
-LEVELS = (0.68, 0.95)
 CURVE = np.linspace(0, 1, 101)
 """The nominal shares at which a curve is drawn."""
 
@@ -53,29 +52,6 @@ def by_method(records: list[dict[str, Any]]) -> dict[tuple[str, str], NDArray[np
         for method in ordered((method for of, method in parts if of == task), METHOD_ORDER)
     ]
     return {key: np.concatenate(parts[key]) for key in keys}
-
-
-def within(away: NDArray[np.float64]) -> dict[str, str]:
-    """The share of distances (n,) that lie within the intervals of each of LEVELS, in words; a dash of none."""
-    return {
-        f"within {level:.0%}": f"{(away <= norm.ppf((1 + level) / 2)).mean():.0%}" if len(away) else "-"
-        for level in LEVELS
-    }
-
-
-def table(records: list[dict[str, Any]]) -> pd.DataFrame:
-    """One row per task and method: how many true parameters, and which share of them each level's intervals hold."""
-    return pd.DataFrame(
-        [
-            {
-                "task": task,
-                "method": method,
-                "parameters": len(away),
-                **within(away),
-            }
-            for (task, method), away in by_method(records).items()
-        ]
-    )
 
 
 def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:

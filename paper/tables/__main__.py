@@ -8,11 +8,10 @@ import click
 import pandas as pd
 
 from avobench.cli.main import main
-from avobench.reports import coverage
 from paper.experiments import records_of
 from paper.figures import dimension, misspecification
 from paper.studies.misspecification import read
-from paper.tables import experiments, targets
+from paper.tables import coverage, experiments, targets
 
 TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = {
     "ablation": (experiments.ablation, "reference dimension ablation"),

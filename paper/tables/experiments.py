@@ -8,7 +8,7 @@ import pandas as pd
 from scipy.stats import gmean
 
 from avobench.bench.store.status import ESTIMATED
-from avobench.reports.coverage import distances, within
+from avobench.reports.coverage import distances
 from avobench.reports.quantities import labelled, task_of
 from avobench.reports.style import METHOD_ORDER, TASK_ORDER, ordered
 from paper.experiments import ABLATION_TASKS, DEVELOPMENT, EXPERIMENTS, Runs
@@ -29,6 +29,7 @@ from paper.quantities import (
     still,
     worst,
 )
+from paper.tables.coverage import within
 from paper.tables.targets import METHOD
 from paper.tasks import DEVELOPMENT as DEVELOPMENT_TASKS
 from paper.tasks import FRESH
@@ -116,7 +117,7 @@ def fresh(records: Records) -> pd.DataFrame:
 
     `mean / floor` is the mean squared error over the mean floor, on weinberg over the ideal posterior mean's; below 1
     is chance. `astray` counts runs above 100 floors, and `ok of these` those of them that the method vouched for. The
-    last columns are coverage, as in `avobench.reports.coverage`.
+    last columns are coverage, as in `paper.tables.coverage`.
     """
     names = {task.name: task.of.name for task in FRESH}  # by which name the floor and the parameters are known
     return pd.DataFrame(_fresh(labelled([{**record, "task": names[record["task"]]} for record in records])))

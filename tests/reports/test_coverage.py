@@ -6,6 +6,7 @@ from scipy.stats import norm
 
 from avobench.reports import coverage
 from avobench.tasks.errors import StoreError
+from paper.tables.coverage import table
 
 
 def quoted(record, pull, how="standard_error"):
@@ -22,7 +23,7 @@ def test_a_curve_of_gaussian_pulls_is_the_diagonal_and_of_too_narrow_ones_below(
     pulls = norm.ppf((np.arange(400) + 0.5) / 400)
     told = [quoted(one, pull) for pull in pulls]
     told += [quoted({**one, "method": "abc-smc"}, 2 * pull, "posterior") for pull in pulls]
-    rows = coverage.table(told).set_index("method")
+    rows = table(told).set_index("method")
     assert rows["parameters"].tolist() == [400, 400]
     assert rows.loc["avo", ["within 68%", "within 95%"]].tolist() == ["68%", "95%"]
     half = norm.cdf(norm.ppf(0.84) / 2) * 2 - 1
