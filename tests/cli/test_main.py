@@ -42,14 +42,6 @@ def test_status_and_export_read_the_records(avobench, results, tmp_path):
         assert ((frame["theta_hat_0"] - frame["theta_true_0"]) ** 2).to_numpy() == pytest.approx(frame["squared_error"])
 
 
-def test_figure_is_drawn_in_three_formats(avobench, results, tmp_path):
-    code, _, err = avobench("figure", "benchmark", "--results", results, "--out", tmp_path / "new")
-    assert code == 0, err
-    assert (tmp_path / "new" / "benchmark.pdf").read_bytes().startswith(b"%PDF")
-    assert (tmp_path / "new" / "benchmark.png").read_bytes().startswith(b"\x89PNG")
-    assert pd.read_csv(tmp_path / "new" / "benchmark.csv")["cells"].tolist() == [2]
-
-
 def test_run_redraws_the_figure(avobench, tmp_path):
     code, _, _ = avobench(*QUICK, "--results", tmp_path / "r", "--figure", tmp_path / "f")
     assert code == 0

@@ -4,7 +4,6 @@ import pytest
 from avobench.bench.plugins.registry import settings_of
 from avobench.methods.abc_smc import AbcSmc, AbcSmcTuned
 from avobench.tasks import Task
-from avobench.tasks.errors import UsageError
 from avobench.tasks.warped import Means20
 from gaussian import TRUTH, Constant, GaussianMean, gaussian_problem
 
@@ -52,11 +51,6 @@ def test_says_why_when_pyabc_stops_before_the_budget():
 def test_says_what_to_do_where_particles_are_too_few_to_be_weighed():
     with pytest.raises(ArithmeticError, match=r"22 particles of 20 parameters .* larger population_size"):
         infer(120_000, method=AbcSmcTuned(population_size=22), task=Means20(), truth=0.0)
-
-
-def test_refuses_a_population_too_small_for_a_density():
-    with pytest.raises(UsageError, match="population_size > 2"):
-        AbcSmc(population_size=2).min_simulations(num_parameters=2)
 
 
 @pytest.mark.parametrize("estimate", ["mean", "regression"])

@@ -175,13 +175,6 @@ def test_untrained_discriminator_cannot_tell_a_sample_from_itself():
     np.testing.assert_allclose(discriminator.log_one_minus_d(x), -np.log(2), rtol=1e-6)
 
 
-def test_inputs_are_standardised_by_the_observed_events():
-    given = problem(10)
-    inputs = Discriminator(given, (8,), np.random.default_rng(0)).inputs(given.x_observed)
-    np.testing.assert_allclose(inputs.mean(dim=0), 0, atol=1e-3)
-    np.testing.assert_allclose(inputs.std(dim=0), 1, atol=1e-3)
-
-
 def test_a_device_out_of_memory_fails_its_cell_in_a_line(monkeypatch):
     def out_of_memory(*arguments):
         raise torch.OutOfMemoryError("CUDA out of memory. Tried to allocate 20.00 MiB.\nGPU 0 has 79 GiB")

@@ -42,24 +42,11 @@ EVERY = [
 ]
 
 
-@pytest.fixture(scope="module")
-def recorded():
-    """The tracker with 500 events of Pythia that are generated once."""
-    (particles,) = Alignment().generate(500, np.random.default_rng(0))
-
-    class Recorded(Alignment):
-        def generate(self, num_events, rng):
-            start = rng.integers(500 - num_events)
-            yield particles.events(start, start + num_events)
-
-    return Place(Recorded(), None, Recorded().detect(particles, np.full((500, 1), 0.4)))
-
-
 @pytest.mark.parametrize(("name", "shape"), EVERY)
 def test_a_shape_keeps_size_type_and_seed_and_changes_something(request, name, shape):
     where, at = WHERE[name]
     if where.kind == "images":
-        where = request.getfixturevalue("recorded")
+        where = request.getfixturevalue("tracker")
     injection = shape.draw(where, np.random.default_rng(3)).stronger(1e9)
     x, same, other = (injection.measure(where.task.simulate, at, np.random.default_rng(seed)) for seed in (1, 1, 2))
     before = where.task.simulate(at, np.random.default_rng(1))

@@ -5,26 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from avobench.challenge.shape import Place
-from avobench.tasks.alignment import Alignment
 from shapes.images import IMAGES
 
 N, ROWS, COLUMNS = 200, 32, 32
 SHAPES = {shape.name: shape for shape in IMAGES.shapes}
 THETA = np.full((2000, 1), 0.4)
-
-
-@pytest.fixture(scope="module")
-def tracker():
-    """The task, with events of Pythia that are generated once."""
-    (particles,) = Alignment().generate(1000, np.random.default_rng(0))
-
-    class Recorded(Alignment):
-        def generate(self, num_events, rng):
-            start = rng.integers(1000 - num_events)
-            yield particles.events(start, start + num_events)
-
-    return Place(Recorded(), None, Recorded().detect(particles, THETA[:1000]))
 
 
 def full(theta, rng):

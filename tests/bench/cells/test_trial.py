@@ -108,11 +108,3 @@ def test_every_method_and_repetition_sees_the_same_observation():
     first, second = execute(cell(repetitions=1)), execute(cell(repetitions=2))
     assert first["theta_true"] == second["theta_true"]
     assert first["theta_hat"] != second["theta_hat"]
-
-
-def test_the_global_random_state_does_not_matter():
-    estimates = []
-    for seed in (1, 2):
-        np.random.seed(seed)
-        estimates.append(execute(cell())["theta_hat"])
-    assert estimates[0] == estimates[1]

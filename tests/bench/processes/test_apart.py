@@ -24,11 +24,6 @@ def ended(call):
     return error.value.how, str(error.value)
 
 
-def test_a_call_returns_its_value_from_another_process():
-    assert apart(Call(math.sqrt, (4.0,))) == 2
-    assert apart(Call(os.getpid, ())) != os.getpid()
-
-
 def test_what_ends_a_process_costs_its_own_call_only():
     calls = [Call(math.sqrt, (1.0,)), Call(os._exit, (3,)), Call(os.abort, ()), Call(time.sleep, (60,), SECONDS)]
     calls += [Call(bytearray, (3 * 10**8,), Limits(mib=150)), Call(math.sqrt, (4.0,))]
