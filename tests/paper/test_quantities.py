@@ -50,14 +50,11 @@ def test_a_task_of_another_version_or_of_nobody_is_not_known(make_record):
     assert task_of({**record, "task_version": "0"}) is None
 
 
-def test_an_interval_covers_as_often_as_it_says():
-    """Of the median over 15 targets, in 60 draws: 57 are expected, and fewer than 50 come once in five thousand."""
-    rng = np.random.default_rng(0)
-    covered = 0
-    for _ in range(60):
-        low, high = interval(rng.standard_normal(15), pd.Series(range(15)), lambda values: float(np.median(values)))
-        covered += low <= 0 <= high
-    assert 50 <= covered <= 60
+def test_an_interval_of_a_mean_is_that_of_a_gaussian():
+    values = np.random.default_rng(0).standard_normal(400)
+    low, high = interval(values, pd.Series(range(400)), np.mean)
+    error = values.std() / 20
+    assert [low, high] == pytest.approx([values.mean() - 1.96 * error, values.mean() + 1.96 * error], abs=0.12 * error)
 
 
 def test_an_interval_draws_whole_targets():
