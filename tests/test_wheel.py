@@ -24,7 +24,7 @@ def installed(tmp_path_factory):
     """A folder with an environment in which the wheel is installed, without any extra."""
     place = tmp_path_factory.mktemp("wheel")
     uv = [sys.executable, "-m", "uv"]
-    done(*uv, "build", "--quiet", "--wheel", "--out-dir", place / "dist", ROOT, cwd=place)
+    done(*uv, "build", "--quiet", "--out-dir", place / "dist", ROOT, cwd=place)  # by an sdist: without old files
     (wheel,) = (place / "dist").glob("avobench-*.whl")
     done(*uv, "venv", "--quiet", "--python", PYTHON, place / "env")
     pip = [*uv, "pip", "install", "--quiet", "--python", place / "env" / "bin" / "python"]

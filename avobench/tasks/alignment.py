@@ -39,12 +39,10 @@ PRIMARY_HADRON = 81
 DECAY_PRODUCT = 91
 """The least |status| of what a decay made in Pythia's event record; `mother1` is what decayed."""
 
-STEP = 0.1
-"""Step of the numerical derivative with respect to theta [mm], a tenth of a cell."""
 INFORMATION_THETA = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5)
 INFORMATION = (1.011, 1.022, 1.048, 1.105, 1.182, 1.308, 1.503)
-"""Fisher information per event [1/mm^2] at |theta| = INFORMATION_THETA with the default settings: `fisher_information`
-with 200 000 events and seed 0, averaged over the two signs, which differ by less than 1.3 %."""
+"""Fisher information per event [1/mm^2] at |theta| = INFORMATION_THETA with the default settings: `of_rows` of
+paper/information.py with 200 000 events and seed 0, averaged over the two signs, which differ by less than 1.3 %."""
 
 
 @dataclass(frozen=True)
@@ -225,34 +223,6 @@ class Alignment(Task):
             return np.nan
         information = np.interp(abs(theta[0]), INFORMATION_THETA, INFORMATION, right=np.nan)
         return float((1 / num_observations + (0 if num_simulations is None else 1 / num_simulations)) / information)
-
-
-def fisher_information(
-    task: Alignment, theta: NDArray[np.float64], num_events: int, rng: np.random.Generator
-) -> NDArray[np.float64]:
-    """Linear Fisher information on theta in the row sums of one image: theta (k,) [mm] -> (k,) [1/mm^2].
-
-    I = m'^T C^-1 m' with m' the derivative of the mean of the 32 row sums and C their covariance. The derivative is a
-    central difference over the same `num_events` generated events, so that their fluctuations cancel; all k points
-    share them too. Raises ValueError within STEP of the support's end.
-    """
-    total, outer = np.zeros((len(theta), NUM_ROWS)), np.zeros((len(theta), NUM_ROWS, NUM_ROWS))
-    rise = np.zeros((len(theta), NUM_ROWS))
-    for particles in task.generate(num_events, rng):
-        for i, t in enumerate(theta):
-            low, here, high = (
-                task.detect(particles, np.full((len(particles), 1), at))
-                .reshape(-1, NUM_ROWS, NUM_COLUMNS)
-                .sum(axis=2, dtype=float)
-                for at in (t - STEP, t, t + STEP)
-            )
-            total[i] += here.sum(axis=0)
-            outer[i] += here.T @ here
-            rise[i] += (high - low).sum(axis=0)
-    mean, slope = total / num_events, rise / (2 * STEP * num_events)
-    covariance = outer / num_events - mean[:, :, None] * mean[:, None, :]
-    # A row that no event hits has no variance, and tells nothing: the pseudo-inverse leaves it out.
-    return np.einsum("ki,kij,kj->k", slope, np.linalg.pinv(covariance, hermitian=True), slope)
 
 
 class _Stream:

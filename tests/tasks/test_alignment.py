@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from avobench.tasks import alignment
-from avobench.tasks.alignment import NUM_COLUMNS, NUM_ROWS, Alignment, Particles, fisher_information
+from avobench.tasks.alignment import NUM_COLUMNS, NUM_ROWS, Alignment, Particles
+from paper.information import of_rows
 
 TASK = Alignment()
 
@@ -267,11 +268,11 @@ def test_settings_that_make_no_sense_are_refused(changed: dict) -> None:
 
 def test_floor_is_what_the_fisher_information_allows() -> None:
     theta = np.array([0.0, -0.75, 1.5])
-    measured = fisher_information(Alignment(), theta, 5000, np.random.default_rng(11))
+    measured = of_rows(Alignment(), theta, 5000, np.random.default_rng(11))
     floors = [TASK.floor(np.array([t]), 100_000, 160_000) for t in theta]
     assert floors == pytest.approx((1 / 100_000 + 1 / 160_000) / measured, rel=0.15)
     assert TASK.floor(np.zeros(1), 100_000, None) == pytest.approx(floors[0] / (1 + 1 / 1.6))
-    few = fisher_information(Alignment(), theta[2:], 100, np.random.default_rng(0))
+    few = of_rows(Alignment(), theta[2:], 100, np.random.default_rng(0))
     assert np.isfinite(few).all()  # though no event hits the outermost row
 
 
@@ -281,7 +282,7 @@ def test_fisher_information_predicts_a_real_estimator() -> None:
     slope = (images(step).sum(axis=2, dtype=float) - images(-step).sum(axis=2, dtype=float)).mean(axis=0) / (2 * step)
     weights = np.linalg.solve(np.cov(rows.T), slope)
     estimates = (rows - rows.mean(axis=0)) @ weights / (slope @ weights)
-    information = fisher_information(Alignment(), np.zeros(1), 3000, np.random.default_rng(12))
+    information = of_rows(Alignment(), np.zeros(1), 3000, np.random.default_rng(12))
     assert 1 / estimates.var() == pytest.approx(information[0], rel=0.15)
 
 

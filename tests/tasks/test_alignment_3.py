@@ -7,7 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from avobench.tasks.alignment import Alignment, Particles
-from avobench.tasks.alignment_3 import FLOORS, HEIGHTS, RADII, Alignment3, information
+from avobench.tasks.alignment_3 import FLOORS, HEIGHTS, RADII, Alignment3
+from paper.information import of_cells
 
 TASK = Alignment3()
 ROWS, COLUMNS = TASK.event_shape
@@ -66,7 +67,7 @@ def test_no_axis_is_cyclic_and_no_default_sweep_has_it():
 
 
 def test_the_floor_is_the_inverse_of_the_information_and_fewer_events_to_learn_from_find_less_of_it():
-    found = information(TASK, np.zeros((1, 3)), 8000, np.random.default_rng(3))[0]
+    found = of_cells(TASK, np.zeros((1, 3)), 8000, np.random.default_rng(3))[0]
     assert found == pytest.approx(found.T)
     times = np.trace(np.linalg.inv(found)) / FLOORS[0][0]  # weights of 128 cells, learnt from 4000 events, not 32 000
     assert 1 < times < 2
