@@ -33,7 +33,7 @@ def summary(diagnosis: Diagnosis) -> str:
 
 
 def details(diagnosis: Diagnosis) -> str:
-    """The text of `summary`, with each test, the probabilities, the regions of disagreement, and notes."""
+    """What `summary` says, with each test, the probabilities, where simulation and measurement disagree, and notes."""
     lines = [_verdict(diagnosis), meaning(diagnosis), gates(diagnosis), _gap(diagnosis)]
     for effect in diagnosis.effects:
         lines.append(f"missing: {_effect(effect)}")
@@ -71,7 +71,7 @@ def _each(gates: dict[str, GateResult]) -> str:
 
 
 def meaning(diagnosis: Diagnosis) -> str:
-    """The meaning of the verdict, in sentences that follow from the p-values, the gap and the ties."""
+    """What the verdict amounts to, in sentences that follow from the p-values, the gap and the ties."""
     before, alpha = p_equals(diagnosis.p_value_before), f"alpha = {diagnosis.alpha:g}"
     if diagnosis.verdict == Verdict.NOTHING:
         aside = ""
@@ -104,7 +104,7 @@ def _lacking(diagnosis: Diagnosis) -> str:
 
 
 def _left(diagnosis: Diagnosis) -> str:
-    """The disagreement that is left once the effects are added."""
+    """What is left once the effects are added."""
     p, alpha, gap = diagnosis.p_value_after, diagnosis.alpha, diagnosis.gap_after
     added = "it" if len(diagnosis.effects) == 1 else "them"
     if diagnosis.verdict == Verdict.NAMED:
