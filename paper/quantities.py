@@ -113,7 +113,12 @@ def ahead(cells: pd.DataFrame, rival: pd.DataFrame) -> float:
 
 def interval_text(values: NDArray, targets: pd.Series, statistic: Callable[[NDArray], float]) -> str:
     """The result of `interval` as text."""
-    low, high = interval(values, targets, statistic)
+    return as_text(interval(values, targets, statistic))
+
+
+def as_text(ends: tuple[float, float]) -> str:
+    """An interval as text, and a dash where there is none."""
+    low, high = ends
     return "-" if np.isnan(low) else f"[{low:.2g}, {high:.2g}]"
 
 

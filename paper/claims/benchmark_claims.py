@@ -8,12 +8,14 @@ from scipy.stats import friedmanchisquare
 
 from avobench.bench.plugins.registry import settings_of
 from avobench.methods.avo import Avo
+from avobench.methods.avo_paper import AvoPaper
 from avobench.reports.efficiency import errors_at
 from avobench.reports.numbers import p_equals
 from avobench.reports.quantities import labelled
 from avobench.reports.style import TASK_ORDER
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.errors import StoreError
+from paper import experiments
 from paper.claims.claims import Claim, Evidence, Finding
 from paper.quantities import (
     MOST_CHANCE,
@@ -36,6 +38,8 @@ PAPERS = ("avo-paper", *RIVALS)
 """The methods that the paper compares."""
 UNSUMMED = json.loads(json.dumps(settings_of(Avo(symmetric=False))))
 """The settings of `avo` on the image itself, as the ablation runs it."""
+OTHER_READING = json.loads(json.dumps(settings_of(AvoPaper(**experiments.OTHER_READING))))
+"""The settings of `avo-paper` as the paper can also be read, as the experiment `reading` runs it."""
 IDENTIFIABLE = ("poisson", "carl", "alignment")
 
 
@@ -43,15 +47,18 @@ def better_on_average(evidence: Evidence) -> Finding:
     rows, leads = [], {preset: [] for preset in PRESETS}
     for task in TASK_ORDER:
         by_method = evidence.task(task)
-        for method, cells in by_method.items():
+        other = [r for r in evidence.study if r["task"] == task and r["method_settings"] == OTHER_READING]
+        shown = {**by_method, **({"avo-paper, 5 000 x 32": labelled(other)} if other else {})}
+        for method, cells in shown.items():
             errors = errors_by_target(cells)
             row = {"task": task, "method": method, "targets": len(errors), "cells": len(cells)}
             row |= {"median error": cells["squared_error"].median(), "mean error": cells["squared_error"].mean()}
             row["mean, 95 %"] = interval_text(cells["squared_error"].to_numpy(), cells["target"], np.mean)
             for rival in (rival for rival in RIVALS if rival in by_method):
-                won = (errors < errors_by_target(by_method[rival]).loc[errors.index]).sum()
+                pair = by_method[rival][by_method[rival]["target"].isin(errors.index)]
+                won = (errors < errors_by_target(pair)).sum()
                 row[f"targets nearer than {rival}"] = "-" if method == rival else f"{won}"
-                row[f"p against {rival}"] = np.nan if method == rival else ahead(cells, by_method[rival])
+                row[f"p against {rival}"] = np.nan if method == rival else ahead(cells, pair)
             rows.append(row)
         for preset in PRESETS:
             if preset in by_method and all(_nearer(by_method[preset], by_method[rival]) for rival in RIVALS):
@@ -60,7 +67,8 @@ def better_on_average(evidence: Evidence) -> Finding:
         "*p* is the p-value of Wilcoxon's one-sided test of the logarithms of the errors, paired by target. The null "
         "hypothesis is that the errors are not below the rival's. The interval of the mean covers other draws of the "
         "targets. Criterion: on every task, the median and the mean of the squared errors are below those of ABC-SMC "
-        "and of BOLFI, and both p are below 0.05. "
+        "and of BOLFI, and both p are below 0.05. *5 000 x 32* is the other reading of the paper, on fewer targets: as "
+        "many iterations as Section 4.2 counts, of 32 events each, and the baseline as printed. "
     )
     reading += " ".join(f"`{preset}` is ahead of both on {_listed(leads[preset])}." for preset in _present(evidence))
     reading += _stillness(evidence)
@@ -108,16 +116,19 @@ def summary_limits(evidence: Evidence) -> Finding:
                     "95 %": interval_text(best, cells["target"], median),
                 }
             )
-        limited.append(rows[-2]["inefficiency"] > max(2, 2 * rows[-1]["inefficiency"]))
+        p = ahead(rows_cells, image_cells)
+        rows[-1]["p against the image"] = p
+        limited.append((rows[-2]["inefficiency"] > max(2, 2 * rows[-1]["inefficiency"]), p < MOST_CHANCE))
     reading = (
         "*Inefficiency* is the median ratio of the squared error to the floor, divided by the same ratio of an "
         "efficient estimator. 1 is the best possible. The row sums add up the average image over the azimuth, on which "
-        "nothing depends. Criterion: with the image the inefficiency of both methods is above 2, and more than twice "
-        "that with the row sums, on the same targets."
+        "nothing depends. Criterion: with the image the inefficiency of a method is above 2, and more than twice that "
+        "with the row sums, on the same targets. Where this holds, but the one-sided test, paired by target, has p "
+        "above 0.05, the claim is not contradicted."
     )
-    verdict = "reproduced" if all(limited) else "not reproduced"
-    if any(limited) and not all(limited):
-        verdict = f"differs: true of {RIVALS[limited.index(True)]} only"
+    names = {True: "reproduced", False: "not contradicted"}
+    said = [names[bool(sure)] if larger else "not reproduced" for larger, sure in limited]
+    verdict = said[0] if len(set(said)) == 1 else "; ".join(f"{m}: {v}" for m, v in zip(RIVALS, said, strict=True))
     return Finding(verdict, reading, pd.DataFrame(rows))
 
 
@@ -203,7 +214,8 @@ def weinberg_winner(evidence: Evidence) -> Finding:
     p = _equal_ranks([by_method[method] for method in PAPERS if method in by_method])
     reading = (
         f"Friedman's test of equal ranks over the targets, of the paper's three methods (avo-paper, abc-smc, bolfi): "
-        f"{p_equals(p)}. Criterion: p above 0.05. "
+        f"{p_equals(p)}. Criterion: with p below 0.05 the claim is not reproduced. A larger p does not contradict it, "
+        "and does not show it either. "
     )
     if "avo" in by_method:
         with_avo = _equal_ranks([by_method[method] for method in ("avo", *PAPERS) if method in by_method])
@@ -212,7 +224,7 @@ def weinberg_winner(evidence: Evidence) -> Finding:
         "The ideal is the posterior mean given the true asymmetry, which no method can beat on average over many "
         "targets. On 15 targets an estimate may be nearer by chance. The interval covers other draws of the targets."
     )
-    return Finding("reproduced" if p > MOST_CHANCE else "not reproduced", reading, pd.DataFrame(rows))
+    return Finding("not contradicted" if p > MOST_CHANCE else "not reproduced", reading, pd.DataFrame(rows))
 
 
 def _equal_ranks(methods: list[pd.DataFrame]) -> float:
@@ -275,7 +287,7 @@ CLAIMS = (
         "AVO works better on average than ABC-SMC and BOLFI",
         "Section 4.3, Figure 4, and the summary",
         "At an equal budget of 160 000 simulations the squared errors of AVO are lower.",
-        BENCHMARK,
+        (*BENCHMARK, "python -m paper.study reading"),
         better_on_average,
         why=(
             "avo-paper ranks last with the hyper-parameters as printed. Its R1 penalty is the gradient of d, which has "

@@ -18,6 +18,8 @@ class Evidence:
     study: list[dict[str, Any]]
     detector: dict[str, Any]
     ablation: list[dict[str, Any]] = field(default_factory=list)
+    baseline: dict[str, Any] = field(default_factory=dict)
+    misspecification: dict[str, Any] = field(default_factory=dict)
 
     def task(self, name: str) -> dict[str, pd.DataFrame]:
         """The cells of a task by method, in the figures' order."""

@@ -15,7 +15,7 @@ from avobench.bench.store.store import Store
 from avobench.reports.quantities import comparable, labelled
 from paper.claims import benchmark_claims, example_claims
 from paper.claims.claims import Claim, Evidence, Finding
-from paper.studies import detector
+from paper.studies import baseline, detector, misspecification
 
 FIRST = "reproduction.md"
 NUMBERS = {
@@ -84,7 +84,10 @@ def gather(results: Path, studies: Path, ablation: Path) -> Evidence:
     """The records in the three results folders."""
     frame = labelled(Store(results).read_all())
     frame = pd.concat([comparable(cells) for _, cells in frame.groupby("task", sort=False)])
-    return Evidence(frame, Store(studies).read_all(), detector.read(studies), Store(ablation).read_all())
+    records, undone = Store(studies).read_all(), Store(ablation).read_all()
+    return Evidence(
+        frame, records, detector.read(studies), undone, baseline.read(studies), misspecification.read(studies)
+    )
 
 
 @click.command()
