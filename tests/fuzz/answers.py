@@ -27,7 +27,7 @@ BUDGET = 20_000
 BUDGETS = {"smm": BUDGET, "avo": 1000}
 """A network takes a hundred times longer than matching means, so it learns from fewer events."""
 ROUNDED = {"smm": 0.1, "avo": 0.5}
-"""Standard errors by which rounding may move a fit. A network that learns from other last digits becomes another one, as
+"""Standard errors by which rounding may move a fit. A network that learns from other last digits becomes another, as
 by another seed, which moves a fit by half a standard error."""
 RARE = 20
 """A network is tried once in so many far numbers."""
