@@ -24,6 +24,7 @@ from avobench.bench.plugins.source import CODE, as_module
 from avobench.bench.store.files import require_folder, write_atomically
 from avobench.effects import Effect
 from avobench.tasks import Task
+from avobench.tasks.arguments import checked
 from avobench.tasks.errors import UsageError, whole
 from avobench.tasks.function import FunctionTask
 from avobench.tasks.sample import SampleTask
@@ -224,6 +225,7 @@ class Diagnosed:
         return f"<pre>{html.escape(str(self))}</pre>{picture}"
 
 
+@checked
 @limited
 def diagnose(
     task: Task | str | ArrayLike | pd.DataFrame,
@@ -343,8 +345,8 @@ def _named(task: Task | str | ArrayLike | pd.DataFrame) -> tuple[Task, str | Non
         task = sample_of(task)
     if isinstance(task, SampleTask):
         return task, None
-    spec = task if isinstance(task, str) else registry.spec_of("task", task)
-    return registry.task_of(task), spec
+    known = registry.task_of(task)
+    return known, task if isinstance(task, str) else registry.spec_of("task", task)
 
 
 def _diagnosed(result: "Result", spec: str | None, own: Mapping[str, "Own"], entries: Sequence[Effect]) -> Diagnosed:

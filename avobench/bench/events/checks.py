@@ -160,7 +160,10 @@ def with_times(
     Times are numbers or dates. Raises UsageError for others, for times that are not one an event, not finite, or all
     alike.
     """
-    x, time = x if isinstance(x, pd.DataFrame) else np.asarray(x), np.asarray(time)
+    try:
+        x, time = x if isinstance(x, pd.DataFrame) else np.asarray(x), np.asarray(time)
+    except ValueError as error:
+        raise UsageError("events and their times must be arrays, with rows of one length") from error
     if time.shape != x.shape[:1]:
         raise UsageError(f"times must be one number for each of {len(x)} events, got {time.dtype} {time.shape}")
     time, warnings = seconds(time, "time"), []

@@ -26,7 +26,7 @@ from avobench.effects.model_file import AugmentedTask
 from avobench.methods import Method
 from avobench.methods.device import require_device
 from avobench.tasks import Task
-from avobench.tasks.errors import SimulatorError, UsageError, installed_by, raised
+from avobench.tasks.errors import SimulatorError, UsageError, installed_by, raised, shown
 from avobench.tasks.function import NAME
 
 BASES = {"task": Task, "method": Method, "effect": Effect}
@@ -139,7 +139,7 @@ def task_of(given: Task | str) -> Task:
     if isinstance(given, str):
         return build("task", given, {})
     if not isinstance(given, Task):
-        raise UsageError(f"a task is wanted, or its name, got {given!r:.60}; avobench.task makes one from a function")
+        raise UsageError(f"a task is wanted, or its name, got {shown(given)}; avobench.task makes one from a function")
     return given
 
 
