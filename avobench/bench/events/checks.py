@@ -32,6 +32,7 @@ TAIL = 0.001
 """A tail is what lies beyond all but this share of the simulated values, and beyond ten of them at least."""
 BY_CHANCE = 0.01
 """The probability that the largest of all measured values lies beyond the range though the simulator made it."""
+TRUTH = "truth values are taken as 0 and 1"
 MANY_REPEATS = 0.01
 """A larger share of repeated events is worth a warning."""
 
@@ -65,6 +66,9 @@ def check_events(
     x = x[:, None] if x.ndim == 1 else x
     if x.dtype.kind not in "biuf":
         raise UsageError(f"events must be real numbers, got {x.dtype}")
+    if x.dtype.kind == "b":
+        warnings.append(TRUTH)
+        x = x.astype(np.int64)
     if x.ndim != 2 or x.shape[1] != task.num_features:
         got = x.shape[1] if x.ndim == 2 else f"an array of shape {x.shape}"
         raise UsageError(f"an event of {task.name} has {task.num_features} columns, the data have {got}")
@@ -143,6 +147,9 @@ def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
     for name, column in x.items():
         if not pd.api.types.is_numeric_dtype(column) or pd.api.types.is_complex_dtype(column):
             raise UsageError(f"the column {name} holds {column.dtype} instead of real numbers")
+    truth = [name for name, column in x.items() if pd.api.types.is_bool_dtype(column)]
+    if truth and len(truth) < len(x.columns):
+        told.append(f"{', '.join(truth)}: {TRUTH}")
     kinds = {pd.api.types.is_float_dtype(column) or column.hasnans for _, column in x.items()}
     return x.to_numpy(float if kinds == {True} or len(kinds) > 1 else None), told
 
