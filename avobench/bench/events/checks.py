@@ -66,9 +66,6 @@ def check_events(
     x = x[:, None] if x.ndim == 1 else x
     if x.dtype.kind not in "biuf":
         raise UsageError(f"events must be real numbers, got {x.dtype}")
-    if x.dtype.kind == "b":
-        warnings.append(TRUTH)
-        x = x.astype(np.int64)
     if x.ndim != 2 or x.shape[1] != task.num_features:
         got = x.shape[1] if x.ndim == 2 else f"an array of shape {x.shape}"
         raise UsageError(f"an event of {task.name} has {task.num_features} columns, the data have {got}")
@@ -125,7 +122,7 @@ def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
     """
     if not isinstance(x, pd.DataFrame):
         try:
-            return np.asarray(x), []
+            return _counted(np.asarray(x))
         except ValueError as error:
             raise UsageError("the rows of the events differ in length; each must hold all features") from error
     names, wanted = [str(name) for name in x.columns], list(task.feature_names)
@@ -151,7 +148,13 @@ def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
     if truth and len(truth) < len(x.columns):
         told.append(f"{', '.join(truth)}: {TRUTH}")
     kinds = {pd.api.types.is_float_dtype(column) or column.hasnans for _, column in x.items()}
-    return x.to_numpy(float if kinds == {True} or len(kinds) > 1 else None), told
+    x, more = _counted(x.to_numpy(float if kinds == {True} or len(kinds) > 1 else None))
+    return x, told + more
+
+
+def _counted(x: NDArray) -> tuple[NDArray, list[str]]:
+    """Truth values as 0 and 1, and a sentence that says so; all else as it is."""
+    return (x.astype(np.int64), [TRUTH]) if x.dtype.kind == "b" else (x, [])
 
 
 def num_repeated(x: NDArray) -> int:
