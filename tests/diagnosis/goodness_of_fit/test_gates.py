@@ -242,7 +242,7 @@ def test_weights_make_simulated_events_look_like_measured_ones():
     assert area(other, found.x, found.weights) == pytest.approx(0.5, abs=0.015)  # three standard errors of an area
 
 
-# The rank of each day of a leap year in the draft of 1970, a line a month: those of late days are low, since the capsules
+# The rank of each day of a leap year in the draft of 1970, a line a month: those of late days are low, as the capsules
 # were not mixed (S. E. Fienberg, Science 171 (1971) 255). The test holds them against the published correlation.
 LOTTERY = """
 305 159 251 215 101 224 306 199 194 325 329 221 318 238 17 121 235 140 58 280 186 337 118 59 52 92 355 77 349 164 211
