@@ -111,9 +111,11 @@ bench-store: venv  ## time and memory of the commands that read a store, up to 1
 fuzz: venv  ## a thousand hostile inputs of every kind; a line each
 	cd tests && PYTHONPATH=.:users ../$(BIN)/python -m fuzz
 
-soak: venv  ## a thousand kills, every failing operation on files, several writers, a cluster that dies
+soak: venv  ## a thousand kills, failing operations on files, several writers, a dying cluster, linked stores, dirty methods
 	for proof in kills faults writers cluster; do \
 	  (cd tests && PYTHONPATH=.:users ../$(BIN)/python -m robustness.$$proof) || exit 1; done
+	for kind in linked dirty; do \
+	  (cd tests && PYTHONPATH=.:users ../$(BIN)/python -m fuzz --only $$kind --seed 1) || exit 1; done
 
 # For every system and Python that pyproject.toml allows. GPU libraries are left to PyTorch, which pins its own.
 constraints: venv  ## renew constraints.txt with the newest versions that go together; run the tests afterwards

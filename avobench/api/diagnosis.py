@@ -4,14 +4,12 @@ import base64
 import html
 import io
 import json
-import os
-import sys
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -22,10 +20,11 @@ from avobench.api.limited import limited
 from avobench.api.progress import Progress, shown
 from avobench.bench.events.checks import Simulate, with_times
 from avobench.bench.plugins import registry
-from avobench.bench.plugins.source import as_module
+from avobench.bench.plugins.source import CODE, as_module
 from avobench.bench.store.files import require_folder, write_atomically
 from avobench.effects import Effect
 from avobench.tasks import Task
+from avobench.tasks.arguments import checked
 from avobench.tasks.errors import UsageError, whole
 from avobench.tasks.function import FunctionTask
 from avobench.tasks.sample import SampleTask
@@ -39,6 +38,8 @@ if TYPE_CHECKING:
 
 TRIED = 50
 """Events on which an effect of the user's is tried before anything is fitted."""
+HERE = "__main__:"
+"""Before the name of an effect of a script or a notebook, which another process does not find by it."""
 
 
 def _no_model(content: "ModelFile | None") -> Task:
@@ -54,8 +55,6 @@ class Diagnosed:
     """What model.json holds; its task is "" where only this process has it. None where a folder has no such file."""
     build: Callable[["ModelFile | None"], Task] = _no_model
     """What makes the model of its content."""
-    lost: str = ""
-    """An effect of the user's own that no file could say how to find again; empty where there is none."""
 
     @property
     def task(self) -> Task:
@@ -132,10 +131,11 @@ class Diagnosed:
 
         `avobench.load` reads the folder again, and commands accept `model.json` as a task. A task that has no name by
         which another process finds it, such as one that was made in a script or a notebook, is kept in `task.py`: its
-        function or class, and what that uses of its module. There is no model.json, and a warning says why, where that
-        cannot be. Of a sample of simulated events there is `simulated.parquet` in its place: events with the effects
-        that were added. Each file is written whole or not at all, and diagnosis.json last: a folder that has it has
-        all. Raises UsageError where the folder cannot be used.
+        function or class, and what that uses of its module. So are effects in `effects.py`. There is no model.json, and
+        a warning says why, where that cannot be. Of a sample of simulated events there is `simulated.parquet` in its
+        place: events with the effects that were added. Each file is written whole or not at all, and diagnosis.json
+        last: a folder that has it has all. Raises UsageError where the folder cannot be used, or has another `task.py`
+        or `effects.py`.
         """
         from avobench.reports import diagnosis as report
 
@@ -144,26 +144,27 @@ class Diagnosed:
         # All that may fail is made before anything of another run is removed, to which this does not belong.
         if self.result.fit is None:
             raise UsageError("this diagnosis was read from a folder; copy that folder")
-        lost, content, code, sample = self.lost, self.content, None, isinstance(self.task, SampleTask)
-        if not lost and not content.task and not sample:
-            name, code = _code(self.task)
-            lost = "" if code else f"the simulator of {self.task.name}"
-            content = content.model_copy(update={"task": f"{folder.resolve() / 'task.py'}:{name}"})
+        sample, code, lost = isinstance(self.task, SampleTask), {}, []
+        if not sample:
+            content, code, lost = _with_code(self.content, self.task, folder.resolve())
+        for path in code:
+            if path.exists() and not path.read_bytes().startswith(CODE.encode()):
+                raise UsageError(f"{path} is not of a diagnosis and would be replaced; choose another folder")
         pictures = json.dumps({"task": description(self.task), **asdict(self.result.pictures)}, default=plain)
         said = json.dumps(self.diagnosis.model_dump(mode="json"), indent=1)
-        for name in ("diagnosis.json", "correction.npz", "model.json", "task.py", "simulated.parquet"):
+        for name in ("diagnosis.json", "correction.npz", "model.json", "simulated.parquet"):
             (folder / name).unlink(missing_ok=True)
         paths = report.write(self.task, self.result, folder, title or self.task.name)
         if sample:
             paths.append(write_atomically(folder / "simulated.parquet", self._simulated()))
         elif lost:
             warnings.warn(
-                f"no model.json: another process does not find {lost}; define it by `def` or `class` at the top of a "
-                "file or of a cell",
+                f"no model.json: another process does not find {lost[0]}; define it by `def` or `class` at the top of "
+                "a file or of a cell",
                 stacklevel=2,
             )
         else:
-            paths += [write_atomically(folder / "task.py", code.encode())] if code else []
+            paths += [write_atomically(path, text.encode()) for path, text in code.items()]
             paths.append(write_atomically(folder / "model.json", f"{content.model_dump_json(indent=1)}\n".encode()))
         paths.append(write_atomically(folder / "figures.json", f"{pictures}\n".encode()))
         if (weights := self.result.correction) is not None:
@@ -224,6 +225,7 @@ class Diagnosed:
         return f"<pre>{html.escape(str(self))}</pre>{picture}"
 
 
+@checked
 @limited
 def diagnose(
     task: Task | str | ArrayLike | pd.DataFrame,
@@ -314,8 +316,8 @@ def diagnose(
     if time is not None:
         x, time, notes = with_times(x, time, drop_invalid=drop_invalid)
     x, remarks = checks.events(x, drop_invalid=drop_invalid)
-    for source, effect in theirs.values():  # what no file can keep would else show when all is done
-        registry.blamed(lambda s=source, e=effect: _keepable(e, x, task, s), f"effect {effect.name}")
+    for each in theirs.values():  # what no file can keep would else show when all is done
+        registry.blamed(partial(_keepable, each, x, task), f"effect {each.effect.name}")
     with shown(progress) as tell:
         result = diagnosed(
             task,
@@ -326,7 +328,7 @@ def diagnose(
             num_simulations=simulations,
             num_spent=0 if sample else checks.used,
             fit=fit,
-            effects=[*tried, *(effect for _, effect in theirs.values())],
+            effects=[*tried, *(each.effect for each in theirs.values())],
             jobs=jobs,
             ordered=ordered,
             time=time,
@@ -343,35 +345,29 @@ def _named(task: Task | str | ArrayLike | pd.DataFrame) -> tuple[Task, str | Non
         task = sample_of(task)
     if isinstance(task, SampleTask):
         return task, None
-    spec = task if isinstance(task, str) else registry.spec_of("task", task)
-    return registry.task_of(task), spec
+    known = registry.task_of(task)
+    return known, task if isinstance(task, str) else registry.spec_of("task", task)
 
 
-def _diagnosed(
-    result: "Result", spec: str | None, own: Mapping[str, tuple[str | None, Effect]], entries: Sequence[Effect]
-) -> Diagnosed:
+def _diagnosed(result: "Result", spec: str | None, own: Mapping[str, "Own"], entries: Sequence[Effect]) -> Diagnosed:
     """What is shown and kept of a result.
 
-    `spec` is the name by which the task is loaded again. `own` are the user's effects by name: how each is found again,
-    and the effect as it is before it sees data. `entries` are those of the catalogue.
+    `spec` is the name by which the task is loaded again. `own` are the user's effects by name, `entries` those of the
+    catalogue.
     """
-    used = {effect.name for effect in result.fit.model.effects}
-    lost = [f"the effect {name}" for name, (source, _) in own.items() if source is None and name in used]
-    build = partial(
-        _in_memory, result.task, {source or name: effect for name, (source, effect) in own.items()}, entries
-    )
-    return Diagnosed(result, _content(result, spec, own), build, next(iter(lost), ""))
+    found = {each.source or name: each.found for name, each in own.items()}
+    return Diagnosed(result, _content(result, spec, own), partial(_in_memory, result.task, found, entries))
 
 
-def _content(result: "Result", spec: str | None, own: Mapping[str, tuple[str | None, Effect]]) -> "ModelFile":
-    """What model.json says of the final fit. `own` are the user's effects by name, with how each is found again."""
+def _content(result: "Result", spec: str | None, own: Mapping[str, "Own"]) -> "ModelFile":
+    """What model.json says of the final fit. `own` are the user's effects by name."""
     from avobench.diagnosis.report.model_file import describe
     from avobench.diagnosis.report.uncertainties import QuotedFit
 
     fit, theta = result.fit, result.diagnosis.theta_after or result.diagnosis.theta_before
     std = QuotedFit(fit).std
     std[: fit.model.num_theta] = [value.std for value in theta.values()]
-    return describe(fit, std, spec or "", own)
+    return describe(fit, std, spec or "", {name: (each.source, each.found) for name, each in own.items()})
 
 
 def _in_memory(task: Task, own: Mapping[str, Effect], entries: Sequence[Effect], content: "ModelFile") -> Task:
@@ -386,44 +382,81 @@ def _from_file(spec: str, content: "ModelFile") -> Task:
     return registry.build("task", spec, {})
 
 
+def _with_code(content: "ModelFile", task: Task, folder: Path) -> tuple["ModelFile", dict[Path, str], list[str]]:
+    """What model.json says once code that has no name elsewhere is kept in `folder`; these files; and what is lost.
+
+    `task` is the one that the effects were added to.
+    """
+    levels = [content]
+    while not isinstance(levels[-1].task, str):  # the effects were added to a model
+        levels.append(levels[-1].task)
+        task = task.model.task
+    sources = [each.source for level in levels for each in level.effects if each.source is not None]
+    lost = [f"the effect {source}" for source in sources if ":" not in source]
+    code, kept = {}, levels[-1].task
+    if here := {source.removeprefix(HERE) for source in sources if source.startswith(HERE)}:
+        code["effects.py"] = as_module("__main__", here)
+        lost += [] if code["effects.py"] else [f"the effect {', '.join(sorted(here))}"]
+    if not kept:
+        name, code["task.py"] = _code(task)
+        lost += [] if code["task.py"] else [f"the simulator of {task.name}"]
+        kept = f"{folder / 'task.py'}:{name}"
+    for level in reversed(levels):
+        effects = [
+            each.model_copy(update={"source": each.source and each.source.replace(HERE, f"{folder / 'effects.py'}:")})
+            for each in level.effects
+        ]
+        kept = level.model_copy(update={"task": kept, "effects": effects})
+    return kept, {folder / name: text for name, text in code.items() if text}, lost
+
+
 def _code(task: Task) -> tuple[str, str | None]:
     """The name of a task in a module of its own, and the text of that module; None where it cannot be read."""
-    function = isinstance(task, FunctionTask)
-    thing = task.function if function else type(task)
-    text = as_module(thing)
-    if text is None:
-        return "", None
-    folder = os.path.dirname(os.path.abspath(getattr(sys.modules[thing.__module__], "__file__", None) or "x"))
-    text = f"import sys\n\nsys.path.append({folder!r})  # where other modules of its own are\n\n{text}"
-    if not function:
-        return thing.__name__, text
-    return "task", f"{text}\nimport avobench\n\ntask = avobench.task({thing.__name__}, **{task.arguments!r})\n"
+    if not isinstance(task, FunctionTask):
+        module, name = [("", ""), *registry.places_of("task", task)][-1]
+        return name, as_module(module, {name})
+    name = getattr(task.function, "__qualname__", "")
+    text = as_module(getattr(task.function, "__module__", ""), {name})
+    return "task", text and f"{text}\nimport avobench\n\ntask = avobench.task({name}, **{task.arguments!r})\n"
 
 
 def _theirs(
     own: Sequence[Effect | type[Effect] | str], possible: Sequence[Effect], task: Task, simulate: Simulate
-) -> dict[str, tuple[str | None, Effect]]:
-    """The effects of the user's by name, each tried on a few events: how it is found again, and the effect."""
-    theirs = {effect.name: (source, effect) for source, effect in map(_own, own)}
+) -> dict[str, "Own"]:
+    """The effects of the user's by name, each tried on a few events."""
+    theirs = {each.effect.name: each for each in map(Own.of, own)}
     if len(theirs) < len(own) or set(theirs) & {effect.name for effect in possible}:
         raise UsageError(f"two effects have the same name; your own are {', '.join(theirs)}: give them other names")
-    for _, effect in theirs.values():
-        require_events(effect, task, simulate)
+    for each in theirs.values():
+        require_events(each.effect, task, simulate)
     return theirs
 
 
-def _own(given: Effect | type[Effect] | str) -> tuple[str | None, Effect]:
-    """The name by which an effect of the user's is loaded again, and the effect."""
-    if isinstance(given, str):
-        return given, registry.effect(given)
-    effect = given() if isinstance(given, type) else given
-    return registry.spec_of("effect", effect), effect
+class Own(NamedTuple):
+    """An effect of the user's, and how it is found again."""
+
+    effect: Effect
+    source: str | None
+    """Its name, as for `registry.effect`; with HERE in front where it is of a script or a notebook."""
+    found: Effect
+    """What is found by this name: a file keeps the settings in which the effect differs."""
+
+    @classmethod
+    def of(cls, given: Effect | type[Effect] | str) -> "Own":
+        if isinstance(given, str):
+            effect = registry.effect(given)
+            return cls(effect, given, effect)
+        effect = given() if isinstance(given, type) else given
+        here = [name for module, name in registry.places_of("effect", effect) if f"{module}:" == HERE]
+        source = f"{HERE}{here[-1]}" if here else registry.spec_of("effect", effect)
+        by_class = source is not None and source.endswith(f":{type(effect).__name__}")
+        return cls(effect, source, type(effect)() if by_class else effect)
 
 
-def _keepable(effect: Effect, x: NDArray, task: Task, source: str | None) -> None:
+def _keepable(own: Own, x: NDArray, task: Task) -> None:
     from avobench.diagnosis.report.model_file import kept
 
-    kept(effect.adapted(x), task, source, effect)
+    kept(own.effect.adapted(x), task, own.source, own.found)
 
 
 def require_events(effect: Effect, task: Task, simulate: Simulate) -> None:

@@ -26,6 +26,7 @@ from avobench.effects.pool import Counted
 from avobench.methods import Estimate, Method, TracePoint, WeightedSample
 from avobench.reports.numbers import with_error
 from avobench.tasks import Task
+from avobench.tasks.arguments import checked
 from avobench.tasks.errors import UsageError, whole
 
 if TYPE_CHECKING:
@@ -264,6 +265,7 @@ class Inference:
         return f"<p>{html.escape(f'{self.task.name}, {self.how}')}</p>{doubt}{table}"
 
 
+@checked
 @limited
 def infer(
     task: Task | str,
@@ -318,8 +320,6 @@ def infer(
         method = next(name for name in DEFAULTS if registry.missing_package(registry.load("method", name)) is None)
     if isinstance(method, str):
         method = registry.build("method", method, dict(settings or {}))
-    elif not isinstance(method, Method):
-        raise UsageError(f"a method is wanted, or its name, got {method!r:.60}")
     elif settings:
         raise UsageError("settings are for a method given by name; give them to the class otherwise")
     for kind, subject in (("task", task), ("method", method)):

@@ -5,6 +5,7 @@ import pandas as pd
 from avobench.bench.plugins import registry
 from avobench.effects.catalogue import catalogue
 from avobench.tasks import Task
+from avobench.tasks.arguments import checked
 
 
 def list_tasks() -> pd.DataFrame:
@@ -32,6 +33,7 @@ def list_methods() -> pd.DataFrame:
     return pd.DataFrame(rows).set_index("method")
 
 
+@checked
 def list_effects(task: Task | str) -> pd.DataFrame:
     """A row for each effect of the catalogue that applies to a task: what it does, its shapes and its parameters.
 

@@ -7,9 +7,11 @@ from avobench.api.diagnosis import Diagnosed
 from avobench.api.inference import KIND, Inference
 from avobench.bench.plugins import registry
 from avobench.tasks import Task
+from avobench.tasks.arguments import checked
 from avobench.tasks.errors import UsageError
 
 
+@checked
 def load(path: str | Path, trust: bool = False) -> Inference | Diagnosed | Task:
     """Read what `Inference.save`, `avobench infer --out`, `Diagnosed.save` or `avobench diagnose --out` wrote.
 

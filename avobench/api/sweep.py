@@ -18,6 +18,7 @@ from avobench.bench.store.table import to_frame
 from avobench.bench.sweep import runner
 from avobench.bench.sweep.plan import plan
 from avobench.bench.sweep.runner import View
+from avobench.tasks.arguments import checked
 from avobench.tasks.errors import ProcessEnded, UsageError
 
 RESULTS = Path("results/local")
@@ -26,6 +27,7 @@ LOOK_SECONDS = 60.0
 """Each task and method of the user's is looked at for so long before a sweep; 600 events are simulated."""
 
 
+@checked
 def run(
     tasks: str | Sequence[str] = (),
     methods: str | Sequence[str] = (),
@@ -149,6 +151,7 @@ def carried_out(
     return runner.run(cells, store, backend, view or View(), retry_failed=retry_failed)
 
 
+@checked
 def records(results: str | Path = RESULTS) -> pd.DataFrame:
     """The records of a results folder, one row per cell; see docs/records.md for the columns.
 

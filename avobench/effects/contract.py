@@ -32,6 +32,8 @@ class Parameter:
     unit: str
     soft: bool = False
     """Whether `high` is a guess and not a limit: a fit that ends there may double it."""
+    known: bool = False
+    """Whether its value is read off the data, so that what its narrow bounds leave is no error of a measurement."""
 
     def __post_init__(self) -> None:
         if not (np.isfinite([self.low, self.high]).all() and self.low < self.high):

@@ -74,7 +74,9 @@ class Heaping(Family):
         return entries
 
     def variants(self):
-        step = Parameter("step", *self.steps, None, "counts" if self.whole else OF_FEATURE)
+        low, high = self.steps
+        known = high - low < 4 * KNOWN * high
+        step = Parameter("step", low, high, None, "counts" if self.whole else OF_FEATURE, known=known)
         return {"heaped": (step,), "heaped_near": (step, Parameter("reach", 0.03, 1, None, "steps"))}
 
     def shown(self, x: NDArray) -> Heaps:

@@ -32,10 +32,12 @@ def p_equals(p: float) -> str:
 
 
 def with_error(value: float, std: float | None) -> str:
-    """A value with its error, to the two digits that the error leaves certain: `45.55 ± 0.36`; without one, a number.
+    """A value with its error, to the two digits that the error leaves certain: `45.55 ± 0.36`; without one, six digits.
 
     Both have a common power of ten where one of them is large, or the error is small: `(3.21 ± 0.10)e-06`.
     """
+    if std is None and math.isfinite(value):
+        return f"{value:.6g}"
     if std is None or not (math.isfinite(value) and math.isfinite(std)):
         return number(value)
     if std == 0:

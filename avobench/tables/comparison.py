@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from avobench.tables.table import ROUNDING, Table, Tables
+from avobench.tasks.arguments import checked
 from avobench.tasks.errors import UsageError
 
 
@@ -110,6 +111,7 @@ class Comparison:
         return "\n".join([*lines, f"{'all tables':{width}}  {self.chi_squared:11.1f}  {self.dof:3d}"])
 
 
+@checked
 def compare_tables(tables: Table | Tables | list[Table], events: Any) -> Comparison:
     """Compare published tables with simulated events, and no further simulator call.
 

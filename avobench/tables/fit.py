@@ -11,6 +11,7 @@ from scipy.optimize import least_squares
 
 from avobench.tables.comparison import Comparison, Reduced, whitening
 from avobench.tables.table import Table, Tables
+from avobench.tasks.arguments import checked, numbers
 from avobench.tasks.errors import UsageError
 
 ROUNDS = 20
@@ -159,6 +160,7 @@ class TableFit:
         return "\n".join(lines)
 
 
+@checked
 def fit_tables(
     tables: Table | Tables | list[Table],
     theta: ArrayLike,
@@ -177,18 +179,20 @@ def fit_tables(
 
     Raises UsageError for fewer thetas than the polynomial has terms, or for what does not fit together.
     """
-    tables, at = Tables.of(tables), np.asarray(theta, float)
+    tables, at = Tables.of(tables), numbers("thetas", theta).astype(float)
     at = at[:, None] if at.ndim == 1 else at
     reduced = [r if isinstance(r, Reduced) else Reduced.of(tables, r) for r in simulated]
+    if at.ndim != 2 or not at.size:
+        raise UsageError(f"thetas must be an array (k, p), got {at.shape}")
     k, p = at.shape
     if len(reduced) != k:
         raise UsageError(f"there are {k} thetas, but simulated events of {len(reduced)}")
-    if not np.isfinite(at).all():
-        raise UsageError("thetas must be finite")
     if k <= (terms := (p + 1) * (p + 2) // 2):
         raise UsageError(f"a quadratic in {p} parameters needs more than {terms} thetas, got {k}")
-    limits = np.stack([at.min(axis=0), at.max(axis=0)]) if box is None else np.asarray(box, float).T
-    start = None if default is None else np.asarray(default, float).reshape(p)
+    limits = np.stack([at.min(axis=0), at.max(axis=0)]) if box is None else numbers("the box", box).astype(float).T
+    start = None if default is None else np.atleast_1d(numbers("default", default).astype(float))
+    if start is not None and start.shape != (p,):
+        raise UsageError(f"default must be a number for each of {p} parameters, got {start.shape}")
     if limits.shape != (2, p) or not (limits[0] < limits[1]).all():
         raise UsageError(f"the box must have a lower and a higher end for each of {p} parameters")
     for what, one in [("theta of the bank", at), ("default", at[:1] if start is None else start[None])]:

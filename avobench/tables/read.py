@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from avobench.tables.table import Table
+from avobench.tasks.arguments import checked
 from avobench.tasks.errors import UsageError, installed_by
 
 KINDS = "text (.csv), HEPData's .csv, .yaml and .yml, or .root:HISTOGRAM"
@@ -38,6 +39,7 @@ class Published:
         return Table([*self.low, *self.high[-1:]], self.values, **given)
 
 
+@checked
 def read_table(source: Any, table: str | None = None, **settings: Any) -> Table:
     """A published table from a file or a histogram.
 

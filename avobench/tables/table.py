@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import block_diag
 from scipy.sparse import csr_array, hstack
 
-from avobench.tasks.errors import UsageError
+from avobench.tasks.errors import UsageError, shown
 
 ROUNDING = 1e-8
 """Share of the largest eigenvalue of a correlation matrix below which another one is rounding, of either sign."""
@@ -114,8 +114,14 @@ class Table:
 
     def entries(self, events: Any) -> csr_array:
         """How many entries each event has in each bin: (n, K). Raises UsageError for what cannot be binned."""
-        n = len(events)
+        try:
+            n = len(events)
+        except TypeError as error:
+            raise self.wrong(f"events must be an array or a table, got {shown(events)}") from error
         event, values = self._binned(events, n)
+        if values.dtype.kind not in "biuf":
+            raise self.wrong(f"what is binned must be numbers, got {values.dtype}")
+        values = values.astype(float)
         bins = np.searchsorted(self.edges, values, side="right") - 1
         bins[values == self.edges[-1]] = len(self.values) - 1
         inside = (bins >= 0) & (bins < len(self.values)) & ~np.isnan(values)
@@ -127,7 +133,10 @@ class Table:
             if self.feature not in getattr(events, "columns", ()):
                 raise self.wrong(f"the events have no column '{self.feature}'")
             return events[self.feature].to_numpy()
-        x = np.asarray(events)
+        try:
+            x = np.asarray(events)
+        except ValueError as error:
+            raise self.wrong("the rows of the events differ in length") from error
         x = x[:, None] if x.ndim == 1 else x
         if x.ndim != 2 or x.dtype == object or not 0 <= self.feature < x.shape[1]:
             raise self.wrong(f"events with a shape of {x.shape} have no feature {self.feature}: give `feature` or `of`")
@@ -142,10 +151,10 @@ class Table:
             if found.ndim > 2:
                 raise self.wrong(f"`of` must give (n,), (n, k) or a list of arrays, got {found.shape}")
             values = found[:, None] if found.ndim == 1 else found
-            return np.repeat(np.arange(n), values.shape[1]), values.ravel().astype(float)
+            return np.repeat(np.arange(n), values.shape[1]), values.ravel()
         parts = [np.ravel(part) for part in found]
         values = np.concatenate(parts) if parts else np.empty(0)
-        return np.repeat(np.arange(n), [len(part) for part in parts]), values.astype(float)
+        return np.repeat(np.arange(n), [len(part) for part in parts]), values
 
 
 class Tables:

@@ -53,6 +53,14 @@ def raised(error: BaseException) -> str:
     return f"{type(error).__name__}: {text_of(error)}"
 
 
+def shown(value: object) -> str:
+    """What was given, as a part of a line: at most 60 characters of it."""
+    try:
+        return " ".join(repr(value).split())[:60]
+    except Exception:  # of a user's class
+        return type(value).__name__
+
+
 def installed_by(extra: str) -> str:
     """The command that installs an optional part of the package, for the end of a message."""
     return f"in a clone of avobench, pip install '.[{extra}]'"
@@ -66,5 +74,5 @@ def whole(name: str, value: object, least: int) -> int:
     elif isinstance(value, float) and value.is_integer():
         number = int(value)
     if number is None or not least <= number < 2**63:
-        raise UsageError(f"{name} must be a whole number from {least} to 2^63 - 1, got {value!r:.40}")
+        raise UsageError(f"{name} must be a whole number from {least} to 2^63 - 1, got {shown(value)}")
     return number

@@ -10,8 +10,10 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from avobench.tasks.arguments import box_of, checked
 from avobench.tasks.contract import Box, Kind, ParameterKind, Task, histogram
 from avobench.tasks.errors import UsageError, raised, text_of
+from avobench.tasks.patience import limited_to
 
 Simulate = Callable[[NDArray[np.float64], np.random.Generator], ArrayLike]
 """theta (n, p), a generator -> one event per row: (n, d), or (n,) where an event is one number."""
@@ -159,6 +161,7 @@ class FunctionTask(Task):
         return [np.unique(np.quantile(feature, np.arange(1, NUM_BINS) / NUM_BINS)) for feature in x.T]
 
 
+@checked
 def task(
     simulate: Simulate,
     *,
@@ -170,6 +173,7 @@ def task(
     kinds: Mapping[str, Kind | ParameterKind] | None = None,
     feature_units: Mapping[str, str] | None = None,
     name: str | None = None,
+    seconds: float = 60.0,
 ) -> FunctionTask:
     """A task from a function that simulates one event for each row of parameters.
 
@@ -197,12 +201,14 @@ def task(
         Physical units by name of the feature. An angle comes round after 360 "deg", or else after 2 pi.
     name
         What records and pages call the task; that of the function by default.
+    seconds
+        The function is tried on a few events, and ended if that takes longer.
 
     Raises
     ------
     UsageError
-        If the prior is no box of finite ends, if the function raises or returns events of another shape, if a name
-        cannot be one, or if a feature is not of the kind that was stated.
+        If the prior is no box of finite ends, if the function raises, takes too long or returns events of another
+        shape, if a name cannot be one, or if a feature is not of the kind that was stated.
 
     Examples
     --------
@@ -210,30 +216,23 @@ def task(
     >>> decay.simulate(np.full((3, 1), 2.0), np.random.default_rng(0)).shape
     (3, 1)
     """
-    if not callable(simulate):
-        raise UsageError(f"a task is made from a function of theta and a generator, got {simulate!r:.60}")
-    if isinstance(features, str):
-        raise UsageError(f"features must be a list of names, such as ['{features}']")
     if not isinstance(prior, Mapping):
-        if not isinstance(prior, Sequence | np.ndarray):
-            raise UsageError(f"the prior must give two numbers for each parameter by its name, got {prior!r:.60}")
         if names is None or len(names) != len(prior):
             raise UsageError(f"names must give a name to each of the {len(prior)} parameters of the prior, got {names}")
         prior = dict(zip(names, prior, strict=True))
     label = name or re.sub(r"[^A-Za-z0-9.]+", "-", getattr(simulate, "__name__", "")).strip("-") or "task"
     if not re.fullmatch(NAME, label):
         raise UsageError(f"the name of a task must be letters, digits, dots and dashes, got '{label}'")
-    for parameter, ends in prior.items():
-        if not (isinstance(ends, Sequence | np.ndarray) and not isinstance(ends, str) and len(ends) == 2):
-            raise UsageError(
-                f"the prior of {parameter} must be two numbers, between which it is uniform, got {ends!r:.60}"
-            )
+    box_of(prior)
     for given, what in ((support or {}, "support"), (units or {}, "units")):
         for parameter in given:
             if parameter not in prior:
                 raise UsageError(f"{what} names '{parameter}'; the parameters of {label} are {', '.join(prior)}")
     try:
-        made = FunctionTask(simulate, label, prior, support or {}, units or {}, features, kinds, feature_units)
+        with limited_to(seconds, f"the function of the task {label}, tried on {len(prior) + 1} events,"):
+            made = FunctionTask(simulate, label, prior, support or {}, units or {}, features, kinds, feature_units)
+    except UsageError:
+        raise
     except (Exception, SystemExit) as error:  # a user's function may raise anything
         hint = "; theta has a row for each event, so theta[:, 0] is the first parameter" if _in(simulate, error) else ""
         raise UsageError(f"the task {label} cannot be made: {raised(error)}{hint}") from error

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from avobench.tasks.arguments import box_of, checked, numbers
 from avobench.tasks.contract import Box, Task, histogram
-from avobench.tasks.errors import UsageError
+from avobench.tasks.errors import UsageError, whole
 
 ASIDE = 5
 """One in so many events of each theta is kept aside, for whoever needs events that nothing has learned from."""
@@ -116,6 +117,7 @@ class SampleTask(Task):
         return [np.unique(np.quantile(feature, np.arange(1, 20) / 20)) for feature in self.events.T]
 
 
+@checked
 def bank(
     events: ArrayLike,
     *,
@@ -160,15 +162,15 @@ def bank(
     >>> simulated.simulate(np.empty((3, 0)), rng).shape
     (3, 1)
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(whole("seed", seed, 0))
     if hasattr(events, "columns"):
         if isinstance(weights, str):
             weights, events = _column(events, weights), events.drop(columns=weights)
-        if isinstance(theta, Sequence) and theta and all(isinstance(column, str) for column in theta):
+        if isinstance(theta, Sequence) and len(theta) and all(isinstance(column, str) for column in theta):
             theta = {column: _column(events, column) for column in theta}
             events = events.drop(columns=list(theta))
         features = features or [str(column) for column in events.columns]
-    x = _finite("the simulated events", events)
+    x = numbers("the simulated events", events)
     x = x[:, None] if x.ndim == 1 else x
     x = x.astype(np.int64) if x.dtype.kind in "bui" else x.astype(np.float64)
     if x.ndim != 2 or (features and len(features) != x.shape[1]):
@@ -188,11 +190,11 @@ def _parameters(
 ) -> tuple[list[str], NDArray[np.float64], Box]:
     """Names, values (n, p) and prior of the parameters at which n events were made. Raises UsageError."""
     if isinstance(theta, Mapping):
-        names, columns = list(theta), np.column_stack([np.asarray(column, float) for column in theta.values()])
+        names, columns = list(theta), numbers("theta", list(theta.values())).astype(float).T
     else:
-        columns = np.empty((n, 0)) if theta is None else np.asarray(theta, float).reshape(n, -1)
-        names = list(prior or [f"theta{j + 1}" for j in range(columns.shape[1])])
-    columns = _finite("theta", columns)
+        columns = np.empty((n, 0)) if theta is None else numbers("theta", theta).astype(float)
+        columns = columns[:, None] if columns.ndim == 1 else columns
+        names = list(prior or [f"theta{j + 1}" for j in range(columns.ndim and columns.shape[-1])])
     if columns.shape != (n, len(names)):
         raise UsageError(f"{n} events need as many rows of {len(names)} parameters, got {columns.shape}")
     constant = [one for one, column in zip(names, columns.T, strict=True) if np.ptp(column) == 0]
@@ -201,7 +203,7 @@ def _parameters(
     ends = prior or {one: (c.min(), c.max()) for one, c in zip(names, columns.T, strict=True)}
     if set(ends) != set(names):
         raise UsageError(f"the prior is of {', '.join(ends)}, theta of {', '.join(names)}")
-    box = Box(tuple(ends[one][0] for one in names), tuple(ends[one][1] for one in names))
+    box = box_of({one: ends[one] for one in names})
     if outside := int((~box.contains(columns)).sum()):
         raise UsageError(f"{outside} of {n} events were made outside the prior of theta: widen it, or drop them")
     return names, columns, box
@@ -209,9 +211,9 @@ def _parameters(
 
 def _drawn(weights: ArrayLike, n: int, rng: np.random.Generator) -> tuple[NDArray[np.intp], float]:
     """The rows of n events that their weights draw, in random order, and what a row is worth. Raises UsageError."""
-    w = _finite("weights", weights).astype(float).ravel()
-    if len(w) != n:
-        raise UsageError(f"{n} events need as many weights, got {len(w)}")
+    w = numbers("weights", weights).astype(float)
+    if w.shape != (n,):
+        raise UsageError(f"{n} events need as many weights, got {w.shape}")
     if (w < 0).any():
         raise UsageError(
             f"{(w < 0).sum()} weights are negative; add up positive and negative events that lie close together"
@@ -228,13 +230,3 @@ def _column(table: Any, name: str) -> NDArray:
     if name not in table.columns:
         raise UsageError(f"there is no column '{name}'; the columns are {', '.join(map(str, table.columns))}")
     return table[name].to_numpy()
-
-
-def _finite(what: str, values: Any) -> NDArray:
-    """An array of real, finite numbers. Raises UsageError."""
-    array = np.asarray(values)
-    if array.dtype.kind not in "biuf":
-        raise UsageError(f"{what} must be real numbers, got {array.dtype}")
-    if not np.isfinite(array).all():
-        raise UsageError(f"{what} hold NaN or infinite values: mend or drop them")
-    return array

@@ -1,5 +1,6 @@
 """What a diagnosis shows and keeps."""
 
+import runpy
 import sys
 from dataclasses import replace
 from types import ModuleType
@@ -74,6 +75,56 @@ def test_a_simulator_that_no_file_could_hold_is_named_in_a_warning(found, tmp_pa
     assert avobench.load(tmp_path).verdict == found.verdict
 
 
+SCRIPT = """
+from __future__ import annotations
+import dataclasses
+import sys
+import numpy as np
+import avobench
+
+WIDTH = 0.1
+
+@dataclasses.dataclass
+class Bump(avobench.Effect):
+    centre: float = 0.0
+    name, feature, sentence, source = "bump", 0, "A bump.", "test"
+    parameters = (avobench.Parameter("share", 0, 0.5, 0, "1"),)
+
+    def apply(self, simulate, theta, phi, rng: Nothing):
+        x = simulate(theta, rng)
+        return np.where(rng.random(x.shape) < phi, rng.normal(self.centre, WIDTH, x.shape), x)
+
+def sim(theta, rng):
+    return rng.normal(theta[:, 0], 1)
+
+if __name__ == "__main__":
+    task = avobench.task(sim, prior={"mean": (-1, 1)})
+    x = np.r_[np.random.default_rng(0).normal(0, 1, 900), np.random.default_rng(1).normal(2.5, WIDTH, 100)]
+    given = dict(own=[Bump(2.5)], effects=["scale"], simulations=60_000, progress=False)
+    found = avobench.diagnose(task, x, **given)
+    found.save(sys.argv[1])
+"""
+
+
+def test_an_effect_of_a_script_is_found_again_with_its_settings(tmp_path, monkeypatch):
+    monkeypatch.setattr("avobench.reports.diagnosis.write", lambda *given: [])
+    script, out = tmp_path / "script.py", tmp_path / "out"
+    script.write_text(SCRIPT)
+    monkeypatch.setattr(sys, "argv", ["script.py", str(out)])
+    found = runpy.run_path(str(script), run_name="__main__")["found"]
+    model = avobench.load(out, trust=True).model
+    assert [each.name for each in model.content.effects] == ["bump"]
+    theta, rngs = np.tile(model.prior.center, (50, 1)), [np.random.default_rng(0) for _ in range(2)]
+    assert np.array_equal(model.simulate(theta, rngs[0]), found.model.simulate(theta, rngs[1]))
+
+
+def test_a_file_of_the_user_is_not_replaced(found, tmp_path):
+    (tmp_path / "task.py").write_text("# the thesis\n")
+    with pytest.raises(avobench.UsageError, match=r"task\.py is not of a diagnosis"):
+        found.save(tmp_path)
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["# the thesis\n"]
+
+
 def test_the_code_of_a_notebook_is_that_of_its_cells():
     cells = [
         "import numpy as np",
@@ -87,7 +138,7 @@ def test_the_code_of_a_notebook_is_that_of_its_cells():
     notebook.sim.__module__ = "notebook"
     sys.modules["notebook"] = notebook
     try:
-        text = as_module(notebook.sim)
+        text = as_module("notebook", {"sim"})
     finally:
         del sys.modules["notebook"]
     home = {}

@@ -39,6 +39,7 @@ def test_the_step_is_read_off_counts_and_off_real_numbers():
     effect = heaping(Poisson(), None, "heaped")
     adapted = effect.adapted(applied(effect, counts, [0.3, 10]))
     assert adapted.steps == pytest.approx((10, 10))
+    assert [each.known for each in (*adapted.parameters, *effect.parameters)] == [False, True, False, False]
     assert adapted.guess(applied(effect, counts, [0.3, 10]))[0] == pytest.approx([0.3, 10], abs=0.03)
     x = rng.normal(7, 3, (20_000, 5))
     effect = heaping(Carl(), 1, "heaped")

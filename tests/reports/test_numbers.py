@@ -40,7 +40,7 @@ def test_what_is_not_known_is_a_dash():
         (3.214e-6, 1.04e-7, "(3.21 ± 0.10)e-06"),
         (2.5e8, 3.1e6, "(2.500 ± 0.031)e+08"),
         (0.0, 0.0, "0 ± 0"),
-        (45.5521, None, "45.6"),
+        (45.5521, None, "45.5521"),
     ],
 )
 def test_a_value_is_printed_to_the_two_digits_of_its_error(value, std, told):

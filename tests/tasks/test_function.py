@@ -1,6 +1,9 @@
 """A task from a plain function."""
 
+import contextlib
+import signal
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -81,9 +84,9 @@ def test_features_are_of_the_kinds_that_are_stated():
         (unpacked, {"prior": {"m": (0, 1), "s": (1, 2)}}, r"theta\[:, 0\] is the first parameter"),
         (lambda theta, rng: rng.normal(theta[0]), {"prior": {"m": (0, 1), "s": (1, 2)}}, r"theta\[:, 0\]"),
         (lambda theta, rng: 1.0, {"prior": {"t": (1, 4)}}, r"theta\[:, 0\]"),
-        (3, {"prior": {"t": (1, 4)}}, "made from a function"),
-        (decay, {"prior": None}, "two numbers for each parameter"),
-        (decay, {"prior": {"t": (1, 4)}, "features": "time"}, r"list of names, such as \['time'\]"),
+        (3, {"prior": {"t": (1, 4)}}, "simulate of avobench.task must be a function"),
+        (decay, {"prior": None}, "prior of avobench.task must be a mapping"),
+        (decay, {"prior": {"t": (1, 4)}, "features": "time"}, "features of avobench.task must be a list, each a text"),
     ],
 )
 def test_what_makes_no_task_is_said_in_a_line(function, options, said):
@@ -122,3 +125,20 @@ def test_an_integer_is_simulated_and_quoted_whole_with_an_error_that_covers_it()
 def test_an_integer_needs_whole_ends():
     with pytest.raises(UsageError, match="number is an integer"):
         avobench.task(modules, prior={"number": (1, 9.5), "width": (1, 2)}, kinds={"number": "integer"}, name="m")
+
+
+def test_a_function_that_hangs_is_named_and_the_alarm_of_others_is_kept():
+    def hangs(theta, rng):
+        while True:
+            with contextlib.suppress(Exception):
+                time.sleep(0.01)
+
+    before = signal.signal(signal.SIGALRM, signal.SIG_IGN)
+    try:
+        signal.alarm(100)
+        with pytest.raises(UsageError, match=r"the task hangs, tried on 2 events, has not returned after 0\.05 s"):
+            task(hangs, prior={"mean": (0, 1)}, seconds=0.05)
+        assert 90 < signal.alarm(0) <= 100
+        assert signal.getsignal(signal.SIGALRM) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGALRM, before)

@@ -32,6 +32,7 @@ TAIL = 0.001
 """A tail is what lies beyond all but this share of the simulated values, and beyond ten of them at least."""
 BY_CHANCE = 0.01
 """The probability that the largest of all measured values lies beyond the range though the simulator made it."""
+TRUTH = "truth values are taken as 0 and 1"
 MANY_REPEATS = 0.01
 """A larger share of repeated events is worth a warning."""
 
@@ -121,7 +122,7 @@ def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
     """
     if not isinstance(x, pd.DataFrame):
         try:
-            return np.asarray(x), []
+            return _counted(np.asarray(x))
         except ValueError as error:
             raise UsageError("the rows of the events differ in length; each must hold all features") from error
     names, wanted = [str(name) for name in x.columns], list(task.feature_names)
@@ -143,8 +144,17 @@ def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
     for name, column in x.items():
         if not pd.api.types.is_numeric_dtype(column) or pd.api.types.is_complex_dtype(column):
             raise UsageError(f"the column {name} holds {column.dtype} instead of real numbers")
+    truth = [name for name, column in x.items() if pd.api.types.is_bool_dtype(column)]
+    if truth and len(truth) < len(x.columns):
+        told.append(f"{', '.join(truth)}: {TRUTH}")
     kinds = {pd.api.types.is_float_dtype(column) or column.hasnans for _, column in x.items()}
-    return x.to_numpy(float if kinds == {True} or len(kinds) > 1 else None), told
+    x, more = _counted(x.to_numpy(float if kinds == {True} or len(kinds) > 1 else None))
+    return x, told + more
+
+
+def _counted(x: NDArray) -> tuple[NDArray, list[str]]:
+    """Truth values as 0 and 1, and a sentence that says so; all else as it is."""
+    return (x.astype(np.int64), [TRUTH]) if x.dtype.kind == "b" else (x, [])
 
 
 def num_repeated(x: NDArray) -> int:
@@ -160,7 +170,10 @@ def with_times(
     Times are numbers or dates. Raises UsageError for others, for times that are not one an event, not finite, or all
     alike.
     """
-    x, time = x if isinstance(x, pd.DataFrame) else np.asarray(x), np.asarray(time)
+    try:
+        x, time = x if isinstance(x, pd.DataFrame) else np.asarray(x), np.asarray(time)
+    except ValueError as error:
+        raise UsageError("events and their times must be arrays, with rows of one length") from error
     if time.shape != x.shape[:1]:
         raise UsageError(f"times must be one number for each of {len(x)} events, got {time.dtype} {time.shape}")
     time, warnings = seconds(time, "time"), []

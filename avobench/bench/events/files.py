@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 
 from avobench.bench.events.text import SUFFIXES as TEXT
 from avobench.bench.events.text import read_text
+from avobench.tasks.arguments import checked
 from avobench.tasks.errors import UsageError, installed_by
 
 KINDS = ".npy, .npz, .csv, .tsv, .txt, .dat (also .gz), .parquet, or .root:TREE"
 """Formats that events are read from, for messages."""
 
 
+@checked
 def read_events(path: str, columns: Sequence[str] | None = None) -> NDArray | pd.DataFrame:
     """The events of a file: `read_timed` without a time."""
     return read_timed(path, columns)[0]

@@ -7,7 +7,7 @@ import inspect
 import os
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache, partial
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
@@ -15,6 +15,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import joblib
 from pydantic import TypeAdapter, ValidationError
 
 from avobench.bench.plugins import user_files
@@ -25,7 +26,7 @@ from avobench.effects.model_file import AugmentedTask
 from avobench.methods import Method
 from avobench.methods.device import require_device
 from avobench.tasks import Task
-from avobench.tasks.errors import SimulatorError, UsageError, installed_by, raised
+from avobench.tasks.errors import SimulatorError, UsageError, installed_by, raised, shown
 from avobench.tasks.function import NAME
 
 BASES = {"task": Task, "method": Method, "effect": Effect}
@@ -138,7 +139,7 @@ def task_of(given: Task | str) -> Task:
     if isinstance(given, str):
         return build("task", given, {})
     if not isinstance(given, Task):
-        raise UsageError(f"a task is wanted, or its name, got {given!r:.60}; avobench.task makes one from a function")
+        raise UsageError(f"a task is wanted, or its name, got {shown(given)}; avobench.task makes one from a function")
     return given
 
 
@@ -203,14 +204,37 @@ def spec_of(kind: str, instance: Any) -> str | None:
     for point in _points(kind):
         if point.value == f"{cls.__module__}:{cls.__qualname__}":
             return point.name
+    places = (place for place in places_of(kind, instance) if place[0] != "__main__")
+    return next((f"{user_files.file_of(module) or module}:{name}" for module, name in places), None)
+
+
+def places_of(kind: str, instance: Any) -> Iterator[tuple[str, str]]:
+    """The modules in which a task or effect has a name, or its class if that alone makes it again, and these names."""
+    cls = type(instance)
     functions = [part for part in getattr(instance, "parts", ()) if inspect.isfunction(part)]
-    wanted = [instance] if functions else [instance, cls]  # a class alone does not tell of which function it was made
+    by_class = not functions and _class_tells(kind, instance)
+    wanted = [instance, cls] if by_class else [instance]
     for home in dict.fromkeys(thing.__module__ for thing in (cls, *functions)):
         known = vars(sys.modules[home]) if home in sys.modules else {}
-        names = [name for one in wanted for name, value in known.items() if value is one]
-        if names and home != "__main__":
-            return f"{user_files.file_of(home) or home}:{names[0]}"
-    return None
+        yield from ((home, name) for one in wanted for name, value in list(known.items()) if value is one)
+    if by_class and cls.__module__ == "__main__" and "." not in cls.__qualname__:
+        yield "__main__", cls.__qualname__  # it was sent here from the process of the script
+
+
+def _class_tells(kind: str, instance: Any) -> bool:
+    """Whether the class of a task or effect makes it again, with the settings that a file keeps of a dataclass."""
+    cls = type(instance)
+    arguments = inspect.signature(cls).parameters.values()
+    if kind == "task" and (dataclasses.is_dataclass(cls) or not arguments):
+        return True
+    if any(
+        each.default is each.empty and each.kind not in (each.VAR_POSITIONAL, each.VAR_KEYWORD) for each in arguments
+    ):
+        return False
+    try:
+        return dataclasses.is_dataclass(cls) or joblib.hash(vars(cls())) == joblib.hash(vars(instance))
+    except Exception:  # a user's class may raise anything, and hold what has no hash
+        return not arguments
 
 
 def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:

@@ -11,6 +11,7 @@ import ast
 import functools
 import hashlib
 import inspect
+import os
 import re
 import symtable
 import sys
@@ -24,6 +25,10 @@ from avobench.bench.plugins import user_files
 
 EVERYTHING = "*"
 """The name that `from module import *` binds: nobody can tell which it does, so the statement counts always."""
+
+
+CODE = '"""Code that a model names which avobench saved beside it."""'
+"""The first line of a module that is made of another one."""
 
 
 class Statement(NamedTuple):
@@ -51,22 +56,24 @@ def source_hash(things: list[Any]) -> str | None:
     return hashlib.sha256("\0".join(theirs).encode()).hexdigest() if theirs else None
 
 
-def as_module(thing: Any) -> str | None:
-    """The statements of its module that a function or class consists of and uses, as a module of its own.
+def as_module(module: str, names: set[str]) -> str | None:
+    """The statements of a module that bind these names at its top, and what they use, as the text of a module.
 
-    None where they cannot be read, or where it has no name at the top of its module, as a lambda has not. In a notebook
-    the module is what was run so far.
+    None where they cannot be read, or do not bind all names. In a notebook the module is what was run so far.
     """
-    name = getattr(thing, "__qualname__", "<")
-    if "<" in name or "." in name:
-        return None
-    home = sys.modules.get(thing.__module__)
+    home = sys.modules.get(module)
     try:
         source = inspect.getsource(home)
     except (OSError, TypeError):
         source = "\n".join(filter(_is_python, getattr(home, "In", ())))
-    statements = _closure(_statements(source), {name})
-    return "\n\n".join(text.rstrip() for text in statements) + "\n" if statements else None
+    statements = _statements(source)
+    if not names <= frozenset().union(*(each.binds for each in statements)):
+        return None
+    future = [each.text for each in statements if each.text.startswith("from __future__ ")]
+    chosen = [text for text in _closure(statements, names) if text not in future]
+    folder = os.path.dirname(os.path.abspath(getattr(home, "__file__", None) or "x"))
+    path = f"import sys\n\nsys.path.append({folder!r})  # where other modules of its own are"
+    return "\n\n".join(text.rstrip() for text in [CODE, *future, path, *chosen]) + "\n"
 
 
 def _is_python(cell: str) -> bool:

@@ -34,7 +34,7 @@ from joblib.externals.loky.backend import resource_tracker
 from joblib.externals.loky.backend.context import get_context
 
 from avobench.tasks import errors
-from avobench.tasks.errors import AvobenchError, ProcessEnded, UsageError, raised
+from avobench.tasks.errors import AvobenchError, ProcessEnded, UsageError, raised, shown
 
 WATCH_SECONDS = 0.25
 """Time and memory are looked at this often: a process that fills 1 GiB a second is seen within 256 MiB."""
@@ -70,7 +70,7 @@ NO_LIMITS = Limits()
 def in_seconds(name: str, seconds: object) -> Limits:
     """The limit of time that a user asks for. Raises UsageError, with the name that it has there, for what is none."""
     if isinstance(seconds, bool) or not isinstance(seconds, int | float) or not 0 < seconds < math.inf:
-        raise UsageError(f"{name} must be a number above 0, got {seconds!r:.40}")
+        raise UsageError(f"{name} must be a number above 0, got {shown(seconds)}")
     return Limits(seconds=float(seconds))
 
 

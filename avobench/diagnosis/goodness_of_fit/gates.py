@@ -135,7 +135,7 @@ class Score:
 
     def of(self, x: NDArray) -> NDArray[np.float64]:
         """(n, d) -> (n,)"""
-        return self.trees.decision_function(self.features(x))
+        return self.trees.decision_function(self.features(x)) if len(x) else np.empty(0)  # scikit-learn refuses none
 
     def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
         """weights^T s(x): (n, d), (n, b) -> (b, 1)."""

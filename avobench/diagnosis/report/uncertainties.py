@@ -148,7 +148,12 @@ class QuotedFit:
         model, std = self.fit.model, self.std
         effect, at = model.effects[k], model.columns(k).start
         parameters = {
-            p.name: EffectValue(value=float(self.fit.params[i]), std=float(std[i]), null=p.null, unit=model.units[i])
+            p.name: EffectValue(
+                value=float(self.fit.params[i]),
+                std=None if p.known else float(std[i]),
+                null=p.null,
+                unit=model.units[i],
+            )
             for i, p in enumerate(effect.parameters, at)
         }
         return FoundEffect(

@@ -70,7 +70,7 @@ class Quantisation(Change):
         unit = "rad" if in_angle else "of the feature"
         shown = self.steps[in_angle] if self.steps else 0
         if shown > 0:  # known exactly: no value of another step lies where the measured ones do
-            return Parameter("step", (1 - KNOWN) * shown, (1 + KNOWN) * shown, None, unit)
+            return Parameter("step", (1 - KNOWN) * shown, (1 + KNOWN) * shown, None, unit, known=True)
         high = np.pi / 2 if in_angle else self.half
         return Parameter("step", 0.005 * high, high, None, unit)
 
@@ -210,7 +210,7 @@ class Saturation(Change):
         shown = [limit for limit, cut in zip(self.limits or (0, 0), ENDS[shape], strict=True) if cut and limit > 0]
         at = float(np.mean(shown)) if shown else 0
         low, high = (1 - KNOWN) * at, (1 + KNOWN) * at
-        return Parameter("limit", *((low, high) if at else (0.1, 1)), None, "of half the range")
+        return Parameter("limit", *((low, high) if at else (0.1, 1)), None, "of half the range", known=at > 0)
 
     def adapted(self, x):
         adapted = super().adapted(x)
@@ -286,7 +286,7 @@ class Censoring(Change):
 
     def _known(self, name: str, at: float | None) -> Parameter:
         low, high = (self.low, self.high) if at is None else (at - KNOWN * self.half, at + KNOWN * self.half)
-        return Parameter(name, low, high, None, "of the feature")
+        return Parameter(name, low, high, None, "of the feature", known=at is not None)
 
     @property
     def above(self) -> bool:

@@ -19,6 +19,8 @@ THETA = (
     "infer takes the simulator as right."
 )
 """Why the errors differ from those that a fit quotes for the same parameters."""
+READ = " (read off the events)"
+"""What is said of a value that has no error."""
 ASSUMED = "Errors on effect parameters assume that the fitted shape is true."
 
 
@@ -190,6 +192,7 @@ def _theta(diagnosis: Diagnosis) -> list[str]:
 
 def _effect(effect: FoundEffect) -> str:
     values = ", ".join(
-        f"{name} = {with_error(p.value, p.std)}{in_unit(unit_of(p, effect))}" for name, p in effect.parameters.items()
+        f"{name} = {with_error(p.value, p.std)}{in_unit(unit_of(p, effect))}{READ * (p.std is None)}"
+        for name, p in effect.parameters.items()
     )
     return f"{label(effect)}{f' (shape {effect.shape})' if effect.shape else ''}: {values}"

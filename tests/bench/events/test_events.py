@@ -387,3 +387,11 @@ def test_a_simulator_that_breaks_the_contract_is_told_before_anything_is_inferre
     simulator, message = BROKEN[how]
     with pytest.raises((SimulatorError, UsageError), match=message):
         check_events(task_of(simulator, prior={"mean": (0, 3)}, name="toy"), np.random.default_rng(0).normal(1, 1, 300))
+
+
+@pytest.mark.parametrize("made", [list, lambda hit: pd.DataFrame({"hit": hit})])
+def test_truth_values_are_said_to_be_taken_as_numbers(made):
+    trigger = task_of(lambda theta, rng: rng.random(len(theta)) < theta[:, 0], prior={"share": (0, 1)})
+    x, told = check_events(trigger, made(np.arange(300) % 3 == 0), diagnosis=False)
+    assert x[:3].ravel().tolist() == [1, 0, 0]
+    assert "truth values are taken as 0 and 1" in told

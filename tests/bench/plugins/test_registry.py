@@ -344,6 +344,15 @@ def test_our_own_names_are_those_of_the_classes(kind):
     assert isinstance(registry.build("task", "poisson", {}), Task)
 
 
+def test_a_class_is_no_name_of_what_it_does_not_make(file):
+    """Else a model would be read with another effect than the one that was found."""
+    extra = registry.load("effect", f"{file}:Extra")
+    made = extra()
+    assert registry.spec_of("effect", made) == f"{file}:Extra"
+    made.centre = 3.0
+    assert registry.spec_of("effect", made) is None
+
+
 def test_a_task_of_a_function_that_no_module_knows_has_no_name_but_settings():
     """So it is at a prompt, where a function has no source either: its class alone would not make it again."""
     scope = {}

@@ -80,7 +80,9 @@ def test_p_values_are_printed_as_they_are_compared_with_alpha_and_say_how_many_s
 
 def test_numbers_say_in_which_unit_and_of_which_feature():
     told = details(diagnosis(Verdict.NAMED))
-    assert "sigma = 1.50 ± 0.10 in the unit of mass, knee = 0.924 of half the range of mass" in told
+    assert (
+        "sigma = 1.50 ± 0.10 in the unit of mass, knee = 0.924 of half the range of mass (read off the events)" in told
+    )
     assert "excess at mass 3 to 4 GeV" in told
 
 

@@ -1,0 +1,130 @@
+"""The arguments of the functions that `import avobench` offers, held against the types that their signatures state."""
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from functools import wraps
+from numbers import Integral, Real
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Any, Literal, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from avobench.tasks.contract import Box, Task
+from avobench.tasks.errors import UsageError, shown
+
+WORDS = {
+    **{
+        bool: "True or False",
+        int: "a whole number",
+        float: "a number",
+        str: "a text",
+        NoneType: "None",
+        Path: "a path",
+    },
+    **{
+        Mapping: "a mapping of names",
+        Callable: "a function",
+        Task: "a task, such as avobench.task makes of a function",
+    },
+}
+"""How the types of arguments are called in messages."""
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def checked(function: Callable[P, R]) -> Callable[P, R]:
+    """A function of which an argument of another type than its signature states is a UsageError of one line.
+
+    Whole numbers may be NumPy's, or floats such as 2e4. What an array or a pair of numbers holds is looked at by the
+    function itself, which knows what it is for.
+    """
+    signature = inspect.signature(function)
+
+    @wraps(function)
+    def called(*arguments: P.args, **options: P.kwargs) -> R:
+        hints = get_type_hints(function)
+        for name, value in signature.bind(*arguments, **options).arguments.items():
+            kind = signature.parameters[name].kind
+            if kind is inspect.Parameter.VAR_KEYWORD or name not in hints or _fits(value, hints[name]):
+                continue
+            wanted, what = _said(hints[name]), f"{name} of avobench.{function.__name__}"
+            raise UsageError(f"{what} must be {wanted}, got {shown(value)}")
+        return function(*arguments, **options)
+
+    return called
+
+
+def _said(hint: Any) -> str:
+    """A type in words."""
+    origin, inner = get_origin(hint) or hint, get_args(hint)
+    if origin in (Union, UnionType):
+        return " or ".join(dict.fromkeys(map(_said, inner)))
+    if origin in (Sequence, list):
+        return f"a list, each {_said(inner[0])}"
+    if origin in WORDS:
+        return WORDS[origin]
+    if inspect.isclass(origin) and not getattr(origin, "_is_protocol", False):
+        return f"of {origin.__name__}"
+    return "an array"
+
+
+def numbers(what: str, values: ArrayLike) -> NDArray:
+    """An array of real, finite numbers. Raises UsageError, which names `what`, for others."""
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"{what} must be an array of numbers, all rows of one length, got {shown(values)}") from error
+    if array.dtype.kind not in "biuf":
+        raise UsageError(f"{what} must be real numbers, got {array.dtype}")
+    if not np.isfinite(array).all():
+        raise UsageError(f"{what} hold NaN or infinite values: mend or drop them")
+    return array
+
+
+def box_of(prior: Mapping[str, Sequence[float]]) -> Box:
+    """The box of the ends of each parameter. Raises UsageError for what are no two numbers, the lower one first."""
+    for name, ends in prior.items():
+        try:
+            Box(*((end,) for end in ends))
+        except (TypeError, ValueError) as error:
+            raise UsageError(
+                f"the prior of {name} must be two numbers, low < high, between which it is uniform, got {shown(ends)}"
+            ) from error
+    return Box(*zip(*prior.values(), strict=True)) if prior else Box((), ())
+
+
+def _fits(value: Any, hint: Any) -> bool:
+    """Whether a value is of a type, or may be: what cannot be told from the type alone is."""
+    origin, inner = get_origin(hint) or hint, get_args(hint)
+    if origin is Any:
+        return True
+    if origin in (Union, UnionType):
+        return any(_fits(value, one) for one in inner)
+    if isinstance(value, np.ndarray) and value.ndim == 0:  # one number, and nothing to go through
+        return origin in (bool, int, float) and _fits(value.item(), hint)
+    if origin is Literal:
+        return isinstance(value, tuple(map(type, inner)))
+    if origin is type:
+        return isinstance(value, type) and issubclass(value, inner)
+    if origin in (None, NoneType):
+        return value is None
+    if origin is bool:
+        return isinstance(value, bool | np.bool_)
+    if origin is int:
+        whole = isinstance(value, Integral) or (isinstance(value, float) and value.is_integer())
+        return whole and not isinstance(value, bool)
+    if origin is float:
+        return isinstance(value, Real) and not isinstance(value, bool)
+    if origin in (Sequence, list):
+        listed = isinstance(value, Sequence | np.ndarray) and not isinstance(value, str | bytes)
+        return listed and all(_fits(one, inner[0]) for one in value)
+    if origin is Mapping:
+        return isinstance(value, Mapping) and all(_fits(k, inner[0]) and _fits(v, inner[1]) for k, v in value.items())
+    if origin is Callable:
+        return callable(value)
+    if origin is tuple or not inspect.isclass(origin) or getattr(origin, "_is_protocol", False):
+        return True
+    return isinstance(value, origin)
