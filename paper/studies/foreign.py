@@ -8,7 +8,7 @@ import copy
 import hashlib
 import time
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -87,18 +87,24 @@ def plainest(effects: Iterable[Effect], number: int | None) -> list[Effect]:
     return chosen
 
 
-def made(folder: Path, configuration: Configuration, names: Sequence[str] = ()) -> list[dict[str, Any]]:
-    """The records of the cases of these names, or of all.
+def made(
+    folder: Path,
+    configuration: Configuration,
+    names: Sequence[str] = (),
+    cases: Mapping[str, Sequence[Case]] = CASES,
+    study: str = "foreign",
+) -> list[dict[str, Any]]:
+    """The records of the cases of these names, or of all; `cases` are by what made the events.
 
     Those are made that are lacking, or of other events or another answer. A new version of the diagnosis makes none of
     them anew: name another folder for that. Raises StoreError for a damaged record.
     """
     records = []
-    for made_by, cases in CASES.items():
-        for case in [case for case in cases if not names or case.name in names]:
+    for made_by, some in cases.items():
+        for case in [case for case in some if not names or case.name in names]:
             path = folder / configuration.name / f"{case.name}.json"
-            identity = identity_of(case, made_by, configuration)
-            record = read_file(path, "foreign") if path.exists() else {}
+            identity = {**identity_of(case, made_by, configuration), "study": study}
+            record = read_file(path, study) if path.exists() else {}
             if {field: record.get(field) for field in identity} != identity:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 record = {"schema_version": SCHEMA_VERSION, **identity, **said(case, configuration)}
@@ -148,13 +154,13 @@ def said(case: Case, configuration: Configuration) -> dict[str, Any]:
     return {"diagnosis": told, "processor_seconds": seconds, "versions": versions()}
 
 
-def read(folder: Path = FOLDER) -> dict[str, list[dict[str, Any]]]:
+def read(folder: Path = FOLDER, study: str = "foreign") -> dict[str, list[dict[str, Any]]]:
     """The records in a folder by the name of the configuration. Raises StoreError for none or a damaged one."""
     paths = sorted(folder.glob("*/*.json"))
     if not paths:
-        raise StoreError(f"no records in {folder}; `python -m paper.studies.foreign --results {folder}` makes them")
+        raise StoreError(f"no records in {folder}; `python -m paper.studies.{study} --results {folder}` makes them")
     return {
-        name: [read_file(path, "foreign") for path in paths if path.parent.name == name]
+        name: [read_file(path, study) for path in paths if path.parent.name == name]
         for name in dict.fromkeys(path.parent.name for path in paths)
     }
 
