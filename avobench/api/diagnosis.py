@@ -25,6 +25,7 @@ from avobench.bench.plugins import registry
 from avobench.bench.plugins.source import as_module
 from avobench.bench.store.files import require_folder, write_atomically
 from avobench.effects import Effect
+from avobench.tables.table import Table, Tables
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError, whole
 from avobench.tasks.function import FunctionTask
@@ -227,7 +228,7 @@ class Diagnosed:
 @limited
 def diagnose(
     task: Task | str | ArrayLike | pd.DataFrame,
-    x: ArrayLike | pd.DataFrame,
+    x: ArrayLike | pd.DataFrame | Table | Tables | Sequence[Table],
     *,
     seed: int = 0,
     alpha: float = 0.05,
@@ -255,7 +256,8 @@ def diagnose(
         A task, or its name, `module:Class`, `path/to/file.py:Class`, or the path of a model.json; or simulated events
         that were made before, (M, d) or (M,), which `avobench.bank` takes with their parameters and weights.
     x
-        Measured events (N, d), or (N,) where an event is one number.
+        Measured events (N, d), or (N,) where an event is one number; or published tables, `Table` or several, by the
+        features of the task or by functions of its events.
     seed
         Of all that is random. The same seed gives the same diagnosis.
     alpha
@@ -313,13 +315,19 @@ def diagnose(
     notes = []
     if time is not None:
         x, time, notes = with_times(x, time, drop_invalid=drop_invalid)
-    x, remarks = checks.events(x, drop_invalid=drop_invalid)
+    if (tables := _tables(x)) is not None:
+        if ordered or time is not None or drop_invalid or fit != "surrogate":
+            raise UsageError("tables have no single events: leave ordered, time, drop_invalid and fit out")
+        part, remarks = checks.tables(tables), []
+        x = part.reference
+    else:
+        part, (x, remarks) = None, checks.events(x, drop_invalid=drop_invalid)
     for source, effect in theirs.values():  # what no file can keep would else show when all is done
         registry.blamed(lambda s=source, e=effect: _keepable(e, x, task, s), f"effect {effect.name}")
     with shown(progress) as tell:
         result = diagnosed(
             task,
-            x,
+            x if part is None else part,
             seed=seed,
             alpha=alpha,
             max_effects=max_effects,
@@ -335,6 +343,13 @@ def diagnose(
         )
     diagnosis = result.diagnosis.model_copy(update={"notes": notes + remarks + result.diagnosis.notes})
     return _diagnosed(replace(result, diagnosis=diagnosis), spec, theirs, possible)
+
+
+def _tables(x: Any) -> Tables | None:
+    """What was measured, if it is published tables."""
+    if isinstance(x, Table | Tables):
+        return Tables.of(x)
+    return Tables.of(x) if isinstance(x, list | tuple) and x and all(isinstance(t, Table) for t in x) else None
 
 
 def _named(task: Task | str | ArrayLike | pd.DataFrame) -> tuple[Task, str | None]:

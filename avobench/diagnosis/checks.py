@@ -4,11 +4,13 @@ from dataclasses import dataclass, field
 
 from numpy.typing import ArrayLike, NDArray
 
-from avobench.bench.events.checks import LEAST_REFERENCE, SHARE, check_events
+from avobench.bench.events.checks import LEAST_REFERENCE, NUM_REFERENCE, SHARE, check_events, reference
+from avobench.diagnosis.summary.published import TablePart, tables_of
 from avobench.effects import Effect
 from avobench.effects.catalogue import catalogue
 from avobench.effects.pool import Counted
 from avobench.effects.ranges import REFERENCE_EVENTS
+from avobench.tables.table import Tables
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 from avobench.tasks.meter import Meter
@@ -44,3 +46,14 @@ class Checks:
         """The events (n, d) as `check_events` gives them, and warnings."""
         limit = None if self.limit is None else self.limit // 2
         return check_events(self.task, x, drop_invalid=drop_invalid, simulate=self.simulate, limit=limit)
+
+    def tables(self, tables: Tables) -> TablePart:
+        """Published tables in place of events. Raises UsageError where they are not those of the task."""
+        tables = tables_of(self.task, tables)
+        num_events = (
+            NUM_REFERENCE if self.limit is None else max(min(NUM_REFERENCE, self.limit // (2 * SHARE)), LEAST_REFERENCE)
+        )
+        part = TablePart.whole(tables, reference(self.task, self.simulate, num_events))
+        if (rank := part.target(part.reference).rank) <= (p := len(self.task.parameter_names)):
+            raise UsageError(f"tables with {rank} degrees of freedom tell no more than the {p} parameters")
+        return part
