@@ -50,9 +50,7 @@ class Checks:
     def tables(self, tables: Tables) -> TablePart:
         """Published tables in place of events. Raises UsageError where they are not those of the task."""
         tables = tables_of(self.task, tables)
-        num_events = (
-            NUM_REFERENCE if self.limit is None else max(min(NUM_REFERENCE, self.limit // (2 * SHARE)), LEAST_REFERENCE)
-        )
+        num_events = NUM_REFERENCE if self.limit is None else min(NUM_REFERENCE, self.limit // (2 * SHARE))
         part = TablePart.whole(tables, reference(self.task, self.simulate, num_events))
         if (rank := part.target(part.reference).rank) <= (p := len(self.task.parameter_names)):
             raise UsageError(f"tables with {rank} degrees of freedom tell no more than the {p} parameters")

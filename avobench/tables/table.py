@@ -197,7 +197,10 @@ class Tables:
         return csr_array(hstack([table.entries(events) for table in self.tables]))
 
     def predict(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The values that belong to mean entries per event: (..., K) -> (..., K). Raises UsageError for empty tables."""
+        """The values that belong to mean entries per event: (..., K) -> (..., K).
+
+        Raises UsageError for a normalised table without entries.
+        """
         expected = np.empty_like(mean)
         for table, part in zip(self.tables, self.parts, strict=True):
             total = mean[..., part].sum(axis=-1, keepdims=True) if table.normalised else np.ones(1)

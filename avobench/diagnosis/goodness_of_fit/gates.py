@@ -193,7 +193,7 @@ class ExtendedModel:
     def of(
         cls, fit: Fit, target: Target, x: NDArray | None, rng: np.random.Generator, effort: Effort
     ) -> "ExtendedModel":
-        """A fitted model with all tests of it by the measured events x (N, d); of tables there is that of the summary."""
+        """A fitted model with all tests of it by the measured events x (N, d); of tables that of the summary."""
         gate, efficient, metric = summary_gate(fit, target, rng, effort)
         gates = {"summary": gate}
         if x is None:

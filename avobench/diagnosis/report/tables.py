@@ -8,7 +8,7 @@ from avobench.tables.comparison import Comparison
 
 
 def table_gaps(target: Target, before: Fit, after: Fit | None) -> list[TableGap]:
-    """Chi-squared of each table as it is published, with theta fitted, without effects and with them; none for events."""
+    """Chi-squared of each published table, with theta fitted, without effects and with them; none for events."""
     summary = target.summary
     if not isinstance(summary, TableSummary):
         return []

@@ -106,7 +106,8 @@ def _gap(diagnosis: Diagnosis) -> Drawn:
     axis.set_xlim(-0.5, len(shown) - 0.5)
     axis.set_ylabel(r"$\chi^2$ / ndf of what was held out")
     rows = [{"when": when, **gap.model_dump()} for when, gap in shown.items()]
-    caption = f"How far the simulation is from {aside(diagnosis)}, which no fit has seen; the dotted line is where nothing is missing."
+    far = f"How far the simulation is from {aside(diagnosis)}, which no fit has seen"
+    caption = f"{far}; the dotted line is where nothing is missing."
     return Drawn("gap", caption, figure, pd.DataFrame(rows))
 
 
