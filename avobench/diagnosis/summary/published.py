@@ -41,7 +41,7 @@ class TablePart:
 
         Counts are drawn without replacement, as events are that are kept aside. Of values v with errors of covariance C
         the parts are v + z sqrt(a / (1 - a)) and v - z sqrt((1 - a) / a) with z ~ N(0, C), which have the covariances
-        C / (1 - a) and C / a (A. Neufeld et al., J. Mach. Learn. Res. 25 (2024) 57).
+        C / (1 - a) and C / a (A. Neufeld et al., J. Mach. Learn. Res. 25 (2024), no. 57).
         """
         tables, reference = self.tables, self.reference
         variances, vectors = np.linalg.eigh(tables.covariance_of(tables.values, len(reference)))
