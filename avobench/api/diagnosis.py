@@ -18,6 +18,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.api.described import Described, array, description, plain
+from avobench.api.joint import Joint, tables_in
 from avobench.api.limited import limited
 from avobench.api.progress import Progress, shown
 from avobench.bench.events.checks import Simulate, with_times
@@ -29,6 +30,7 @@ from avobench.tables.table import Table, Tables
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError, whole
 from avobench.tasks.function import FunctionTask
+from avobench.tasks.joint import JointTask
 from avobench.tasks.sample import SampleTask
 from avobench.tasks.sample import bank as sample_of
 
@@ -146,7 +148,7 @@ class Diagnosed:
         if self.result.fit is None:
             raise UsageError("this diagnosis was read from a folder; copy that folder")
         lost, content, code, sample = self.lost, self.content, None, isinstance(self.task, SampleTask)
-        if not lost and not content.task and not sample:
+        if not lost and not content.task and not sample and not isinstance(self.task, JointTask):
             name, code = _code(self.task)
             lost = "" if code else f"the simulator of {self.task.name}"
             content = content.model_copy(update={"task": f"{folder.resolve() / 'task.py'}:{name}"})
@@ -157,6 +159,8 @@ class Diagnosed:
         paths = report.write(self.task, self.result, folder, title or self.task.name)
         if sample:
             paths.append(write_atomically(folder / "simulated.parquet", self._simulated()))
+        elif isinstance(self.task, JointTask):
+            warnings.warn("no model.json: it is of one simulator, and this diagnosis of several", stacklevel=2)
         elif lost:
             warnings.warn(
                 f"no model.json: another process does not find {lost}; define it by `def` or `class` at the top of a "
@@ -227,8 +231,8 @@ class Diagnosed:
 
 @limited
 def diagnose(
-    task: Task | str | ArrayLike | pd.DataFrame,
-    x: ArrayLike | pd.DataFrame | Table | Tables | Sequence[Table],
+    task: Task | str | ArrayLike | pd.DataFrame | Joint,
+    x: ArrayLike | pd.DataFrame | Table | Tables | Sequence[Table] | None = None,
     *,
     seed: int = 0,
     alpha: float = 0.05,
@@ -254,7 +258,8 @@ def diagnose(
     ----------
     task
         A task, or its name, `module:Class`, `path/to/file.py:Class`, or the path of a model.json; or simulated events
-        that were made before, (M, d) or (M,), which `avobench.bank` takes with their parameters and weights.
+        that were made before, (M, d) or (M,), which `avobench.bank` takes with their parameters and weights; or several
+        data sets with what was measured, by `avobench.joint`, without `x`.
     x
         Measured events (N, d), or (N,) where an event is one number; or published tables, `Table` or several, by the
         features of the task or by functions of its events.
@@ -303,7 +308,12 @@ def diagnose(
     seed, max_effects, jobs = whole("seed", seed, 0), whole("max_effects", max_effects, 0), whole("jobs", jobs, 1)
     simulations = None if simulations is None else whole("simulations", simulations, 1)
     effects = [effects] if isinstance(effects, str) else effects
-    task, spec = _named(task)
+    joint = task if isinstance(task, Joint) else None
+    if (joint is None) == (x is None):
+        raise UsageError("give what was measured, but of `avobench.joint`, which has it")
+    task, spec = (joint.task, None) if joint else _named(task)
+    calls = len(joint.sets) if joint else 1  # of simulators, for an event of each data set
+    simulations = simulations and simulations // calls
     sample = isinstance(task, SampleTask)
     if sample and (simulations is not None or bank is not None):
         raise UsageError("simulated events that were made before are all there are: leave simulations and bank out")
@@ -315,15 +325,16 @@ def diagnose(
     notes = []
     if time is not None:
         x, time, notes = with_times(x, time, drop_invalid=drop_invalid)
-    if (tables := _tables(x)) is not None:
-        if ordered or time is not None or drop_invalid or fit != "surrogate":
-            raise UsageError("tables have no single events: leave ordered, time, drop_invalid and fit out")
-        part, remarks = checks.tables(tables), []
-        x = part.reference
+    tables, part = tables_in(x), None
+    if joint or tables:
+        if ordered or time is not None or fit != "surrogate" or (tables and drop_invalid):
+            raise UsageError("tables and several data sets are no single sample: leave ordered, time and fit out")
+        part, remarks = checks.joint(joint.sets, drop_invalid=drop_invalid) if joint else (checks.tables(tables), [])
     else:
-        part, (x, remarks) = None, checks.events(x, drop_invalid=drop_invalid)
+        x, remarks = checks.events(x, drop_invalid=drop_invalid)
     for source, effect in theirs.values():  # what no file can keep would else show when all is done
-        registry.blamed(lambda s=source, e=effect: _keepable(e, x, task, s), f"effect {effect.name}")
+        tried_on = checks.simulate(task.prior.sample(TRIED, rng := np.random.default_rng(0)), rng) if part else x
+        registry.blamed(lambda s=source, e=effect, x=tried_on: _keepable(e, x, task, s), f"effect {effect.name}")
     with shown(progress) as tell:
         result = diagnosed(
             task,
@@ -341,15 +352,10 @@ def diagnose(
             progress=tell,
             bank=None if bank is None else Path(bank),
         )
-    diagnosis = result.diagnosis.model_copy(update={"notes": notes + remarks + result.diagnosis.notes})
+    said = result.diagnosis
+    told = {"notes": notes + remarks + said.notes, "num_simulations": calls * said.num_simulations}
+    diagnosis = said.model_copy(update=told)
     return _diagnosed(replace(result, diagnosis=diagnosis), spec, theirs, possible)
-
-
-def _tables(x: Any) -> Tables | None:
-    """What was measured, if it is published tables."""
-    if isinstance(x, Table | Tables):
-        return Tables.of(x)
-    return Tables.of(x) if isinstance(x, list | tuple) and x and all(isinstance(t, Table) for t in x) else None
 
 
 def _named(task: Task | str | ArrayLike | pd.DataFrame) -> tuple[Task, str | None]:

@@ -33,7 +33,7 @@ from avobench.diagnosis.schema import Verdict
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.search import Search, refined
 from avobench.diagnosis.settings import BUDGET, FIT, TEST
-from avobench.diagnosis.summary.published import TablePart
+from avobench.diagnosis.summary.part import Measured, Part
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.effects.bank import Bank, Given
@@ -46,15 +46,15 @@ from avobench.tasks.meter import Meter
 from avobench.tasks.sample import SampleTask
 
 OF_TABLES = (
-    "Of tables, what needs single events is left out: the classifier, what events look like, and the correction. A "
-    "quarter of what the tables tell, drawn at random, is kept aside for the gap."
+    "Of tables, and of several data sets, what needs single events is left out: the classifier, what events look like, "
+    "and the correction. A quarter of what was measured, drawn at random, is kept aside for the gap."
 )
-"""What is said of each diagnosis of tables."""
+"""What is said of each diagnosis of tables, or of several data sets."""
 
 
 def diagnose(
     task: Task,
-    x: NDArray | TablePart,
+    x: Measured,
     *,
     seed: int = 0,
     alpha: float = 0.05,
@@ -84,7 +84,7 @@ def diagnose(
     rng = np.random.default_rng(seed)
     effects = catalogue(task) if effects is None else effects
     order, notes, num_events = None, [], None
-    if isinstance(x, TablePart):
+    if isinstance(x, Part):
         fitted, aside = x.split(TEST.held_out_share, rng)
         notes.append(OF_TABLES)
     else:
@@ -120,7 +120,7 @@ class Run:
     """A diagnosis under way: the measured events, and what all of its steps share."""
 
     task: Task
-    events: NDArray | TablePart
+    events: Measured
     """The measured events that are fitted (n, d), or what is fitted of tables."""
     num_events: int | None
     """Measured events, with those that are held out; None of tables."""
@@ -158,7 +158,7 @@ class Run:
     @property
     def of_tables(self) -> bool:
         """Whether tables were measured, so that what needs single events is left out."""
-        return isinstance(self.events, TablePart)
+        return isinstance(self.events, Part)
 
     def source(self, seed: int) -> Bank | Pool:
         """What stands for the simulator: whatever it makes is used again."""
@@ -202,7 +202,7 @@ class Run:
         meter, target, n = self.meter, self.target, len(self.events)
         self.phases.begin("search", usual_events(domain(self.task), n) if meter.limit is None else 0)
         rng, effort, x = self.rng, self.effort, self.events
-        if isinstance(x, TablePart):
+        if isinstance(x, Part):
             made = null.fit.model.simulate(np.tile(null.fit.params, (n, 1)), rng)
             x, experience = x.as_events(self.task, made, rng), False
         search = Search(target, x, self.effects, max_effects, rng, effort, self.jobs, self.phases, experience)

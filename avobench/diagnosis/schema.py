@@ -131,9 +131,10 @@ class Identifiable(Named):
 
 
 class TableGap(Strict):
-    """How far a published table is from the simulator with theta fitted, in the bins that were fitted."""
+    """How far a table, or one of several data sets, is from the simulator with theta fitted, in the fitted bins."""
 
     name: str
+    kind: Literal["table", "events"] = "table"
     dof: int
     """Of the table, without those that the fit takes up."""
     chi_squared_before: float
@@ -189,11 +190,11 @@ class Diagnosis(Strict):
     order: list[Disorder] | None = None
     """What contradicts that events are exchangeable, the surest first; None where it was not asked."""
     tables: list[TableGap] = []
-    """The tables, where they were measured in place of events."""
+    """The tables, where they were measured in place of events, and each of several data sets."""
     notes: list[str]
     """Sentences for a person: fits that ended at a bound, what so few events cannot show, a wide AVO proposal."""
     num_events: int | None
-    """None of tables."""
+    """None of tables, and of several data sets."""
     num_simulations: int
     seconds: float
     seed: int

@@ -9,6 +9,7 @@ from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.schema import Region
 from avobench.diagnosis.settings import TEST
 from avobench.diagnosis.summary.bins import Bins, Span
+from avobench.diagnosis.summary.joint import StackedSummary
 from avobench.diagnosis.summary.table import TableSummary
 from avobench.diagnosis.summary.target import Target
 
@@ -114,7 +115,7 @@ def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> li
     The ends and the feature of the interval of the largest excess, and of the largest deficit; nothing for images, nor
     for an effect on a parameter of the task.
     """
-    if not isinstance(target.summary, Bins | TableSummary):
+    if not isinstance(target.summary, Bins | TableSummary | StackedSummary):
         return []
     spans = [
         span

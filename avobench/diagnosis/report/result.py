@@ -84,19 +84,16 @@ def _spectrum(
     view: View, span: Span, target: Target, before: Fit, after: Fit | None, names: tuple[str, ...]
 ) -> Spectrum:
     bins = slice(span.start, span.start + len(span.ends) - 1)
+    name = names[span.feature] if isinstance(span.feature, int) else span.feature
+    first, then = before.predicted[bins], None if after is None else after.predicted[bins]
     if (shown := view.shown) is not None:
-        unit = shown.unit[bins]
-        predicted = None if after is None else after.predicted[bins] * unit
-        first = before.predicted[bins] * unit
-        return Spectrum(
-            span.name, span.ends, shown.values[bins], shown.errors[bins], first, predicted, "entries per event and unit"
-        )
+        unit, measured = shown.unit[bins], (shown.values[bins], shown.errors[bins])
+        models = (first * unit, None if then is None else then * unit)
+        return Spectrum(span.name or name, span.ends, *measured, *models, "entries per event and unit")
     share = target.mean[bins]
     # At least one event's worth: a bin in which nothing was measured is not known exactly.
     error = np.sqrt(np.maximum(share * (1 - share), 1 / target.num_events) / target.num_events)
-    name = names[span.feature] if isinstance(span.feature, int) else span.feature
-    predicted = None if after is None else after.predicted[bins]
-    return Spectrum(name, span.ends, share, error, before.predicted[bins], predicted)
+    return Spectrum(name, span.ends, share, error, first, then)
 
 
 PACKAGES = ("avobench", "numpy", "scipy", "scikit-learn")

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.settings import BUDGET, SUMMARY
+from avobench.diagnosis.summary.bins import Summary
+from avobench.diagnosis.summary.part import Part
 from avobench.diagnosis.summary.table import TableSummary
 from avobench.diagnosis.summary.target import Target, whitening
 from avobench.tables.comparison import Reduced
@@ -20,8 +22,8 @@ MOST_VALUES = 200_000
 
 
 @dataclass(frozen=True, eq=False)
-class TablePart:
-    """A random part of what published tables tell, in place of as many measured events."""
+class TablePart(Part):
+    """A random part of what published tables tell."""
 
     tables: Tables
     values: NDArray[np.float64]
@@ -37,7 +39,7 @@ class TablePart:
         return cls(tables, tables.values, 1.0, reference)
 
     def split(self, aside: float, rng: np.random.Generator) -> tuple["TablePart", "TablePart"]:
-        """The whole in two parts: what is fitted, and the share `aside` that no fit sees. They are independent.
+        """The whole in two parts.
 
         Counts are drawn without replacement, as events are that are kept aside. Of values v with errors of covariance C
         the parts are v + z sqrt(a / (1 - a)) and v - z sqrt((1 - a) / a) with z ~ N(0, C), which have the covariances
@@ -55,12 +57,17 @@ class TablePart:
 
     @cached_property
     def _first(self) -> Target:
-        """The target beside events over the prior."""
         return self.target(self.reference)
 
+    def first(self) -> Target:
+        """The target beside events over the prior."""
+        return self._first
+
     def __len__(self) -> int:
-        """As many events as have the errors of this part, about."""
         return self._first.num_events
+
+    def seen_by(self, summary: Summary) -> tuple[NDArray[np.float64], int]:
+        return self._in_bins_of(summary.tables), max(round(self.share * summary.worth), 1)
 
     def target(self, simulated: NDArray) -> Target:
         """What is fitted, with the scales and the bins of simulated events (n, d) near the fit.
@@ -79,7 +86,7 @@ class TablePart:
         tables = Tables(
             (table.merged(at) for table, at in zip(self.tables, starts, strict=True)), covariance=self.tables.covariance
         )
-        values, reduced = self.in_bins_of(tables), Reduced.of(tables, simulated)
+        values, reduced = self._in_bins_of(tables), Reduced.of(tables, simulated)
         expected = (1 - SUMMARY.mixed_in) * values + SUMMARY.mixed_in * tables.predict(reduced.mean)
         cov = tables.covariance_of(expected, reduced.num_events)
         summary, w = TableSummary(tables, reduced.mean), whitening(cov)
@@ -87,7 +94,7 @@ class TablePart:
         num_events = max(round(self.share * worth), 1)
         return Target.of(replace(summary, worth=worth), values, num_events, worth * cov)
 
-    def in_bins_of(self, tables: Tables) -> NDArray[np.float64]:
+    def _in_bins_of(self, tables: Tables) -> NDArray[np.float64]:
         """The values in wider bins, into which those of the tables were merged."""
         found = []
         for table, part, wide in zip(self.tables, self.tables.parts, tables, strict=True):
@@ -97,10 +104,7 @@ class TablePart:
         return np.concatenate(found)
 
     def as_events(self, task: Task, simulated: NDArray, rng: np.random.Generator) -> NDArray:
-        """Events (m, d) of which each feature has the values that its table shows, for what effects read off events.
-
-        Within a bin they are distributed as those of simulated events (n, d), as are features without a table.
-        """
+        """Within a bin they are distributed as those of simulated events, as are features without a table."""
         m = min(len(self), MOST_VALUES)
         x = simulated[rng.integers(len(simulated), size=m)]
         for table, part in zip(self.tables, self.tables.parts, strict=True):

@@ -177,13 +177,15 @@ def measured(diagnosis: Diagnosis) -> str:
     """How much was measured."""
     if diagnosis.num_events is not None:
         return f"{diagnosis.num_events} events"
-    dof, n = sum(table.dof for table in diagnosis.tables), len(diagnosis.tables)
-    return f"{n} table{'s' * (n > 1)}, {dof} degrees of freedom"
+    kinds = [table.kind for table in diagnosis.tables]
+    counted = {"data set": kinds.count("events"), "table": kinds.count("table")}
+    words = [f"{n} {what}{'s' * (n > 1)}" for what, n in counted.items() if n]
+    return f"{', '.join(words)}, {sum(table.dof for table in diagnosis.tables)} degrees of freedom"
 
 
 def aside(diagnosis: Diagnosis) -> str:
     """What the gap was measured on."""
-    return "held-out events" if diagnosis.num_events is not None else "the part of the tables that was kept aside"
+    return "held-out events" if diagnosis.num_events is not None else "what was kept aside"
 
 
 def _chi_squared(diagnosis: Diagnosis) -> list[str]:
