@@ -12,7 +12,7 @@ from avobench.diagnosis.settings import BUDGET, SUMMARY
 from avobench.diagnosis.summary.bins import Summary
 from avobench.diagnosis.summary.part import Part
 from avobench.diagnosis.summary.table import TableSummary
-from avobench.diagnosis.summary.target import Target, whitening
+from avobench.diagnosis.summary.target import Target
 from avobench.tables.comparison import Reduced
 from avobench.tables.table import Table, Tables
 from avobench.tasks import Task
@@ -57,7 +57,16 @@ class TablePart(Part):
 
     @cached_property
     def _first(self) -> Target:
-        return self.target(self.reference)
+        target = self._target(self.reference)
+        tables, near = target.summary.tables, target.summary.simulated
+        # Events over the prior scatter most where few were measured. Of how many those that were measured are, is told
+        # by Poisson errors of as many entries as they have.
+        entries = np.maximum(target.mean, 0)
+        for table, part in zip(tables, tables.parts, strict=True):
+            of_all = near[part].sum() if table.normalised else 1.0
+            entries[part] *= table.widths / table.scale * of_all
+        slopes = tables.slopes(entries, tables.predict(entries))
+        return self._of(target, replace(target.summary, simulated=entries), slopes @ np.diag(entries) @ slopes.T)
 
     def first(self) -> Target:
         """The target beside events over the prior."""
@@ -70,12 +79,23 @@ class TablePart(Part):
         return self._in_bins_of(summary.tables), max(round(self.share * summary.worth), 1)
 
     def target(self, simulated: NDArray) -> Target:
+        target = self._target(simulated)
+        return self._of(target, target.summary, target.summary.covariance(simulated))
+
+    def _of(self, target: Target, summary: TableSummary, scatter: NDArray[np.float64]) -> Target:
+        """A target of so many events as scatter like this (K, K), on average over what is fitted, to its errors."""
+        of_one = np.einsum("kr,kl,lr->", target.whitening, scatter, target.whitening)
+        worth = max(float(of_one) / max(target.rank, 1), 1.0)
+        num_events = max(round(self.share * worth), 1)
+        return Target.of(replace(summary, worth=worth), target.mean, num_events, worth * target.cov)
+
+    def _target(self, simulated: NDArray) -> Target:
         """What is fitted, with the scales and the bins of simulated events (n, d) near the fit.
 
         Bins of counts are merged until each is filled, as those of events are. The covariance is that of the tables,
         with Poisson errors of counts that are mostly the measured ones and a little the simulated. Noise of simulation
         is told in a number of events: that at which simulated events would have, on average over what is fitted, the
-        errors of the tables.
+        errors of the tables. Here it is 1.
         """
         expected = self.tables.predict(Reduced.of(self.tables, simulated).mean)
         held = self.share * (self.values + expected) / 2
@@ -89,10 +109,7 @@ class TablePart(Part):
         values, reduced = self._in_bins_of(tables), Reduced.of(tables, simulated)
         expected = (1 - SUMMARY.mixed_in) * values + SUMMARY.mixed_in * tables.predict(reduced.mean)
         cov = tables.covariance_of(expected, reduced.num_events)
-        summary, w = TableSummary(tables, reduced.mean), whitening(cov)
-        worth = max(float(np.einsum("kr,kl,lr->", w, summary.covariance(simulated), w)) / max(w.shape[1], 1), 1.0)
-        num_events = max(round(self.share * worth), 1)
-        return Target.of(replace(summary, worth=worth), values, num_events, worth * cov)
+        return Target.of(TableSummary(tables, reduced.mean), values, 1, cov)
 
     def _in_bins_of(self, tables: Tables) -> NDArray[np.float64]:
         """The values in wider bins, into which those of the tables were merged."""
