@@ -383,10 +383,12 @@ def moments(
         calls, sets, task = len(task.sets), task.sets, task.task
         checks = Checks(task, budget // calls)
         part, warnings = checks.joint(sets, drop_invalid=drop_invalid)
+        num_events = sum(map(len, part.sets))
     else:
         task = registry.task_of(task)
         checks = Checks(task, budget)
         part, warnings = checks.tables(tables_in(x)), []
+        num_events = len(part)
     limit, rng = budget // calls, stream(seed, "method", task.name, "smm")
     effort = effort_for(task, domain(task), limit, len(part), checks.used)
     with shown(progress) as tell:
@@ -404,4 +406,4 @@ def moments(
         theta, how, "proposal", theta, fit.std, trace, error=fit.std, covariance=covariance, doubt=doubt
     )
     seconds = time.perf_counter() - start
-    return Inference(task, "smm", estimate, len(part), calls * meter.used, seconds, seed, tuple(warnings))
+    return Inference(task, "smm", estimate, num_events, calls * meter.used, seconds, seed, tuple(warnings))
