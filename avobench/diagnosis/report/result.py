@@ -89,7 +89,7 @@ def _spectrum(
     if (shown := view.shown) is not None:
         unit, measured = shown.unit[bins], (shown.values[bins], shown.errors[bins])
         models = (first * unit, None if then is None else then * unit)
-        return Spectrum(span.name or name, span.ends, *measured, *models, "entries per event and unit")
+        return Spectrum(span.name or name, span.ends, *measured, *models, "density")
     share = target.mean[bins]
     # At least one event's worth: a bin in which nothing was measured is not known exactly.
     error = np.sqrt(np.maximum(share * (1 - share), 1 / target.num_events) / target.num_events)
