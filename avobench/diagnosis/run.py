@@ -203,8 +203,11 @@ class Run:
         self.phases.begin("search", usual_events(domain(self.task), n) if meter.limit is None else 0)
         rng, effort, x = self.rng, self.effort, self.events
         if isinstance(x, Part):
-            made = null.fit.model.simulate(np.tile(null.fit.params, (n, 1)), rng)
-            x, experience = x.as_events(self.task, made, rng), False
+            with self.affordable("the search for what is missing"):
+                made = null.fit.model.simulate(np.tile(null.fit.params, (effort.sample, 1)), rng)
+                x, experience = x.as_events(self.task, made, rng), False
+        if isinstance(x, Part):
+            return None, None
         search = Search(target, x, self.effects, max_effects, rng, effort, self.jobs, self.phases, experience)
         extended = None
         with meter.keeping(self.later + self.effort.gaps):

@@ -100,8 +100,8 @@ def test_a_right_simulator_is_not_rejected_by_densities_with_a_covariance():
     ("tables", "options", "word"),
     [
         ({"feature": "energy"}, {}, "no feature energy; it has: count"),
-        ({}, {"ordered": True}, "no single events"),
-        ({}, {"fit": "smm"}, "no single events"),
+        ({}, {"ordered": True}, "no single sample"),
+        ({}, {"fit": "smm"}, "no single sample"),
         ({"edges": [0, 1], "values": [900]}, {}, "tell no more than the 1 parameters"),
         ({"edges": [500, 501, 502], "values": [900, 900]}, {}, "no simulated event has an entry in its bins"),
     ],

@@ -46,8 +46,10 @@ class TablePart(Part):
         C / (1 - a) and C / a (A. Neufeld et al., J. Mach. Learn. Res. 25 (2024), no. 57).
         """
         tables, reference = self.tables, self.reference
-        variances, vectors = np.linalg.eigh(tables.covariance_of(tables.values, len(reference)))
-        noise = vectors @ (np.sqrt(np.maximum(variances, 0)) * rng.standard_normal(len(variances)))
+        cov = tables.covariance_of(tables.values, len(reference))
+        scale = np.sqrt(np.maximum(np.diag(cov), np.finfo(float).tiny))  # of tables whose units differ by far
+        variances, vectors = np.linalg.eigh(cov / np.outer(scale, scale))
+        noise = scale * (vectors @ (np.sqrt(np.maximum(variances, 0)) * rng.standard_normal(len(variances))))
         fitted = tables.values + np.sqrt(aside / (1 - aside)) * noise
         held_out = tables.values - np.sqrt((1 - aside) / aside) * noise
         for table, part in zip(tables, tables.parts, strict=True):
