@@ -20,6 +20,9 @@ from avobench.tasks import Task
 MOST_VALUES = 200_000
 """Values of a feature that are drawn from a table, at most: ranges and limits of effects are read off them."""
 
+PLAIN = 3
+"""Times as many measured entries as fill a bin by themselves: from so many, where few are expected, no chance makes."""
+
 
 @dataclass(frozen=True, eq=False)
 class TablePart(Part):
@@ -94,15 +97,17 @@ class TablePart(Part):
     def _target(self, simulated: NDArray) -> Target:
         """What is fitted, with the scales and the bins of simulated events (n, d) near the fit.
 
-        Bins of counts are merged until each is filled, as those of events are. The covariance is that of the tables,
+        Bins of counts are merged until each is filled. The covariance is that of the tables,
         with Poisson errors of counts that are mostly the measured ones and a little the simulated. Noise of simulation
         is told in a number of events: that at which simulated events would have, on average over what is fitted, the
         errors of the tables. Here it is 1.
         """
         expected = self.tables.predict(Reduced.of(self.tables, simulated).mean)
-        held = self.share * (self.values + expected) / 2
+        # As many entries as are expected, or many more measured ones: what is merged by measured counts that are just
+        # enough has too many on average.
+        held = self.share * np.stack([expected, self.values / PLAIN])
         starts = [
-            _filled(held[part] * table.widths) if _is_counts(self.tables, table) else np.arange(len(table.values))
+            _filled(held[:, part] * table.widths) if _is_counts(self.tables, table) else np.arange(len(table.values))
             for table, part in zip(self.tables, self.tables.parts, strict=True)
         ]
         tables = Tables(
@@ -148,13 +153,13 @@ def _split_counts(
 
 
 def _filled(counts: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Where wider bins begin, each with enough of these counts (K,): (k,)."""
-    starts, held = [0], 0.0
-    for k, count in enumerate(counts[:-1], start=1):
-        held += count
-        if held >= SUMMARY.least_in_bin and counts[k:].sum() >= SUMMARY.least_in_bin:
+    """Where wider bins begin, each with enough counts of one kind (2, K): (k,)."""
+    starts, held = [0], np.zeros(2)
+    for k in range(1, counts.shape[1]):
+        held += counts[:, k - 1]
+        if min(held.max(), counts[:, k:].sum(axis=1).max()) >= SUMMARY.least_in_bin:
             starts.append(k)
-            held = 0.0
+            held[:] = 0
     return np.array(starts)
 
 
