@@ -2,6 +2,7 @@
 
 from .api.diagnosis import Diagnosed, diagnose
 from .api.inference import Inference, infer
+from .api.joint import Joint, joint
 from .api.listing import list_effects, list_methods, list_tasks
 from .api.load import load
 from .api.sweep import records, run
@@ -28,6 +29,7 @@ __all__ = [
     "Effect",
     "Estimate",
     "Inference",
+    "Joint",
     "Method",
     "Parameter",
     "Problem",
@@ -44,6 +46,7 @@ __all__ = [
     "diagnose",
     "fit_tables",
     "infer",
+    "joint",
     "list_effects",
     "list_methods",
     "list_tasks",

@@ -16,6 +16,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.api.described import Described, array, description, plain
+from avobench.api.joint import Joint, tables_in
 from avobench.api.limited import limited
 from avobench.api.progress import Progress, shown
 from avobench.bench.events.checks import Simulate, with_times
@@ -23,10 +24,12 @@ from avobench.bench.plugins import registry
 from avobench.bench.plugins.source import CODE, as_module
 from avobench.bench.store.files import require_folder, write_atomically
 from avobench.effects import Effect
+from avobench.tables.table import Table, Tables
 from avobench.tasks import Task
 from avobench.tasks.arguments import checked
 from avobench.tasks.errors import UsageError, whole
 from avobench.tasks.function import FunctionTask
+from avobench.tasks.joint import JointTask
 from avobench.tasks.sample import SampleTask
 from avobench.tasks.sample import bank as sample_of
 
@@ -144,8 +147,9 @@ class Diagnosed:
         # All that may fail is made before anything of another run is removed, to which this does not belong.
         if self.result.fit is None:
             raise UsageError("this diagnosis was read from a folder; copy that folder")
-        sample, code, lost = isinstance(self.task, SampleTask), {}, []
-        if not sample:
+        sample, joint = isinstance(self.task, SampleTask), isinstance(self.task, JointTask)
+        content, code, lost = self.content, {}, []
+        if not sample and not joint:
             content, code, lost = _with_code(self.content, self.task, folder.resolve())
         for path in code:
             if path.exists() and not path.read_bytes().startswith(CODE.encode()):
@@ -157,6 +161,8 @@ class Diagnosed:
         paths = report.write(self.task, self.result, folder, title or self.task.name)
         if sample:
             paths.append(write_atomically(folder / "simulated.parquet", self._simulated()))
+        elif joint:
+            warnings.warn("no model.json: it is of one simulator, and this diagnosis of several", stacklevel=2)
         elif lost:
             warnings.warn(
                 f"no model.json: another process does not find {lost[0]}; define it by `def` or `class` at the top of "
@@ -228,8 +234,8 @@ class Diagnosed:
 @checked
 @limited
 def diagnose(
-    task: Task | str | ArrayLike | pd.DataFrame,
-    x: ArrayLike | pd.DataFrame,
+    task: Task | str | ArrayLike | pd.DataFrame | Joint,
+    x: ArrayLike | pd.DataFrame | Table | Tables | Sequence[Table] | None = None,
     *,
     seed: int = 0,
     alpha: float = 0.05,
@@ -255,9 +261,11 @@ def diagnose(
     ----------
     task
         A task, or its name, `module:Class`, `path/to/file.py:Class`, or the path of a model.json; or simulated events
-        that were made before, (M, d) or (M,), which `avobench.bank` takes with their parameters and weights.
+        that were made before, (M, d) or (M,), which `avobench.bank` takes with their parameters and weights; or several
+        data sets with what was measured, by `avobench.joint`, without `x`.
     x
-        Measured events (N, d), or (N,) where an event is one number.
+        Measured events (N, d), or (N,) where an event is one number; or published tables, `Table` or several, by the
+        features of the task or by functions of its events.
     seed
         Of all that is random. The same seed gives the same diagnosis.
     alpha
@@ -303,7 +311,12 @@ def diagnose(
     seed, max_effects, jobs = whole("seed", seed, 0), whole("max_effects", max_effects, 0), whole("jobs", jobs, 1)
     simulations = None if simulations is None else whole("simulations", simulations, 1)
     effects = [effects] if isinstance(effects, str) else effects
-    task, spec = _named(task)
+    joint = task if isinstance(task, Joint) else None
+    if (joint is None) == (x is None):
+        raise UsageError("give what was measured, but of `avobench.joint`, which has it")
+    task, spec = (joint.task, None) if joint else _named(task)
+    calls = len(joint.sets) if joint else 1  # of simulators, for an event of each data set
+    simulations = simulations and simulations // calls
     sample = isinstance(task, SampleTask)
     if sample and (simulations is not None or bank is not None):
         raise UsageError("simulated events that were made before are all there are: leave simulations and bank out")
@@ -315,13 +328,20 @@ def diagnose(
     notes = []
     if time is not None:
         x, time, notes = with_times(x, time, drop_invalid=drop_invalid)
-    x, remarks = checks.events(x, drop_invalid=drop_invalid)
+    tables, part = tables_in(x), None
+    if joint or tables:
+        if ordered or time is not None or fit != "surrogate" or (tables and drop_invalid):
+            raise UsageError("tables and several data sets are no single sample: leave ordered, time and fit out")
+        part, remarks = checks.joint(joint.sets, drop_invalid=drop_invalid) if joint else (checks.tables(tables), [])
+    else:
+        x, remarks = checks.events(x, drop_invalid=drop_invalid)
+    tried_on = checks.simulate(task.prior.sample(TRIED, rng := np.random.default_rng(0)), rng) if part and theirs else x
     for each in theirs.values():  # what no file can keep would else show when all is done
-        registry.blamed(partial(_keepable, each, x, task), f"effect {each.effect.name}")
+        registry.blamed(partial(_keepable, each, tried_on, task), f"effect {each.effect.name}")
     with shown(progress) as tell:
         result = diagnosed(
             task,
-            x,
+            x if part is None else part,
             seed=seed,
             alpha=alpha,
             max_effects=max_effects,
@@ -335,7 +355,9 @@ def diagnose(
             progress=tell,
             bank=None if bank is None else Path(bank),
         )
-    diagnosis = result.diagnosis.model_copy(update={"notes": notes + remarks + result.diagnosis.notes})
+    said = result.diagnosis
+    told = {"notes": notes + remarks + said.notes, "num_simulations": calls * said.num_simulations}
+    diagnosis = said.model_copy(update=told)
     return _diagnosed(replace(result, diagnosis=diagnosis), spec, theirs, possible)
 
 

@@ -3,7 +3,7 @@
 import html
 import json
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.api.described import Described, array, description, plain
+from avobench.api.joint import Joint, tables_in
 from avobench.api.limited import limited
 from avobench.api.progress import Progress, shown
 from avobench.bench.cells.budget import MeteredSimulator, pose
@@ -25,6 +26,7 @@ from avobench.bench.store.versions import versions
 from avobench.effects.pool import Counted
 from avobench.methods import Estimate, Method, TracePoint, WeightedSample
 from avobench.reports.numbers import with_error
+from avobench.tables.table import Table, Tables
 from avobench.tasks import Task
 from avobench.tasks.arguments import checked
 from avobench.tasks.errors import UsageError, whole
@@ -42,6 +44,8 @@ PAIRED = 2000
 
 VECTORS = ("theta", "mean", "std", "error", "covariance")
 """The arrays of an estimate."""
+DOUBTED = 0.001
+"""A p-value of the fit of tables or of several data sets below which the answer says that it is doubtful."""
 DEFAULTS = ("avo", "smm")
 """The first of these methods whose packages are installed is the default; `smm` needs none."""
 
@@ -268,8 +272,8 @@ class Inference:
 @checked
 @limited
 def infer(
-    task: Task | str,
-    x: ArrayLike,
+    task: Task | str | Joint,
+    x: ArrayLike | Table | Tables | Sequence[Table] | None = None,
     method: Method | str | None = None,
     *,
     budget: int = 160_000,
@@ -284,9 +288,11 @@ def infer(
     Parameters
     ----------
     task
-        A task, or its name, `module:Class`, `path/to/file.py:Class`, or the path of a model.json.
+        A task, or its name, `module:Class`, `path/to/file.py:Class`, or the path of a model.json; or several data sets
+        with what was measured, by `avobench.joint`, without `x`.
     x
-        Observed events (N, d), or (N,) where an event is one number.
+        Observed events (N, d), or (N,) where an event is one number; or published tables. Of tables, and of several
+        data sets, theta is found by `smm`: from means of summaries, by the fit with which a diagnosis begins.
     method
         A method, or its name, such as "avo", "abc-smc" or "bolfi". By default it is `avo` where PyTorch is
         installed, and otherwise `smm`, which needs no more than the base install.
@@ -314,6 +320,12 @@ def infer(
     ProcessEnded
         If the process took longer than `seconds`, or was ended by what it ran.
     """
+    if isinstance(task, Joint) or tables_in(x) is not None:
+        if method not in (None, "smm") or settings:
+            raise UsageError("tables and several data sets are fitted by smm, without settings: leave others out")
+        return moments(task, x, whole("budget", budget, 1), whole("seed", seed, 0), drop_invalid, progress)
+    if x is None:
+        raise UsageError("give what was measured, but of `avobench.joint`, which has it")
     task = registry.task_of(task)
     budget, seed = whole("budget", budget, 1), whole("seed", seed, 0)
     if method is None:
@@ -346,3 +358,52 @@ def infer(
     return Inference(
         task, method.name, estimate, len(x_observed), checks.used + simulate.used, seconds, seed, tuple(warnings)
     )
+
+
+def moments(
+    task: Task | str | Joint, x: Any, budget: int, seed: int, drop_invalid: bool, progress: Progress | bool | None
+) -> Inference:
+    """Infer theta from tables x, or from several data sets, by the means of their summaries.
+
+    Raises UsageError as `infer` does.
+    """
+    from avobench.diagnosis.checks import Checks
+    from avobench.diagnosis.effort import effort_for
+    from avobench.diagnosis.fit.null import fit_null
+    from avobench.diagnosis.goodness_of_fit.gates import summary_gate
+    from avobench.effects.bank import Bank
+    from avobench.effects.catalogue import domain
+    from avobench.effects.model import Model
+    from avobench.tasks.meter import Meter
+
+    start, calls = time.perf_counter(), 1
+    if isinstance(task, Joint):
+        if x is not None:
+            raise UsageError("what was measured is in `avobench.joint`: leave x out")
+        calls, sets, task = len(task.sets), task.sets, task.task
+        checks = Checks(task, budget // calls)
+        part, warnings = checks.joint(sets, drop_invalid=drop_invalid)
+        num_events = sum(map(len, part.sets))
+    else:
+        task = registry.task_of(task)
+        checks = Checks(task, budget)
+        part, warnings = checks.tables(tables_in(x)), []
+        num_events = len(part)
+    limit, rng = budget // calls, stream(seed, "method", task.name, "smm")
+    effort = effort_for(task, domain(task), limit, len(part), checks.used)
+    with shown(progress) as tell:
+        meter = Meter(limit, lambda used: tell("smm", calls * used, budget))
+        meter.add(checks.used)
+        source = Bank(task, meter, int(rng.integers(2**63)))
+        fit, target = fit_null(Model(task, events=source), part, rng, effort, None)
+        gate, fit, _ = summary_gate(fit, target, rng, effort)
+    theta, width = fit.params, task.support.width
+    covariance = fit.point_covariance * np.outer(width, width)
+    doubt = f"the fit and what was measured disagree: p = {gate.p_value:.2g}" if gate.p_value < DOUBTED else ""
+    how = f"where the means of the summaries agree, chi-squared {gate.statistic:.1f}, dof {gate.dof}"
+    trace = [TracePoint(calls * meter.used, theta, fit.std)]
+    estimate = Estimate(
+        theta, how, "proposal", theta, fit.std, trace, error=fit.std, covariance=covariance, doubt=doubt
+    )
+    seconds = time.perf_counter() - start
+    return Inference(task, "smm", estimate, num_events, calls * meter.used, seconds, seed, tuple(warnings))

@@ -1,5 +1,6 @@
 """`avobench diagnose`: from a file of measured events to what the simulator lacks."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,10 @@ from avobench.bench.events import read_events, read_timed
 from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder
 from avobench.cli.isolated import Isolated
-from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, SECONDS, SEED, TRUST, named
+from avobench.cli.options import COLUMNS, DROP_INVALID, SECONDS, SEED, TRUST, named
 from avobench.cli.terminal import say
+from avobench.tables.read import read_table
+from avobench.tables.table import Table
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 from avobench.tasks.sample import bank
@@ -23,7 +26,16 @@ from avobench.tasks.sample import bank
 @click.option("--simulated", default=None, metavar="FILE", help="Simulated events, in place of a task.")
 @click.option("--theta-columns", default=None, metavar="A,B,...", help="Columns of --simulated that are parameters.")
 @click.option("--weights", default=None, metavar="COLUMN", help="Column of --simulated with weights.")
-@DATA
+@click.option("--data", default=None, metavar="FILE", help="File of measured events. For ROOT, file.root:tree.")
+@click.option(
+    "--table",
+    "tables",
+    multiple=True,
+    metavar="FILE[:NAME]",
+    help="Published table or histogram, in place of --data. Repeatable; --columns names the feature of each.",
+)
+@click.option("--density", is_flag=True, help="Values of --table are divided by the widths of their bins.")
+@click.option("--normalised", is_flag=True, help="Only the shape of each --table is compared, as always of counts.")
 @click.option("--out", required=True, type=click.Path(path_type=Path), metavar="DIR", help="Folder of the results.")
 @COLUMNS
 @DROP_INVALID
@@ -65,7 +77,10 @@ def diagnose(
     simulated: str | None,
     theta_columns: str | None,
     weights: str | None,
-    data: str,
+    data: str | None,
+    tables: tuple[str, ...],
+    density: bool,
+    normalised: bool,
     out: Path,
     columns: str | None,
     trust: bool,
@@ -83,14 +98,24 @@ def diagnose(
         raise UsageError("give a simulator by --task, or events that it made by --simulated: one of the two")
     if (theta_columns or weights) and simulated is None:
         raise UsageError("--theta-columns and --weights are columns of --simulated, which is not given")
+    if (data is None) == (not tables):
+        raise UsageError("give measured events by --data, or published tables by --table: one of the two")
+    if (density or normalised) and not tables:
+        raise UsageError("--density and --normalised are of --table, which is not given")
+    if time is not None and tables:
+        raise UsageError("--time is a column of --data, which is not given")
     chosen = _listed(columns)
     task: Task | str
     if simulated is not None:
-        task = _sample(simulated, chosen, _listed(theta_columns), weights)
+        task = _sample(simulated, None if tables else chosen, _listed(theta_columns), weights)
     else:
         task = named(spec or "", trust)
         registry.load("task", task)  # what is wrong with the request is said before a folder is made
-    x, when = read_timed(data, chosen, time)
+    x: Any
+    if data is not None:
+        x, when = read_timed(data, chosen, time)
+    else:
+        x, when = _tables(tables, chosen, density=density, normalised=normalised), None
     require_folder(out)
     with shown(None, plain=True) as progress:
         found = diagnose_events(
@@ -101,12 +126,24 @@ def diagnose(
             progress=progress,
             **asked,
         )
-    found.save(out, f"{Path(data).name} against {spec or Path(simulated or '').name}")
+    measured = ", ".join(Path(name).name for name in ([data] if data else tables))
+    found.save(out, f"{measured} against {spec or Path(simulated or '').name}")
     say(found.details())
 
 
 def _listed(names: str | None) -> list[str] | None:
     return None if names is None else [name.strip() for name in names.split(",")]
+
+
+def _tables(names: tuple[str, ...], features: list[str] | None, **settings: bool) -> list[Table]:
+    """The tables of files, each by its feature. Raises UsageError."""
+    if features is not None and len(features) != len(names):
+        raise UsageError(f"--columns names the feature of each table: {len(features)} for {len(names)} tables")
+    found = []
+    for k, name in enumerate(names):
+        file, _, chosen = name.rpartition(":") if re.search(r"\.(csv|yaml|yml):[^:]+$", name) else (name, "", None)
+        found.append(read_table(file, chosen, feature=features[k] if features else 0, **settings))
+    return found
 
 
 def _sample(file: str, columns: list[str] | None, theta: list[str] | None, weights: str | None) -> Task:

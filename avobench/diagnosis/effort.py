@@ -8,6 +8,7 @@ import numpy as np
 from avobench.diagnosis.settings import BUDGET
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
+from avobench.tasks.joint import JointTask
 
 Progress = Callable[[str, int, int], None]
 """A function of the phase, the simulated events so far, and about how many there will be."""
@@ -161,7 +162,9 @@ def effort_for(task: Task, domain: str, num_simulations: int | None, num_events:
     Of these, `num_spent` were spent before. The full effort for None. Raises UsageError where even the least does not
     fit.
     """
-    full = IMAGES if domain == "images" else (MANY if task.num_features > 1 else Effort()).of(num_events)
+    # Of several data sets one may take up what another lacks, so that more fits have to go on.
+    several = task.num_features > 1 and not isinstance(task, JointTask)
+    full = IMAGES if domain == "images" else (MANY if several else Effort()).of(num_events)
     if num_simulations is None:
         return full
     least = first_fit_events(full.scaled(0), task, num_events)

@@ -27,11 +27,13 @@ from avobench.diagnosis.goodness_of_fit.order import exchangeability
 from avobench.diagnosis.report.identifiability import card, card_events
 from avobench.diagnosis.report.outcome import Outcome, notes_of
 from avobench.diagnosis.report.result import Result, assemble, pictures
+from avobench.diagnosis.report.tables import table_gaps
 from avobench.diagnosis.report.uncertainties import QuotedFit, ambiguity
 from avobench.diagnosis.schema import Verdict
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.search import Search, refined
 from avobench.diagnosis.settings import BUDGET, FIT, TEST
+from avobench.diagnosis.summary.part import Measured, Part
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.effects.bank import Bank, Given
@@ -43,10 +45,16 @@ from avobench.tasks.errors import BudgetExhausted, UsageError
 from avobench.tasks.meter import Meter
 from avobench.tasks.sample import SampleTask
 
+OF_TABLES = (
+    "Of tables, and of several data sets, what needs single events is left out: the classifier, what events look like, "
+    "and the correction. A quarter of what was measured, drawn at random, is kept aside for the gap."
+)
+"""What is said of each diagnosis of tables, or of several data sets."""
+
 
 def diagnose(
     task: Task,
-    x: NDArray,
+    x: Measured,
     *,
     seed: int = 0,
     alpha: float = 0.05,
@@ -62,7 +70,7 @@ def diagnose(
     progress: Progress | None = None,
     bank: Path | None = None,
 ) -> Result:
-    """Compare measured events x (N, d) with a task, and say what it lacks.
+    """Compare measured events x (N, d), or published tables, with a task, and say what it lacks.
 
     Of the `num_simulations` that are allowed, `num_spent` were spent before, on checks. Without `experience` the
     networks are not asked what the events look like. `ordered` asks whether the order of the events, or that of their
@@ -71,30 +79,36 @@ def diagnose(
     impossible settings.
     """
     started = perf_counter()
-    if len(x) < BUDGET.least_events:
-        raise UsageError(f"a diagnosis needs at least {BUDGET.least_events} events, got {len(x)}")
     if not 0 < alpha < 1:
         raise UsageError(f"alpha must lie between 0 and 1, got {alpha}")
     rng = np.random.default_rng(seed)
     effects = catalogue(task) if effects is None else effects
-    x, position, notes = sampled(x, time, seed)
-    order = None
-    if ordered or time is not None:
-        order = exchangeability(task, x, position, "index" if time is None else "time", alpha, seed)
-    shuffled = rng.permutation(len(x))
-    cut = len(x) - int(TEST.held_out_share * len(x))
-    effort = effort_for(task, domain(task), num_simulations, cut, num_spent)
-    phases = Phases(progress, first_fit_events(effort, task, cut) // 2)
+    order, notes, num_events = None, [], None
+    if isinstance(x, Part):
+        fitted, aside = x.split(TEST.held_out_share, rng)
+        notes.append(OF_TABLES)
+    else:
+        num_events = len(x)
+        if num_events < BUDGET.least_events:
+            raise UsageError(f"a diagnosis needs at least {BUDGET.least_events} events, got {num_events}")
+        x, position, notes = sampled(x, time, seed)
+        if ordered or time is not None:
+            order = exchangeability(task, x, position, "index" if time is None else "time", alpha, seed)
+        shuffled = rng.permutation(len(x))
+        cut = len(x) - int(TEST.held_out_share * len(x))
+        fitted, aside = x[shuffled[:cut]], x[shuffled[cut:]]
+    effort = effort_for(task, domain(task), num_simulations, len(fitted), num_spent)
+    phases = Phases(progress, first_fit_events(effort, task, len(fitted)) // 2)
     meter = Meter(num_simulations, phases)
     meter.add(num_spent)
-    run = Run(task, x[shuffled[:cut]], len(x), effects, alpha, effort, rng, meter, phases, notes, jobs, bank)
+    run = Run(task, fitted, num_events, effects, alpha, effort, rng, meter, phases, notes, jobs, bank)
 
     null, inferred = run.null_model(fit)
     extended, posterior = None, None
     if null.p_value < alpha:
         extended, posterior = run.extended_model(null, max_effects, experience)
     phases.begin("checks")
-    held_out = HeldOut(run.target, run.target.summary.mean(x[shuffled[cut:]])[0], len(x) - cut)
+    held_out = HeldOut.of(run.target, aside)
     outcome = Outcome.of(null, extended, posterior, alpha, held_out, rng, effort)
     result = run.report(outcome, inferred)
     said = {"order": order, "seed": seed, "seconds": perf_counter() - started}
@@ -106,10 +120,10 @@ class Run:
     """A diagnosis under way: the measured events, and what all of its steps share."""
 
     task: Task
-    events: NDArray
-    """The measured events that are fitted (n, d)."""
-    num_events: int
-    """Measured events, with those that are held out."""
+    events: Measured
+    """The measured events that are fitted (n, d), or what is fitted of tables."""
+    num_events: int | None
+    """Measured events, with those that are held out; None of tables."""
     effects: list[Effect]
     """The effects that may be missing."""
     alpha: float
@@ -139,7 +153,12 @@ class Run:
     @property
     def later(self) -> int:
         """Simulated events that are kept for the identifiability card and the correction."""
-        return card_events(self.effects, self.effort) + 2 * len(self.events)
+        return card_events(self.effects, self.effort) + (0 if self.of_tables else 2 * len(self.events))
+
+    @property
+    def of_tables(self) -> bool:
+        """Whether tables were measured, so that what needs single events is left out."""
+        return isinstance(self.events, Part)
 
     def source(self, seed: int) -> Bank | Pool:
         """What stands for the simulator: whatever it makes is used again."""
@@ -174,7 +193,7 @@ class Run:
 
     def tested(self, fit: Fit) -> ExtendedModel:
         """A fitted model with all tests of it."""
-        return ExtendedModel.of(fit, self.target, self.events, self.rng, self.effort)
+        return ExtendedModel.of(fit, self.target, None if self.of_tables else self.events, self.rng, self.effort)
 
     def extended_model(
         self, null: ExtendedModel, max_effects: int, experience: bool
@@ -182,8 +201,14 @@ class Run:
         """Weigh all sets of effects that may be missing, and add the most probable one; None where none is."""
         meter, target, n = self.meter, self.target, len(self.events)
         self.phases.begin("search", usual_events(domain(self.task), n) if meter.limit is None else 0)
-        rng, effort = self.rng, self.effort
-        search = Search(target, self.events, self.effects, max_effects, rng, effort, self.jobs, self.phases, experience)
+        rng, effort, x = self.rng, self.effort, self.events
+        if isinstance(x, Part):
+            with self.affordable("the search for what is missing"):
+                made = null.fit.model.simulate(np.tile(null.fit.params, (effort.sample, 1)), rng)
+                x, experience = x.as_events(self.task, made, rng), False
+        if isinstance(x, Part):
+            return None, None
+        search = Search(target, x, self.effects, max_effects, rng, effort, self.jobs, self.phases, experience)
         extended = None
         with meter.keeping(self.later + self.effort.gaps):
             with meter.keeping(addition_events(self.effort, n)):
@@ -212,7 +237,7 @@ class Run:
         with self.affordable("the identifiability card"):
             rows = card(final.fit, target, self.effects, self.alpha * final.gates["summary"].share, rng, effort)
         drawn = pictures(view, target, outcome.first, fit if outcome.effects else None, self.task.labels)
-        if outcome.verdict in (Verdict.REDUCED, Verdict.UNEXPLAINED):
+        if outcome.verdict in (Verdict.REDUCED, Verdict.UNEXPLAINED) and not self.of_tables:
             with self.affordable("the correction"):
                 weights = correction(fit, target, self.events, rng)
         diagnosis = assemble(
@@ -224,6 +249,7 @@ class Run:
             notes=self.notes + notes_of(outcome, fit, target, inferred, self.num_events),
             num_events=self.num_events,
             num_simulations=self.meter.used,
+            tables=table_gaps(target, outcome.first, fit if outcome.effects else None),
         )
         return Result(self.task, diagnosis, fit, drawn, weights)
 

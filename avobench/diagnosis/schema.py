@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 """Raised when a field of `diagnosis.json` changes its meaning."""
 
 
@@ -130,6 +130,18 @@ class Identifiable(Named):
     rivals: list[Named]
 
 
+class TableGap(Strict):
+    """How far a table, or one of several data sets, is from the simulator with theta fitted, in the fitted bins."""
+
+    name: str
+    kind: Literal["table", "events"] = "table"
+    dof: int
+    """Of the table, without those that the fit takes up."""
+    chi_squared_before: float
+    chi_squared_after: float | None
+    """With the effects; None where none was added."""
+
+
 class Disorder(Strict):
     """Something that contradicts that the measured events are exchangeable."""
 
@@ -177,9 +189,12 @@ class Diagnosis(Strict):
     identifiability: list[Identifiable]
     order: list[Disorder] | None = None
     """What contradicts that events are exchangeable, the surest first; None where it was not asked."""
+    tables: list[TableGap] = []
+    """The tables, where they were measured in place of events, and each of several data sets."""
     notes: list[str]
     """Sentences for a person: fits that ended at a bound, what so few events cannot show, a wide AVO proposal."""
-    num_events: int
+    num_events: int | None
+    """None of tables, and of several data sets."""
     num_simulations: int
     seconds: float
     seed: int

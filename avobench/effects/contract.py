@@ -77,6 +77,8 @@ class Effect(ABC):
     is only requested by `--effect` need not."""
     moves_theta: ClassVar[bool] = False
     """Whether it asks the simulator for every event at another theta, so that nothing of finished events stays."""
+    between: ClassVar[bool] = False
+    """Whether it ties features to each other, as those of different data sets are not."""
     odds: ClassVar[float] = 1.0
     """Prior odds of the effect against another family."""
     position: ClassVar[int | None] = None

@@ -1,7 +1,7 @@
 """What is published: values in bins with their covariance, and which simulated events fall into which bin."""
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -31,7 +31,8 @@ class Table:
     ones. `density` says that values are divided by the widths of their bins. `num_events` is how many events the values
     are of: 1, the default where errors are given, if they are entries per event. `normalised` says that only the shape
     is compared: the simulated table is scaled to the sum of the values, and one degree of freedom is lost. That is the
-    default for counts, whose `num_events` is not known.
+    default for counts, whose `num_events` is not known. `unit` is that of the edges, if it is to be compared with what
+    a task says of its feature.
 
     Raises UsageError for values below zero, for what is no number, for edges that do not increase, and for errors and
     covariances that are of the wrong size, zero or impossible.
@@ -47,6 +48,7 @@ class Table:
     density: bool = False
     normalised: bool = False
     num_events: float | None = None
+    unit: str = ""
     name: str = ""
 
     def __post_init__(self) -> None:
@@ -111,6 +113,14 @@ class Table:
     def scale(self) -> float:
         """Entries in all bins of a normalised table; of any other the number of events."""
         return float(self.values @ self.widths) if self.normalised else float(self.num_events or 1)
+
+    def merged(self, starts: NDArray[np.intp]) -> "Table":
+        """The table of counts with wider bins, which begin at these bins (k,), the first at 0."""
+        if len(starts) == len(self.values):
+            return self
+        edges = np.append(self.edges[starts], self.edges[-1])
+        widths = np.diff(edges) if self.density else 1.0
+        return replace(self, edges=edges, values=np.add.reduceat(self.values * self.widths, starts) / widths)
 
     def entries(self, events: Any) -> csr_array:
         """How many entries each event has in each bin: (n, K). Raises UsageError for what cannot be binned."""
@@ -196,13 +206,16 @@ class Tables:
         return csr_array(hstack([table.entries(events) for table in self.tables]))
 
     def predict(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The values that belong to mean entries per event: (K,) -> (K,). Raises UsageError for an empty table."""
-        expected = np.empty(len(mean))
+        """The values that belong to mean entries per event: (..., K) -> (..., K).
+
+        Raises UsageError for a normalised table without entries.
+        """
+        expected = np.empty_like(mean)
         for table, part in zip(self.tables, self.parts, strict=True):
-            total = mean[part].sum() if table.normalised else 1.0
-            if total <= 0:
+            total = mean[..., part].sum(axis=-1, keepdims=True) if table.normalised else np.ones(1)
+            if (total <= 0).any():
                 raise table.wrong("no simulated event has an entry in its bins; check `of` and units")
-            expected[part] = table.scale * mean[part] / total / table.widths
+            expected[..., part] = table.scale * mean[..., part] / total / table.widths
         return expected
 
     def slopes(self, mean: NDArray[np.float64], around: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -91,7 +91,7 @@ def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
     The noise of the coefficients adds to the distance, the more the further from the centre. That is left in: where the
     slopes stand out of it, as `next_design` sees to, it hardly matters, and where they do not, nothing should move.
     """
-    terms, wanted = target.whiten(s.coefficients), target.whiten(target.mean)
+    terms, wanted = target.whiten(target.summary.linear(s.coefficients)), target.whiten(target.mean)
     axes, centre, p = s.design.axes, s.design.centre, model.dim
 
     def outside(t: NDArray[np.float64]) -> NDArray[np.float64]:

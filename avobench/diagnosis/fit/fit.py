@@ -167,7 +167,8 @@ class Fit:
 
 def fit_at(model: Model, s: Surrogate, target: Target, u: NDArray[np.float64]) -> Fit:
     """What a surrogate says of the point u (P,) of its design."""
-    mean, slope = s.at(u)
+    terms = target.summary.linear(np.vstack(s.at(u)))
+    mean, slope = terms[0], terms[1:]
     back, steps = np.linalg.inv(s.design.axes), basis_slope(s.design.to_t(u))
     return Fit(
         model=model,

@@ -11,7 +11,8 @@ from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.descent import refine, scan, sharpen
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.settings import FIT
-from avobench.diagnosis.summary.target import Target, summary_of, target_of
+from avobench.diagnosis.summary.part import Measured, Part, target_for
+from avobench.diagnosis.summary.target import Target
 from avobench.effects.bank import Bank
 from avobench.effects.model import Model
 from avobench.methods import Estimate
@@ -60,16 +61,22 @@ class Inferred:
 
 
 def fit_null(
-    model: Model, x: NDArray, rng: np.random.Generator, effort: Effort, centre: NDArray[np.float64] | None
+    model: Model, x: Measured, rng: np.random.Generator, effort: Effort, centre: NDArray[np.float64] | None
 ) -> tuple[Fit, Target]:
     """Fit theta to events x (N, d), first with bins of the measured events, then with bins that suit both.
 
     The search begins at `centre` (p,) in the unit cube, or everywhere.
     """
-    target, others = target_of(x, summary_of(model.task, x, x), x), x[:0]
+    if isinstance(x, Part):
+        target, others = x.first(), np.empty((0, model.task.num_features), model.task.dtype)
+        if target.rank <= model.dim:
+            what = f"{target.rank} degrees of freedom tell no more than the {model.dim} parameters"
+            raise UsageError(f"{what}: give more bins")
+    else:
+        target, others = target_for(model.task, x, x), x[:0]
     if target.rank == 0:  # measured events are all in one bin: bins beside it take simulated ones
         others = model.simulate(model.from_cube(rng.random((len(x), model.dim))), rng)
-        target = target_of(x, summary_of(model.task, x, others), others)
+        target = target_for(model.task, x, others)
     near = 0.03
     if centre is None:
         centre, near = scan(model, target, rng, size=effort.scan)
@@ -78,7 +85,7 @@ def fit_null(
     if isinstance(model.events, Bank):
         model.events.resolve(FIT.cell / np.maximum(np.linalg.norm(fit.jacobian, axis=0), 1))
     simulated = np.concatenate([model.simulate(np.tile(fit.params, (len(x), 1)), rng), others])
-    target = target_of(x, summary_of(model.task, x, simulated), simulated)
+    target = target_for(model.task, x, simulated)
     return refine(model, target, fit.point, 0.005, rng, num_events=per_round), target
 
 

@@ -51,11 +51,13 @@ class Surrogate:
 
     def noiseless_q_at_centre(self, target: Target) -> tuple[float, float]:
         """Q at the centre of the design, without what simulation adds on average, and its standard error."""
-        return _without_noise(target, target.mean - self.coefficients[0], float(self.inverse[0, 0]))
+        here = target.summary.linear(self.coefficients[:1])[0]
+        return _without_noise(target, target.mean - here, float(self.inverse[0, 0]))
 
     def lack(self, target: Target) -> tuple[float, float]:
         """What the polynomial lacks at the centre, in Q, and its standard error: the test of response surfaces."""
-        return _without_noise(target, self.bend, self.bend_variance)
+        bend = target.summary.linear(np.stack([self.coefficients[0], self.bend]))[1]
+        return _without_noise(target, bend, self.bend_variance)
 
     def bends(self, target: Target) -> bool:
         """True if E[s] is plainly no quadratic over the design."""

@@ -54,13 +54,12 @@ def model_metric(
 ) -> tuple[Target, float]:
     """A measured mean (K,) of so many events in the metric that the fitted model itself predicts.
 
-    The covariance is the model's, because that of few measured events is biased where they are fewest. Where it makes
-    none, but some were measured, they scatter as if it were to make one; the second return value is the number of
-    degrees of freedom that this adds.
+    The covariance is the model's, because that of few measured events is biased where they are fewest. The second
+    return value is the number of degrees of freedom that is added where the model makes no events.
     """
-    cov = summary.covariance(fit.model.simulate(np.tile(fit.params, (num_simulated, 1)), rng))
-    lacking = np.maximum(1 / num_events - np.diag(cov), 0)
-    target = Target.of(summary, mean, num_events, cov + np.diag(lacking))
+    simulated = fit.model.simulate(np.tile(fit.params, (num_simulated, 1)), rng)
+    cov, lacking = summary.model_covariance(simulated, num_events)
+    target = Target.of(summary, mean, num_events, cov)
     return target, float(lacking @ (target.whitening**2).sum(axis=1))
 
 
@@ -191,10 +190,14 @@ class ExtendedModel:
     gates: dict[str, GateResult]
 
     @classmethod
-    def of(cls, fit: Fit, target: Target, x: NDArray, rng: np.random.Generator, effort: Effort) -> "ExtendedModel":
-        """A fitted model with all tests of it by the measured events x (N, d)."""
+    def of(
+        cls, fit: Fit, target: Target, x: NDArray | None, rng: np.random.Generator, effort: Effort
+    ) -> "ExtendedModel":
+        """A fitted model with all tests of it by the measured events x (N, d); of tables that of the summary."""
         gate, efficient, metric = summary_gate(fit, target, rng, effort)
         gates = {"summary": gate}
+        if x is None:
+            return cls(fit, efficient, gates)
         if fit.model.task.event_shape:
             gates["cells"] = cell_gate(efficient, x, rng, effort)
         shares = TEST.image_shares if "cells" in gates else TEST.shares

@@ -11,6 +11,9 @@ from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.goodness_of_fit.gates import model_metric
 from avobench.diagnosis.schema import Gap
 from avobench.diagnosis.settings import TEST
+from avobench.diagnosis.summary.joint import StackedSummary
+from avobench.diagnosis.summary.part import Measured, Part
+from avobench.diagnosis.summary.table import TableSummary
 from avobench.diagnosis.summary.target import Target
 
 
@@ -23,6 +26,13 @@ class HeldOut:
     mean: NDArray[np.float64]
     """The mean summary of the held-out events (K,)."""
     num_events: int
+
+    @classmethod
+    def of(cls, target: Target, x: Measured) -> "HeldOut":
+        """Of what was kept aside."""
+        if isinstance(x, Part):
+            return cls(target, *x.seen_by(target.summary))
+        return cls(target, target.summary.mean(x)[0], len(x))
 
     def gap(self, fit: Fit, rng: np.random.Generator, num_simulated: int) -> Gap:
         """Chi-squared per degree of freedom between a fitted model and these events, in the metric of the summary gate.
@@ -64,8 +74,10 @@ def null_moments(metric: Target, x: NDArray) -> tuple[float, float]:
     """Mean and variance of chi-squared of n events of a model, from other events x (m, d) of it; n is the metric's.
 
     With whitened vectors z of covariance S, chi-squared of a mean of n has the variance 2 tr(S^2) plus that of |z|^2
-    over n.
+    over n. That of tables, and of several data sets, is taken as that of Gaussians.
     """
+    if isinstance(metric.summary, TableSummary | StackedSummary):
+        return float(metric.rank), metric.summary.chi_squared_variance(metric.rank, metric.num_events)
     whitened = metric.whitening.T @ metric.summary.covariance(x) @ metric.whitening
     some = x[: TEST.scattered]
     z = metric.summary.moments(some, np.eye(len(some))) @ metric.whitening

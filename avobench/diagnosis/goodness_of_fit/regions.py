@@ -9,6 +9,8 @@ from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.schema import Region
 from avobench.diagnosis.settings import TEST
 from avobench.diagnosis.summary.bins import Bins, Span
+from avobench.diagnosis.summary.joint import StackedSummary
+from avobench.diagnosis.summary.table import TableSummary
 from avobench.diagnosis.summary.target import Target
 
 
@@ -113,9 +115,13 @@ def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> li
     The ends and the feature of the interval of the largest excess, and of the largest deficit; nothing for images, nor
     for an effect on a parameter of the task.
     """
-    if not isinstance(target.summary, Bins):
+    if not isinstance(target.summary, Bins | TableSummary | StackedSummary):
         return []
-    spans = [span for span in target.summary.view(x).spans if feature in ("all", None, span.feature)]
+    spans = [
+        span
+        for span in target.summary.view(x).spans
+        if isinstance(span.feature, int) and feature in ("all", None, span.feature)
+    ]
     if not spans:
         return []
     scan = intervals(fit, target, spans)
@@ -164,6 +170,8 @@ def regions(
             continue
         feature, (low, high) = region.span.feature, region.ends
         name = feature if isinstance(feature, str) else names[feature] if names else None
+        name = region.span.name or name
         kind = "excess" if z > 0 else "deficit"
-        found.append(Region(feature=name, low=low, high=high, kind=kind, z=z, p_global=p))
+        unit = region.span.unit or "1"
+        found.append(Region(feature=name, low=low, high=high, kind=kind, z=z, p_global=p, unit=unit))
     return found

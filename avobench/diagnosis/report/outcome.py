@@ -129,7 +129,9 @@ def _describes(model: ExtendedModel, gap: Gap, alpha: float) -> bool:
     return model.p_value >= TEST.rejected_share * alpha and gap.low <= 1
 
 
-def notes_of(outcome: Outcome, fit: Fit, target: Target, inferred: Inferred | None, num_events: int) -> list[str]:
+def notes_of(
+    outcome: Outcome, fit: Fit, target: Target, inferred: Inferred | None, num_events: int | None
+) -> list[str]:
     """What a reader should know beside the numbers, a sentence each; `fit` is the final one."""
     notes = []
     gap = outcome.gap_before
@@ -140,12 +142,12 @@ def notes_of(outcome: Outcome, fit: Fit, target: Target, inferred: Inferred | No
         )
     if outcome.withdrawn:
         names = " and ".join(effect.name for effect in outcome.withdrawn)
-        notes.append(f"{names} was tried and left out: on held-out events the gap shrank by less than its error.")
+        notes.append(f"{names} was tried and left out: on what was held out the gap shrank by less than its error.")
     if outcome.disagree and gap.low <= 1:
         notes.append(unconfirmed(outcome))
     if inferred is not None:
         notes.append(inferred.note(outcome.first))
-    if num_events < REPORT.few_events:
+    if num_events is not None and num_events < REPORT.few_events:
         notes.append(
             f"{num_events} events make {target.rank} bins or less: the identifiability card says what so few cannot "
             "show."
@@ -165,7 +167,7 @@ def unconfirmed(outcome: Outcome) -> str:
     """Why there is a disagreement, though the held-out events show no gap."""
     rejecting = [name for name, gate in outcome.null.gates.items() if gate.corrected < outcome.alpha]
     if "summary" in rejecting:
-        return "The held-out events are too few to show by themselves what the others show."
+        return "What was held out is too little to show by itself what the rest shows."
     return f"The gap is of the summary, and does not show what rejects the simulator: the {' and '.join(rejecting)}."
 
 

@@ -32,6 +32,8 @@ class Spectrum:
     before: NDArray[np.float64]
     after: NDArray[np.float64] | None
     """The shares with the effects; None where none was added."""
+    quantity: str = "probability density"
+    """What the shares are, divided by the widths of the bins."""
 
     def pulls(self, simulated: NDArray[np.float64]) -> NDArray[np.float64]:
         """(measured - simulated) / error: (bins,)."""
@@ -69,7 +71,7 @@ def pictures(view: View, target: Target, before: Fit, after: Fit | None, names: 
         ]
         maps = Maps(view.cells, view.cell_errors, cells[0], cells[1])
     spans = [span for span in view.spans if maps is None or span.feature == "hits"]
-    return Pictures(tuple(_spectrum(span, target, before, after, names) for span in spans), maps)
+    return Pictures(tuple(_spectrum(view, span, target, before, after, names) for span in spans), maps)
 
 
 def _cells(fit: Fit, num_events: int) -> NDArray[np.float64]:
@@ -78,14 +80,20 @@ def _cells(fit: Fit, num_events: int) -> NDArray[np.float64]:
     return x.mean(axis=0, dtype=float)
 
 
-def _spectrum(span: Span, target: Target, before: Fit, after: Fit | None, names: tuple[str, ...]) -> Spectrum:
+def _spectrum(
+    view: View, span: Span, target: Target, before: Fit, after: Fit | None, names: tuple[str, ...]
+) -> Spectrum:
     bins = slice(span.start, span.start + len(span.ends) - 1)
+    name = names[span.feature] if isinstance(span.feature, int) else span.feature
+    first, then = before.predicted[bins], None if after is None else after.predicted[bins]
+    if (shown := view.shown) is not None:
+        unit, measured = shown.unit[bins], (shown.values[bins], shown.errors[bins])
+        models = (first * unit, None if then is None else then * unit)
+        return Spectrum(span.name or name, span.ends, *measured, *models, "density")
     share = target.mean[bins]
     # At least one event's worth: a bin in which nothing was measured is not known exactly.
     error = np.sqrt(np.maximum(share * (1 - share), 1 / target.num_events) / target.num_events)
-    name = names[span.feature] if isinstance(span.feature, int) else span.feature
-    predicted = None if after is None else after.predicted[bins]
-    return Spectrum(name, span.ends, share, error, before.predicted[bins], predicted)
+    return Spectrum(name, span.ends, share, error, first, then)
 
 
 PACKAGES = ("avobench", "numpy", "scipy", "scikit-learn")
@@ -130,7 +138,7 @@ def assemble(
         "identified_before": first.identified,
         "identified_after": None,
         "effects": [],
-        "regions": [region.model_copy(update={"unit": units.get(region.feature, "1")}) for region in regions],
+        "regions": [region.model_copy(update={"unit": units.get(region.feature, region.unit)}) for region in regions],
         "candidates": outcome.candidates,
         "identifiability": rows,
         "seconds": 0.0,

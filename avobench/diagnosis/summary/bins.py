@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from itertools import combinations, zip_longest
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,20 @@ class Span:
     """The position of the first one in the summary."""
     ends: NDArray[np.float64]
     """The ends of the bins, one more than there are."""
+    name: str = ""
+    """What a published table is called, whose bins they are."""
+    unit: str = ""
+    """Of its edges."""
+
+
+class Shown(NamedTuple):
+    """What a figure shows of the measurement in place of the shares of bins that were fitted."""
+
+    values: NDArray[np.float64]
+    """(K,), as the next one."""
+    errors: NDArray[np.float64]
+    unit: NDArray[np.float64]
+    """What the numbers of the summary are multiplied by to be entries per event (K,), as the values are."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +55,7 @@ class View:
     """The mean of each cell of images (rows, columns)."""
     cell_errors: NDArray[np.float64] | None = None
     """The standard error of each."""
+    shown: Shown | None = None
 
 
 def spans_of(ends: list[tuple[int | str, NDArray[np.float64]]]) -> list[Span]:
@@ -72,6 +88,23 @@ class Summary(ABC):
     @abstractmethod
     def covariance(self, x: NDArray) -> NDArray[np.float64]:
         """Covariance of the vectors of events (n, d) -> (K, K)."""
+
+    def linear(self, terms: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What is compared, by a linear expansion of the mean vector: terms (b, K), the constant first -> (b, K).
+
+        The vector itself, unless a summary compares a function of its mean.
+        """
+        return terms
+
+    def model_covariance(self, x: NDArray, num_events: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The covariance that a model predicts for one event of so many measured, from events x (n, d) of it: (K, K).
+
+        Where it makes none, but some were measured, they scatter as if it were to make one; what that adds to each
+        variance is the second return value (K,).
+        """
+        cov = self.covariance(x)
+        lacking = np.maximum(1 / num_events - np.diag(cov), 0)
+        return cov + np.diag(lacking), lacking
 
     @abstractmethod
     def view(self, x: NDArray) -> View:

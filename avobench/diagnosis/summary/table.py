@@ -1,5 +1,6 @@
 """The summary of events by published tables: the values that they give, in the tables' own bins."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -8,83 +9,104 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from scipy.sparse import csr_array
 
-from avobench.diagnosis.settings import SUMMARY
-from avobench.diagnosis.summary.bins import Summary, View, close, spans_of
-from avobench.diagnosis.summary.target import Target
-from avobench.tables.comparison import Reduced, whitening
-from avobench.tables.table import Tables
+from avobench.diagnosis.settings import SCORE
+from avobench.diagnosis.summary.bins import Shown, Span, Summary, View, close
+from avobench.tables.comparison import Reduced
+from avobench.tables.table import Table, Tables
+
+EMPTY = 1e-3
+"""Entries in a normalised table, as a share of those of the reference, below which nothing is known of its shape."""
 
 
 @dataclass(frozen=True, eq=False)
 class TableSummary(Summary):
-    """What an event adds to the values of published tables, so that the mean over events is what they compare with.
+    """The entries of an event in the bins of published tables, of whose mean the values are a function.
 
-    A normalised table is no mean: its values are ratios. Its part of the vector is v + J n, with n the entries of an
-    event and J the derivative of the ratios where they are the published v. Its mean is v just where the ratios are v,
-    and is close to the ratios nearby.
+    Those of a normalised table are ratios, so that the mean over events is compared by `mean`, and an expansion of it
+    by `linear`.
     """
 
     tables: Tables
     simulated: NDArray[np.float64]
-    """Mean entries of a simulated event (K,): how many a normalised table has in all."""
+    """Mean entries of a simulated event near the fit: (K,)."""
+    worth: float = 1.0
+    """Simulated events that would have, on average over what is fitted, the errors of the tables."""
 
     @cached_property
     def size(self) -> int:
         return len(self.simulated)
 
-    @cached_property
-    def _slopes(self) -> NDArray[np.float64]:
-        """What an entry adds: (K, K)."""
-        return self.tables.slopes(self.simulated, self.tables.values)
+    def values(self, entries: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The values that mean entries give: (..., K) -> (..., K)."""
+        return self.tables.predict(self._filled(entries))
+
+    def linear(self, terms: NDArray[np.float64]) -> NDArray[np.float64]:
+        here = self._filled(terms[0])
+        values = self.tables.predict(here)
+        return np.vstack([values, terms[1:] @ self.tables.slopes(here, values).T])
+
+    def _filled(self, entries: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Mean entries (..., K) with some more in all bins of a normalised table that has hardly any."""
+        filled = entries.copy()
+        for table, part in self._each:
+            if table.normalised:
+                lacking = EMPTY * self.simulated[part].sum() - entries[..., part].sum(axis=-1, keepdims=True)
+                filled[..., part] += np.maximum(lacking, 0) / len(table.values)
+        return filled
+
+    @property
+    def _each(self) -> Iterator[tuple[Table, slice]]:
+        return zip(self.tables, self.tables.parts, strict=True)
 
     @cached_property
-    def _constant(self) -> NDArray[np.float64]:
-        """The values of normalised tables, and 0 of others: (K,)."""
-        return np.concatenate([table.values * table.normalised for table in self.tables])
-
-    def _vectors(self, x: NDArray) -> NDArray[np.float64]:
-        return self.tables.entries(x) @ self._slopes.T + self._constant
+    def _near(self) -> NDArray[np.float64]:
+        """What an entry adds to the values near the fit: (K, K)."""
+        return self.tables.slopes(self.simulated, self.values(self.simulated))
 
     def mean(self, x: NDArray, pieces: int = 1) -> NDArray[np.float64]:
         n = len(x) // pieces
         sums = csr_array((np.full(n * pieces, 1 / n), np.arange(n * pieces), np.arange(0, n * pieces + 1, n)))
-        return (sums @ self.tables.entries(x)).toarray() @ self._slopes.T + self._constant
+        return self.values((sums @ self.tables.entries(x)).toarray())
 
     def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
-        return (self.tables.entries(x).T @ weights).T @ self._slopes.T + np.outer(weights.sum(axis=0), self._constant)
+        return (self.tables.entries(x).T @ weights).T
 
     def project(self, x: NDArray, direction: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self.tables.entries(x) @ (self._slopes.T @ direction) + self._constant @ direction
+        return self.tables.entries(x) @ (self._near.T @ direction)
 
     def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
         a, b = self.tables.entries(before), self.tables.entries(after)
         variance = np.diag(Reduced.of(self.tables, before).covariance)
         seen = variance > 0
-        return ((a - b)[:, seen] ** 2) @ (1 / variance[seen]) / seen.sum()
+        return ((a - b)[:, seen] ** 2) @ (1 / variance[seen]) / max(seen.sum(), 1)
 
     def covariance(self, x: NDArray) -> NDArray[np.float64]:
-        return self._slopes @ Reduced.of(self.tables, x).covariance @ self._slopes.T
+        return self._near @ Reduced.of(self.tables, x).covariance @ self._near.T
+
+    def model_covariance(self, x: NDArray, num_events: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """That of the tables, whose errors are as published, or those of Poisson for what the model expects."""
+        return self.worth * self.tables.covariance_of(self.mean(x)[0], len(x)), np.zeros(self.size)
+
+    def chi_squared_variance(self, rank: int, num_events: int) -> float:
+        """The variance of a chi-squared of so many degrees of freedom, more than a Gaussian's where counts are few."""
+        counts = [np.maximum(t.values * t.widths, 1) for t in self.tables if t.covariance is None]
+        return 2 * rank + sum(float((self.worth / num_events / each).sum()) for each in counts)
 
     def view(self, x: NDArray) -> View:
-        return View(spans_of([(table.name or table.feature, table.edges) for table in self.tables]))
+        spans, unit = [], []
+        for table, part in self._each:
+            spans.append(
+                Span(table.name if table.of else table.feature, part.start, table.edges, table.name, table.unit)
+            )
+            unit.append(table.widths / table.scale)
+        values, scale = self.tables.values, np.concatenate(unit)
+        at_least_one = np.maximum(values, np.concatenate([1 / table.widths for table in self.tables]))
+        errors = np.sqrt(np.diag(self.tables.covariance_of(at_least_one, np.inf)))
+        return View(spans, shown=Shown(values * scale, errors * scale, scale))
 
     def alike(self, length: float) -> NDArray[np.float64]:
         return block_diag(*(close(len(table.values), length) for table in self.tables))
 
-
-def table_target(tables: Tables, simulated: NDArray) -> Target:
-    """The target of published tables, with the bins' scales from simulated events (n, d) near the fit.
-
-    Its covariance is that of the tables, whatever number of events it is said to be of; that number is the one at which
-    simulated events would have, on average over what is fitted, the errors of the tables. So noise of simulation, which
-    is told in the number of events, comes out right on average. Poisson errors are those of counts that are mostly the
-    measured ones and a little the simulated.
-    """
-    reduced = Reduced.of(tables, simulated)
-    expected = (1 - SUMMARY.mixed_in) * tables.values + SUMMARY.mixed_in * tables.predict(reduced.mean)
-    cov = tables.covariance_of(expected, reduced.num_events)
-    summary = TableSummary(tables, reduced.mean)
-    w = whitening(cov)
-    one_event = np.einsum("kr,kl,lr->", w, summary.covariance(simulated), w) / w.shape[1]
-    num_events = max(int(np.rint(one_event)), 1)
-    return Target.of(summary, tables.values, num_events, num_events * cov)
+    def distorted(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
+        parts = [np.maximum(mean[part], 0) for part in self.tables.parts]
+        return np.concatenate([part + SCORE.anywhere * part.mean() for part in parts])

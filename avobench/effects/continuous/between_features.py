@@ -24,6 +24,7 @@ class Crosstalk(Change):
     """
 
     shape: str = "mean"
+    between = True
     name = "crosstalk"
     position = 11
     sentence = "A part of the signal of other channels leaks into this one."
@@ -95,6 +96,7 @@ class ConditionalResponse(FeatureEffect):
     """
 
     on_all = False
+    between = True
     name = "conditional_response"
     position = 26
     sentence = "The response in one feature depends on another, as a time on the height of its signal."
@@ -148,6 +150,7 @@ class Correlation(FeatureEffect):
     each by itself it is `resolution`.
     """
 
+    between = True
     name = "correlation"
     position = 27
     sentence = "Features share an error, as from a common reference or clock."

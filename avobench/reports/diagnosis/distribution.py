@@ -149,7 +149,7 @@ def _one_scale(axes: NDArray, pulls: list[NDArray[np.float64]]) -> bool:
 
 
 def _words(axes: NDArray, spectrum: Spectrum, models: list[Model], unit: str) -> None:
-    axes[0, 0].set_ylabel("probability density")
+    axes[0, 0].set_ylabel(spectrum.quantity)
     for axis, (when, *_) in zip(axes[1:, 0], models, strict=True):
         axis.set_ylabel(f"pull\n{when}")
     axes[-1, 0].set_xlabel(spectrum.feature if unit == "1" else f"{spectrum.feature} [{unit}]")

@@ -14,7 +14,7 @@ from avobench.diagnosis.report.result import Maps, Pictures
 from avobench.diagnosis.schema import Diagnosis, FoundEffect, Region
 from avobench.reports.diagnosis.distribution import distribution
 from avobench.reports.diagnosis.drawn import AFTER, BEFORE, REGION, Drawn, sigma
-from avobench.reports.diagnosis.text import label
+from avobench.reports.diagnosis.text import aside, label
 from avobench.reports.style import PALETTE, STYLE
 from avobench.tasks import Task
 
@@ -104,9 +104,10 @@ def _gap(diagnosis: Diagnosis) -> Drawn:
         axis.set_yscale("log")
     axis.set_xticks(range(len(shown)), list(shown))
     axis.set_xlim(-0.5, len(shown) - 0.5)
-    axis.set_ylabel(r"$\chi^2$ / ndf of held-out events")
+    axis.set_ylabel(r"$\chi^2$ / ndf of what was held out")
     rows = [{"when": when, **gap.model_dump()} for when, gap in shown.items()]
-    caption = "How far the simulation is from events that no fit has seen; the dotted line is where nothing is missing."
+    far = f"How far the simulation is from {aside(diagnosis)}, which no fit has seen"
+    caption = f"{far}; the dotted line is where nothing is missing."
     return Drawn("gap", caption, figure, pd.DataFrame(rows))
 
 

@@ -7,7 +7,17 @@ from avobench.diagnosis.schema import Diagnosis, EffectValue, Named, Value
 from avobench.diagnosis.settings import TEST
 from avobench.reports import html
 from avobench.reports.diagnosis.order import sentences
-from avobench.reports.diagnosis.text import ASSUMED, SIDES, label, likely_models, meaning, probabilities, unit_of
+from avobench.reports.diagnosis.text import (
+    ASSUMED,
+    SIDES,
+    aside,
+    label,
+    likely_models,
+    meaning,
+    measured,
+    probabilities,
+    unit_of,
+)
 from avobench.reports.numbers import number, p_equals, with_error
 from avobench.tasks import Task
 
@@ -27,6 +37,8 @@ def render(task: Task, result: Result, figures: list[html.Picture | html.Missing
         task=task,
         diagnosis=diagnosis,
         meaning=meaning(diagnosis),
+        measured=measured,
+        aside=aside,
         probabilities=probabilities(diagnosis),
         models=likely_models(diagnosis),
         figures=figures,
@@ -43,6 +55,8 @@ def _tables(task: Task, diagnosis: Diagnosis) -> Iterator[html.Table]:
     yield _parameters(task, diagnosis)
     yield _tests(diagnosis)
     yield _regions(diagnosis)
+    if diagnosis.tables:
+        yield _of_tables(diagnosis)
     if diagnosis.candidates:
         yield _candidates(diagnosis)
     if diagnosis.identifiability:
@@ -99,6 +113,18 @@ def _tests(diagnosis: Diagnosis) -> html.Table:
         f"that share. A test rejects the simulator if its corrected p is below {diagnosis.alpha:g}."
     )
     return html.Table.of("tests", "Goodness of fit", text, columns)
+
+
+def _of_tables(diagnosis: Diagnosis) -> html.Table:
+    tables = diagnosis.tables
+    columns = {
+        "table": html.texts([table.name for table in tables]),
+        "χ² before": html.figures([table.chi_squared_before for table in tables]),
+        "χ² after": html.figures([table.chi_squared_after for table in tables]),
+        "degrees of freedom": html.figures([table.dof for table in tables]),
+    }
+    text = "Each table as it is published beside the fitted simulator, without effects and with those that were added."
+    return html.Table.of("tables", "Tables", text, columns)
 
 
 def _regions(diagnosis: Diagnosis) -> html.Table:

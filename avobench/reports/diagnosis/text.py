@@ -29,14 +29,14 @@ def summary(diagnosis: Diagnosis) -> str:
     lines = [_verdict(diagnosis), meaning(diagnosis)]
     lines += [f"missing: {_effect(effect)}" for effect in diagnosis.effects]
     lines += [f"95 % set of models: {models}" for models in [likely_models(diagnosis)] if models]
-    lines += [_gap(diagnosis), *_theta(diagnosis)]
+    lines += [*_chi_squared(diagnosis), _gap(diagnosis), *_theta(diagnosis)]
     lines.append(f"{diagnosis.num_simulations} simulated events; details() tells the rest.")
     return "\n".join(lines)
 
 
 def details(diagnosis: Diagnosis) -> str:
     """What `summary` says, with each test, the probabilities, where simulation and measurement disagree, and notes."""
-    lines = [_verdict(diagnosis), meaning(diagnosis), gates(diagnosis), _gap(diagnosis)]
+    lines = [_verdict(diagnosis), meaning(diagnosis), gates(diagnosis), *_chi_squared(diagnosis), _gap(diagnosis)]
     for effect in diagnosis.effects:
         lines.append(f"missing: {_effect(effect)}")
         if effect.tied_with:
@@ -76,11 +76,11 @@ def meaning(diagnosis: Diagnosis) -> str:
     """What the verdict amounts to, in sentences that follow from the p-values, the gap and the ties."""
     before, alpha = p_equals(diagnosis.p_value_before), f"alpha = {diagnosis.alpha:g}"
     if diagnosis.verdict == Verdict.NOTHING:
-        aside = ""
+        above = ""
         if diagnosis.gap_before.low > 1:
-            aside = " On held-out events the gap is above 1, as it is by chance once in 40 times."
+            above = f" On {aside(diagnosis)} the gap is above 1, as it is by chance once in 40 times."
         return (
-            f"These data do not contradict the simulator ({before}, {alpha}).{aside} "
+            f"These data do not contradict the simulator ({before}, {alpha}).{above} "
             "The identifiability card says what they could not have shown."
         )
     if diagnosis.verdict == Verdict.UNEXPLAINED:
@@ -118,9 +118,9 @@ def _left(diagnosis: Diagnosis) -> str:
         )
     rejecting = [name for name, gate in (diagnosis.gates_after or {}).items() if gate.corrected < alpha]
     tests = f"by the {' and '.join(rejecting) or 'tests'} ({p_equals(p)}, alpha = {alpha:g})" if p < alpha else ""
-    aside = f"on held-out events ({gap_of(gap)})" if gap.low > 1 else ""
+    apart = f"on {aside(diagnosis)} ({gap_of(gap)})" if gap.low > 1 else ""
     hidden = rejecting and "summary" not in rejecting
-    left = " and ".join(filter(None, (tests, aside)))
+    left = " and ".join(filter(None, (tests, apart)))
     return f"With {added} the gap shrinks, but a disagreement is left {left}." + (
         " The gap is that of the summary and does not show it." if hidden else ""
     )
@@ -172,11 +172,35 @@ def gap_of(gap: Gap) -> str:
 
 
 def _verdict(diagnosis: Diagnosis) -> str:
-    return f"{diagnosis.verdict} ({diagnosis.num_events} events)"
+    return f"{diagnosis.verdict} ({measured(diagnosis)})"
+
+
+def measured(diagnosis: Diagnosis) -> str:
+    """How much was measured."""
+    if diagnosis.num_events is not None:
+        return f"{diagnosis.num_events} events"
+    kinds = [table.kind for table in diagnosis.tables]
+    counted = {"data set": kinds.count("events"), "table": kinds.count("table")}
+    words = [f"{n} {what}{'s' * (n > 1)}" for what, n in counted.items() if n]
+    return f"{', '.join(words)}, {sum(table.dof for table in diagnosis.tables)} degrees of freedom"
+
+
+def aside(diagnosis: Diagnosis) -> str:
+    """What the gap was measured on."""
+    return "held-out events" if diagnosis.num_events is not None else "what was kept aside"
+
+
+def _chi_squared(diagnosis: Diagnosis) -> list[str]:
+    """A line for each table, with theta fitted, before and after."""
+    lines = []
+    for table in diagnosis.tables:
+        after = "" if table.chi_squared_after is None else f" -> {table.chi_squared_after:.1f}"
+        lines.append(f"chi-squared of {table.name}: {table.chi_squared_before:.1f}{after}, dof {table.dof}")
+    return lines
 
 
 def _gap(diagnosis: Diagnosis) -> str:
-    line = f"gap on held-out events (chi2/ndf, 1 if nothing is missing): {gap_of(diagnosis.gap_before)}"
+    line = f"gap on {aside(diagnosis)} (chi2/ndf, 1 if nothing is missing): {gap_of(diagnosis.gap_before)}"
     return line + (f" -> {gap_of(diagnosis.gap_after)}" if diagnosis.gap_after is not None else "")
 
 

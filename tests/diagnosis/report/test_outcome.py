@@ -75,7 +75,7 @@ def test_a_gap_of_one_beside_a_small_p_value_is_explained():
         unconfirmed(one) == "The gap is of the summary, and does not show what rejects the simulator: the classifier."
     )
     few = outcome(model(1e-3, gap(0.7, 1.2, 1.9)))
-    assert unconfirmed(few) == "The held-out events are too few to show by themselves what the others show."
+    assert unconfirmed(few) == "What was held out is too little to show by itself what the rest shows."
 
 
 def test_a_theta_outside_the_prior_is_told():

@@ -1,11 +1,15 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy import stats
 
 import avobench
 from avobench.diagnosis.fit.descent import refine
-from avobench.diagnosis.summary.table import TableSummary, table_target
+from avobench.diagnosis.summary.published import TablePart, tables_of
 from avobench.effects.model import Model
+from avobench.tasks.errors import UsageError
+from avobench.tasks.poisson import Poisson
 
 EDGES = np.array([0, 0.5, 1, 2, 4])
 DECAYS = avobench.task(lambda theta, rng: rng.exponential(theta[:, 0]), prior={"lifetime": (0.5, 2)})
@@ -29,42 +33,62 @@ def events(n, seed=0, lifetime=1.0):
     return np.random.default_rng(seed).exponential(lifetime, (n, 1))
 
 
+def target_of(published, x):
+    return TablePart.whole(tables_of(DECAYS, published), x).target(x)
+
+
 def test_the_summary_of_events_is_what_the_tables_compare_with():
     x = events(3000)
     compared = avobench.compare_tables(tables(), x)
-    summary = table_target(tables(), x).summary
-    np.testing.assert_allclose(summary.mean(x)[0], np.concatenate([row.expected for row in compared.rows]), rtol=1e-2)
-    linear = slice(4, 10)  # a normalised table is one to first order
-    np.testing.assert_allclose(summary.mean(x)[0, linear], np.concatenate([r.expected for r in compared.rows[1:]]))
+    summary = target_of(tables(), x).summary
+    wanted = np.concatenate([row.expected for row in compared.rows])
+    np.testing.assert_allclose(summary.mean(x)[0], wanted)
+    parts = summary.mean(x, 3)
+    np.testing.assert_allclose(parts[1], summary.mean(x[1000:2000])[0])
 
 
-def test_a_normalised_table_is_met_exactly_where_its_shape_is():
-    table = avobench.Tables([avobench.Table([0, 1, 3], [0.5, 0.25], errors=[0.1, 0.1], density=True, normalised=True)])
-    x = np.array([[0.5], [0.5], [2.0], [2.0], [9.0]])
-    summary = table_target(table, x).summary
-    assert summary.mean(x)[0] == pytest.approx([0.5, 0.25])
-    assert summary.mean(x[1:])[0] == pytest.approx([0.5 - 5 / 32, 0.25 + 5 / 64])  # 1/4 of 4/5 against 1/2
+def test_values_are_expanded_about_any_mean_of_entries():
+    """A normalised table compares ratios: exactly where the expansion begins, to second order beside it."""
+    x, away = events(3000), events(3000, 1, 1.3)
+    summary = target_of(tables(), x).summary
+    m, n = (summary.moments(each, np.full((3000, 1), 1 / 3000))[0] for each in (away, x))
+    for step in (0.01, 0.001):
+        there, slope = summary.linear(np.stack([m, step * (n - m)]))
+        np.testing.assert_allclose(there, summary.mean(away)[0])
+        np.testing.assert_allclose(there + slope, summary.values(m + step * (n - m)), rtol=step**2)
+
+
+def test_no_entries_in_a_normalised_table_do_not_agree_with_it():
+    """A model that makes none would else have nothing to disagree by."""
+    target = target_of(avobench.Tables([avobench.Table(EDGES, [2000, 1500, 1100, 400])]), events(3000))
+    none = target.summary.values(np.zeros(4))
+    assert none.sum() == pytest.approx(5000)
+    assert (target.whiten(none - target.mean) ** 2).sum() > 1000
 
 
 def test_vectors_of_events_are_the_same_however_they_are_asked_for():
     x = events(150)
-    summary = table_target(tables(), x).summary
-    one_by_one = np.vstack([summary.mean(row[None]) for row in x])
-    weights = np.random.default_rng(1).normal(size=(150, 2))
-    np.testing.assert_allclose(summary.mean(x, 3), one_by_one.reshape(3, 50, -1).mean(axis=1))
+    summary = target_of(tables(), x).summary
+    one_by_one = summary.moments(x, np.eye(150))
+    weights, along = np.random.default_rng(1).normal(size=(150, 2)), np.arange(summary.size)
     np.testing.assert_allclose(summary.moments(x, weights), weights.T @ one_by_one, atol=1e-9)
-    np.testing.assert_allclose(summary.project(x, one_by_one[0]), one_by_one @ one_by_one[0])
-    np.testing.assert_allclose(summary.covariance(x), np.cov(one_by_one, rowvar=False, bias=True), atol=1e-9)
+    near = summary.linear(np.vstack([one_by_one.mean(axis=0), one_by_one]))[1:]
+    np.testing.assert_allclose(summary.project(x, along), near @ along)
+    np.testing.assert_allclose(summary.covariance(x), np.cov(near, rowvar=False, bias=True), atol=1e-9)
     assert summary.moved(x, x).max() == 0
     assert summary.moved(x, events(150, 1)).mean() == pytest.approx(2, rel=0.3)  # two independent events
-    assert [span.feature for span in summary.view(x).spans] == ["counts", "density", "two"]
+    assert [(span.feature, span.name) for span in summary.view(x).spans] == [
+        (0, "counts"),
+        (0, "density"),
+        ("two", "two"),
+    ]
     assert summary.alike(0.1).shape == (10, 10)
 
 
 def test_chi_squared_is_that_of_the_tables_and_its_noise_that_of_the_simulation():
     """Counts of 5 000 events scatter as 5 000 simulated ones do; a shape has one degree of freedom less."""
     counts = avobench.Tables([tables().tables[0]])
-    target = table_target(counts, events(200_000))
+    target = target_of(counts, events(200_000))
     assert target.num_events == pytest.approx(5000, rel=0.03)
     assert target.rank == 3
     x = events(4000, 3, 1.05)
@@ -73,14 +97,76 @@ def test_chi_squared_is_that_of_the_tables_and_its_noise_that_of_the_simulation(
     expected = stats.chisquare(shares * values.sum(), values).statistic
     away = target.whiten(target.mean - target.summary.mean(x)[0])
     assert (away**2).sum() == pytest.approx(expected, rel=0.1)
-    every = table_target(tables(), events(200_000))
+    every = target_of(tables(), events(200_000))
     noise = [(every.whiten(every.summary.mean(events(1000, s))[0] - every.mean) ** 2).sum() for s in range(200)]
     assert np.mean(noise) == pytest.approx(every.rank * every.num_events / 1000, rel=0.15)
 
 
 def test_theta_is_fitted_to_tables_by_the_fit_of_the_diagnosis():
-    target = table_target(tables(), events(20_000, lifetime=1.2))
+    target = target_of(tables(), events(20_000, lifetime=1.2))
     fit = refine(Model(DECAYS), target, np.array([0.6]), 0.3, np.random.default_rng(0), num_events=40_000)
     assert abs(fit.params[0] - 1) < 4 * fit.std[0] < 0.1
-    assert isinstance(target.summary, TableSummary)
     assert fit.p_value > 0.001
+
+
+@given(st.lists(st.integers(0, 400), min_size=3, max_size=12).filter(lambda n: sum(n) > 60), st.integers(0, 99))
+def test_bins_of_few_counts_are_merged_and_no_count_is_lost(counts, seed):
+    x = np.random.default_rng(seed).uniform(0, len(counts), (500, 1))
+    target = target_of(avobench.Tables([avobench.Table(np.arange(len(counts) + 1), counts)]), x)
+    assert target.mean.sum() == pytest.approx(sum(counts))
+    (table,) = target.summary.tables
+    simulated = np.histogram(x, table.edges)[0] * sum(counts) / 500
+    assert len(target.mean) == 1 or np.maximum(simulated, target.mean / 3).min() >= 12 - 1e-9
+    assert set(table.edges) <= set(range(len(counts) + 1))
+
+
+@pytest.mark.parametrize("rates", [False, True])
+def test_both_parts_of_tables_are_independent_and_scatter_as_their_shares_do(rates):
+    """Of counts and of a density with correlated errors, a quarter kept aside."""
+    rng, published = np.random.default_rng(0), []
+    shares, x = np.diff(stats.expon.cdf(EDGES)), events(2000)
+    cov = 1e-4 * np.diag(shares) + 0.003**2
+    more = {"num_events": 4000} if rates else {}
+    for _ in range(400):
+        counts = rng.poisson(4000 * shares) if rates else rng.multinomial(4000, shares / shares.sum())
+        density = rng.multivariate_normal(shares, cov)
+        both = [avobench.Table(EDGES, counts, **more), avobench.Table(EDGES, density, covariance=cov)]
+        published.append(TablePart.whole(tables_of(DECAYS, avobench.Tables(both)), x).split(0.25, rng))
+    values = np.array([np.concatenate([fitted.values, aside.values]) for fitted, aside in published])
+    scatter, whole = np.cov(values, rowvar=False), published[0][0].tables
+    exact = whole.covariance_of(np.concatenate([4000 * shares / (1 if rates else shares.sum()), shares]), 2000)
+    error = np.sqrt(np.outer(np.diag(exact), np.diag(exact)) * 2 / 400)
+    for part, expected in ((scatter[:8, :8], exact / 0.75), (scatter[8:, 8:], 4 * exact), (scatter[:8, 8:], 0)):
+        assert np.abs((part - expected) / (4 * error)).max() < 4.5
+    assert values[:, :8].mean(axis=0) == pytest.approx(values[:, 8:].mean(axis=0), rel=0.02)
+
+
+def test_events_as_a_table_shows_them_have_its_counts():
+    """For what effects read off events: whole numbers, or values within the bins, without steps that are none."""
+    task, x = Poisson(), Poisson().simulate(np.full((3000, 1), 1.5), np.random.default_rng(0))
+    counts = np.bincount(x[:, 0])
+    table = tables_of(task, avobench.Tables([avobench.Table(np.arange(len(counts) + 1) - 0.5, counts)]))
+    part = TablePart.whole(table, x)
+    shown = part.as_events(task, x[:100], np.random.default_rng(1))
+    assert shown.dtype == x.dtype
+    share = np.bincount(shown[:, 0], minlength=len(counts)) / len(shown)
+    assert share == pytest.approx(counts / 3000, abs=2 / len(shown))
+    real = TablePart.whole(tables_of(DECAYS, avobench.Tables([avobench.Table(EDGES, [50, 30, 20, 10])])), events(500))
+    shown = real.as_events(DECAYS, events(500), np.random.default_rng(1))[:, 0]
+    assert np.histogram(shown, EDGES)[0] / len(shown) == pytest.approx(np.array([50, 30, 20, 10]) / 110, abs=0.02)
+    assert len(np.unique(shown)) == len(shown)
+
+
+@pytest.mark.parametrize(
+    ("table", "word"),
+    [
+        ({"feature": "energy"}, "no feature energy; it has: x1"),
+        ({"feature": 1}, "no feature 1"),
+        ({"unit": "keV"}, "in keV, and decays makes x1 in s"),
+        ({"values": [9, 8, 7, 6]}, "30 entries are too few"),
+    ],
+)
+def test_tables_that_are_not_of_the_task_are_told_in_one_line(table, word):
+    decays = avobench.task(DECAYS.function, name="decays", prior={"lifetime": (0.5, 2)}, feature_units={"x1": "s"})
+    with pytest.raises(UsageError, match=word):
+        tables_of(decays, avobench.Tables([avobench.Table(**{"edges": EDGES, "values": [90, 80, 70, 60], **table})]))

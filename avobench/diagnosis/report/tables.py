@@ -1,0 +1,54 @@
+"""How far each table, or each of several data sets, is from the simulator, before and after."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.diagnosis.fit.fit import Fit
+from avobench.diagnosis.schema import TableGap
+from avobench.diagnosis.summary.bins import Summary
+from avobench.diagnosis.summary.joint import StackedSummary
+from avobench.diagnosis.summary.table import TableSummary
+from avobench.diagnosis.summary.target import Target
+from avobench.tables.comparison import Comparison, distance
+
+
+def table_gaps(target: Target, before: Fit, after: Fit | None) -> list[TableGap]:
+    """Chi-squared of each table, and of each of several data sets, with theta fitted, without effects and with them.
+
+    Of a table it is that of the whole, as it is published. None for one sample of events.
+    """
+    if isinstance(target.summary, StackedSummary):
+        sets = zip(target.summary.names, target.summary.summaries, target.summary.parts, strict=True)
+        return [
+            replaced for name, summary, part in sets for replaced in _of_set(name, summary, part, target, before, after)
+        ]
+    if isinstance(target.summary, TableSummary):
+        return _of_set("", target.summary, slice(None), target, before, after)
+    return []
+
+
+def _of_set(name: str, summary: Summary, part: slice, target: Target, before: Fit, after: Fit | None) -> list[TableGap]:
+    """Of the tables of one set, or of its events."""
+    cov = (target.cov / target.num_events)[part, part]
+
+    def compared(fit: Fit) -> list[tuple[float, int]]:
+        predicted: NDArray[np.float64] = fit.predicted[part]
+        if isinstance(summary, TableSummary):
+            rows = Comparison.of(summary.tables, predicted, fit.noise * cov, fit.num_events).rows
+            return [(row.chi_squared, row.dof) for row in rows]
+        return [distance(target.mean[part] - predicted, (1 + fit.noise) * cov)]
+
+    of_tables = isinstance(summary, TableSummary)
+    names = [table.name for table in summary.tables] if isinstance(summary, TableSummary) else [""]
+    first = compared(before)
+    then = [q for q, _ in compared(after)] if after else [None] * len(first)
+    return [
+        TableGap(
+            name=": ".join(filter(None, (name, own))),
+            kind="table" if of_tables else "events",
+            dof=dof,
+            chi_squared_before=q,
+            chi_squared_after=later,
+        )
+        for own, (q, dof), later in zip(names, first, then, strict=True)
+    ]

@@ -1,0 +1,116 @@
+"""Several simulators with one theta as one: an event has the features of one event of each."""
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.tasks.contract import Box, Task
+from avobench.tasks.errors import UsageError
+
+
+class JointTask(Task):
+    """The tasks of several data sets side by side; parameters of one name are one parameter.
+
+    A parameter that is not shared, though others have its name, is named `set: parameter`, as all features are.
+    """
+
+    name: ClassVar = "joint"
+    source: ClassVar = "several data sets"
+    by_default: ClassVar = False
+
+    def __init__(self, tasks: Mapping[str, Task], shared: Sequence[str] | None = None) -> None:
+        """Share the parameters of these names, or all that several tasks have.
+
+        Raises UsageError for a single task, images, names that are not in two tasks at least, and for parameters or
+        features of one name that differ in their units, kinds or ranges.
+        """
+        if len(tasks) < 2:
+            raise UsageError(f"joint takes two data sets at least, got {len(tasks)}")
+        self.names, self.tasks = tuple(tasks), tuple(tasks.values())
+        for name, task in tasks.items():
+            if task.event_shape:
+                raise UsageError(f"{name}: joint does not take images")
+        self.shared = _shared(tasks, shared)
+        found: dict[str, tuple[Task, int]] = {}
+        self._theta: list[list[int]] = []
+        """Which of all parameters those of each task are."""
+        for name, task in tasks.items():
+            own = [one if one in self.shared else _apart(name, one, tasks) for one in task.parameter_names]
+            for k, one in enumerate(own):
+                _require_alike(one, found.setdefault(one, (task, k)), (task, k))
+            self._theta.append([list(found).index(one) for one in own])
+        self.parameter_names = tuple(found)
+        self.parameter_units = tuple(task.parameter_units[k] for task, k in found.values())
+        kinds = [(task.parameter_kinds or ("continuous",) * len(task.parameter_names))[k] for task, k in found.values()]
+        self.parameter_kinds = tuple(kinds) if "integer" in kinds else ()
+        self.prior, self.support = (self._common(which) for which in ("prior", "support"))
+        self.num_features = sum(task.num_features for task in self.tasks)
+        ends = np.cumsum([0, *(task.num_features for task in self.tasks)]).tolist()
+        self.columns = tuple(slice(a, b) for a, b in pairwise(ends))
+        """Where the features of each set are."""
+        self.feature_names = tuple(f"{name}: {label}" for name, task in tasks.items() for label in task.labels)
+        self.feature_kinds = tuple(kind for task in self.tasks for kind in task.kinds_of_features)
+        units = [task.feature_units or ("1",) * task.num_features for task in self.tasks]
+        self.feature_units = tuple(unit for each in units for unit in each)
+        self.dtype = np.result_type(*(np.dtype(task.dtype) for task in self.tasks))
+
+    @property
+    def parts(self) -> tuple[object, ...]:
+        return (*self.tasks, repr(self.names), repr(self.shared))
+
+    def _common(self, which: str) -> Box:
+        """What the boxes of all tasks have in common. Raises UsageError where that is nothing."""
+        low, high = np.full(len(self.parameter_names), -np.inf), np.full(len(self.parameter_names), np.inf)
+        for task, at in zip(self.tasks, self._theta, strict=True):
+            box = getattr(task, which)
+            low[at], high[at] = np.maximum(low[at], box.low), np.minimum(high[at], box.high)
+        for name, a, b in zip(self.parameter_names, low, high, strict=True):
+            if a >= b:
+                raise UsageError(f"the {which}s of {name} do not overlap: the data sets cannot share it")
+        return Box(tuple(low.tolist()), tuple(high.tolist()))
+
+    def theta_of(self, k: int, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The parameters of the k-th task: (n, p) -> (n, p_k)."""
+        return np.ascontiguousarray(theta[:, self._theta[k]])
+
+    def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        """One event of each set per row: theta (n, p) -> (n, d). Raises ValueError outside the support."""
+        self.require_support(theta)
+        return np.hstack([task.simulate(self.theta_of(k, theta), rng) for k, task in enumerate(self.tasks)])
+
+    def summary(self, x: NDArray) -> NDArray[np.float64]:
+        """Those of the sets, one after the other: (n, d) -> (k,)."""
+        each = zip(self.tasks, self.columns, strict=True)
+        return np.concatenate([task.summary(x[:, at].astype(task.dtype)) for task, at in each])
+
+    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
+        """Not known: NaN."""
+        return np.nan
+
+
+def _shared(tasks: Mapping[str, Task], asked: Sequence[str] | None) -> tuple[str, ...]:
+    """The names that are shared. Raises UsageError for one that is not in two tasks at least."""
+    every = [name for task in tasks.values() for name in task.parameter_names]
+    several = [name for name in dict.fromkeys(every) if every.count(name) > 1]
+    for name in asked or ():
+        if name not in several:
+            raise UsageError(f"no two data sets have a parameter '{name}' to share; they have: {', '.join(several)}")
+    return tuple(several if asked is None else asked)
+
+
+def _apart(name: str, parameter: str, tasks: Mapping[str, Task]) -> str:
+    """The name of a parameter that is not shared."""
+    alone = sum(parameter in task.parameter_names for task in tasks.values()) == 1
+    return parameter if alone else f"{name}: {parameter}"
+
+
+def _require_alike(name: str, one: tuple[Task, int], other: tuple[Task, int]) -> None:
+    """Raise UsageError unless two tasks mean the same by a parameter, by its unit and its kind."""
+    told: list[tuple[Any, Any]] = [(t.parameter_units[k], bool(t.is_integer[k])) for t, k in (one, other)]
+    if told[0][0] != told[1][0]:
+        raise UsageError(f"{name} is in {told[0][0]} in one data set and in {told[1][0]} in another: convert it")
+    if told[0] != told[1]:
+        raise UsageError(f"{name} is a whole number in one data set and not in another")
