@@ -306,7 +306,8 @@ def diagnose(
     if sample and (simulations is not None or bank is not None):
         raise UsageError("simulated events that were made before are all there are: leave simulations and bank out")
     registry.require_packages("task", task)
-    checks = Checks(task, simulations)
+    folder = None if bank is None else Path(bank)
+    checks = Checks(task, len(x), simulations, seed=seed, jobs=jobs, folder=folder)
     possible = registry.blamed(checks.entries, f"task {task.name}")
     tried = list(possible) if effects is None else chosen(possible, effects, spec or task.name)
     theirs = _theirs(own, possible, task, checks.simulate)
@@ -323,15 +324,13 @@ def diagnose(
             seed=seed,
             alpha=alpha,
             max_effects=max_effects,
-            num_simulations=simulations,
-            num_spent=0 if sample else checks.used,
             fit=fit,
             effects=[*tried, *(effect for _, effect in theirs.values())],
             jobs=jobs,
             ordered=ordered,
             time=time,
             progress=tell,
-            bank=None if bank is None else Path(bank),
+            bank=checks.bank,
         )
     diagnosis = result.diagnosis.model_copy(update={"notes": notes + remarks + result.diagnosis.notes})
     return _diagnosed(replace(result, diagnosis=diagnosis), spec, theirs, possible)

@@ -5,6 +5,7 @@ import json
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +19,7 @@ from avobench.api.progress import Progress, shown
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.estimates import require_recordable
 from avobench.bench.cells.streams import stream
-from avobench.bench.events.checks import SHARE, check_events
+from avobench.bench.events.checks import SHARE, check_events, reference
 from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder, write_file
 from avobench.bench.store.versions import versions
@@ -328,10 +329,8 @@ def infer(
     if budget < least:
         raise UsageError(f"a budget of {budget} is too small for {method.name} on {task.name}: at least {least}")
     checks = Counted(task)
-    room = min(budget, SHARE * (budget - least))
-    x_observed, warnings = check_events(
-        task, x, drop_invalid=drop_invalid, diagnosis=False, simulate=checks, limit=room
-    )
+    made = partial(reference, task, checks, min(budget // SHARE, budget - least))
+    x_observed, warnings = check_events(task, x, drop_invalid=drop_invalid, diagnosis=False, made=made)
     start = time.perf_counter()
     words = (task.name, method.name)
     with shown(progress) as tell:

@@ -3,13 +3,12 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.bench.store.bank import KeptBank
+from avobench.diagnosis.checks import bank_of
 from avobench.diagnosis.effort import (
     Effort,
     Phases,
@@ -34,14 +33,13 @@ from avobench.diagnosis.search.search import Search, refined
 from avobench.diagnosis.settings import BUDGET, FIT, TEST
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
-from avobench.effects.bank import Bank, Given
+from avobench.effects.bank import Bank
 from avobench.effects.catalogue import catalogue, domain
 from avobench.effects.model import Model
-from avobench.effects.pool import Pool
+from avobench.effects.pool import Counted, Pool
 from avobench.tasks import Task
 from avobench.tasks.errors import BudgetExhausted, UsageError
 from avobench.tasks.meter import Meter
-from avobench.tasks.sample import SampleTask
 
 
 def diagnose(
@@ -52,7 +50,6 @@ def diagnose(
     alpha: float = 0.05,
     max_effects: int = 3,
     num_simulations: int | None = None,
-    num_spent: int = 0,
     fit: str = "surrogate",
     effects: list[Effect] | None = None,
     experience: bool = True,
@@ -60,14 +57,14 @@ def diagnose(
     ordered: bool = False,
     time: NDArray[np.float64] | None = None,
     progress: Progress | None = None,
-    bank: Path | None = None,
+    bank: Bank | Counted | None = None,
 ) -> Result:
     """Compare measured events x (N, d) with a task, and say what it lacks.
 
-    Of the `num_simulations` that are allowed, `num_spent` were spent before, on checks. Without `experience` the
-    networks are not asked what the events look like. `ordered` asks whether the order of the events, or that of their
-    `time` (N,), matters. `progress` is told how far it is. Simulated events are kept in the folder `bank`, and taken
-    from there. Raises UsageError for too few events, for fewer `num_simulations` than the first fit takes, and for
+    Simulated events come from the `bank` of the checks before it, with its limit, or from one of its own with at most
+    `num_simulations`, which `jobs` processes fill. Without `experience` the networks are not asked what the events
+    look like. `ordered` asks whether the order of the events, or that of their `time` (N,), matters. `progress` is
+    told how far it is. Raises UsageError for too few events, for a lower limit than the first fit takes, and for
     impossible settings.
     """
     started = perf_counter()
@@ -83,11 +80,11 @@ def diagnose(
         order = exchangeability(task, x, position, "index" if time is None else "time", alpha, seed)
     shuffled = rng.permutation(len(x))
     cut = len(x) - int(TEST.held_out_share * len(x))
-    effort = effort_for(task, domain(task), num_simulations, cut, num_spent)
+    bank = bank or bank_of(task, Meter(num_simulations), seed, jobs)
+    effort = effort_for(task, domain(task), bank.meter.limit, cut, bank.meter.used)
     phases = Phases(progress, first_fit_events(effort, task, cut) // 2)
-    meter = Meter(num_simulations, phases)
-    meter.add(num_spent)
-    run = Run(task, x[shuffled[:cut]], len(x), effects, alpha, effort, rng, meter, phases, notes, jobs, bank)
+    bank.meter.progress = phases
+    run = Run(task, x[shuffled[:cut]], len(x), effects, alpha, effort, rng, bank, phases, notes, jobs)
 
     null, inferred = run.null_model(fit)
     extended, posterior = None, None
@@ -115,13 +112,12 @@ class Run:
     alpha: float
     effort: Effort
     rng: np.random.Generator
-    meter: Meter
+    bank: Bank | Counted
+    """What stands for the simulator."""
     phases: Phases
     notes: list[str]
     jobs: int = 1
     """Processes that simulate."""
-    bank: Path | None = None
-    """The folder in which simulated events are kept, and from which they are taken."""
     target: Target = field(init=False)
     """What is fitted of the events, once the null model was."""
 
@@ -141,16 +137,17 @@ class Run:
         """Simulated events that are kept for the identifiability card and the correction."""
         return card_events(self.effects, self.effort) + 2 * len(self.events)
 
-    def source(self, seed: int) -> Bank | Pool:
-        """What stands for the simulator: whatever it makes is used again."""
-        if isinstance(self.task, SampleTask):
-            return Given(self.task, self.meter)
-        if self.task.generates:
-            size = int(max(self.effort.generated * len(self.events), self.effort.least))
-            return Pool(self.task, size, np.random.default_rng(seed), self.meter)
-        if self.bank is not None:
-            return KeptBank(self.task, self.meter, seed, self.jobs, self.bank)
-        return Bank(self.task, self.meter, seed, self.jobs)
+    @property
+    def meter(self) -> Meter:
+        """What counts simulated events."""
+        return self.bank.meter
+
+    def source(self) -> Bank | Pool:
+        """The bank; of a task that generates something first a pool of that."""
+        if isinstance(self.bank, Bank):
+            return self.bank
+        size = int(max(self.effort.generated * len(self.events), self.effort.least))
+        return Pool(self.task, size, self.rng.spawn(1)[0], self.meter)
 
     def null_model(self, method: str) -> tuple[ExtendedModel, Inferred | None]:
         """Fit theta, from where a registered `method` has it if it is one, and test whether that describes the events.
@@ -162,7 +159,7 @@ class Run:
             if method != "surrogate":
                 inferred = Inferred.by(method, task, x, self.meter.limit and self.meter.limit // FIT.method_share, rng)
                 self.meter.charge(inferred.num_simulations)
-            model = Model(task, events=self.source(int(rng.integers(2**63))))
+            model = Model(task, events=self.source())
             with self.meter.keeping(BUDGET.gap * effort.covariance):
                 fit, self.target = fit_null(model, x, rng, effort, inferred and inferred.centre(model))
                 self.phases.begin("gates")
