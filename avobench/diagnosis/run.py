@@ -9,21 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.checks import bank_of
-from avobench.diagnosis.effort import (
-    Effort,
-    Phases,
-    Progress,
-    addition_events,
-    effort_for,
-    first_fit_events,
-    usual_events,
-)
+from avobench.diagnosis.effort import Effort, Phases, Progress, effort_for, first_fit_events, later_events, usual_events
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.null import Inferred, best_null, fit_null
 from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel, correction
 from avobench.diagnosis.goodness_of_fit.held_out import HeldOut
 from avobench.diagnosis.goodness_of_fit.order import exchangeability
-from avobench.diagnosis.report.identifiability import card, card_events
+from avobench.diagnosis.report.identifiability import card
 from avobench.diagnosis.report.outcome import Outcome, notes_of
 from avobench.diagnosis.report.result import Result, assemble, pictures
 from avobench.diagnosis.report.uncertainties import QuotedFit, ambiguity
@@ -118,6 +110,8 @@ class Run:
     notes: list[str]
     jobs: int = 1
     """Processes that simulate."""
+    left_out: list[str] = field(default_factory=list)
+    """What the simulated events did not suffice for."""
     target: Target = field(init=False)
     """What is fitted of the events, once the null model was."""
 
@@ -127,15 +121,26 @@ class Run:
         try:
             yield
         except BudgetExhausted as error:
-            note = f"{self.meter.limit} simulated events did not suffice for {what}"
             if required:
-                raise UsageError(f"{note}; allow {2 * self.meter.limit}") from error
-            self.notes.append(f"{note}.")
+                raise UsageError(
+                    f"{self.meter.limit} simulated events did not suffice for {what}; allow {2 * self.meter.limit}"
+                ) from error
+            self.left_out.append(what)
 
     @property
     def later(self) -> int:
-        """Simulated events that are kept for the identifiability card and the correction."""
-        return card_events(self.effects, self.effort) + 2 * len(self.events)
+        """Simulated events that are kept for what follows the tests and the search."""
+        return later_events(self.effort, len(self.events))
+
+    def shortage(self) -> list[str]:
+        """What the simulated events did not suffice for, and how many would, as a note; none if nothing is left out."""
+        if not self.left_out:
+            return []
+        usual = usual_events(domain(self.task), self.num_events)
+        return [
+            f"{self.meter.limit} simulated events did not suffice for {', '.join(self.left_out)}; "
+            f"{max(usual, 2 * self.meter.limit)} mostly do."
+        ]
 
     @property
     def meter(self) -> Meter:
@@ -160,18 +165,22 @@ class Run:
                 inferred = Inferred.by(method, task, x, self.meter.limit and self.meter.limit // FIT.method_share, rng)
                 self.meter.charge(inferred.num_simulations)
             model = Model(task, events=self.source())
-            with self.meter.keeping(BUDGET.gap * effort.covariance):
+            with self.meter.keeping(self.later):
                 fit, self.target = fit_null(model, x, rng, effort, inferred and inferred.centre(model))
                 self.phases.begin("gates")
                 null = None if fit.p_value < TEST.hopeless else self.tested(fit)
                 if null is None or null.p_value < self.alpha:
                     tried = [fit] if null is None else [fit, null.efficient]
-                    null = self.tested(best_null(tried, self.target, rng, effort))
+                    with self.affordable("a second search for theta"):
+                        with self.meter.keeping(BUDGET.added * len(x)):
+                            fit = best_null(tried, self.target, rng, effort)
+                        null = self.tested(fit)
+                    null = null or self.tested(fit)
         return null, inferred
 
     def tested(self, fit: Fit) -> ExtendedModel:
         """A fitted model with all tests of it."""
-        return ExtendedModel.of(fit, self.target, self.events, self.rng, self.effort)
+        return ExtendedModel.of(fit, self.target, self.events, self.rng, self.effort, self.affordable)
 
     def extended_model(
         self, null: ExtendedModel, max_effects: int, experience: bool
@@ -182,11 +191,12 @@ class Run:
         rng, effort = self.rng, self.effort
         search = Search(target, self.events, self.effects, max_effects, rng, effort, self.jobs, self.phases, experience)
         extended = None
-        with meter.keeping(self.later + self.effort.gaps):
-            with meter.keeping(addition_events(self.effort, n)):
+        with meter.keeping(self.later):
+            refused = meter.refused
+            with meter.keeping(BUDGET.added * n):
                 posterior = search.posterior(null.fit)
-            if meter.refused:
-                self.notes.append(f"The search ended early: {meter.limit} simulated events did not suffice.")
+            if meter.refused > refused:
+                self.left_out.append("the whole search for what is missing")
             if posterior and (best := posterior.best):
                 with self.affordable("the fit of the effects that were found, which are left out"):
                     fit, more = refined(best.fit, target, self.rng, self.effort)
@@ -200,7 +210,7 @@ class Run:
         fit, moves, weights = final.fit, [], None
         with self.affordable("the last step of the fit"):
             fit = outcome.final_fit(target, rng, effort)
-        with self.meter.keeping(self.later), self.affordable("theta with other effects: its error may be too small"):
+        with self.affordable("theta with other effects: its error may be too small"):
             if outcome.posterior and outcome.effects and self.task.parameter_names:
                 events = int(effort.sharpen * target.num_events)
                 moves = ambiguity(fit, final.fit, outcome.posterior.allowed, target, rng, events)
@@ -218,7 +228,7 @@ class Run:
             QuotedFit(fit, moves),
             regions,
             rows,
-            notes=self.notes + notes_of(outcome, fit, target, inferred, self.num_events),
+            notes=self.notes + self.shortage() + notes_of(outcome, fit, target, inferred, self.num_events),
             num_events=self.num_events,
             num_simulations=self.meter.used,
         )

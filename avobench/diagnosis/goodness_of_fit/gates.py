@@ -1,6 +1,7 @@
 """Tests of a fitted model against the measured events: the summary, dependence, single cells, and a classifier."""
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -191,8 +192,19 @@ class ExtendedModel:
     gates: dict[str, GateResult]
 
     @classmethod
-    def of(cls, fit: Fit, target: Target, x: NDArray, rng: np.random.Generator, effort: Effort) -> "ExtendedModel":
-        """A fitted model with all tests of it by the measured events x (N, d)."""
+    def of(
+        cls,
+        fit: Fit,
+        target: Target,
+        x: NDArray,
+        rng: np.random.Generator,
+        effort: Effort,
+        affordable: Callable[[str], AbstractContextManager] = nullcontext,
+    ) -> "ExtendedModel":
+        """A fitted model with all tests of it by the measured events x (N, d).
+
+        The classifier may be left out, where `affordable` takes it that the simulated events end.
+        """
         gate, efficient, metric = summary_gate(fit, target, rng, effort)
         gates = {"summary": gate}
         if fit.model.task.event_shape:
@@ -200,7 +212,8 @@ class ExtendedModel:
         shares = TEST.image_shares if "cells" in gates else TEST.shares
         if dependence := dependence_gate(efficient, metric):
             gates["dependence"], shares = dependence, TEST.dependent_shares
-        gates["classifier"] = classifier_gate(efficient, metric, x, rng, effort)
+        with affordable("the test by a classifier"):
+            gates["classifier"] = classifier_gate(efficient, metric, x, rng, effort)
         return cls(
             fit,
             efficient,
