@@ -205,9 +205,7 @@ def test_a_case_that_fails_is_a_row_and_is_tried_again(fresh, monkeypatch):
     result = score(records(folder))
     assert result["failed"] == {"poisson 0002": "RuntimeError: lost the thread"}
     assert result["solved"] == 9
-    monkeypatch.setattr(
-        solving, "diagnose", lambda task, x, *, seed, effects, bank: SimpleNamespace(diagnosis=said())
-    )
+    monkeypatch.setattr(solving, "diagnose", lambda task, x, *, seed, effects, bank: SimpleNamespace(diagnosis=said()))
     solve(folder, workers=HERE)
     assert score(records(folder))["failed"] == {}
 
