@@ -17,7 +17,7 @@ from avobench.tasks.sample import SampleTask
 
 WIDEST = 0.1
 """Share of a parameter's range over which the mean of events is about quadratic, at most."""
-SPACINGS = 3
+SPACINGS = 4
 """Spacings of the thetas of a sample, to either side, over which a slope is looked for: it needs several of them."""
 LEAST_STRENGTH = 0.003
 """Least such share for a small strength: below, a step is lost in the noise of the simulation."""
