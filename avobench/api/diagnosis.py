@@ -19,7 +19,7 @@ from avobench.api.described import Described, array, description, plain
 from avobench.api.joint import Joint, tables_in
 from avobench.api.limited import limited
 from avobench.api.progress import Progress, shown
-from avobench.bench.events.checks import Simulate, with_times
+from avobench.bench.events.checks import NUM_REFERENCE, Simulate, with_times
 from avobench.bench.plugins import registry
 from avobench.bench.plugins.source import CODE, as_module
 from avobench.bench.store.files import require_folder, write_atomically
@@ -321,14 +321,16 @@ def diagnose(
     if sample and (simulations is not None or bank is not None):
         raise UsageError("simulated events that were made before are all there are: leave simulations and bank out")
     registry.require_packages("task", task)
-    checks = Checks(task, simulations)
+    folder = None if bank is None else Path(bank)
+    tables, part = tables_in(x), None
+    size = NUM_REFERENCE if joint or tables else np.size(x) and len(x)
+    checks = Checks(task, size, simulations, seed=seed, jobs=jobs, folder=folder)
     possible = registry.blamed(checks.entries, f"task {task.name}")
     tried = list(possible) if effects is None else chosen(possible, effects, spec or task.name)
     theirs = _theirs(own, possible, task, checks.simulate)
     notes = []
     if time is not None:
         x, time, notes = with_times(x, time, drop_invalid=drop_invalid)
-    tables, part = tables_in(x), None
     if joint or tables:
         if ordered or time is not None or fit != "surrogate" or (tables and drop_invalid):
             raise UsageError("tables and several data sets are no single sample: leave ordered, time and fit out")
@@ -345,15 +347,13 @@ def diagnose(
             seed=seed,
             alpha=alpha,
             max_effects=max_effects,
-            num_simulations=simulations,
-            num_spent=0 if sample else checks.used,
             fit=fit,
             effects=[*tried, *(each.effect for each in theirs.values())],
             jobs=jobs,
             ordered=ordered,
             time=time,
             progress=tell,
-            bank=None if bank is None else Path(bank),
+            bank=checks.bank,
         )
     said = result.diagnosis
     told = {"notes": notes + remarks + said.notes, "num_simulations": calls * said.num_simulations}

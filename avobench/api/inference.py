@@ -5,6 +5,7 @@ import json
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +20,7 @@ from avobench.api.progress import Progress, shown
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.estimates import require_recordable
 from avobench.bench.cells.streams import stream
-from avobench.bench.events.checks import SHARE, check_events
+from avobench.bench.events.checks import NUM_REFERENCE, SHARE, check_events, reference
 from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder, write_file
 from avobench.bench.store.versions import versions
@@ -340,10 +341,8 @@ def infer(
     if budget < least:
         raise UsageError(f"a budget of {budget} is too small for {method.name} on {task.name}: at least {least}")
     checks = Counted(task)
-    room = min(budget, SHARE * (budget - least))
-    x_observed, warnings = check_events(
-        task, x, drop_invalid=drop_invalid, diagnosis=False, simulate=checks, limit=room
-    )
+    made = partial(reference, task, checks, min(budget // SHARE, budget - least))
+    x_observed, warnings = check_events(task, x, drop_invalid=drop_invalid, diagnosis=False, made=made)
     start = time.perf_counter()
     words = (task.name, method.name)
     with shown(progress) as tell:
@@ -374,27 +373,26 @@ def moments(
     from avobench.effects.bank import Bank
     from avobench.effects.catalogue import domain
     from avobench.effects.model import Model
-    from avobench.tasks.meter import Meter
 
     start, calls = time.perf_counter(), 1
     if isinstance(task, Joint):
         if x is not None:
             raise UsageError("what was measured is in `avobench.joint`: leave x out")
         calls, sets, task = len(task.sets), task.sets, task.task
-        checks = Checks(task, budget // calls)
+        checks = Checks(task, NUM_REFERENCE, budget // calls, seed=seed)
         part, warnings = checks.joint(sets, drop_invalid=drop_invalid)
         num_events = sum(map(len, part.sets))
     else:
         task = registry.task_of(task)
-        checks = Checks(task, budget)
+        checks = Checks(task, NUM_REFERENCE, budget, seed=seed)
         part, warnings = checks.tables(tables_in(x)), []
         num_events = len(part)
     limit, rng = budget // calls, stream(seed, "method", task.name, "smm")
-    effort = effort_for(task, domain(task), limit, len(part), checks.used)
+    meter = checks.bank.meter
+    effort = effort_for(task, domain(task), limit, len(part), meter.used)
     with shown(progress) as tell:
-        meter = Meter(limit, lambda used: tell("smm", calls * used, budget))
-        meter.add(checks.used)
-        source = Bank(task, meter, int(rng.integers(2**63)))
+        meter.progress = lambda used: tell("smm", calls * used, budget)
+        source = checks.bank if isinstance(checks.bank, Bank) else Bank(task, meter, seed)
         fit, target = fit_null(Model(task, events=source), part, rng, effort, None)
         gate, fit, _ = summary_gate(fit, target, rng, effort)
     theta, width = fit.params, task.support.width

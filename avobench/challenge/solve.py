@@ -75,10 +75,11 @@ def _solved(spec: str, data: Path, number: int, case: dict, options: dict[str, A
     try:
         task = registry.build("task", spec, {})
         registry.require_packages("task", task)
-        checks, allowed = Checks(task, options.get("num_simulations")), case["effects"]
-        x, warnings = checks.events(read_events(str(data / f"{case['case']}.npz")))
+        x, allowed = read_events(str(data / f"{case['case']}.npz")), case["effects"]
+        checks = Checks(task, len(x), options.get("num_simulations"), seed=number)
+        x, warnings = checks.events(x)
         effects = [effect for effect in checks.entries() if allowed is None or effect.name in allowed]
-        diagnosis = diagnose(task, x, seed=number, effects=effects, num_spent=checks.used, **options).diagnosis
+        diagnosis = diagnose(task, x, seed=number, effects=effects, bank=checks.bank, **options).diagnosis
         found = {"warnings": warnings, "diagnosis": diagnosis.model_dump(mode="json")}
         json.dumps(found, allow_nan=False)  # a number that is none is a fault too
         result |= found

@@ -74,11 +74,6 @@ class Effort:
         """The effort for a further effect: a quarter of the fits."""
         return replace(self, starts=self.starts // 4, begun=self.begun // 4)
 
-    @property
-    def gaps(self) -> int:
-        """Simulated events, at most, of the gaps before and after; those of candidates use events of their fits."""
-        return BUDGET.gap * 2 * self.covariance
-
     def of(self, num_events: int) -> "Effort":
         """The effort for so few measured events: their own scatter is more than that of fewer simulated ones."""
         points, events = self.scan
@@ -134,21 +129,18 @@ MANY = Effort(rounds_of_search=((1, 6), (3, 2), (8, 1)), screen=8000, starts=20,
 
 
 def first_fit_events(effort: Effort, task: Task, num_events: int) -> int:
-    """Simulated events, at most about, of the first fit to so many measured ones, of the gates and of the gap."""
+    """Simulated events, about, of the first fit to so many measured ones, of the tests, and of what follows them."""
     if task.generates:
         return int(max(effort.generated * num_events, effort.least)) + 2 * num_events
     points, events = effort.scan
-    rounds = max(effort.least, effort.rounds * num_events)
-    gates = (BUDGET.sharpenings * effort.sharpen + BUDGET.tests) * num_events
-    return int(9 * points * events * 1.1 + BUDGET.rounds * rounds + gates) + BUDGET.gap * effort.covariance
+    rounds = BUDGET.rounds * max(effort.least, effort.rounds * num_events)
+    tests = (effort.sharpen + BUDGET.tests) * num_events
+    return int(BUDGET.scans * points * events + rounds + tests) + later_events(effort, num_events)
 
 
-def addition_events(effort: Effort, num_events: int) -> int:
-    """Simulated events, at most about, with which an effect that was chosen is fitted and the gates look again.
-
-    Most of those that they take were simulated when it was looked for.
-    """
-    return int((effort.sharpen + BUDGET.tests) * num_events)
+def later_events(effort: Effort, num_events: int) -> int:
+    """Simulated events that are kept for the gaps and what follows them: most were simulated before."""
+    return effort.covariance + num_events
 
 
 def usual_events(domain: str, num_events: int) -> int:
@@ -167,14 +159,13 @@ def effort_for(task: Task, domain: str, num_simulations: int | None, num_events:
     full = IMAGES if domain == "images" else (MANY if several else Effort()).of(num_events)
     if num_simulations is None:
         return full
-    least = first_fit_events(full.scaled(0), task, num_events)
-    if num_simulations - num_spent < least:
+    least, left = first_fit_events(full.scaled(0), task, num_events), num_simulations - num_spent
+    if left < least:
         raise UsageError(
             f"{num_simulations} simulated events are too few: the checks, the first fit and the tests need "
             f"{int(BUDGET.with_checks * least)}"
         )
-    num_simulations -= num_spent
-    share = float(np.clip((num_simulations - least) / usual_events(domain, num_events), 0, 1))
-    while first_fit_events(full.scaled(share), task, num_events) > num_simulations:
+    share = float(np.clip((left - least) / usual_events(domain, num_events), 0, 1))
+    while first_fit_events(full.scaled(share), task, num_events) > left:
         share = share * BUDGET.step if share > BUDGET.least_share else 0.0
     return full.scaled(share)

@@ -3,28 +3,19 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.bench.store.bank import KeptBank
-from avobench.diagnosis.effort import (
-    Effort,
-    Phases,
-    Progress,
-    addition_events,
-    effort_for,
-    first_fit_events,
-    usual_events,
-)
+from avobench.diagnosis.checks import bank_of
+from avobench.diagnosis.effort import Effort, Phases, Progress, effort_for, first_fit_events, later_events, usual_events
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.null import Inferred, best_null, fit_null
 from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel, correction
 from avobench.diagnosis.goodness_of_fit.held_out import HeldOut
 from avobench.diagnosis.goodness_of_fit.order import exchangeability
-from avobench.diagnosis.report.identifiability import card, card_events
+from avobench.diagnosis.report.identifiability import card
 from avobench.diagnosis.report.outcome import Outcome, notes_of
 from avobench.diagnosis.report.result import Result, assemble, pictures
 from avobench.diagnosis.report.tables import table_gaps
@@ -36,14 +27,13 @@ from avobench.diagnosis.settings import BUDGET, FIT, TEST
 from avobench.diagnosis.summary.part import Measured, Part
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
-from avobench.effects.bank import Bank, Given
+from avobench.effects.bank import Bank
 from avobench.effects.catalogue import catalogue, domain
 from avobench.effects.model import Model
-from avobench.effects.pool import Pool
+from avobench.effects.pool import Counted, Pool
 from avobench.tasks import Task
 from avobench.tasks.errors import BudgetExhausted, UsageError
 from avobench.tasks.meter import Meter
-from avobench.tasks.sample import SampleTask
 
 OF_TABLES = (
     "Of tables, and of several data sets, what needs single events is left out: the classifier, what events look like, "
@@ -60,7 +50,6 @@ def diagnose(
     alpha: float = 0.05,
     max_effects: int = 3,
     num_simulations: int | None = None,
-    num_spent: int = 0,
     fit: str = "surrogate",
     effects: list[Effect] | None = None,
     experience: bool = True,
@@ -68,14 +57,14 @@ def diagnose(
     ordered: bool = False,
     time: NDArray[np.float64] | None = None,
     progress: Progress | None = None,
-    bank: Path | None = None,
+    bank: Bank | Counted | None = None,
 ) -> Result:
     """Compare measured events x (N, d), or published tables, with a task, and say what it lacks.
 
-    Of the `num_simulations` that are allowed, `num_spent` were spent before, on checks. Without `experience` the
-    networks are not asked what the events look like. `ordered` asks whether the order of the events, or that of their
-    `time` (N,), matters. `progress` is told how far it is. Simulated events are kept in the folder `bank`, and taken
-    from there. Raises UsageError for too few events, for fewer `num_simulations` than the first fit takes, and for
+    Simulated events come from the `bank` of the checks before it, with its limit, or from one of its own with at most
+    `num_simulations`, which `jobs` processes fill. Without `experience` the networks are not asked what the events
+    look like. `ordered` asks whether the order of the events, or that of their `time` (N,), matters. `progress` is
+    told how far it is. Raises UsageError for too few events, for a lower limit than the first fit takes, and for
     impossible settings.
     """
     started = perf_counter()
@@ -97,11 +86,11 @@ def diagnose(
         shuffled = rng.permutation(len(x))
         cut = len(x) - int(TEST.held_out_share * len(x))
         fitted, aside = x[shuffled[:cut]], x[shuffled[cut:]]
-    effort = effort_for(task, domain(task), num_simulations, len(fitted), num_spent)
+    bank = bank or bank_of(task, Meter(num_simulations), seed, jobs)
+    effort = effort_for(task, domain(task), bank.meter.limit, len(fitted), bank.meter.used)
     phases = Phases(progress, first_fit_events(effort, task, len(fitted)) // 2)
-    meter = Meter(num_simulations, phases)
-    meter.add(num_spent)
-    run = Run(task, fitted, num_events, effects, alpha, effort, rng, meter, phases, notes, jobs, bank)
+    bank.meter.progress = phases
+    run = Run(task, fitted, num_events, effects, alpha, effort, rng, bank, phases, notes, jobs)
 
     null, inferred = run.null_model(fit)
     extended, posterior = None, None
@@ -129,13 +118,14 @@ class Run:
     alpha: float
     effort: Effort
     rng: np.random.Generator
-    meter: Meter
+    bank: Bank | Counted
+    """What stands for the simulator."""
     phases: Phases
     notes: list[str]
     jobs: int = 1
     """Processes that simulate."""
-    bank: Path | None = None
-    """The folder in which simulated events are kept, and from which they are taken."""
+    left_out: list[str] = field(default_factory=list)
+    """What the simulated events did not suffice for."""
     target: Target = field(init=False)
     """What is fitted of the events, once the null model was."""
 
@@ -145,31 +135,43 @@ class Run:
         try:
             yield
         except BudgetExhausted as error:
-            note = f"{self.meter.limit} simulated events did not suffice for {what}"
             if required:
-                raise UsageError(f"{note}; allow {2 * self.meter.limit}") from error
-            self.notes.append(f"{note}.")
+                raise UsageError(
+                    f"{self.meter.limit} simulated events did not suffice for {what}; allow {2 * self.meter.limit}"
+                ) from error
+            self.left_out.append(what)
 
     @property
     def later(self) -> int:
-        """Simulated events that are kept for the identifiability card and the correction."""
-        return card_events(self.effects, self.effort) + (0 if self.of_tables else 2 * len(self.events))
+        """Simulated events that are kept for what follows the tests and the search."""
+        return later_events(self.effort, len(self.events))
 
     @property
     def of_tables(self) -> bool:
         """Whether tables were measured, so that what needs single events is left out."""
         return isinstance(self.events, Part)
 
-    def source(self, seed: int) -> Bank | Pool:
-        """What stands for the simulator: whatever it makes is used again."""
-        if isinstance(self.task, SampleTask):
-            return Given(self.task, self.meter)
-        if self.task.generates:
-            size = int(max(self.effort.generated * len(self.events), self.effort.least))
-            return Pool(self.task, size, np.random.default_rng(seed), self.meter)
-        if self.bank is not None:
-            return KeptBank(self.task, self.meter, seed, self.jobs, self.bank)
-        return Bank(self.task, self.meter, seed, self.jobs)
+    def shortage(self) -> list[str]:
+        """What the simulated events did not suffice for, and how many would, as a note; none if nothing is left out."""
+        if not self.left_out:
+            return []
+        usual = usual_events(domain(self.task), len(self.events))
+        return [
+            f"{self.meter.limit} simulated events did not suffice for {', '.join(self.left_out)}; "
+            f"{max(usual, 2 * self.meter.limit)} mostly do."
+        ]
+
+    @property
+    def meter(self) -> Meter:
+        """What counts simulated events."""
+        return self.bank.meter
+
+    def source(self) -> Bank | Pool:
+        """The bank; of a task that generates something first a pool of that."""
+        if isinstance(self.bank, Bank):
+            return self.bank
+        size = int(max(self.effort.generated * len(self.events), self.effort.least))
+        return Pool(self.task, size, self.rng.spawn(1)[0], self.meter)
 
     def null_model(self, method: str) -> tuple[ExtendedModel, Inferred | None]:
         """Fit theta, from where a registered `method` has it if it is one, and test whether that describes the events.
@@ -181,19 +183,24 @@ class Run:
             if method != "surrogate":
                 inferred = Inferred.by(method, task, x, self.meter.limit and self.meter.limit // FIT.method_share, rng)
                 self.meter.charge(inferred.num_simulations)
-            model = Model(task, events=self.source(int(rng.integers(2**63))))
-            with self.meter.keeping(BUDGET.gap * effort.covariance):
+            model = Model(task, events=self.source())
+            with self.meter.keeping(self.later):
                 fit, self.target = fit_null(model, x, rng, effort, inferred and inferred.centre(model))
                 self.phases.begin("gates")
                 null = None if fit.p_value < TEST.hopeless else self.tested(fit)
                 if null is None or null.p_value < self.alpha:
                     tried = [fit] if null is None else [fit, null.efficient]
-                    null = self.tested(best_null(tried, self.target, rng, effort))
+                    with self.affordable("a second search for theta"):
+                        with self.meter.keeping(BUDGET.added * len(x)):
+                            fit = best_null(tried, self.target, rng, effort)
+                        null = self.tested(fit)
+                    null = null or self.tested(fit)
         return null, inferred
 
     def tested(self, fit: Fit) -> ExtendedModel:
         """A fitted model with all tests of it."""
-        return ExtendedModel.of(fit, self.target, None if self.of_tables else self.events, self.rng, self.effort)
+        measured = None if self.of_tables else self.events
+        return ExtendedModel.of(fit, self.target, measured, self.rng, self.effort, self.affordable)
 
     def extended_model(
         self, null: ExtendedModel, max_effects: int, experience: bool
@@ -210,11 +217,12 @@ class Run:
             return None, None
         search = Search(target, x, self.effects, max_effects, rng, effort, self.jobs, self.phases, experience)
         extended = None
-        with meter.keeping(self.later + self.effort.gaps):
-            with meter.keeping(addition_events(self.effort, n)):
+        with meter.keeping(self.later):
+            refused = meter.refused
+            with meter.keeping(BUDGET.added * n):
                 posterior = search.posterior(null.fit)
-            if meter.refused:
-                self.notes.append(f"The search ended early: {meter.limit} simulated events did not suffice.")
+            if meter.refused > refused:
+                self.left_out.append("the whole search for what is missing")
             if posterior and (best := posterior.best):
                 with self.affordable("the fit of the effects that were found, which are left out"):
                     fit, more = refined(best.fit, target, self.rng, self.effort)
@@ -228,7 +236,7 @@ class Run:
         fit, moves, weights = final.fit, [], None
         with self.affordable("the last step of the fit"):
             fit = outcome.final_fit(target, rng, effort)
-        with self.meter.keeping(self.later), self.affordable("theta with other effects: its error may be too small"):
+        with self.affordable("theta with other effects: its error may be too small"):
             if outcome.posterior and outcome.effects and self.task.parameter_names:
                 events = int(effort.sharpen * target.num_events)
                 moves = ambiguity(fit, final.fit, outcome.posterior.allowed, target, rng, events)
@@ -246,7 +254,7 @@ class Run:
             QuotedFit(fit, moves),
             regions,
             rows,
-            notes=self.notes + notes_of(outcome, fit, target, inferred, self.num_events),
+            notes=self.notes + self.shortage() + notes_of(outcome, fit, target, inferred, self.num_events),
             num_events=self.num_events,
             num_simulations=self.meter.used,
             tables=table_gaps(target, outcome.first, fit if outcome.effects else None),

@@ -340,12 +340,13 @@ class BudgetSettings:
     """Share of the effort below which all is at its least."""
     rounds: int = 2
     """Rounds of the fits of theta, in events that are simulated: most rounds find those of others."""
-    sharpenings: int = 3
-    """The same of the fits in which a p-value is at stake."""
-    tests: int = 5
-    """Events of two looks through the tests beside these, a measured one."""
-    gap: int = 2
-    """Samples of simulated events that a gap takes: for its covariance, and for its scatter."""
+    scans: int = 4
+    """Events of a scan of theta, in those of all its points: three searches, each with a tenth more."""
+    tests: int = 4
+    """Events of the tests beside those of a sharpening, a measured one. Most find those of the fit."""
+    added: int = 2
+    """Events that are kept for the fit and the tests of an effect that was chosen, a measured one: most were simulated
+    when it was looked for."""
     refined: int = 8
     """Rounds of the fit of an effect that was chosen, at most."""
 

@@ -43,7 +43,7 @@ class Bank:
         self._events = np.empty((0, task.num_features), task.dtype)
         """With room for more: the first `_size` rows are events."""
         self._nodes: dict[bytes, NDArray[np.intp]] = {}
-        """Where the events of each node stand among all."""
+        """Where the events of each node stand among all, by its `_key`."""
 
     @property
     def used(self) -> int:
@@ -56,9 +56,8 @@ class Bank:
         self._step = 2 ** (FINEST + finest.astype(int))
 
     def fresh(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        """Events that are not in the bank, and do not come into it: theta (n, p) -> (n, d)."""
-        self.meter.charge(len(theta))
-        return checked_events(self.task, theta, rng)
+        """Events that no session hands out, kept aside for whoever needs such: theta (n, p) -> (n, d)."""
+        return self.take(theta, rng, {}, aside=True)
 
     def repeats(self, taken: dict[bytes, int]) -> float:
         """How often a session that has `taken` so many events of each node had each of them: once."""
@@ -68,33 +67,40 @@ class Bank:
         """A simulator that hands out each event of the bank once."""
         return Session(self)
 
-    def take(self, theta: NDArray[np.float64], rng: np.random.Generator, taken: dict[bytes, int]) -> NDArray:
+    def take(
+        self, theta: NDArray[np.float64], rng: np.random.Generator, taken: dict[bytes, int], aside: bool = False
+    ) -> NDArray:
         """An event for each row of theta, beyond those of each node that are `taken`: (n, p) -> (n, d).
 
-        Raises BudgetExhausted.
+        They are of those kept aside, or of all others. What is lacking is simulated in the order of the rows. Raises
+        BudgetExhausted.
         """
-        nodes, which, counts = distinct_rows(self._corners(theta, rng))
-        keys = [node.tobytes() for node in nodes]
+        corners = self._corners(theta, rng)
+        nodes, which, counts = distinct_rows(corners)
+        keys = [_key(node, aside) for node in nodes]
         first = np.array([taken.get(key, 0) for key in keys], np.intp)
-        self._make(nodes, first + counts - [len(self._nodes.get(key, ())) for key in keys])
+        have = np.array([len(self._nodes.get(key, ())) for key in keys], np.intp)
+        order, place = np.argsort(which, kind="stable"), np.empty(len(theta), np.intp)
+        place[order] = np.arange(len(theta)) + np.repeat(first - np.cumsum(counts) + counts, counts)
+        self._make(corners[place >= have[which]], aside)
         taken.update(zip(keys, (first + counts).tolist(), strict=True))
         rows = np.empty(len(theta), np.intp)
         chosen = [self._nodes[key][a : a + n] for key, a, n in zip(keys, first.tolist(), counts.tolist(), strict=True)]
-        rows[np.argsort(which, kind="stable")] = np.concatenate([rows[:0], *chosen])
+        rows[order] = np.concatenate([rows[:0], *chosen])
         return self._events[rows]
 
     def _corners(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.int64]:
         """A random corner of the cell around each row of theta (n, p), in steps of 2^-FINEST of the range: (n, p)."""
         at = (theta - self._low) / (self._high - self._low) * (2.0**FINEST / self._step)
         below = np.floor(at)
-        return (below + (at - below > rng.random((len(theta), 1)))).astype(np.int64) * self._step
+        # Of the finest lattice it is the nearest, so that the same theta is always the same node.
+        above = np.where(self._step == 1, 0.5, rng.random((len(theta), 1)))
+        return (below + (at - below > above)).astype(np.int64) * self._step
 
-    def _make(self, nodes: NDArray[np.int64], lacking: NDArray[np.int64]) -> None:
-        """Simulate so many more events (k,) at each of these nodes (k, p)."""
-        lacking = np.maximum(lacking, 0)
-        if not lacking.any():
+    def _make(self, rows: NDArray[np.int64], aside: bool) -> None:
+        """Simulate an event for each of these nodes (n, p)."""
+        if not len(rows):
             return
-        rows = np.repeat(nodes, lacking, axis=0)
         share = rows / 2.0**FINEST
         theta = np.clip(self._low + share * (self._high - self._low), self._low, self._high)
         self.meter.charge(len(theta))
@@ -107,13 +113,13 @@ class Bank:
             made = joblib.Parallel(n_jobs=min(self.jobs, len(calls)))(calls)
         except TerminatedWorkerError as error:
             raise ProcessEnded("crashed", "a worker process was ended (killed, or out of memory)") from error
-        self._keep(rows, theta, np.concatenate(made))
+        self._keep(rows, theta, np.concatenate(made), aside)
 
-    def _keep(self, nodes: NDArray[np.int64], theta: NDArray[np.float64], x: NDArray) -> None:
+    def _keep(self, nodes: NDArray[np.int64], theta: NDArray[np.float64], x: NDArray, aside: bool) -> None:
         """Keep events x (n, d) of these nodes (n, p), which are at theta (n, p)."""
-        self.add(nodes, x)
+        self.add(nodes, x, aside)
 
-    def add(self, nodes: NDArray[np.int64], x: NDArray) -> None:
+    def add(self, nodes: NDArray[np.int64], x: NDArray, aside: bool = False) -> None:
         """Put events x (n, d) of these nodes (n, p) into the bank."""
         at, end = self._size, self._size + len(x)
         if end > len(self._events):
@@ -125,7 +131,7 @@ class Bank:
         distinct, which, counts = distinct_rows(nodes)
         groups = np.split(at + np.argsort(which, kind="stable"), np.cumsum(counts)[:-1])
         for node, more in zip(distinct, groups, strict=True):
-            key = node.tobytes()
+            key = _key(node, aside)
             self._nodes[key] = np.r_[self._nodes[key], more] if key in self._nodes else more
 
 
@@ -142,21 +148,11 @@ class Given(Bank):
     def resolve(self, scale: NDArray[np.float64]) -> None:
         """The nodes are those that there are."""
 
-    def fresh(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        """Events that were kept aside: theta (n, p) -> (n, d)."""
-        return self._rows(self.task.aside, theta, rng, {})
-
-    def take(self, theta: NDArray[np.float64], rng: np.random.Generator, taken: dict[bytes, int]) -> NDArray:
-        """An event for each row of theta, after those of each node that are `taken`: (n, p) -> (n, d)."""
-        return self._rows(self.task.groups, theta, rng, taken)
-
-    def _rows(
-        self,
-        groups: list[NDArray[np.intp]],
-        theta: NDArray[np.float64],
-        rng: np.random.Generator,
-        taken: dict[bytes, int],
+    def take(
+        self, theta: NDArray[np.float64], rng: np.random.Generator, taken: dict[bytes, int], aside: bool = False
     ) -> NDArray:
+        """An event for each row of theta, after those of each node that are `taken`: (n, p) -> (n, d)."""
+        groups = self.task.aside if aside else self.task.groups
         nodes, which, counts = np.unique(self.task.corner(theta, rng), return_inverse=True, return_counts=True)
         rows, order, start = np.empty(len(theta), np.intp), np.argsort(which, kind="stable"), 0
         for node, count in zip(nodes, counts.tolist(), strict=True):
@@ -193,6 +189,11 @@ class Session:
     def repeats(self) -> float:
         """How often each event was handed out, on average: by that the variance of a mean is larger than it seems."""
         return self._bank.repeats(self._taken)
+
+
+def _key(node: NDArray[np.int64], aside: bool) -> bytes:
+    """What stands for a node (p,), or for the events of it that are kept aside."""
+    return node.tobytes() + b"aside" * aside
 
 
 def distinct_rows(rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.intp], NDArray[np.intp]]:

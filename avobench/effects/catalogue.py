@@ -1,14 +1,13 @@
 """All effects that apply to a task: of each installed family, ours and those of other distributions, its entries."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cache
 from importlib.metadata import entry_points
 
 from numpy.typing import NDArray
 
 from avobench.effects.contract import Effect
-from avobench.effects.ranges import REFERENCE_EVENTS, Simulate
 from avobench.effects.site import Domain, Site, domain
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError, raised
@@ -47,17 +46,15 @@ def of_domain(*kinds: Domain) -> list[type[Effect]]:
     return sorted(own, key=lambda family: (family.position is None, family.position or 0, family.name))
 
 
-def catalogue(
-    task: Task, x: NDArray | None = None, simulate: Simulate | None = None, num_events: int = REFERENCE_EVENTS
-) -> list[Effect]:
+def catalogue(task: Task, x: NDArray | None = None, made: Callable[[], NDArray] | None = None) -> list[Effect]:
     """Every effect that applies to `task`: one entry a class and feature, each in its plainest shape.
 
     Classes of one family have the same name; no two of their shapes have.
 
-    Ranges of features are those that events x (N, d) show, or those of so many simulated events over the prior, for
-    which `simulate` stands for the task's simulator where its events are counted.
+    Ranges of features are those that events x (N, d) show, or those of simulated events (n, d) over the prior, which
+    `made` gives.
     """
-    site = Site(task, x, simulate, num_events)
+    site = Site(task, x, made)
     return [entry for family in of_domain(*site.domains) for entry in family.entries(site)]
 
 

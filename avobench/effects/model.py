@@ -13,9 +13,12 @@ from avobench.effects import Effect
 from avobench.effects.bank import Bank
 from avobench.effects.pool import Alter, Pool
 from avobench.tasks import Task
+from avobench.tasks.sample import SampleTask
 
 WIDEST = 0.1
 """Share of a parameter's range over which the mean of events is about quadratic, at most."""
+SPACINGS = 4
+"""Spacings of the thetas of a sample, to either side, over which a slope is looked for: it needs several of them."""
 LEAST_STRENGTH = 0.003
 """Least such share for a small strength: below, a step is lost in the noise of the simulation."""
 AT_ONCE = 100_000
@@ -97,9 +100,11 @@ class Model:
     def reach(self, unit: NDArray[np.float64]) -> NDArray[np.float64]:
         """How far from a point (P,) of the unit cube the mean of events is about quadratic, at most: (P,).
 
-        A tenth of the range, and of a strength no more than there is of it.
+        A tenth of the range, and of a strength no more than there is of it; of theta as far as some nodes of a sample.
         """
         reach = np.full(self.dim, WIDEST)
+        if isinstance(self.task, SampleTask) and self.num_theta:
+            reach[: self.num_theta] = np.clip(SPACINGS * self.task.spacing, WIDEST, 1)
         for at, strength in self.strengths(unit).items():
             reach[at] = np.clip(strength, LEAST_STRENGTH, WIDEST)
         return reach

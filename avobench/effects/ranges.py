@@ -1,6 +1,5 @@
 """Where the features of events lie: over the whole prior of a simulator, or as measured events show it."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,8 +8,6 @@ from numpy.typing import NDArray
 from avobench.tasks import Task
 from avobench.tasks.checked import checked_events
 
-Simulate = Callable[[NDArray[np.float64], np.random.Generator], NDArray]
-"""A simulator whose events may be counted: theta (n, p), rng -> (n, d)."""
 REFERENCE_EVENTS = 20_000
 """Events over the prior, from which the range of each feature is read: enough that its ends are seen."""
 OUTERMOST = 0.01
@@ -74,18 +71,18 @@ class Range:
         return self.low + 2 * self.half * (1 - np.abs((x - self.low) / (2 * self.half) % 2 - 1))
 
 
-def ranges(task: Task, simulate: Simulate | None = None, num_events: int = REFERENCE_EVENTS) -> tuple[Range, ...]:
+def ranges(task: Task, x: NDArray | None = None) -> tuple[Range, ...]:
     """The range of each feature, from events over the prior: exact ends if they are sharp, 3.5 deviations else.
 
-    `simulate` stands for the task's simulator where its events are counted.
+    They are read from events x (n, d) over the prior; REFERENCE_EVENTS are simulated where it is None.
 
     An end is sharp if the outermost hundredth of the range holds at least a fifth of an even share of the events. The
     range of an angle is once round: from zero, or as far to either side of it where some are negative. Raises
     SimulatorError for events that are not those that the task declares.
     """
-    rng = np.random.default_rng(0)
-    theta = task.prior.sample(num_events, rng)
-    x = checked_events(task, theta, rng) if simulate is None else simulate(theta, rng)
+    if x is None:
+        rng = np.random.default_rng(0)
+        x = checked_events(task, task.prior.sample(REFERENCE_EVENTS, rng), rng)
     found = []
     units = task.feature_units or ("",) * task.num_features
     for column, kind, unit in zip(x.T.astype(float), task.kinds_of_features, units, strict=True):

@@ -1,12 +1,13 @@
 """Where effects act: the events of one task, what kind they are and where they lie."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
 from numpy.typing import NDArray
 
-from avobench.effects.ranges import REFERENCE_EVENTS, Range, Simulate, ranges
+from avobench.effects.ranges import Range, ranges
 from avobench.tasks import Task
 
 Domain = Literal["counts", "continuous", "images"]
@@ -27,10 +28,8 @@ class Site:
     task: Task
     x: NDArray | None = None
     """Measured events (N, d), if the ranges of features are to be those that they show."""
-    simulate: Simulate | None = None
-    """What stands for the task's simulator where its events are counted."""
-    num_events: int = REFERENCE_EVENTS
-    """Simulated events from which the ranges are read."""
+    made: Callable[[], NDArray] | None = None
+    """What gives simulated events over the prior (n, d), from which the ranges are read."""
 
     @property
     def domains(self) -> set[Domain]:
@@ -42,7 +41,7 @@ class Site:
     @cached_property
     def ranges(self) -> tuple[Range, ...]:
         """The range of each feature, over the prior or as the measured events show it."""
-        spans = ranges(self.task, self.simulate, self.num_events)
+        spans = ranges(self.task, self.made and self.made())
         return spans if self.x is None else tuple(span.shown(self.x[:, j]) for j, span in enumerate(spans))
 
     @property

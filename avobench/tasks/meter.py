@@ -14,7 +14,7 @@ class Meter:
     """
 
     def __init__(self, limit: int | None = None, progress: Callable[[int], None] | None = None) -> None:
-        self.limit, self.used, self.refused, self._progress = limit, 0, 0, progress
+        self.limit, self.used, self.refused, self.progress = limit, 0, 0, progress
         self.kept = 0
         """Events among those that remain which are kept for what follows."""
 
@@ -42,8 +42,8 @@ class Meter:
 
     def tell(self) -> None:
         """Say how many were used."""
-        if self._progress is not None:
-            self._progress(self.used)
+        if self.progress is not None:
+            self.progress(self.used)
 
     @contextmanager
     def keeping(self, num_events: int) -> Iterator[None]:
@@ -55,4 +55,4 @@ class Meter:
             self.kept -= num_events
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_progress": None}  # a copy in another process tells nobody
+        return {**self.__dict__, "progress": None}  # a copy in another process tells nobody

@@ -113,6 +113,11 @@ class SampleTask(Task):
         return cKDTree(self._scaled(self.nodes))
 
     @cached_property
+    def spacing(self) -> float:
+        """How far a node is from the nearest other one, in shares of the range of theta; the median of all."""
+        return float(np.median(self._nearest.query(self._scaled(self.nodes), k=2)[0][:, 1]))
+
+    @cached_property
     def _edges(self) -> list[NDArray[np.float64]]:
         return [np.unique(np.quantile(feature, np.arange(1, 20) / 20)) for feature in self.events.T]
 

@@ -29,9 +29,10 @@ def diagnosed(folder: Path, number: int, answers: dict[str, Any]) -> dict[str, A
     """What a diagnosis says of one data set, and what it took."""
     began, answer = time.process_time(), answers["cases"][number]
     task = registry.build("task", answers["task"], {})
-    checks = Checks(task)
-    x, _ = checks.events(read_events(str(folder / "data" / f"{answer['case']}.npz")))
-    said = diagnose(task, x, seed=number, effects=checks.entries(), num_spent=checks.used).diagnosis
+    x = read_events(str(folder / "data" / f"{answer['case']}.npz"))
+    checks = Checks(task, len(x), seed=number)
+    x, _ = checks.events(x)
+    said = diagnose(task, x, seed=number, effects=checks.entries(), bank=checks.bank).diagnosis
     return {
         "data": folder.name,
         "case": number,

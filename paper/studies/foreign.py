@@ -136,15 +136,15 @@ def digest(case: Case) -> str:
 def said(case: Case, configuration: Configuration) -> dict[str, Any]:
     """What the diagnosis says of a case, and the versions that it was made with."""
     started = time.process_time()
-    checks = Checks(case.task, configuration.simulations)
+    x = case.x()
+    checks = Checks(case.task, len(x), configuration.simulations, seed=configuration.seed)
     effects = plainest(checks.entries(), configuration.shapes)
-    x, remarks = checks.events(case.x())
+    x, remarks = checks.events(x)
     diagnosis = diagnose(
         case.task,
         x,
         seed=configuration.seed,
-        num_simulations=configuration.simulations,
-        num_spent=checks.used,
+        bank=checks.bank,
         effects=effects,
         experience=configuration.experience,
     ).diagnosis

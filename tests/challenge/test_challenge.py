@@ -167,7 +167,7 @@ def test_solving_never_opens_the_answers_and_goes_on_from_where_it_stopped(fresh
     assert not (folder / "answers.json").exists()
     seen = []
 
-    def diagnose(task, x, *, seed, effects, num_spent=0):
+    def diagnose(task, x, *, seed, effects, bank):
         seen.append((seed, x.shape, {effect.name for effect in effects}))
         if len(seen) == 4:
             raise KeyboardInterrupt
@@ -194,7 +194,7 @@ def test_solving_never_opens_the_answers_and_goes_on_from_where_it_stopped(fresh
 def test_a_case_that_fails_is_a_row_and_is_tried_again(fresh, monkeypatch):
     folder, answers = fresh
 
-    def fails(task, x, *, seed, effects, num_spent=0):
+    def fails(task, x, *, seed, effects, bank):
         if seed == 2:
             raise RuntimeError("lost the thread")
         return SimpleNamespace(diagnosis=said())
@@ -205,9 +205,7 @@ def test_a_case_that_fails_is_a_row_and_is_tried_again(fresh, monkeypatch):
     result = score(records(folder))
     assert result["failed"] == {"poisson 0002": "RuntimeError: lost the thread"}
     assert result["solved"] == 9
-    monkeypatch.setattr(
-        solving, "diagnose", lambda task, x, *, seed, effects, num_spent: SimpleNamespace(diagnosis=said())
-    )
+    monkeypatch.setattr(solving, "diagnose", lambda task, x, *, seed, effects, bank: SimpleNamespace(diagnosis=said()))
     solve(folder, workers=HERE)
     assert score(records(folder))["failed"] == {}
 
@@ -215,7 +213,7 @@ def test_a_case_that_fails_is_a_row_and_is_tried_again(fresh, monkeypatch):
 def test_results_of_other_options_are_not_mixed(fresh, monkeypatch):
     folder, _ = fresh
     monkeypatch.setattr(
-        solving, "diagnose", lambda task, x, *, seed, effects, num_spent, alpha=0.05: SimpleNamespace(diagnosis=said())
+        solving, "diagnose", lambda task, x, *, seed, effects, bank, alpha=0.05: SimpleNamespace(diagnosis=said())
     )
     solve(folder, workers=HERE)
     with pytest.raises(UsageError, match="was made with"):
@@ -345,7 +343,7 @@ def test_records_in_a_file_give_the_same_score(fresh, monkeypatch, tmp_path):
     monkeypatch.setattr(
         solving,
         "diagnose",
-        lambda task, x, *, seed, effects, num_spent: SimpleNamespace(diagnosis=said(NAMED, [("pile_up", ())])),
+        lambda task, x, *, seed, effects, bank: SimpleNamespace(diagnosis=said(NAMED, [("pile_up", ())])),
     )
     solve(folder, workers=HERE)
     (folder / "answers.json").symlink_to(answers)

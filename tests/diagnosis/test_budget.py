@@ -6,10 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from avobench.bench.events.checks import SHARE
 from avobench.diagnosis import Diagnosis, diagnose
+from avobench.diagnosis.checks import Checks
+from avobench.diagnosis.effort import effort_for, first_fit_events
 from avobench.diagnosis.schema import Verdict
-from avobench.diagnosis.settings import BUDGET
-from avobench.effects.catalogue import catalogue
+from avobench.diagnosis.settings import BUDGET, TEST
+from avobench.effects.catalogue import catalogue, domain
 from avobench.reports.diagnosis.text import meaning
 from avobench.tasks.carl import Carl
 from avobench.tasks.errors import UsageError
@@ -36,15 +39,19 @@ def often_off():
     return x
 
 
-@pytest.mark.parametrize("allowed", [30_000, 60_000, 300_000])
+@pytest.mark.parametrize("allowed", [20_000, 60_000, 300_000])
 def test_the_limit_holds_whatever_is_found(often_off, allowed):
     task = Counting()
     effects = [e for e in catalogue(task) if e.name in ("zero_inflation", "overdispersion", "dead_time")]
     diagnosis = diagnose(task, often_off, effects=effects, num_simulations=allowed).diagnosis
     assert diagnosis.num_simulations == task.made[0] <= allowed
     assert diagnosis.verdict != Verdict.NOTHING
-    ended = [note for note in diagnosis.notes if "The search ended early" in note]
-    assert bool(ended) or diagnosis.effects[0].name == "zero_inflation"
+    assert short(diagnosis) or diagnosis.effects[0].name == "zero_inflation"
+
+
+def short(diagnosis):
+    """Whether it is said that more simulated events would tell more."""
+    return any("did not suffice for" in note for note in diagnosis.notes)
 
 
 def test_too_few_simulated_events_are_refused_with_the_least_number(often_off):
@@ -59,17 +66,40 @@ def test_too_few_simulated_events_are_refused_with_the_least_number(often_off):
     assert diagnosis.diagnosis.p_value_before < 0.05
 
 
+@pytest.mark.parametrize(("num_events", "allowed"), [(200, 2e4), (2000, 2e4), (50_000, 5e5), (2_000_000, 2e7)])
+@pytest.mark.parametrize("task", [Poisson(), Carl()], ids=lambda task: task.name)
+def test_ten_simulated_events_a_measured_one_are_never_too_few(task, num_events, allowed):
+    """The effort that they pay for leaves room for the search, whatever the checks took."""
+    fitted, checks = num_events - int(TEST.held_out_share * num_events), int(allowed) // SHARE
+    effort = effort_for(task, domain(task), int(allowed), fitted, checks)
+    assert first_fit_events(effort, task, fitted) <= allowed - checks
+
+
+def test_a_second_question_from_a_kept_bank_simulates_nothing(tmp_path, often_off):
+    task = Counting()
+    answers, made = [], []
+    for _ in range(2):
+        task.made[0] = 0
+        checks = Checks(task, len(often_off), folder=tmp_path)
+        x, _ = checks.events(often_off)
+        answers.append(diagnose(task, x, effects=checks.entries()[:2], bank=checks.bank).diagnosis)
+        made.append(task.made[0])
+    assert made[0] == answers[0].num_simulations > made[1] == answers[1].num_simulations == 0
+    same = {"seconds", "num_simulations"}
+    assert answers[0].model_dump(exclude=same) == answers[1].model_dump(exclude=same)
+
+
 def test_a_search_that_fitted_nothing_claims_nothing(often_off):
     """That nothing in the catalogue is missing has no probability where the catalogue was not tried."""
     diagnosis = diagnose(Poisson(), often_off, num_simulations=30_000).diagnosis
-    assert any("The search ended early" in note for note in diagnosis.notes)
+    assert short(diagnosis)
     assert (diagnosis.outside, diagnosis.probabilities, diagnosis.effects) == (None, [], [])
     assert "no effect was fitted" in meaning(diagnosis)
 
 
 def test_what_was_fitted_until_the_events_ended_is_weighed(often_off):
     diagnosis = diagnose(Poisson(), often_off, num_simulations=60_000).diagnosis
-    assert any("The search ended early" in note for note in diagnosis.notes)
+    assert short(diagnosis)
     assert "zero_inflation" in [one.name for one in diagnosis.probabilities]
     assert diagnosis.outside < 0.5
 

@@ -22,6 +22,8 @@ ALIKE = 1e-12
 """Values that differ by less than this share of the width of what the simulator makes lie at one place in it."""
 NUM_REFERENCE = 20_000
 """So many simulated events tell which values the simulator can make; a tenth of it does for images."""
+FEW_REFERENCE = 4000
+"""So many of them do for few measured events: more are made only where more are measured."""
 LEAST_REFERENCE = 100
 """Fewer simulated events do not tell which values the simulator can make."""
 SHARE = 20
@@ -47,8 +49,7 @@ def check_events(
     *,
     drop_invalid: bool = False,
     diagnosis: bool = True,
-    simulate: Simulate | None = None,
-    limit: int | None = None,
+    made: Callable[[], NDArray] | None = None,
 ) -> tuple[NDArray, list[str]]:
     """The events (n, d), or (n,) of one number each, as an array (n, d) of the task's type, and warnings.
 
@@ -59,8 +60,8 @@ def check_events(
     feature of which all values are alike. Real numbers that happen to be whole are taken: rounding is an effect.
     Raises SimulatorError for a task whose simulator does not make what it declares, or breaks the contract.
 
-    `simulate` stands for the task's simulator where its events are counted. Of `limit` events one in SHARE is
-    simulated at most, and none where this is too few; a warning then says so.
+    `made` gives events as those of `reference`; NUM_REFERENCE are simulated where it is None. Where it gives none, a
+    warning says so.
     """
     x, warnings = by_name(task, x)
     x = x[:, None] if x.ndim == 1 else x
@@ -93,12 +94,9 @@ def check_events(
         names = [name for name, some in zip(task.labels, fractions.any(axis=0), strict=True) if some]
         what = "" if counts.all() else f" of {', '.join(names)}"
         raise UsageError(f"{task.name} makes whole numbers{what}, {broken} of {len(x)} rows hold fractions")
-    num_reference = NUM_REFERENCE // (10 if task.event_shape else 1)
-    if limit is not None:
-        num_reference = min(num_reference, limit // SHARE)
-    if num_reference >= LEAST_REFERENCE:
-        made = reference(task, simulate or partial(checked_events, task), num_reference)
-        warnings += _outside(task, x, made, diagnosis)
+    simulated = made() if made else reference(task, partial(checked_events, task), NUM_REFERENCE)
+    if len(simulated):
+        warnings += _outside(task, x, simulated, diagnosis)
     else:
         warnings.append(
             f"the events were not compared with what the simulator makes: {SHARE * LEAST_REFERENCE} simulated events "
@@ -200,7 +198,9 @@ def _cast(task: Task, x: NDArray) -> NDArray:
 
 
 def reference(task: Task, simulate: Simulate, num_events: int) -> NDArray:
-    """Events over the prior and at its ends, (num_events, d), which show that the simulator keeps its contract.
+    """Events over the prior, and as many others at its ends, (n, d), which show that the simulator keeps its contract.
+
+    They are `num_events`, or NUM_REFERENCE where this is less; none where they were fewer than LEAST_REFERENCE.
 
     They are made by two calls with the same parameters but for the first row, which is at either end of the prior. So
     the rest of them may be neither the same events, as of a seed within the simulator, nor of another distribution, as
@@ -208,11 +208,15 @@ def reference(task: Task, simulate: Simulate, num_events: int) -> NDArray:
     """
     from scipy.stats import ks_2samp  # here, because SciPy's statistics take a second to load
 
+    num_events = min(num_events, NUM_REFERENCE // (10 if task.event_shape else 1))
+    if num_events < LEAST_REFERENCE:
+        return np.empty((0, task.num_features), task.dtype)
     rng = np.random.default_rng(0)
     theta = task.prior.sample(num_events // 2, rng)
-    # Where theta is at an end of the prior there are values that few others make: each coordinate is there for a third.
-    end = rng.integers(-1, 2, theta.shape)
-    theta = np.where(end == 0, theta, np.where(end < 0, task.prior.low, task.prior.high))
+    # Where theta is at an end of the prior there are values that few others make: each coordinate is there for a third
+    # of every second row. These thetas are also the first ones of any larger number, so that a bank has them.
+    end = np.random.default_rng(1).integers(-1, 2, theta[1::2].shape)
+    theta[1::2] = np.where(end == 0, theta[1::2], np.where(end < 0, task.prior.low, task.prior.high))
     halves = []
     for first in (task.prior.low, task.prior.high):
         theta[0] = first
@@ -229,7 +233,7 @@ def reference(task: Task, simulate: Simulate, num_events: int) -> NDArray:
             f"the events of {task.name} depend on the parameters of the first row; each row of theta must make its own "
             "event"
         )
-    return np.concatenate(halves)
+    return np.concatenate([x[k::2] for k in (0, 1) for x in halves])
 
 
 def _outside(task: Task, x: NDArray, simulated: NDArray, diagnosis: bool = True) -> list[str]:

@@ -20,6 +20,8 @@ SCHEMA = "avobench-bank"
 """The kind that bank.json gives of its folder."""
 VERSION = 1
 """Of the format of the folder."""
+EVENTS, ASIDE = "events", "aside"
+"""What files of events are called, and those of events that are kept aside."""
 NODE = "node of "
 """The columns of a node's coordinates begin with this; those of theta and of the features have their own names."""
 
@@ -37,8 +39,9 @@ class KeptBank(Bank):
         self.folder = folder
         require_folder(folder)
         self._claim()
-        for path in sorted(folder.glob("events-*.parquet")):
-            self._read(path)
+        for kind in (EVENTS, ASIDE):
+            for path in sorted(folder.glob(f"{kind}-*.parquet")):
+                self._read(path, kind == ASIDE)
 
     def _claim(self) -> None:
         """Write whose events the folder holds, or raise UsageError if they are another simulator's."""
@@ -46,7 +49,7 @@ class KeptBank(Bank):
         if why := not_plain(path):
             raise UsageError(f"{path} {why}")
         if not path.exists():
-            if any(self.folder.glob("events-*.parquet")):
+            if any(self.folder.glob(f"{EVENTS}-*.parquet")):
                 raise UsageError(f"{self.folder} has events, but no bank.json that says of which simulator")
             write_file(path, (json.dumps(ours, indent=1) + "\n").encode())
             return
@@ -65,7 +68,7 @@ class KeptBank(Bank):
         names = list(self.task.parameter_names)
         return [NODE + name for name in names], names, [f"event: {label}" for label in self.task.labels]
 
-    def _read(self, path: Path) -> None:
+    def _read(self, path: Path, aside: bool) -> None:
         nodes, _, features = self._columns()
         try:
             if why := not_plain(path):
@@ -77,16 +80,16 @@ class KeptBank(Bank):
             raise UsageError(
                 f"{path} cannot be read ({error}); delete it, and its events are simulated again"
             ) from error
-        self.add(at, x)
+        self.add(at, x, aside)
 
-    def _keep(self, nodes: NDArray[np.int64], theta: NDArray[np.float64], x: NDArray) -> None:
+    def _keep(self, nodes: NDArray[np.int64], theta: NDArray[np.float64], x: NDArray, aside: bool) -> None:
         columns, names, features = self._columns()
         table = pd.DataFrame(dict(zip(columns, nodes.T, strict=True)) | dict(zip(names, theta.T, strict=True)))
         table = pd.concat([table, pd.DataFrame(x, columns=features)], axis=1)
         content = io.BytesIO()
         table.to_parquet(content, index=False)
-        write_file(self.folder / f"events-{self.fills:06d}.parquet", content.getvalue())
-        super()._keep(nodes, theta, x)
+        write_file(self.folder / f"{ASIDE if aside else EVENTS}-{self.fills:06d}.parquet", content.getvalue())
+        super()._keep(nodes, theta, x, aside)
 
 
 def _identity(task: Task) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """Tests of a fitted model against the measured events: the summary, dependence, single cells, and a classifier."""
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -191,9 +192,18 @@ class ExtendedModel:
 
     @classmethod
     def of(
-        cls, fit: Fit, target: Target, x: NDArray | None, rng: np.random.Generator, effort: Effort
+        cls,
+        fit: Fit,
+        target: Target,
+        x: NDArray | None,
+        rng: np.random.Generator,
+        effort: Effort,
+        affordable: Callable[[str], AbstractContextManager] = nullcontext,
     ) -> "ExtendedModel":
-        """A fitted model with all tests of it by the measured events x (N, d); of tables that of the summary."""
+        """A fitted model with all tests of it by the measured events x (N, d); of tables that of the summary.
+
+        The classifier may be left out, where `affordable` takes it that the simulated events end.
+        """
         gate, efficient, metric = summary_gate(fit, target, rng, effort)
         gates = {"summary": gate}
         if x is None:
@@ -203,7 +213,8 @@ class ExtendedModel:
         shares = TEST.image_shares if "cells" in gates else TEST.shares
         if dependence := dependence_gate(efficient, metric):
             gates["dependence"], shares = dependence, TEST.dependent_shares
-        gates["classifier"] = classifier_gate(efficient, metric, x, rng, effort)
+        with affordable("the test by a classifier"):
+            gates["classifier"] = classifier_gate(efficient, metric, x, rng, effort)
         return cls(
             fit,
             efficient,

@@ -22,11 +22,6 @@ def noncentrality(dof: int, alpha: float) -> float:
     return float(brentq(lambda value: ncx2.sf(critical, dof, value) - REPORT.power, 1e-3, 1e4 + 10 * dof))
 
 
-def card_events(effects: list[Effect], effort: Effort) -> int:
-    """Simulated events that the card takes at most: for all effects together, and for each that moves theta."""
-    return (2 + sum(effect.moves_theta for effect in effects)) * effort.card * len(SEARCH.strengths)
-
-
 def card(
     fit: Fit, target: Target, effects: list[Effect], alpha: float, rng: np.random.Generator, effort: Effort
 ) -> list[Identifiable]:

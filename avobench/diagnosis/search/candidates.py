@@ -106,10 +106,11 @@ class Candidates:
         for (ratio, rounds), most in zip(self.effort.rounds_of_search, SEARCH.most, strict=True):
             events = int(ratio * max(self.target.num_events, self.effort.few))
             more = self.work(go_on, fits, events, rounds)
-            if None in more:
+            if not any(more):
                 break
             settled = bool(ranked)  # a first fit may have far to go: the best of them stay, however far
-            ranked = sorted((Weighed.of(fit, self.like) for fit in more), key=worth)
+            fits = [fit or before for fit, before in zip(more, fits, strict=True)]  # where events end, as it was
+            ranked = sorted((Weighed.of(fit, self.like) for fit in fits), key=worth)
             ranked = (self.matter(ranked, beside) if settled else ranked)[:most]
             fits = [one.fit for one in ranked]
         return ranked or self.matter((Weighed.of(fit, self.like) for fit in fits), beside)[: SEARCH.most[0]]

@@ -85,7 +85,8 @@ def meaning(diagnosis: Diagnosis) -> str:
         )
     if diagnosis.verdict == Verdict.UNEXPLAINED:
         searched = diagnosis.outside is not None
-        why = "and no effect of the catalogue explains it" if searched else "and no effect was fitted"
+        unsearched = "and no effect was fitted for want of simulated events; details() says how many mostly do"
+        why = "and no effect of the catalogue explains it" if searched else unsearched
         return f"Simulation and measurement disagree ({before}, {alpha}), {why}."
     return f"{_lacking(diagnosis)} {_left(diagnosis)}"
 

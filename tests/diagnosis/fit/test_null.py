@@ -2,10 +2,13 @@ import numpy as np
 import pytest
 from measurements import LIGHT, measured
 
+import avobench
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.null import best_null, fit_null
 from avobench.diagnosis.goodness_of_fit.gates import summary_gate
+from avobench.effects.bank import Given
 from avobench.effects.model import Model
+from avobench.tasks.meter import Meter
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
 
@@ -20,6 +23,18 @@ def test_poisson_fit_attains_the_fisher_information():
         assert own.std[0] == pytest.approx(np.sqrt((1 + own.noise) / (4000 * np.exp(1.5))), rel=0.3)
         pulls.append((own.params[0] - 1.5) / own.std[0])
     assert np.sqrt(np.mean(np.square(pulls))) < 2
+
+
+def test_a_sample_at_a_few_thetas_determines_theta_as_the_simulator_would():
+    """The nodes lie three standard errors apart: a design between two of them hardly sees a slope."""
+    rng = np.random.default_rng(1)
+    lifetimes = np.repeat(np.linspace(1.6, 2.4, 9), 8000)
+    task = avobench.bank(rng.exponential(lifetimes), theta={"lifetime": lifetimes})
+    model, x = Model(task, events=Given(task, Meter())), rng.exponential(1.9, (3000, 1))
+    fit, target = fit_null(model, x, rng, LIGHT, None)
+    _, own, _ = summary_gate(fit, target, rng, LIGHT)
+    assert own.std[0] == pytest.approx(1.9 / np.sqrt(3000), rel=0.6)
+    assert own.params[0] == pytest.approx(1.9, abs=4 * own.std[0])
 
 
 def test_weinberg_identifies_one_direction():
