@@ -11,6 +11,10 @@ class SummarySettings:
 
     least_in_bin: int = 12
     """Measured and simulated events of a bin, each counted half: with fewer, shares do not scatter as Gaussians do."""
+    few_counts: int = 20
+    """Different values of a count up to which each has a bin of its own, as in tables of accidents."""
+    least_of_few: int = 5
+    """The same as `least_in_bin` of so few: the usual rule for tables (W. G. Cochran, Biometrics 10 (1954) 417)."""
     image_blocks: int = 8
     """Blocks along each axis of an image, at most: 64 in all, as many as the rows and columns of a 32 x 32 image."""
     hit_bins: int = 12
