@@ -31,7 +31,7 @@ from avobench.diagnosis.report.uncertainties import QuotedFit, ambiguity
 from avobench.diagnosis.schema import Verdict
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.search import Search, refined
-from avobench.diagnosis.settings import BUDGET, FIT, TEST
+from avobench.diagnosis.settings import BUDGET, FIT, SCORE, TEST
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.effects.bank import Bank, Given
@@ -190,12 +190,24 @@ class Run:
                 posterior = search.posterior(null.fit)
             if meter.refused:
                 self.notes.append(f"The search ended early: {meter.limit} simulated events did not suffice.")
-            if posterior and (best := posterior.best):
+            if posterior:
                 with self.affordable("the fit of the effects that were found, which are left out"):
-                    fit, more = refined(best.fit, target, self.rng, self.effort)
-                    self.notes += more
-                    extended = self.tested(fit)
+                    extended, posterior = self.added(posterior)
         return extended, posterior
+
+    def added(self, posterior: Posterior) -> tuple[ExtendedModel | None, Posterior]:
+        """The most probable model of which each effect counts, with its tests, and what is probable without others."""
+        for _ in range(SCORE.tried):
+            if posterior.best is None:
+                break
+            fit, notes = refined(posterior.best.fit, self.target, self.rng, self.effort)
+            if posterior.supports(fit):
+                self.notes += notes
+                return self.tested(fit), posterior
+            names = " and ".join(effect.name for effect in fit.model.effects)
+            self.notes.append(f"{names} was fitted and left out: what it adds is compatible with nothing.")
+            posterior = posterior.without(posterior.best.effects)
+        return None, posterior
 
     def report(self, outcome: Outcome, inferred: Inferred | None) -> Result:
         """The final fit, its uncertainties, where the events disagree, what they could not show, and figures."""
@@ -212,7 +224,7 @@ class Run:
         with self.affordable("the identifiability card"):
             rows = card(final.fit, target, self.effects, self.alpha * final.gates["summary"].share, rng, effort)
         drawn = pictures(view, target, outcome.first, fit if outcome.effects else None, self.task.labels)
-        if outcome.verdict in (Verdict.REDUCED, Verdict.UNEXPLAINED):
+        if outcome.verdict in (Verdict.FAMILY, Verdict.UNEXPLAINED):
             with self.affordable("the correction"):
                 weights = correction(fit, target, self.events, rng)
         diagnosis = assemble(

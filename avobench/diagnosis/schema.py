@@ -5,14 +5,14 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 """Raised when a field of `diagnosis.json` changes its meaning."""
 
 
 class Verdict(StrEnum):
     NOTHING = "no significant disagreement"
     NAMED = "missing effect named"
-    REDUCED = "disagreement reduced, still significant"
+    FAMILY = "missing effect of a known family, in a shape that the catalogue lacks"
     UNEXPLAINED = "disagreement not explained by the catalogue"
 
 
@@ -169,9 +169,9 @@ class Diagnosis(Strict):
     probabilities: list[Probable] = []
     """The probability of every name that was considered; empty where the search gives none."""
     outside: float | None = None
-    """Probability that what is missing is outside the catalogue."""
+    """Probability that what is missing is outside the catalogue, by what the best model leaves."""
     models: list[ProbableModel] = []
-    """The smallest set of models that holds 95 %, all but what is outside the catalogue, the most probable first."""
+    """The smallest set of models that holds 95 % of what is not outside the catalogue, the most probable first."""
     regions: list[Region]
     candidates: list[Candidate]
     identifiability: list[Identifiable]

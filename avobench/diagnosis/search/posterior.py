@@ -2,10 +2,11 @@
 
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import comb, logsumexp
+from scipy.stats import chi2
 
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.search.evidence import Evidence, Weighed
@@ -25,6 +26,8 @@ class Posterior:
     probability: dict[Names, float]
     shapes: dict[Names, list[Weighed]]
     """The fits of each set, a shape each, best first."""
+    best: Weighed | None
+    """The model of the most probable effects; None where more probably nothing in the catalogue is missing."""
 
     @classmethod
     def of(cls, weighed: Iterable[Weighed], outside: float, catalogue: list[Effect]) -> "Posterior":
@@ -45,43 +48,62 @@ class Posterior:
             {each: (logs[each], next(iter(best.values())).resemblance) for each, best in shapes.items() if each}
         )
         total = logsumexp(list(logs.values()))
-        share = {names: (1 - SCORE.imitated) * np.exp(log - total) for names, log in logs.items()}
-        share[OUTSIDE] += SCORE.imitated
-        names = sorted(share, key=lambda each: -share[each])
+        share = {names: float(np.exp(log - total)) for names, log in logs.items()}
         fits = {each: sorted(best.values(), key=lambda one: -one.evidence.at_least) for each, best in shapes.items()}
-        return cls({each: float(share[each]) for each in names}, fits)
+        return cls.among(share, fits)
+
+    @classmethod
+    def among(cls, share: dict[Names, float], fits: dict[Names, list[Weighed]]) -> "Posterior":
+        """Of sets with these shares of the probability, and the fits of each."""
+        total = sum(share.values())
+        names = sorted(share, key=lambda each: -share[each])
+        best = fits[names[0]][0] if names[0] and names[0] != OUTSIDE else None
+        return cls({each: share[each] / total for each in names}, fits, best)
+
+    def without(self, names: Names) -> "Posterior":
+        """The same without a set of effects, of which one turned out to be compatible with none."""
+        return self.among({each: share for each, share in self.probability.items() if each != names}, self.shapes)
+
+    def with_outside(self, outside: float) -> "Posterior":
+        """The same with another probability that what is missing is outside the catalogue."""
+        inside = 1 - self.outside
+        if inside <= 0:
+            return self
+        share = {each: share * (1 - outside) / inside for each, share in self.probability.items()} | {OUTSIDE: outside}
+        return replace(self, probability=dict(sorted(share.items(), key=lambda item: -item[1])))
+
+    def supports(self, fit: Fit) -> bool:
+        """Whether each effect of a fit counts: its size is not compatible with none, or it explains more than chance.
+
+        What it explains is by how much chi-squared falls below that of the best fit without it.
+        """
+        keys, scale = {effect.key for effect in fit.model.effects}, np.sqrt(max(1.0, fit.q / max(fit.dof, 1)))
+        for k, effect in enumerate(fit.model.effects):
+            at, strength = fit.model.columns(k).start, effect.parameters[0]
+            if abs(fit.params[at] - strength.null) >= SCORE.sized * scale * fit.std[at]:
+                continue
+            others = [one.fit for names, fits in self.shapes.items() if names <= keys - {effect.key} for one in fits]
+            explained = min(one.noiseless_q for one in others) - fit.noiseless_q
+            if chi2.sf(explained, len(effect.parameters)) > SCORE.chance:
+                return False
+        return True
 
     @property
     def outside(self) -> float:
         return self.probability[OUTSIDE]
 
     @property
-    def looks(self) -> dict[Names, float]:
-        """The probabilities without that of what is outside the catalogue and looks like it."""
-        return {**self.probability, OUTSIDE: self.outside - SCORE.imitated}
-
-    @property
     def credible(self) -> list[Names]:
-        """The smallest set of models that is credible, but for the probability of what looks like them."""
-        looks = self.looks
-        ordered = sorted(looks, key=lambda each: -looks[each])
-        reached = np.cumsum([looks[each] for each in ordered])
-        return ordered[: int(np.searchsorted(reached, SCORE.credible * reached[-1])) + 1]
-
-    @property
-    def best(self) -> Weighed | None:
-        """The model of the most probable effects; None where more probably nothing in the catalogue is missing.
-
-        What only looks like the catalogue speaks against all names alike, and is no reason for another.
-        """
-        first = max(self.looks, key=self.looks.get)
-        return self.shapes[first][0] if first and first != OUTSIDE else None
+        """The smallest set of models that is credible, should it be one of the catalogue."""
+        inside = [each for each in self.probability if each != OUTSIDE]
+        reached = np.cumsum([self.probability[each] for each in inside])
+        return inside[: int(np.searchsorted(reached, SCORE.credible * reached[-1])) + 1] if inside else []
 
     def rivals(self, k: int) -> list[tuple]:
         """Effects in credible models that lack the k-th of the named ones, but for the named ones: by key."""
         model = self.best.fit.model
         names, key = {effect.key for effect in model.effects}, model.effects[k].key
-        others = [each for each in self.credible if each != OUTSIDE and key not in each]
+        others = [each for each in self.credible if key not in each]
         return [one for one in self.included if one not in names and any(one in each for each in others)]
 
     @property

@@ -7,7 +7,7 @@ from avobench.diagnosis.schema import Diagnosis, EffectValue, Named, Value
 from avobench.diagnosis.settings import TEST
 from avobench.reports import html
 from avobench.reports.diagnosis.order import sentences
-from avobench.reports.diagnosis.text import ASSUMED, SIDES, label, likely_models, meaning, probabilities, unit_of
+from avobench.reports.diagnosis.text import ASSUMED, MEANT, SIDES, label, likely_models, meaning, probabilities, unit_of
 from avobench.reports.numbers import number, p_equals, with_error
 from avobench.tasks import Task
 
@@ -29,6 +29,7 @@ def render(task: Task, result: Result, figures: list[html.Picture | html.Missing
         meaning=meaning(diagnosis),
         probabilities=probabilities(diagnosis),
         models=likely_models(diagnosis),
+        meant=MEANT,
         figures=figures,
         tables=list(_tables(task, diagnosis)),
         order=sentences(diagnosis),
