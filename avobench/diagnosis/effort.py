@@ -143,11 +143,8 @@ def first_fit_events(effort: Effort, task: Task, num_events: int) -> int:
 
 
 def addition_events(effort: Effort, num_events: int) -> int:
-    """Simulated events, at most about, with which an effect that was chosen is fitted and the gates look again.
-
-    Most of those that they take were simulated when it was looked for.
-    """
-    return int((effort.sharpen + BUDGET.tests) * num_events)
+    """Simulated events, at most about, with which the gates look again at a model with an effect."""
+    return int((BUDGET.sharpenings * effort.sharpen + BUDGET.tests) * num_events)
 
 
 def usual_events(domain: str, num_events: int) -> int:

@@ -191,16 +191,21 @@ class Run:
             if meter.refused:
                 self.notes.append(f"The search ended early: {meter.limit} simulated events did not suffice.")
             if posterior:
-                with self.affordable("the fit of the effects that were found, which are left out"):
+                with self.affordable("the tests of the effects that were found, which are left out"):
                     extended, posterior = self.added(posterior)
         return extended, posterior
 
     def added(self, posterior: Posterior) -> tuple[ExtendedModel | None, Posterior]:
-        """The most probable model of which each effect counts, with its tests, and what is probable without others."""
+        """The most probable model of which each effect counts, with its tests, and what is probable without others.
+
+        Where few simulated events remain, they are for the tests, and the fit is that of the search.
+        """
         for _ in range(SCORE.tried):
             if posterior.best is None:
                 break
-            fit, notes = refined(posterior.best.fit, self.target, self.rng, self.effort)
+            fit, notes = posterior.best.fit, []
+            with self.meter.keeping(addition_events(self.effort, len(self.events))), self.affordable("a sharper fit"):
+                fit, notes = refined(fit, self.target, self.rng, self.effort)
             if posterior.supports(fit):
                 self.notes += notes
                 return self.tested(fit), posterior
