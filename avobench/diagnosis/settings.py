@@ -253,7 +253,7 @@ class ScoreSettings:
     """Log odds that what is missing is outside the catalogue: a constant, what each unit of ln(1 - log10 p) of the best
     model adds, and what is left of the gap. A logistic regression, by `python -m paper.tables.outside`."""
     calibrated: tuple[int, int] = (226, 40)
-    """Data sets of the challenge that it was fitted to, and those of them whose family was taken out of the catalogue."""
+    """Data sets of the challenge that it was fitted to, and those of them whose family the catalogue then lacked."""
     sized: float = 2.0
     """Standard errors from which the size of an effect is not compatible with none."""
     chance: float = 0.01

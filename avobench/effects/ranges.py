@@ -14,7 +14,7 @@ Simulate = Callable[[NDArray[np.float64], np.random.Generator], NDArray]
 REFERENCE_EVENTS = 20_000
 """Events over the prior, from which the range of each feature is read: enough that its ends are seen."""
 OUTERMOST = (50, 20, 100)
-"""One in so many values is looked at, at either end, to tell whether it ends sharply; how many at least, and at most."""
+"""Of so many values one is looked at, at either end, to tell whether it is sharp; how many at least, and at most."""
 SHARP = -0.5
 """Extreme value index below which an end is sharp: -1 for a density that ends in a step, -1/2 for one that falls to
 zero in a straight line, 0 for an exponential tail."""

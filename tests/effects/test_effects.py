@@ -102,7 +102,9 @@ def test_range_of_a_cosine_is_exact_and_its_folds_stay_within():
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 40.0])
 def test_each_end_of_a_range_is_the_end_where_it_is_sharp_and_a_quantile_where_not(scale):
     rng = np.random.default_rng(0)
-    decays = function_task(lambda t, rng: rng.exponential(t[:, 0]), prior={"lifetime": (scale, 2 * scale)}, name="decays")
+    decays = function_task(
+        lambda t, rng: rng.exponential(t[:, 0]), prior={"lifetime": (scale, 2 * scale)}, name="decays"
+    )
     (span,) = ranges(decays)
     assert (span.low, span.sharp_low, span.sharp_high, span.bounded) == (0, True, False, False)
     times = rng.exponential(scale, 20_000)

@@ -302,9 +302,9 @@ def bin_of(column: NDArray, edges: NDArray[np.float64]) -> NDArray[np.intp]:
 def bins_of(x: NDArray, simulated: NDArray) -> Bins:
     """Bins that hold measured and simulated events alike, so that neither a hole nor a peak falls between edges.
 
-    One feature: about 50 bins, 80 of counts, and one for each value where there are few counts. Several: about 12 bins a feature, the rank correlation of each pair, and
-    4 x 4 bins a pair where there are at least 2 000 events. In a feature's tails they are finer. Few events make fewer
-    bins. Counts are never split, the rare merged.
+    One feature: about 50 bins, 80 of counts, and one for each value where there are few counts. Several: about 12 bins
+    a feature, the rank correlation of each pair, and 4 x 4 bins a pair where there are at least 2 000 events. In a
+    feature's tails they are finer. Few events make fewer bins. Counts are never split, the rare merged.
 
     The covariance has the square of as many numbers, so there are `SUMMARY.most_numbers` at most: of many features,
     correlations and then bins are left to pairs that are close in the order of the features, as sensors side by side
