@@ -186,25 +186,26 @@ class Run:
         search = Search(target, self.events, self.effects, max_effects, rng, effort, self.jobs, self.phases, experience)
         extended = None
         with meter.keeping(self.later + self.effort.gaps):
-            with meter.keeping(addition_events(self.effort, n)):
+            tests = min(addition_events(self.effort, n), max(meter.remaining or 0, 0) // 2)
+            with meter.keeping(tests):
                 posterior = search.posterior(null.fit)
             if meter.refused:
                 self.notes.append(f"The search ended early: {meter.limit} simulated events did not suffice.")
             if posterior:
                 with self.affordable("the tests of the effects that were found, which are left out"):
-                    extended, posterior = self.added(posterior)
+                    extended, posterior = self.added(posterior, tests)
         return extended, posterior
 
-    def added(self, posterior: Posterior) -> tuple[ExtendedModel | None, Posterior]:
+    def added(self, posterior: Posterior, tests: int) -> tuple[ExtendedModel | None, Posterior]:
         """The most probable model of which each effect counts, with its tests, and what is probable without others.
 
-        Where few simulated events remain, they are for the tests, and the fit is that of the search.
+        So many simulated events as `tests` are for these. Where no others remain, the fit is that of the search.
         """
         for _ in range(SCORE.tried):
             if posterior.best is None:
                 break
             fit, notes = posterior.best.fit, []
-            with self.meter.keeping(addition_events(self.effort, len(self.events))), self.affordable("a sharper fit"):
+            with self.meter.keeping(tests), self.affordable("a sharper fit"):
                 fit, notes = refined(fit, self.target, self.rng, self.effort)
             if posterior.supports(fit):
                 self.notes += notes
