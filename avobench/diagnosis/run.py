@@ -1,7 +1,7 @@
 """The diagnosis on one page: fit and test the simulator, search what it lacks, add that and refit, and report."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
@@ -207,13 +207,24 @@ class Run:
             fit, notes = posterior.best.fit, []
             with self.meter.keeping(tests), self.affordable("a sharper fit"):
                 fit, notes = refined(fit, self.target, self.rng, self.effort)
-            if posterior.supports(fit):
+            if posterior.supports(fit, self.refitted(tests)):
                 self.notes += notes
                 return self.tested(fit), posterior
             names = " and ".join(effect.name for effect in fit.model.effects)
             self.notes.append(f"{names} was fitted and left out: what it adds is compatible with nothing.")
             posterior = posterior.without(posterior.best.effects)
         return None, posterior
+
+    def refitted(self, tests: int) -> Callable[[Fit], Fit]:
+        """Makes a fit of the search as good as that of an answer, if simulated events suffice beside those of tests."""
+
+        def refit(fit: Fit) -> Fit:
+            if fit.model.effects:
+                with self.meter.keeping(tests), suppress(BudgetExhausted):
+                    return refined(fit, self.target, self.rng, self.effort)[0]
+            return fit
+
+        return refit
 
     def report(self, outcome: Outcome, inferred: Inferred | None) -> Result:
         """The final fit, its uncertainties, where the events disagree, what they could not show, and figures."""

@@ -1,7 +1,7 @@
 """How probable each set of effects is, of all that were weighed."""
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -72,10 +72,11 @@ class Posterior:
         share = {each: share * (1 - outside) / inside for each, share in self.probability.items()} | {OUTSIDE: outside}
         return replace(self, probability=dict(sorted(share.items(), key=lambda item: -item[1])))
 
-    def supports(self, fit: Fit) -> bool:
+    def supports(self, fit: Fit, refit: Callable[[Fit], Fit]) -> bool:
         """Whether each effect of a fit counts: its size is not compatible with none, or it explains more than chance.
 
-        What it explains is by how much chi-squared falls below that of the best fit without it.
+        What it explains is by how much chi-squared falls below that of the best fit without it, which `refit` makes as
+        good as this one. Both are told in units of what chi-squared of this fit is for each degree of freedom.
         """
         keys, scale = {effect.key for effect in fit.model.effects}, np.sqrt(max(1.0, fit.q / max(fit.dof, 1)))
         for k, effect in enumerate(fit.model.effects):
@@ -83,7 +84,8 @@ class Posterior:
             if abs(fit.params[at] - strength.null) >= SCORE.sized * scale * fit.std[at]:
                 continue
             others = [one.fit for names, fits in self.shapes.items() if names <= keys - {effect.key} for one in fits]
-            explained = min(one.noiseless_q for one in others) - fit.noiseless_q
+            without = refit(min(others, key=lambda one: one.noiseless_q))
+            explained = (without.noiseless_q - fit.noiseless_q) / scale**2
             if chi2.sf(explained, len(effect.parameters)) > SCORE.chance:
                 return False
         return True

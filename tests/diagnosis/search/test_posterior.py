@@ -119,13 +119,19 @@ def fitted(strength, std, q):
 
 @pytest.mark.parametrize(
     ("strength", "std", "q", "counts"),
-    [(0.1, 0.01, 8, True), (0.0008, 0.005, 8, False), (0.0008, 0.005, 2, True), (0.1, 0.03, 250, False)],
+    [
+        (0.1, 0.01, 8, True),
+        (0.0008, 0.005, 8, False),
+        (0.0008, 0.005, 2, True),
+        (0.1, 0.03, 11, True),
+        (0.1, 0.03, 250, False),
+    ],
 )
 def test_an_effect_counts_by_its_size_or_by_what_it_explains(strength, std, q, counts):
     """Beside a simulator with chi-squared 12. Where a model does not describe the events, its errors are larger."""
     alone = SimpleNamespace(model=SimpleNamespace(effects=()), noiseless_q=12)
     found = Posterior({frozenset(): 1.0}, {frozenset(): [Weighed(alone, Evidence(0, 0))]}, None)
-    assert found.supports(fitted(strength, std, q)) == counts
+    assert found.supports(fitted(strength, std, q), lambda fit: fit) == counts
 
 
 def test_of_a_model_whose_effect_does_not_count_the_next_takes_the_place():
