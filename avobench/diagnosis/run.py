@@ -207,12 +207,12 @@ class Run:
             fit, notes = posterior.best.fit, []
             with self.meter.keeping(tests), self.affordable("a sharper fit"):
                 fit, notes = refined(fit, self.target, self.rng, self.effort)
-            if posterior.supports(fit, self.refitted(tests)):
+            key = posterior.unsupported(fit, self.refitted(tests))
+            if key is None:
                 self.notes += notes
                 return self.tested(fit), posterior
-            names = " and ".join(effect.name for effect in fit.model.effects)
-            self.notes.append(f"{names} was fitted and left out: what it adds is compatible with nothing.")
-            posterior = posterior.without(posterior.best.effects)
+            self.notes.append(f"{key[0]} was fitted and left out: what it adds is compatible with nothing.")
+            posterior = posterior.without(key)
         return None, posterior
 
     def refitted(self, tests: int) -> Callable[[Fit], Fit]:

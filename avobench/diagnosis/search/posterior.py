@@ -60,9 +60,13 @@ class Posterior:
         best = fits[names[0]][0] if names[0] and names[0] != OUTSIDE else None
         return cls({each: share[each] / total for each in names}, fits, best)
 
-    def without(self, names: Names) -> "Posterior":
-        """The same without a set of effects, of which one turned out to be compatible with none."""
-        return self.among({each: share for each, share in self.probability.items() if each != names}, self.shapes)
+    def without(self, key: tuple) -> "Posterior":
+        """The same if an effect of the best model is none: what the model has goes to that without the effect."""
+        names = self.best.effects
+        share = {each: p for each, p in self.probability.items() if each != names}
+        if names - {key} in share:
+            share[names - {key}] += self.probability[names]
+        return self.among(share, self.shapes)
 
     def with_outside(self, outside: float) -> "Posterior":
         """The same with another probability that what is missing is outside the catalogue."""
@@ -72,13 +76,15 @@ class Posterior:
         share = {each: share * (1 - outside) / inside for each, share in self.probability.items()} | {OUTSIDE: outside}
         return replace(self, probability=dict(sorted(share.items(), key=lambda item: -item[1])))
 
-    def supports(self, fit: Fit, refit: Callable[[Fit], Fit]) -> bool:
-        """Whether each effect of a fit counts: its size is not compatible with none, or it explains more than chance.
+    def unsupported(self, fit: Fit, refit: Callable[[Fit], Fit]) -> tuple | None:
+        """The key of the least supported effect of a fit that does not count; None if each does.
 
-        What it explains is by how much chi-squared falls below that of the best fit without it, which `refit` makes as
-        good as this one. Both are told in units of what chi-squared of this fit is for each degree of freedom.
+        An effect counts if its size is not compatible with none, or if it explains more than chance. What it explains
+        is by how much chi-squared falls below that of the best fit without it, which `refit` makes as good as this one.
+        Both are told in units of what chi-squared of this fit is for each degree of freedom.
         """
         keys, scale = {effect.key for effect in fit.model.effects}, np.sqrt(max(1.0, fit.q / max(fit.dof, 1)))
+        chances = {None: SCORE.chance}
         for k, effect in enumerate(fit.model.effects):
             at, strength = fit.model.columns(k).start, effect.parameters[0]
             if abs(fit.params[at] - strength.null) >= SCORE.sized * scale * fit.std[at]:
@@ -86,9 +92,8 @@ class Posterior:
             others = [one.fit for names, fits in self.shapes.items() if names <= keys - {effect.key} for one in fits]
             without = refit(min(others, key=lambda one: one.noiseless_q))
             explained = (without.noiseless_q - fit.noiseless_q) / scale**2
-            if chi2.sf(explained, len(effect.parameters)) > SCORE.chance:
-                return False
-        return True
+            chances[effect.key] = float(chi2.sf(explained, len(effect.parameters)))
+        return max(chances, key=chances.get)
 
     @property
     def outside(self) -> float:

@@ -131,15 +131,18 @@ def test_an_effect_counts_by_its_size_or_by_what_it_explains(strength, std, q, c
     """Beside a simulator with chi-squared 12. Where a model does not describe the events, its errors are larger."""
     alone = SimpleNamespace(model=SimpleNamespace(effects=()), noiseless_q=12)
     found = Posterior({frozenset(): 1.0}, {frozenset(): [Weighed(alone, Evidence(0, 0))]}, None)
-    assert found.supports(fitted(strength, std, q), lambda fit: fit) == counts
+    assert (found.unsupported(fitted(strength, std, q), lambda fit: fit) is None) == counts
 
 
-def test_of_a_model_whose_effect_does_not_count_the_next_takes_the_place():
-    found = Posterior.of([weighed(-1, "zero_inflation"), weighed(-5, "dead_time")], -90, CATALOGUE)
-    later = found.without(found.best.effects)
-    assert [effect.name for effect in later.best.fit.model.effects] == ["dead_time"]
-    assert sum(later.probability.values()) == pytest.approx(1)
-    assert ("zero_inflation", None) not in later.included
+def test_what_a_model_has_goes_to_that_without_an_effect_that_does_not_count():
+    pair, one, other = ("zero_inflation", "dead_time"), ("zero_inflation",), ("pile_up",)
+    found = Posterior.of([weighed(-90), weighed(0, *pair), weighed(-6, *one), weighed(-5, *other)], -90, CATALOGUE)
+    assert len(found.best.effects) == 2
+    alone = found.without(("dead_time", None))
+    assert alone.best.effects == {("zero_inflation", None)}
+    assert sum(alone.probability.values()) == pytest.approx(1)
+    assert alone.included[("zero_inflation", None)] == pytest.approx(found.included[("zero_inflation", None)])
+    assert alone.without(("zero_inflation", None)).best is None  # the simulator as it is has most then
 
 
 def test_two_effects_must_explain_more_than_one():
