@@ -7,7 +7,7 @@ GAP = {"value": 1.1, "low": 0.6, "high": 1.6}
 
 def diagnosis(verdict=Verdict.NOTHING, **given):
     """What no field is given of is empty; with a verdict that names effects there is an agreement after them."""
-    added = verdict in (Verdict.NAMED, Verdict.REDUCED)
+    added = verdict in (Verdict.NAMED, Verdict.FAMILY)
     content = {
         "verdict": verdict,
         "alpha": 0.05,

@@ -1,7 +1,7 @@
 """The diagnosis on one page: fit and test the simulator, search what it lacks, add that and refit, and report."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
@@ -23,7 +23,7 @@ from avobench.diagnosis.report.uncertainties import QuotedFit, ambiguity
 from avobench.diagnosis.schema import Verdict
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.search import Search, refined
-from avobench.diagnosis.settings import BUDGET, FIT, TEST
+from avobench.diagnosis.settings import BUDGET, FIT, SCORE, TEST
 from avobench.diagnosis.summary.part import Measured, Part
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
@@ -219,16 +219,45 @@ class Run:
         extended = None
         with meter.keeping(self.later):
             refused = meter.refused
-            with meter.keeping(BUDGET.added * n):
+            tests = BUDGET.added * n if meter.limit is None else min(BUDGET.added * n, max(meter.remaining, 0) // 2)
+            with meter.keeping(tests):
                 posterior = search.posterior(null.fit)
             if meter.refused > refused:
                 self.left_out.append("the whole search for what is missing")
-            if posterior and (best := posterior.best):
-                with self.affordable("the fit of the effects that were found, which are left out"):
-                    fit, more = refined(best.fit, target, self.rng, self.effort)
-                    self.notes += more
-                    extended = self.tested(fit)
+            if posterior:
+                with self.affordable("the tests of the effects that were found, which are left out"):
+                    extended, posterior = self.added(posterior, tests)
         return extended, posterior
+
+    def added(self, posterior: Posterior, tests: int) -> tuple[ExtendedModel | None, Posterior]:
+        """The most probable model of which each effect counts, with its tests, and what is probable without others.
+
+        So many simulated events as `tests` are for these. Where no others remain, the fit is that of the search.
+        """
+        for _ in range(SCORE.tried):
+            if posterior.best is None:
+                break
+            fit, notes = posterior.best.fit, []
+            with self.meter.keeping(tests), self.affordable("a sharper fit"):
+                fit, notes = refined(fit, self.target, self.rng, self.effort)
+            key = posterior.unsupported(fit, self.refitted(tests))
+            if key is None:
+                self.notes += notes
+                return self.tested(fit), posterior
+            self.notes.append(f"{key[0]} was fitted and left out: what it adds is compatible with nothing.")
+            posterior = posterior.without(key)
+        return None, posterior
+
+    def refitted(self, tests: int) -> Callable[[Fit], Fit]:
+        """Makes a fit of the search as good as that of an answer, if simulated events suffice beside those of tests."""
+
+        def refit(fit: Fit) -> Fit:
+            if fit.model.effects:
+                with self.meter.keeping(tests), suppress(BudgetExhausted):
+                    return refined(fit, self.target, self.rng, self.effort)[0]
+            return fit
+
+        return refit
 
     def report(self, outcome: Outcome, inferred: Inferred | None) -> Result:
         """The final fit, its uncertainties, where the events disagree, what they could not show, and figures."""
@@ -245,7 +274,7 @@ class Run:
         with self.affordable("the identifiability card"):
             rows = card(final.fit, target, self.effects, self.alpha * final.gates["summary"].share, rng, effort)
         drawn = pictures(view, target, outcome.first, fit if outcome.effects else None, self.task.labels)
-        if outcome.verdict in (Verdict.REDUCED, Verdict.UNEXPLAINED) and not self.of_tables:
+        if outcome.verdict in (Verdict.FAMILY, Verdict.UNEXPLAINED) and not self.of_tables:
             with self.affordable("the correction"):
                 weights = correction(fit, target, self.events, rng)
         diagnosis = assemble(

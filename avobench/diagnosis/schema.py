@@ -12,7 +12,7 @@ SCHEMA_VERSION = 3
 class Verdict(StrEnum):
     NOTHING = "no significant disagreement"
     NAMED = "missing effect named"
-    REDUCED = "disagreement reduced, still significant"
+    FAMILY = "missing effect of a known family, in a shape that the catalogue lacks"
     UNEXPLAINED = "disagreement not explained by the catalogue"
 
 
@@ -181,9 +181,9 @@ class Diagnosis(Strict):
     probabilities: list[Probable] = []
     """The probability of every name that was considered; empty where the search gives none."""
     outside: float | None = None
-    """Probability that what is missing is outside the catalogue."""
+    """Probability that what is missing is outside the catalogue, by what the best model leaves."""
     models: list[ProbableModel] = []
-    """The smallest set of models that holds 95 %, all but what is outside the catalogue, the most probable first."""
+    """The smallest set of models that holds 95 % of what is not outside the catalogue, the most probable first."""
     regions: list[Region]
     candidates: list[Candidate]
     identifiability: list[Identifiable]

@@ -11,6 +11,10 @@ class SummarySettings:
 
     least_in_bin: int = 12
     """Measured and simulated events of a bin, each counted half: with fewer, shares do not scatter as Gaussians do."""
+    few_counts: int = 20
+    """Different values of a count up to which each has a bin of its own, as in tables of accidents."""
+    least_of_few: int = 5
+    """The same as `least_in_bin` of so few: the usual rule for tables (W. G. Cochran, Biometrics 10 (1954) 417)."""
     image_blocks: int = 8
     """Blocks along each axis of an image, at most: 64 in all, as many as the rows and columns of a 32 x 32 image."""
     hit_bins: int = 12
@@ -237,8 +241,6 @@ class ScoreSettings:
     below, were chosen on development cases of the challenge."""
     unknown: float = 0.03
     """Prior that it is none of the catalogue, and looks like none."""
-    imitated: float = 0.1
-    """Probability that it is none of the catalogue, but looks like what the catalogue has, of whatever fits."""
     coarse: float = 0.02
     """What is added to the temperature of what a fit leaves, for each unit of Q that it explains: no shape is exactly
     that of nature, and what a shape leaves for being another grows with what it does."""
@@ -246,7 +248,19 @@ class ScoreSettings:
     """Power of the odds by the fits, and of those by what the events look like: two opinions of the same events agree
     more than independent ones would."""
     credible: float = 0.95
-    """Probability of the smallest set of models that is told."""
+    """Probability of the smallest set of models that is told, among those of the catalogue."""
+    outside: tuple[float, float, float] = (-2.275, 0.216, 1.991)
+    """Log odds that what is missing is outside the catalogue: a constant, what each unit of ln(1 - log10 p) of the best
+    model adds, and what is left of the gap. A logistic regression, by `python -m paper.tables.outside`."""
+    calibrated: tuple[int, int] = (226, 40)
+    """Data sets of the challenge that it was fitted to, and those of them whose family the catalogue then lacked."""
+    sized: float = 2.0
+    """Standard errors from which the size of an effect is not compatible with none."""
+    chance: float = 0.01
+    """Probability by chance of what an effect of a smaller size explains, up to which it counts nevertheless: the size
+    and the shape of an effect may be known together alone."""
+    tried: int = 3
+    """Sets of effects, at most, that are fitted for the answer until each effect of one counts."""
 
 
 @dataclass(frozen=True)

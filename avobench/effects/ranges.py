@@ -10,14 +10,15 @@ from avobench.tasks.checked import checked_events
 
 REFERENCE_EVENTS = 20_000
 """Events over the prior, from which the range of each feature is read: enough that its ends are seen."""
-OUTERMOST = 0.01
-"""Share of the range, at either end, in which events are counted to tell whether it ends sharply."""
-SHARP = 0.002
-"""The least share of the events that the outermost hundredth of a sharp end holds: a fifth of an even share."""
+OUTERMOST = (50, 20, 100)
+"""Of so many values one is looked at, at either end, to tell whether it is sharp; how many at least, and at most."""
+SHARP = -0.5
+"""Extreme value index below which an end is sharp: -1 for a density that ends in a step, -1/2 for one that falls to
+zero in a straight line, 0 for an exponential tail."""
 DEVIATIONS = 3.5
-"""How far a feature without sharp ends reaches to either side of the median, in standard deviations."""
+"""How far a feature reaches from the median to an end that is not sharp, in standard deviations."""
 SHOWN = (0.005, 0.995)
-"""Quantiles of measured events between which a feature without sharp ends is said to lie."""
+"""Quantiles of measured events at which a feature is said to end where its end is not sharp."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,10 @@ class Range:
     """Whether it comes round again at its ends, as an angle does."""
     positive: bool = False
     """Whether it has no negative values, as an energy or a time."""
+    sharp_low: bool = False
+    """Whether it ends sharply at the lower end, as a time since a start does."""
+    sharp_high: bool = False
+    """Whether it ends sharply at the upper end."""
 
     @property
     def centre(self) -> float:
@@ -58,9 +63,20 @@ class Range:
         return self.centre + self.half * np.cos(angle)
 
     def shown(self, column: NDArray[np.float64]) -> "Range":
-        """The range that values (n,) show: its own where it ends sharply, else that of all but one in a hundred."""
+        """The range that values (n,) show, each end by itself.
+
+        It is the range's own end where that is sharp, else where the values end if they do so sharply, else the value
+        beyond which one in 200 lies.
+        """
         low, high = np.quantile(column, SHOWN).tolist()
-        return self if self.bounded or self.periodic or low == high else replace(self, low=low, high=high)
+        if self.bounded or self.periodic or low == high:
+            return self
+        rounded = _round_out(column.min(), column.max())
+        if self.sharp_low or ends_sharply(-column):
+            low = self.low if self.sharp_low else rounded[0]
+        if self.sharp_high or ends_sharply(column):
+            high = self.high if self.sharp_high else rounded[1]
+        return replace(self, low=low, high=high) if low < high else self
 
     def wrapped(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """The angles x moved into the range by whole periods. Other features are returned unchanged."""
@@ -72,13 +88,11 @@ class Range:
 
 
 def ranges(task: Task, x: NDArray | None = None) -> tuple[Range, ...]:
-    """The range of each feature, from events over the prior: exact ends if they are sharp, 3.5 deviations else.
+    """The range of each feature, from events over the prior: each end exact if it is sharp, else 3.5 deviations away.
 
-    They are read from events x (n, d) over the prior; REFERENCE_EVENTS are simulated where it is None.
-
-    An end is sharp if the outermost hundredth of the range holds at least a fifth of an even share of the events. The
-    range of an angle is once round: from zero, or as far to either side of it where some are negative. Raises
-    SimulatorError for events that are not those that the task declares.
+    They are read from events x (n, d) over the prior; REFERENCE_EVENTS are simulated where it is None. The range of an
+    angle is once round: from zero, or as far to either side of it where some are negative. Raises SimulatorError for
+    events that are not those that the task declares.
     """
     if x is None:
         rng = np.random.default_rng(0)
@@ -93,16 +107,30 @@ def ranges(task: Task, x: NDArray | None = None) -> tuple[Range, ...]:
             start = -once / 2 if low < 0 else 0.0
             found.append(Range(start, start + once, False, periodic=True))
             continue
-        margin = OUTERMOST * (high - low)
-        share = min(np.mean(column < low + margin), np.mean(column > high - margin))
-        if share > SHARP:
-            low, high = _round_out(low, high)
-            found.append(Range(low, high, True, positive=positive))
-        else:
-            centre, spread = np.median(column), column.std()
-            reach = DEVIATIONS * spread
-            found.append(Range(centre - reach, centre + reach, False, positive=positive))
+        sharp_low, sharp_high = ends_sharply(-column), ends_sharply(column)
+        centre, reach = float(np.median(column)), DEVIATIONS * float(column.std())
+        low, high = (
+            _round_out(low, high)[0] if sharp_low else centre - reach,
+            _round_out(low, high)[1] if sharp_high else centre + reach,
+        )
+        found.append(Range(low, high, sharp_low and sharp_high, False, positive, sharp_low, sharp_high))
     return tuple(found)
+
+
+def ends_sharply(column: NDArray[np.float64]) -> bool:
+    """Whether the density of values (n,) does not fall to zero towards their upper end.
+
+    By the extreme value index of the largest values, a generalised Pareto distribution fitted to them by probability
+    weighted moments (J. R. M. Hosking, J. R. Wallis, Technometrics 29 (1987) 339). Values that are all alike end in a
+    spike, which is no end of a range.
+    """
+    share, least, most = OUTERMOST
+    count = min(max(len(column) // share, least), most, len(column) - 1)
+    highest = np.sort(np.partition(column, len(column) - count - 1)[-count - 1 :])
+    excess = highest[1:] - highest[0]
+    mean = excess.mean()
+    weighted = (excess * (1 - (np.arange(count) + 0.65) / count)).mean()
+    return bool(mean > 2 * weighted and 2 - mean / (mean - 2 * weighted) < SHARP)
 
 
 def _round_out(low: float, high: float) -> tuple[float, float]:

@@ -65,7 +65,7 @@ def row(name: str, records: list[Record]) -> dict[str, Any]:
     seen = [record for record, answer in zip(effects, answers, strict=True) if answer != UNSEEN]
     truth = [of_truth(record) for record in seen]
     first = [each["effects"][0]["probability"] for each in said if each["effects"]]
-    rejected = sum(bool(each["effects"]) and each["p_value_after"] < REJECTED for each in said)
+    rejected = sum(each["verdict"] == Verdict.NAMED and each["p_value_after"] < REJECTED for each in said)
     calls = [record["diagnosis"]["num_simulations"] / record["diagnosis"]["num_events"] for record in seen]
     return {
         "configuration": name,
@@ -76,6 +76,7 @@ def row(name: str, records: list[Record]) -> dict[str, Any]:
         "P(truth)": _mean([share or 0 for share in truth]),
         "P(first name)": _mean(first),
         "P(outside)": _mean([record["diagnosis"]["outside"] or 0 for record in seen]),
+        "family alone": sum(each["verdict"] == Verdict.FAMILY for each in said),
         "named, yet rejected": rejected,
         "a further name": sum(len(each["effects"]) > 1 for each in said),
         "false alarms": f"{sum(judged(record) == WRONG for record in nulls)} of {len(nulls)}",

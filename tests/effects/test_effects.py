@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +16,11 @@ from avobench.effects.contract import Parameter
 from avobench.effects.counts.exposure import exposed
 from avobench.effects.images.grid import odd_cells
 from avobench.effects.noise import skewed_noise
-from avobench.effects.ranges import Range, ranges
+from avobench.effects.ranges import Range, ends_sharply, ranges
 from avobench.effects.rejection import DRAWN, accepted
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
+from avobench.tasks.function import task as function_task
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
 
@@ -92,9 +94,27 @@ def test_parameter_refuses_a_null_outside_its_bounds():
 
 def test_range_of_a_cosine_is_exact_and_its_folds_stay_within():
     (span,) = ranges(Weinberg())
-    assert span == Range(-1.0, 1.0, True)
+    assert span == Range(-1.0, 1.0, True, sharp_low=True, sharp_high=True)
     np.testing.assert_allclose(span.reflect(np.array([-1.2, 0.3, 1.0, 1.5, 3.4])), [-0.8, 0.3, 1.0, 0.5, -0.6])
     assert not any(r.bounded for r in ranges(Carl()))
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 40.0])
+def test_each_end_of_a_range_is_the_end_where_it_is_sharp_and_a_quantile_where_not(scale):
+    rng = np.random.default_rng(0)
+    decays = function_task(
+        lambda t, rng: rng.exponential(t[:, 0]), prior={"lifetime": (scale, 2 * scale)}, name="decays"
+    )
+    (span,) = ranges(decays)
+    assert (span.low, span.sharp_low, span.sharp_high, span.bounded) == (0, True, False, False)
+    times = rng.exponential(scale, 20_000)
+    assert span.shown(times) == replace(span, high=np.quantile(times, 0.995))
+    window = np.where(rng.random(20_000) < 0.04, rng.uniform(0, 12 * scale, 20_000), times)  # accidentals in a window
+    seen = span.shown(window)
+    assert seen.low == 0
+    assert seen.high == pytest.approx(12 * scale, rel=0.01)
+    assert not ends_sharply(rng.standard_normal(20_000))
+    assert not ends_sharply(np.minimum(times, scale))  # a spike
 
 
 @pytest.mark.parametrize("g", [0.3, 1.0, 2.7])

@@ -11,6 +11,7 @@ from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.null import Inferred
 from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel
 from avobench.diagnosis.goodness_of_fit.held_out import HeldOut
+from avobench.diagnosis.goodness_of_fit.outside import left, outside
 from avobench.diagnosis.goodness_of_fit.regions import regions
 from avobench.diagnosis.report.uncertainties import named
 from avobench.diagnosis.schema import Candidate, Gap, Region, Verdict
@@ -21,6 +22,9 @@ from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.effects.catalogue import domain
 from avobench.tasks import Task
+
+OUTSIDE_FROM = 0.5
+"""Probability of being outside the catalogue from which no name is told of a model that is rejected."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +42,9 @@ class Outcome:
     candidates: list[Candidate]
     """The effects that were tried on the task alone, best first."""
     withdrawn: tuple[Effect, ...] = ()
-    """Effects that the search had added, which the held-out events do not confirm."""
+    """Effects that the search had added, which are none of the answer."""
+    why: str = ""
+    """What speaks against them."""
 
     @classmethod
     def of(
@@ -51,20 +57,29 @@ class Outcome:
         rng: np.random.Generator,
         effort: Effort,
     ) -> "Outcome":
-        """The outcome by the held-out events.
+        """The outcome by the tests and the held-out events, from which it follows what is probably outside.
 
-        Effects count with which the model agrees with the measurement, by the tests and on these events, or with which
-        the gap there at least shrinks by more than its error.
+        Effects count if the gap on these events is smaller with them, and the model agrees with the measurement or the
+        gap shrinks by more than its error. Of a model that does not agree it must be more probable than not that what
+        is missing is of its families.
         """
         before = held_out.gap(null.efficient, rng, effort.covariance)
         after = held_out.gap(extended.efficient, rng, effort.covariance) if extended else None
         withdrawn: tuple[Effect, ...] = ()
-        if (
-            extended
-            and not _describes(extended, after, alpha)
-            and not held_out.shrank(extended.efficient, null.efficient)
-        ):
-            withdrawn, extended, after = extended.fit.model.effects, None, None
+        why, unlikely = "", outside(null.p_value, 1.0, alpha)
+        if extended:
+            describes = _describes(extended, after, alpha)
+            if after.value >= before.value:
+                why = "on held-out events the gap is no smaller with it"
+            elif not describes and not held_out.shrank(extended.efficient, null.efficient):
+                why = "on held-out events the gap shrank by less than its error"
+            else:
+                unlikely = outside(extended.p_value, left(before, after), alpha)
+                if not describes and unlikely >= OUTSIDE_FROM:
+                    why = f"with it {left(before, after):.0%} of the gap are left, and p = {extended.p_value:.2g}"
+            if why:
+                withdrawn, extended, after = extended.fit.model.effects, None, None
+        posterior = posterior and posterior.with_outside(unlikely)
         candidates, single = [], posterior.single if posterior else []
         for each in single:
             candidates.append(
@@ -75,7 +90,7 @@ class Outcome:
                     held_out_gap=held_out.gap(each.fit, rng, effort.fit).value,
                 )
             )
-        return cls(null, extended, posterior, alpha, before, after, candidates, withdrawn)
+        return cls(null, extended, posterior, alpha, before, after, candidates, withdrawn, why)
 
     @property
     def disagree(self) -> bool:
@@ -98,7 +113,7 @@ class Outcome:
             return Verdict.NOTHING
         if self.gap_after is None:
             return Verdict.UNEXPLAINED
-        return Verdict.NAMED if _describes(self.final, self.gap_after, self.alpha) else Verdict.REDUCED
+        return Verdict.NAMED if _describes(self.final, self.gap_after, self.alpha) else Verdict.FAMILY
 
     @property
     def first(self) -> Fit:
@@ -111,7 +126,7 @@ class Outcome:
 
     def final_fit(self, target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
         """The fit of the final model that is reported; in the target's metric where it is still rejected, as above."""
-        if self.verdict == Verdict.REDUCED:
+        if self.verdict == Verdict.FAMILY:
             num_events = int(effort.sharpen * target.num_events)
             return settled(self.final.fit, target, rng, num_events, effort.settle)
         return self.final.efficient if self.effects else self.first
@@ -142,7 +157,7 @@ def notes_of(
         )
     if outcome.withdrawn:
         names = " and ".join(effect.name for effect in outcome.withdrawn)
-        notes.append(f"{names} was tried and left out: on what was held out the gap shrank by less than its error.")
+        notes.append(f"{names} was tried and left out: {outcome.why}.")
     if outcome.disagree and gap.low <= 1:
         notes.append(unconfirmed(outcome))
     if inferred is not None:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from avobench.diagnosis.fit.descent import settled
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.schema import Combination, EffectValue, FoundEffect, Named, Probable, ProbableModel, Value
-from avobench.diagnosis.search.posterior import OUTSIDE, Posterior
+from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.settings import FIT, REPORT
 from avobench.diagnosis.summary.target import Target
 
@@ -188,11 +188,10 @@ def probabilities(posterior: Posterior, names: tuple[str, ...]) -> list[Probable
 
 
 def models(posterior: Posterior, names: tuple[str, ...]) -> list[ProbableModel]:
-    """The smallest set of models that is credible, but for what is outside the catalogue."""
+    """The smallest set of models that is credible, should it be one of the catalogue."""
     return [
         ProbableModel(
             effects=[named(key, names) for key in sorted(each, key=str)], probability=posterior.probability[each]
         )
         for each in posterior.credible
-        if each != OUTSIDE
     ]

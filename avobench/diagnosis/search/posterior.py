@@ -1,11 +1,12 @@
 """How probable each set of effects is, of all that were weighed."""
 
 from collections import Counter
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import comb, logsumexp
+from scipy.stats import chi2
 
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.search.evidence import Evidence, Weighed
@@ -25,6 +26,8 @@ class Posterior:
     probability: dict[Names, float]
     shapes: dict[Names, list[Weighed]]
     """The fits of each set, a shape each, best first."""
+    best: Weighed | None
+    """The model of the most probable effects; None where more probably nothing in the catalogue is missing."""
 
     @classmethod
     def of(cls, weighed: Iterable[Weighed], outside: float, catalogue: list[Effect]) -> "Posterior":
@@ -45,43 +48,69 @@ class Posterior:
             {each: (logs[each], next(iter(best.values())).resemblance) for each, best in shapes.items() if each}
         )
         total = logsumexp(list(logs.values()))
-        share = {names: (1 - SCORE.imitated) * np.exp(log - total) for names, log in logs.items()}
-        share[OUTSIDE] += SCORE.imitated
-        names = sorted(share, key=lambda each: -share[each])
+        share = {names: float(np.exp(log - total)) for names, log in logs.items()}
         fits = {each: sorted(best.values(), key=lambda one: -one.evidence.at_least) for each, best in shapes.items()}
-        return cls({each: float(share[each]) for each in names}, fits)
+        return cls.among(share, fits)
+
+    @classmethod
+    def among(cls, share: dict[Names, float], fits: dict[Names, list[Weighed]]) -> "Posterior":
+        """Of sets with these shares of the probability, and the fits of each."""
+        total = sum(share.values())
+        names = sorted(share, key=lambda each: -share[each])
+        best = fits[names[0]][0] if names[0] and names[0] != OUTSIDE else None
+        return cls({each: share[each] / total for each in names}, fits, best)
+
+    def without(self, key: tuple) -> "Posterior":
+        """The same if an effect of the best model is none: what the model has goes to that without the effect."""
+        names = self.best.effects
+        share = {each: p for each, p in self.probability.items() if each != names}
+        if names - {key} in share:
+            share[names - {key}] += self.probability[names]
+        return self.among(share, self.shapes)
+
+    def with_outside(self, outside: float) -> "Posterior":
+        """The same with another probability that what is missing is outside the catalogue."""
+        inside = 1 - self.outside
+        if inside <= 0:
+            return self
+        share = {each: share * (1 - outside) / inside for each, share in self.probability.items()} | {OUTSIDE: outside}
+        return replace(self, probability=dict(sorted(share.items(), key=lambda item: -item[1])))
+
+    def unsupported(self, fit: Fit, refit: Callable[[Fit], Fit]) -> tuple | None:
+        """The key of the least supported effect of a fit that does not count; None if each does.
+
+        An effect counts if its size is not compatible with none, or if it explains more than chance. What it explains
+        is by how much chi-squared falls below that of the best fit without it, which `refit` makes as good as this one.
+        Both are told in units of what chi-squared of this fit is for each degree of freedom.
+        """
+        keys, scale = {effect.key for effect in fit.model.effects}, np.sqrt(max(1.0, fit.q / max(fit.dof, 1)))
+        chances = {None: SCORE.chance}
+        for k, effect in enumerate(fit.model.effects):
+            at, strength = fit.model.columns(k).start, effect.parameters[0]
+            if abs(fit.params[at] - strength.null) >= SCORE.sized * scale * fit.std[at]:
+                continue
+            others = [one.fit for names, fits in self.shapes.items() if names <= keys - {effect.key} for one in fits]
+            without = refit(min(others, key=lambda one: one.noiseless_q))
+            explained = (without.noiseless_q - fit.noiseless_q) / scale**2
+            chances[effect.key] = float(chi2.sf(explained, len(effect.parameters)))
+        return max(chances, key=chances.get)
 
     @property
     def outside(self) -> float:
         return self.probability[OUTSIDE]
 
     @property
-    def looks(self) -> dict[Names, float]:
-        """The probabilities without that of what is outside the catalogue and looks like it."""
-        return {**self.probability, OUTSIDE: self.outside - SCORE.imitated}
-
-    @property
     def credible(self) -> list[Names]:
-        """The smallest set of models that is credible, but for the probability of what looks like them."""
-        looks = self.looks
-        ordered = sorted(looks, key=lambda each: -looks[each])
-        reached = np.cumsum([looks[each] for each in ordered])
-        return ordered[: int(np.searchsorted(reached, SCORE.credible * reached[-1])) + 1]
-
-    @property
-    def best(self) -> Weighed | None:
-        """The model of the most probable effects; None where more probably nothing in the catalogue is missing.
-
-        What only looks like the catalogue speaks against all names alike, and is no reason for another.
-        """
-        first = max(self.looks, key=self.looks.get)
-        return self.shapes[first][0] if first and first != OUTSIDE else None
+        """The smallest set of models that is credible, should it be one of the catalogue."""
+        inside = [each for each in self.probability if each != OUTSIDE]
+        reached = np.cumsum([self.probability[each] for each in inside])
+        return inside[: int(np.searchsorted(reached, SCORE.credible * reached[-1])) + 1] if inside else []
 
     def rivals(self, k: int) -> list[tuple]:
         """Effects in credible models that lack the k-th of the named ones, but for the named ones: by key."""
         model = self.best.fit.model
         names, key = {effect.key for effect in model.effects}, model.effects[k].key
-        others = [each for each in self.credible if each != OUTSIDE and key not in each]
+        others = [each for each in self.credible if key not in each]
         return [one for one in self.included if one not in names and any(one in each for each in others)]
 
     @property

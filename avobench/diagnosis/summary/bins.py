@@ -335,9 +335,9 @@ def bin_of(column: NDArray, edges: NDArray[np.float64]) -> NDArray[np.intp]:
 def bins_of(x: NDArray, simulated: NDArray) -> Bins:
     """Bins that hold measured and simulated events alike, so that neither a hole nor a peak falls between edges.
 
-    One feature: about 50 bins, 80 of counts. Several: about 12 bins a feature, the rank correlation of each pair, and
-    4 x 4 bins a pair where there are at least 2 000 events. In a feature's tails they are finer. Few events make fewer
-    bins. Counts are never split, the rare merged.
+    One feature: about 50 bins, 80 of counts, and one for each value where there are few counts. Several: about 12 bins
+    a feature, the rank correlation of each pair, and 4 x 4 bins a pair where there are at least 2 000 events. In a
+    feature's tails they are finer. Few events make fewer bins. Counts are never split, the rare merged.
 
     The covariance has the square of as many numbers, so there are `SUMMARY.most_numbers` at most: of many features,
     correlations and then bins are left to pairs that are close in the order of the features, as sensors side by side
@@ -355,6 +355,8 @@ def bins_of(x: NDArray, simulated: NDArray) -> Bins:
         if d == 1
         else min(max(n // 100, 4), 12, SUMMARY.most_numbers // (2 * d))
     )
+    if one and len(np.unique(x)) <= SUMMARY.few_counts:
+        return Bins((inner_edges(x[:, 0], simulated[:, 0], len(x), least=SUMMARY.least_of_few),))
     edges = tuple(inner_edges(x[:, j], simulated[:, j], most, growth=2 if d == 1 else 8) for j in range(d))
     if d == 1:
         return Bins(edges)
@@ -386,10 +388,12 @@ def ranks(x: NDArray, simulated: NDArray, edges: NDArray[np.float64]) -> NDArray
     return rank / spread if len(edges) else 0 * rank
 
 
-def inner_edges(x: NDArray, simulated: NDArray, most: int, *, growth: float = np.inf) -> NDArray[np.float64]:
+def inner_edges(
+    x: NDArray, simulated: NDArray, most: int, *, growth: float = np.inf, least: int = SUMMARY.least_in_bin
+) -> NDArray[np.float64]:
     """Inner edges of at most `most` bins for one feature, from a mixture of both sets in equal parts.
 
-    From the fewest events at both ends, each bin makes what lies outside at most `growth` times as much: what lies
+    From the `least` events at both ends, each bin makes what lies outside at most `growth` times as much: what lies
     beyond the bulk tells effects apart though it is rare.
     """
     values = np.concatenate([x, simulated]).astype(float)
@@ -397,13 +401,13 @@ def inner_edges(x: NDArray, simulated: NDArray, most: int, *, growth: float = np
     unique, inverse = np.unique(values, return_inverse=True)
     cumulated = np.cumsum(np.bincount(inverse, weights))
     total = cumulated[-1]
-    need = max(len(x) / most, SUMMARY.least_in_bin) if most < len(unique) else SUMMARY.least_in_bin
+    need = max(len(x) / most, least) if most < len(unique) else least
     edges, last, at = [], 0.0, -1
     while True:
         more = min((growth - 1) * last, (1 - 1 / growth) * (total - last)) if growth < np.inf else need
-        wanted = min(need, max(more, SUMMARY.least_in_bin))
+        wanted = min(need, max(more, least))
         at = max(int(np.searchsorted(cumulated, last + wanted)), at + 1)
-        if at >= len(unique) - 1 or total - cumulated[at] < SUMMARY.least_in_bin:
+        if at >= len(unique) - 1 or total - cumulated[at] < least:
             return np.array(edges)
         edges.append((unique[at] + unique[at + 1]) / 2)
         last = cumulated[at]

@@ -9,6 +9,7 @@ from avobench.reports import html
 from avobench.reports.diagnosis.order import sentences
 from avobench.reports.diagnosis.text import (
     ASSUMED,
+    MEANT,
     SIDES,
     aside,
     label,
@@ -41,6 +42,7 @@ def render(task: Task, result: Result, figures: list[html.Picture | html.Missing
         aside=aside,
         probabilities=probabilities(diagnosis),
         models=likely_models(diagnosis),
+        meant=MEANT,
         figures=figures,
         tables=list(_tables(task, diagnosis)),
         order=sentences(diagnosis),

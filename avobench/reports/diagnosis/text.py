@@ -1,6 +1,6 @@
 """A diagnosis in words: a summary of about ten lines, and all details in a screen of them."""
 
-from avobench.diagnosis.schema import Diagnosis, EffectValue, FoundEffect, Gap, GateResult, Named, Verdict
+from avobench.diagnosis.schema import Diagnosis, EffectValue, FoundEffect, Gap, GateResult, Named, Region, Verdict
 from avobench.diagnosis.settings import SCORE
 from avobench.reports.diagnosis.order import sentences
 from avobench.reports.numbers import p_equals, p_value, with_error
@@ -14,6 +14,14 @@ LEAST_PROBABLE = 0.01
 SIDES = {1: "one-sided", 2: "two-sided"}
 OUTSIDE = "something outside the catalogue"
 AS_IT_IS = "the simulator as it is"
+MEANT = (
+    f"The probability of {OUTSIDE} follows from what the best model leaves, calibrated on {SCORE.calibrated[0]} hidden "
+    f"effects, {SCORE.calibrated[1]} of them outside; what is left is shared by the models as the search weighs them, "
+    "which is too sure where shapes are new."
+)
+"""What the probabilities mean."""
+CLEARLY = 1.5
+"""Factor by which the largest excess must exceed the largest deficit, or be exceeded, to be all that there is."""
 THETA = (
     "Errors of theta are those of the summary, with room for what the simulator lacks; "
     "infer takes the simulator as right."
@@ -27,8 +35,8 @@ ASSUMED = "Errors on effect parameters assume that the fitted shape is true."
 def summary(diagnosis: Diagnosis) -> str:
     """The verdict, each effect with its size, the 95 % set, and the gap and theta before and after."""
     lines = [_verdict(diagnosis), meaning(diagnosis)]
-    lines += [f"missing: {_effect(effect)}" for effect in diagnosis.effects]
-    lines += [f"95 % set of models: {models}" for models in [likely_models(diagnosis)] if models]
+    lines += [f"{_role(diagnosis)}: {_effect(effect)}" for effect in diagnosis.effects]
+    lines += [f"95 % set of models: {models}\n{MEANT}" for models in [likely_models(diagnosis)] if models]
     lines += [*_chi_squared(diagnosis), _gap(diagnosis), *_theta(diagnosis)]
     lines.append(f"{diagnosis.num_simulations} simulated events; details() tells the rest.")
     return "\n".join(lines)
@@ -38,21 +46,12 @@ def details(diagnosis: Diagnosis) -> str:
     """What `summary` says, with each test, the probabilities, where simulation and measurement disagree, and notes."""
     lines = [_verdict(diagnosis), meaning(diagnosis), gates(diagnosis), *_chi_squared(diagnosis), _gap(diagnosis)]
     for effect in diagnosis.effects:
-        lines.append(f"missing: {_effect(effect)}")
+        lines.append(f"{_role(diagnosis)}: {_effect(effect)}")
         if effect.tied_with:
             lines.append(f"  these data do not tell it from {', '.join(map(label, effect.tied_with))}")
     lines += [f"probability of being missing: {names}" for names in [probabilities(diagnosis)] if names]
-    lines += [f"95 % set of models: {models}" for models in [likely_models(diagnosis)] if models]
-    for region in diagnosis.regions[:MOST_REGIONS]:
-        if region.kind == "dependence":
-            of = (
-                "what all features have in common" if region.feature == "all" else f"the dependence of {region.feature}"
-            )
-            lines.append(f"{of}: {abs(region.z):.1f} sigma")
-            continue
-        where = f"{region.feature} " if region.feature else ""
-        ends = f"{region.low:.4g} to {region.high:.4g}{in_unit(region.unit)}"
-        lines.append(f"{region.kind} at {where}{ends}: {abs(region.z):.1f} sigma")
+    lines += [f"95 % set of models: {models}\n{MEANT}" for models in [likely_models(diagnosis)] if models]
+    lines += [f"{where(region)}: {abs(region.z):.1f} sigma" for region in diagnosis.regions[:MOST_REGIONS]]
     lines += _theta(diagnosis)
     if diagnosis.effects:
         lines.append(ASSUMED)
@@ -87,15 +86,39 @@ def meaning(diagnosis: Diagnosis) -> str:
         searched = diagnosis.outside is not None
         unsearched = "and no effect was fitted for want of simulated events; details() says how many mostly do"
         why = "and no effect of the catalogue explains it" if searched else unsearched
-        return f"Simulation and measurement disagree ({before}, {alpha}), {why}."
+        return f"Simulation and measurement disagree ({before}, {alpha}), {why}. {look(diagnosis)}".rstrip()
     return f"{_lacking(diagnosis)} {_left(diagnosis)}"
+
+
+def look(diagnosis: Diagnosis) -> str:
+    """Where measurement and simulation differ most, and whether as if events were added, lost or moved."""
+    by_size = sorted(diagnosis.regions, key=lambda region: -abs(region.z))
+    if not by_size:
+        return ""
+    if by_size[0].kind == "dependence":
+        return f"They differ most in {where(by_size[0])}."
+    more, fewer = (max([abs(r.z) for r in by_size if r.kind == kind], default=0.0) for kind in ("excess", "deficit"))
+    how = "added" if more > CLEARLY * fewer else "lost" if fewer > CLEARLY * more else "moved"
+    places = {region.kind: where(region) for region in reversed(by_size) if region.kind != "dependence"}
+    return f"It looks as if events were {how}: {' and '.join(places.values())}."
+
+
+def where(region: Region) -> str:
+    """A region in words."""
+    if region.kind == "dependence":
+        return "what all features have in common" if region.feature == "all" else f"the dependence of {region.feature}"
+    of = f"{region.feature} " if region.feature else ""
+    return f"{region.kind} at {of}{region.low:.4g} to {region.high:.4g}{in_unit(region.unit)}"
 
 
 def _lacking(diagnosis: Diagnosis) -> str:
     """The sentence about what is missing, by the number of effects that describe the data alike."""
     alike = [1 + len(effect.tied_with) for effect in diagnosis.effects]
     if max(alike) == 1:
-        return f"The simulator lacks {' and '.join(map(label, diagnosis.effects))}."
+        names = " and ".join(map(label, diagnosis.effects))
+        if diagnosis.verdict == Verdict.FAMILY:
+            return f"What the simulator lacks is most like {names}, but the catalogue does not have its shape."
+        return f"The simulator lacks {names}."
     if len(alike) == 1:
         every = alike[0] >= len(diagnosis.candidates)
         which, tell = f"{'all ' * every}{alike[0]} effects", "but not what" if every else "but do not tell which"
@@ -122,9 +145,15 @@ def _left(diagnosis: Diagnosis) -> str:
     apart = f"on {aside(diagnosis)} ({gap_of(gap)})" if gap.low > 1 else ""
     hidden = rejecting and "summary" not in rejecting
     left = " and ".join(filter(None, (tests, apart)))
-    return f"With {added} the gap shrinks, but a disagreement is left {left}." + (
+    shrinks = "the gap shrinks, but" if gap.value < diagnosis.gap_before.value else "the gap is no smaller, and"
+    return f"With {added} {shrinks} a disagreement is left {left}." + (
         " The gap is that of the summary and does not show it." if hidden else ""
     )
+
+
+def _role(diagnosis: Diagnosis) -> str:
+    """What an effect of the answer is: what is missing, or what is nearest to that."""
+    return "missing" if diagnosis.verdict == Verdict.NAMED else "nearest"
 
 
 def probabilities(diagnosis: Diagnosis) -> str:

@@ -5,11 +5,16 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel
+from avobench.diagnosis.goodness_of_fit.outside import left
 from avobench.diagnosis.report.outcome import Outcome, prior_notes, unconfirmed
 from avobench.diagnosis.schema import Gap, GateResult, Verdict
+from avobench.diagnosis.search.posterior import OUTSIDE, Posterior
+from avobench.diagnosis.settings import TEST
 from avobench.effects.model import Model
 from avobench.tasks.function import task
 
@@ -39,13 +44,15 @@ LARGE = gap(65, 70, 75)
     ("before", "p_before", "after", "p_after", "verdict"),
     [
         (LARGE, 1e-30, gap(0.8, 1.1, 1.6), 0.4, Verdict.NAMED),
-        (LARGE, 1e-30, gap(1.08, 1.64, 2.19), 0.4, Verdict.REDUCED),  # the events kept aside contradict
-        (LARGE, 1e-30, gap(0.8, 1.1, 1.6), 1e-3, Verdict.REDUCED),  # the gates contradict
+        (LARGE, 1e-30, gap(1.08, 1.64, 2.19), 0.4, Verdict.FAMILY),  # the events kept aside contradict
+        (LARGE, 1e-30, gap(0.8, 1.1, 1.6), 1e-3, Verdict.FAMILY),  # the gates contradict
         (gap(0.9, 1.02, 1.2), 1e-30, gap(0.9, 1.01, 1.2), 1e-3, Verdict.UNEXPLAINED),  # less than its error
         (LARGE, 1e-30, gap(62, 67, 72), 1e-30, Verdict.UNEXPLAINED),
         (LARGE, 1e-30, gap(70, 75, 80), 0.4, Verdict.UNEXPLAINED),  # it grew
-        (LARGE, 1e-30, gap(35, 40, 45), 1e-30, Verdict.REDUCED),
+        (LARGE, 1e-30, gap(35, 40, 45), 1e-30, Verdict.UNEXPLAINED),  # more than half is left
+        (LARGE, 1e-30, gap(8, 10, 12), 1e-30, Verdict.FAMILY),
         (gap(0.9, 1.02, 1.2), 0.01, gap(0.9, 1.01, 1.2), 0.4, Verdict.NAMED),
+        (gap(0.9, 1.02, 1.2), 0.01, gap(0.9, 1.03, 1.2), 0.4, Verdict.UNEXPLAINED),  # it fits, but not better
     ],
 )
 def test_the_verdict_contradicts_neither_the_gates_nor_the_gap(before, p_before, after, p_after, verdict):
@@ -57,6 +64,30 @@ def test_the_verdict_contradicts_neither_the_gates_nor_the_gap(before, p_before,
         () if left_out else (EFFECT,),
         (EFFECT,) if left_out else (),
     )
+
+
+P = st.floats(-300, 0).map(lambda power: 10**power)
+GAPS = st.lists(st.floats(0.2, 900), min_size=3, max_size=3).map(lambda ends: gap(*sorted(ends)))
+
+
+@given(P, GAPS, P, GAPS, st.booleans())
+def test_no_answer_contradicts_a_number_beside_it(p_before, before, p_after, after, shrank):
+    posterior = Posterior({frozenset({("dead_time", None)}): 0.9, OUTSIDE: 0.1}, {}, None)
+    held_out = SimpleNamespace(gap=lambda fit, rng, num_simulated: fit.gap, shrank=lambda new, old: shrank)
+    null, extended = model(p_before, before), model(p_after, after, EFFECT)
+    one = Outcome.of(null, extended, posterior, 0.05, held_out, np.random.default_rng(0), Effort())
+    if one.effects:
+        assert one.gap_after.value < one.gap_before.value
+        assert not one.withdrawn
+    if one.verdict == Verdict.NAMED:
+        assert one.final.p_value >= TEST.rejected_share * 0.05
+        assert one.gap_after.low <= 1
+    if one.verdict == Verdict.FAMILY:
+        assert one.posterior.outside < 0.5
+        assert left(before, after) <= 0.5 or extended.p_value >= TEST.rejected_share * 0.05
+    if one.verdict == Verdict.UNEXPLAINED:
+        assert one.why
+        assert one.posterior.outside > 0.48 or min(p_before / 0.8, 1) >= TEST.rejected_share * 0.05
 
 
 def test_a_p_value_below_alpha_but_not_below_its_share_of_it_is_no_disagreement():

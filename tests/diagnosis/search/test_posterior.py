@@ -39,10 +39,12 @@ def test_probabilities_are_those_of_exclusive_models(models, outside):
     assert sum(found.probability.values()) == pytest.approx(1)
     for key, share in found.included.items():
         assert share == pytest.approx(sum(p for names, p in found.probability.items() if key in names))
-    told = sum(found.looks[each] for each in found.credible)
-    enough = SCORE.credible * (1 - SCORE.imitated)
+    told, enough = (
+        sum(found.probability[each] for each in found.credible),
+        SCORE.credible * (1 - found.outside),
+    )
     assert told >= enough - 1e-9
-    assert told - found.looks[found.credible[-1]] < enough
+    assert not found.credible or told - found.probability[found.credible[-1]] < enough + 1e-9
 
 
 def test_families_share_the_prior_by_the_odds_of_their_classes():
@@ -98,12 +100,49 @@ def test_a_model_that_explains_nothing_is_no_better_than_the_simulator_as_it_is(
     assert found.outside > 0.99
 
 
-def test_what_fits_may_be_an_imitation_and_that_is_no_reason_for_another_name():
-    names = [name for name in EFFECTS if name not in ("zero_inflation", "overdispersion")][:6]
-    found = told(500, *(weighed(0, name) for name in names), outside=-1000)
-    assert found.outside == pytest.approx(SCORE.imitated)
-    assert found.best is not None
-    assert all(share < 3 * SCORE.imitated for share in found.included.values())
+@given(SOME, st.floats(-50, 0), st.floats(0, 1))
+def test_what_is_outside_speaks_against_all_sets_alike_and_is_no_reason_for_another(models, evidence, outside):
+    before = Posterior.of([weighed(value, *names) for value, names in models], evidence, CATALOGUE)
+    after = before.with_outside(outside)
+    assert after.outside == outside or before.outside == 1
+    assert sum(after.probability.values()) == pytest.approx(1)
+    assert (after.best, after.credible) == (before.best, before.credible)
+
+
+def fitted(strength, std, q):
+    """A fit of zero_inflation with this strength and error."""
+    effect = EFFECTS["zero_inflation"]
+    model = SimpleNamespace(effects=(effect,), columns=lambda k: slice(1, 2))
+    params, errors = np.array([0.0, strength]), np.array([0.1, std])
+    return SimpleNamespace(model=model, params=params, std=errors, q=q, dof=10, noiseless_q=q)
+
+
+@pytest.mark.parametrize(
+    ("strength", "std", "q", "counts"),
+    [
+        (0.1, 0.01, 8, True),
+        (0.0008, 0.005, 8, False),
+        (0.0008, 0.005, 2, True),
+        (0.1, 0.03, 11, True),
+        (0.1, 0.03, 250, False),
+    ],
+)
+def test_an_effect_counts_by_its_size_or_by_what_it_explains(strength, std, q, counts):
+    """Beside a simulator with chi-squared 12. Where a model does not describe the events, its errors are larger."""
+    alone = SimpleNamespace(model=SimpleNamespace(effects=()), noiseless_q=12)
+    found = Posterior({frozenset(): 1.0}, {frozenset(): [Weighed(alone, Evidence(0, 0))]}, None)
+    assert (found.unsupported(fitted(strength, std, q), lambda fit: fit) is None) == counts
+
+
+def test_what_a_model_has_goes_to_that_without_an_effect_that_does_not_count():
+    pair, one, other = ("zero_inflation", "dead_time"), ("zero_inflation",), ("pile_up",)
+    found = Posterior.of([weighed(-90), weighed(0, *pair), weighed(-6, *one), weighed(-5, *other)], -90, CATALOGUE)
+    assert len(found.best.effects) == 2
+    alone = found.without(("dead_time", None))
+    assert alone.best.effects == {("zero_inflation", None)}
+    assert sum(alone.probability.values()) == pytest.approx(1)
+    assert alone.included[("zero_inflation", None)] == pytest.approx(found.included[("zero_inflation", None)])
+    assert alone.without(("zero_inflation", None)).best is None  # the simulator as it is has most then
 
 
 def test_two_effects_must_explain_more_than_one():

@@ -19,6 +19,16 @@ def test_bins_hold_all_events_and_no_count_is_split():
     np.testing.assert_allclose(pieces.mean(axis=0), bins.mean(x)[0])
 
 
+@pytest.mark.parametrize("table", [(447, 132, 42, 21, 3, 2), (168, 32, 16, 6, 1), (109, 65, 22, 3, 1)])
+def test_each_count_of_a_small_table_has_a_bin_down_to_five_events(table):
+    """Of accidents, cholera and horse kicks: a bin for each value, but for the rarest, which are merged."""
+    x = np.repeat(np.arange(len(table)), table)[:, None]
+    (edges,) = bins_of(x, x).edges
+    own = sum(times >= 5 for times in table)
+    assert len(edges) + 1 in (own, own + 1)
+    assert (np.histogram(x, np.r_[-np.inf, edges, np.inf])[0] >= 5).all()
+
+
 @given(
     st.lists(st.floats(-10, 10), min_size=1, max_size=30),
     st.lists(st.integers(-9, 9), max_size=8, unique=True),

@@ -25,7 +25,7 @@ EFFECT = {"name": "zero_inflation", "feature": None}
 
 
 def diagnosis(task, verdict=Verdict.NAMED, **changes):
-    named = verdict in (Verdict.NAMED, Verdict.REDUCED)
+    named = verdict in (Verdict.NAMED, Verdict.FAMILY)
     theta = {name: VALUE for name in task.parameter_names}
     parameter = {"value": 0.04, "std": 0.002, "null": 0.0, "unit": "1"}
     found = {**EFFECT, "parameters": {"fraction": parameter}, "tied_with": [{**EFFECT, "name": "dead_time"}]}
@@ -256,11 +256,11 @@ def test_a_figure_that_cannot_be_drawn_is_a_sentence_and_the_rest_is_there(brows
     assert browser.complaints() == []
 
 
-@pytest.mark.parametrize("verdict", [Verdict.NOTHING, Verdict.REDUCED], ids=lambda verdict: verdict.name.lower())
+@pytest.mark.parametrize("verdict", [Verdict.NOTHING, Verdict.FAMILY], ids=lambda verdict: verdict.name.lower())
 def test_every_verdict_has_a_page_also_where_there_is_nothing_to_show(browser, tmp_path, verdict):
     task = Images()
     row = {"feature": "row", "low": -0.5, "high": 1.5, "kind": "deficit", "z": -9.0, "p_global": 0.0005}
-    regions = [row, {**row, "feature": "column"}] if verdict == Verdict.REDUCED else []
+    regions = [row, {**row, "feature": "column"}] if verdict == Verdict.FAMILY else []
     content = diagnosis(task, verdict, regions=regions, candidates=[], identifiability=[], notes=[])
     named = content.diagnosis.theta_after is not None
     write(Poisson(), diagnosis(Poisson()), tmp_path, "of other data, with other figures")

@@ -1,9 +1,11 @@
 """What is said follows from the verdict, the p-values, the gap and the ties."""
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from avobench.diagnosis.schema import Verdict
-from avobench.reports.diagnosis.text import details, meaning, summary
+from avobench.reports.diagnosis.text import MEANT, details, meaning, summary
 from diagnoses import diagnosis as made
 
 NAMES = ("saturation", "outliers", "scale", "offset")
@@ -14,7 +16,7 @@ def named(name, feature="mass"):
 
 
 def diagnosis(verdict, ties=0, p_before=1e-9, p_after=0.4, **changes):
-    added = verdict in (Verdict.NAMED, Verdict.REDUCED)
+    added = verdict in (Verdict.NAMED, Verdict.FAMILY)
     parameters = {
         "sigma": {"value": 1.5, "std": 0.1, "null": 0.0, "unit": "of the feature"},
         "knee": {"value": 0.924, "std": None, "null": None, "unit": "of half the range"},
@@ -62,14 +64,37 @@ def test_agreement_is_said_of_no_p_value_below_alpha_and_of_no_gap_above_one():
         "summary": {"statistic": 40.0, "dof": 43, "p_value": 0.5, "share": 0.8},
         "classifier": {"statistic": 9.0, "dof": None, "p_value": 2e-6, "share": 0.2},
     }
-    left = meaning(diagnosis(Verdict.REDUCED, p_after=1e-5, gates_after=gates))
+    left = meaning(diagnosis(Verdict.FAMILY, p_after=1e-5, gates_after=gates))
     assert AGREE not in left
     assert "a disagreement is left by the classifier (p = 1e-05, alpha = 0.05)" in left
     assert "The gap is that of the summary and does not show it." in left
-    aside = meaning(diagnosis(Verdict.REDUCED, gap_after={"value": 1.64, "low": 1.08, "high": 2.19}))
+    aside = meaning(diagnosis(Verdict.FAMILY, gap_after={"value": 1.64, "low": 1.08, "high": 2.19}))
     assert "a disagreement is left on held-out events (1.64 [1.08, 2.19])" in aside
     above = meaning(diagnosis(Verdict.NOTHING, p_before=0.2, gap_before={"value": 1.64, "low": 1.08, "high": 2.19}))
     assert "On held-out events the gap is above 1, as it is by chance once in 40 times." in above
+
+
+GAPS = st.lists(st.floats(0.2, 900), min_size=3, max_size=3).map(
+    lambda ends: dict(zip(("low", "value", "high"), sorted(ends), strict=True))
+)
+P = st.floats(-300, 0).map(lambda power: 10**power)
+
+
+@given(st.sampled_from([Verdict.NAMED, Verdict.FAMILY, Verdict.UNEXPLAINED]), P, GAPS, GAPS, st.integers(0, 3))
+def test_no_sentence_contradicts_a_number_beside_it(verdict, p_after, before, after, ties):
+    """Whatever the numbers of a result are, also if the search and the tests would not have made it."""
+    added = verdict != Verdict.UNEXPLAINED
+    models = [{"effects": [named("saturation")], "probability": 0.6}]
+    changes = {"gap_before": before, "models": models, "outside": 0.37} | ({"gap_after": after} if added else {})
+    one = diagnosis(verdict, ties, p_after=p_after, **changes)
+    for said in (summary(one), details(one)):
+        assert ("the gap shrinks" not in said) or after["value"] < before["value"]
+        assert (f"With it, {AGREE}" not in said) or (p_after >= one.alpha and verdict == Verdict.NAMED)
+        assert ("The simulator lacks" not in said) or (verdict == Verdict.NAMED and not ties)
+        assert ("\nmissing: " in said) == (verdict == Verdict.NAMED)
+        assert MEANT in said  # no probability without what it means
+    if verdict == Verdict.UNEXPLAINED:
+        assert "as if events were added: excess at mass 3 to 4 GeV" in meaning(one)
 
 
 def test_p_values_are_printed_as_they_are_compared_with_alpha_and_say_how_many_sides():
