@@ -16,10 +16,11 @@ from avobench.cli.progress import ProgressView
 from avobench.cli.state import State
 from avobench.tasks.errors import AvobenchError, UsageError
 from paper.experiments import EXPERIMENTS
-from paper.studies import detector, misspecification, real
+from paper.studies import contamination, detector, misspecification, real
 from paper.tables.real import format_table
 
 STUDIES = {
+    "contamination": "squared errors against the share of outliers among the observed events",
     "detector": "the detector's average response at two offsets (Section 4.2)",
     "misspecification": "the width of avo's proposal on events with a hidden effect, and what the diagnosis says",
     "real": "what the diagnosis says of the measured events in examples/real, with five seeds from --seed on",
@@ -45,7 +46,7 @@ def study(state: State, name: str, results: Path | None, seed: int, jobs: int | 
         click.echo(format_table(real.with_seeds(folder, seed, jobs or 1)))
         return
     if name in STUDIES:
-        module = {"detector": detector, "misspecification": misspecification}[name]
+        module = {"contamination": contamination, "detector": detector, "misspecification": misspecification}[name]
         store = Store(results or Path("results/studies"), create=True)
         with store.lock():
             module.made(store.path / module.FILE, seed)
