@@ -89,25 +89,27 @@ class Contrast:
         """
         wide, near = Neighbours(self.u, mean, kernel), Neighbours(self.u, mean, SHARP * kernel)
         observed, simulated = self._logits(mean, kernel, near)
-        phi, f = self.phi[1][near.rows].astype(float), log_expit(-simulated)
-        center, mean_f = near.fit(phi)[0], near.fit(f)[0]
+        all_phi, phi = (self.phi[1][rows].astype(float) for rows in (wide.rows, near.rows))
+        f = log_expit(-simulated)
+        center, mean_f = wide.fit(all_phi)[0], near.fit(f)[0]
         s = (phi - center) @ score.weights
         # with the mean of f taken out the derivative in the center vanishes too, and that in theta is the whole one
         left = s * (f + expit(simulated) - mean_f)[:, None]
         right = ((clipped(self.phi[0], phi) - center) @ score.weights) * expit(-observed)[:, None]
         slope = np.linalg.pinv(near.covariance(s, s), hermitian=True) @ near.covariance(s, left)
+        rest = left - s @ slope  # the mean of s is 0: what is left of h where the simulator is right is nothing
         self.is_minimum = bool((np.linalg.eigvals(slope).real > 0).all())
         self.divergence = float(np.log(2) + (log_expit(observed).mean() + mean_f) / 2)
 
         p, spread = len(mean), wide.spread
-        spread[0, 0], spread[1 : 1 + p, 1 : 1 + p] = near.spread[0, 0], spread[1 : 1 + p, 1 : 1 + p] * len(center) / p
+        spread[1 : 1 + p, 1 : 1 + p] *= len(center) / p
         coefficients = np.zeros((len(spread), p))
-        coefficients[0] = near.fit(left)[0] - right.mean(axis=0)
-        coefficients[1 : 1 + p] = wide.fit(self.phi[1][wide.rows] @ score.weights)[1 : 1 + p] @ slope
+        coefficients[0] = near.fit(rest)[0] - right.mean(axis=0)
+        coefficients[1 : 1 + p] = wide.fit(all_phi @ score.weights)[1 : 1 + p] @ slope
         pull = near.covariance(phi, f[:, None])[:, 0]
-        covariance = near.covariance(left, left) * spread[0, 0] + np.atleast_2d(np.cov(right, rowvar=False)) / len(
-            right
-        )
+        covariance = near.covariance(rest, rest) * near.spread[0, 0]
+        covariance += near.covariance(s @ slope, s @ slope) * spread[0, 0]
+        covariance += np.atleast_2d(np.cov(right, rowvar=False)) / len(right)
         covariance += score.noise * (pull @ score.precision @ pull)
         covariance += RIDGE * np.diag(np.diag(covariance))
         inverse = np.linalg.inv(covariance / (spread[0, 0] + 1 / len(right)))
