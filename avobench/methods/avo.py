@@ -80,6 +80,7 @@ class Inference:
         )  # their events, as the networks see them
         self.statistic: Statistic | None = None
         self.scores: list[Score] = []
+        self.divergence = np.nan  # of Jensen and Shannon, from the observed events, where it was minimised
         self.linear: list[NDArray[np.float32]] = []  # of many inputs, the sums (k, p) that tell theta, a half each
         # what is noted on the way
         self.means = [self.psi[0].copy()]  # of the proposal, after each iteration
@@ -130,6 +131,8 @@ class Inference:
         error = self.proposal.scale * (leeway.error(answer.mean) if leeway else answer.error)
         told = ", ".join(f"{e:.3g}" for e in error)
         comment = f"; the polish {state} in {answer.num_steps} steps, with a standard error of {told}"
+        if self.settings.matched == "divergence":
+            comment += f"; the divergence there is {self.divergence:.3g} of at most {np.log(2):.3g}"
         estimate = self.estimate(answer.mean, std, "mean of the proposal after the polish", comment)
         covariance = leeway.covariance(answer.mean) if leeway else answer.covariance
         covariance = np.outer(self.proposal.scale, self.proposal.scale) * covariance
@@ -214,7 +217,7 @@ class Inference:
         contrasts, scores = self.contrasts(), [] if learn else self.scores
         found = [minimise(contrasts, scores, start, root, bounds, toward) for start in begin]
         best = min(found, key=lambda each: (not each.answer.converged, each.divergence))
-        self.scores = best.scores
+        self.scores, self.divergence = best.scores, best.divergence
         return best.answer, root
 
     def matched(self) -> list[Fold]:

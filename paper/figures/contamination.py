@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from avobench.reports.style import MARKERS, PALETTE, STYLE, panels, save
 from paper.studies.contamination import METHODS, SHARES, contaminated
 
-LEAST = 0.005
+LEAST = 0.01
 """Share up to which the axis is linear, since the first share is none."""
 
 
