@@ -6,7 +6,7 @@ METHODS := --method avo --method abc-smc --method bolfi
 QUICK := --budget 16000 --observations 20000 --targets 0-2 --set abc-smc.population_size=25
 
 STUDIES := poisson alignment summary ablation tuning sensitivity dimension fresh rivals plain smm
-STUDIES += detector misspecification real
+STUDIES += contamination detector misspecification real
 
 # TASK-KINDS-CASES-SEED of `make challenge`, and of `make challenge FULL=1`.
 CHALLENGE := poisson-none-10-0 poisson-seen-12-0 weinberg-none-10-0 weinberg-seen-12-0 carl-none-4-0 carl-seen-8-0
@@ -48,7 +48,7 @@ quick: venv  ## all tasks and methods on 3 targets at a tenth of the budget, int
 
 figures: venv  ## draw the committed records into docs/figures, and write the pages on the paper's claims and on real data
 	$(BIN)/avobench figure benchmark efficiency cost coverage --results results/reference --out docs/figures
-	$(BIN)/python -m paper.figures poisson alignment detector weinberg dimension misspecification --out docs/figures
+	$(BIN)/python -m paper.figures poisson alignment detector weinberg dimension misspecification contamination --out docs/figures
 	OMP_NUM_THREADS=1 $(BIN)/python -m paper.gallery
 	$(BIN)/python -m paper.figures.reliability_diagram docs/figures results/challenge/sealed-*.jsonl
 	$(BIN)/python -m paper.claims.reproduction --out docs

@@ -16,16 +16,24 @@ from avobench.cli.progress import ProgressView
 from avobench.cli.state import State
 from avobench.tasks.errors import AvobenchError, UsageError
 from paper.experiments import EXPERIMENTS
-from paper.studies import baseline, detector, misspecification, real
+from paper.studies import baseline, contamination, detector, misspecification, real
 from paper.tables.real import format_table
 
 STUDIES = {
     "baseline": "the variance of the proposal's gradient with each baseline (Section 3.2)",
+    "contamination": "squared errors against the share of outliers among the observed events",
     "detector": "the detector's average response at two offsets (Section 4.2)",
     "misspecification": "the width of avo's proposal on events with a hidden effect, and what the diagnosis says",
     "real": "what the diagnosis says of the measured events in examples/real, with five seeds from --seed on",
 }
 """The studies that are no cells."""
+STUDIED = {
+    "baseline": baseline,
+    "contamination": contamination,
+    "detector": detector,
+    "misspecification": misspecification,
+}
+"""The modules of those that make one file of records."""
 NAMES = {name: experiment.says for name, experiment in EXPERIMENTS.items()} | STUDIES
 
 
@@ -46,11 +54,10 @@ def study(state: State, name: str, results: Path | None, seed: int, jobs: int | 
         click.echo(format_table(real.with_seeds(folder, seed, jobs or 1)))
         return
     if name in STUDIES:
-        module = {"baseline": baseline, "detector": detector, "misspecification": misspecification}[name]
         store = Store(results or Path("results/studies"), create=True)
         with store.lock():
-            module.made(store.path / module.FILE, seed)
-        click.echo(store.path / module.FILE)
+            STUDIED[name].made(path := store.path / STUDIED[name].FILE, seed)
+        click.echo(path)
         return
     experiment = EXPERIMENTS[name]
     store = Store(results or experiment.folder, create=True)

@@ -1,5 +1,6 @@
 """The polish, a phase of `avo`: discriminator and proposal brought to rest on the events already simulated."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,6 +62,45 @@ class TooFewEvents(Exception):
     """There is no local fit, since next to no simulated events are near."""
 
 
+class Neighbours:
+    """The simulated events near a point (p,), with weights of a Gaussian kernel of covariance kernel @ kernel.T (p, p).
+
+    Raises TooFewEvents where no quadratic in z = unit (u - point) can be fitted to them.
+    """
+
+    def __init__(self, u: NDArray[np.float64], point: NDArray[np.float64], kernel: NDArray[np.float64]) -> None:
+        self.unit = np.linalg.inv(kernel)
+        z = (u - point) @ self.unit.T
+        distance = (z**2).sum(axis=1)
+        self.rows = np.flatnonzero(distance < REACH**2 + len(point))
+        self.z = z[self.rows]
+        terms = quadratic(self.z)
+        if len(self.rows) < FEWEST * terms.shape[1]:
+            raise TooFewEvents
+        self.weights = np.exp(-distance[self.rows] / 2)
+        self._weighted = terms * self.weights[:, None]
+        self._inverse = np.linalg.pinv(terms.T @ self._weighted, hermitian=True)
+
+    def fit(self, values: NDArray) -> NDArray:
+        """Coefficients (m, k) of the quadratic that describes values (n, k) of the events near by."""
+        return self._inverse @ (self._weighted.astype(values.dtype).T @ values)
+
+    @property
+    def spread(self) -> NDArray[np.float64]:
+        """Covariance (m, m) of the coefficients where the values have unit variance."""
+        return self._inverse @ (self._weighted.T @ self._weighted) @ self._inverse
+
+    @property
+    def share(self) -> float:
+        """The variance of a weighted mean over these events, where that of an event is 1."""
+        return float((self.weights**2).sum() / self.weights.sum() ** 2)
+
+    def covariance(self, a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The weighted covariance (k, m) of values a (n, k) and b (n, m) of these events."""
+        a, b = (x - np.average(x, axis=0, weights=self.weights) for x in (a, b))
+        return (a * (self.weights / self.weights.sum())[:, None]).T @ b
+
+
 class Fold:
     """Events on which a discriminator was not trained, as its last layer sees them.
 
@@ -95,20 +135,10 @@ class Fold:
 
         Raises TooFewEvents.
         """
-        unit = np.linalg.inv(kernel)
-        z = (self.u - center) @ unit.T
-        distance = (z**2).sum(axis=1)
-        near = np.flatnonzero(distance < REACH**2 + len(center))
-        terms = quadratic(z[near])
-        if len(near) < FEWEST * terms.shape[1]:
-            raise TooFewEvents
-        weights = np.exp(-distance[near] / 2)
-        weighted = terms * weights[:, None]
-        inverse = np.linalg.pinv(terms.T @ weighted, hermitian=True)
-        synthetic = self.synthetic[near]
-        coefficients, spread = inverse @ (weighted.astype(np.float32).T @ synthetic), weighted.T @ weighted
-        known = self.inverse_beside(synthetic, weights)
-        return Response(center, unit, coefficients, inverse @ spread @ inverse, known, self.num_observations)
+        near = Neighbours(self.u, center, kernel)
+        synthetic = self.synthetic[near.rows]
+        known = self.inverse_beside(synthetic, near.weights)
+        return Response(center, near.unit, near.fit(synthetic), near.spread, known, self.num_observations)
 
     def inverse_beside(self, synthetic: NDArray[np.float32], weights: NDArray[np.float64]) -> NDArray[np.float64]:
         """The inverse covariance (k, k) of the observed events and of those simulated ones (n, k) that are unlike them.
@@ -193,13 +223,33 @@ def polish(
     of its moments, moves theta by far less than a standard error where it is identified, and decides where it is not.
     """
     kernel = kernel_of(root)
-    unit, center, reach, last = np.linalg.inv(kernel), mean, 1.0, np.zeros_like(mean)
     try:
         responses = [fold.near(mean, kernel) for fold in folds]
     except TooFewEvents:
         return Polished(mean, root @ root.T, 0, converged=False)
-    for step in range(1, MAX_STEPS + 1):
-        parts = zip(*(response.at(mean) for response in responses), strict=True)
+    return descend(lambda mean: responses, mean, root, (low, high), toward)
+
+
+def descend(
+    responses_at: Callable[[NDArray[np.float64]], Sequence[Response]],
+    mean: NDArray[np.float64],
+    root: NDArray[np.float64],
+    bounds: tuple[NDArray[np.float64], NDArray[np.float64]],
+    toward: NDArray[np.float64] | float,
+    max_steps: int = MAX_STEPS,
+    stands_still: float = STANDS_STILL,
+) -> Polished:
+    """Natural-gradient steps from `mean` (p,) until one is below `stands_still` standard errors, as in `polish`.
+
+    `responses_at(mean)` says of each fold how its features respond to theta; it may raise TooFewEvents.
+    """
+    (low, high), kernel = bounds, kernel_of(root)
+    unit, center, reach, last = np.linalg.inv(kernel), mean, 1.0, np.zeros_like(mean)
+    for step in range(1, max_steps + 1):
+        try:
+            parts = zip(*(response.at(mean) for response in responses_at(mean)), strict=True)
+        except TooFewEvents:
+            return Polished(mean, root @ root.T, step - 1, converged=False)
         gradient, information = significant(*(sum(part) for part in parts))
         precision = information + np.eye(len(mean))
         force = gradient - (mean - toward)
@@ -207,13 +257,13 @@ def polish(
         move = np.zeros_like(mean)
         move[free] = np.linalg.solve(precision[np.ix_(free, free)], force[free])
         covariance = np.linalg.inv(precision)
-        if (np.abs(move) < STANDS_STILL * np.sqrt(np.diag(covariance))).all():
+        if (np.abs(move) < stands_still * np.sqrt(np.diag(covariance))).all():
             return Polished(mean, covariance, step, converged=True)
         reach, last = (reach / 2 if (unit @ move) @ (unit @ last) < 0 else reach), move  # back and forth is too far
         mean = mean + move * min(1, reach / np.linalg.norm(unit @ move))
         mean = center + (mean - center) * min(1, FARTHEST / max(np.linalg.norm(unit @ (mean - center)), FARTHEST))
         mean = np.clip(mean, low, high)
-    return Polished(mean, root @ root.T, MAX_STEPS, converged=False)
+    return Polished(mean, root @ root.T, max_steps, converged=False)
 
 
 def polish_closer(
@@ -232,16 +282,26 @@ def polish_closer(
     stands, as it uses more events. A closer look that does not come to rest has too few of them, and tells nothing.
     Otherwise as `polish`.
     """
-    answer = polish(folds, mean, root, *bounds, toward)
+    return closer(lambda mean, root: polish(folds, mean, root, *bounds, toward), mean, root, narrowing)
+
+
+def closer(
+    answer_from: Callable[[NDArray[np.float64], NDArray[np.float64]], Polished],
+    mean: NDArray[np.float64],
+    root: NDArray[np.float64],
+    narrowing: tuple[float, float],
+) -> tuple[Polished, NDArray[np.float64]]:
+    """What `polish_closer` makes of any search that begins at a mean (p,) with a root (p, p)."""
+    answer = answer_from(mean, root)
     for _ in range(LOOKS):
-        closer = narrower(root, answer, *narrowing)
-        again = polish(folds, answer.mean, closer, *bounds, toward)
+        narrow = narrower(root, answer, *narrowing)
+        again = answer_from(answer.mean, narrow)
         apart = np.linalg.norm(again.mean - answer.mean)
         if answer.converged and not (again.converged and apart > SAME * np.linalg.norm(again.error)):
             break
         if again.num_steps == 0:
             break
-        answer, root = again, closer
+        answer, root = again, narrow
     return answer, root
 
 

@@ -9,12 +9,14 @@ from avobench.bench.store.files import require_folder
 from avobench.bench.store.store import Store
 from avobench.cli.main import main
 from avobench.cli.reports import OUT
-from paper.studies import detector, misspecification
+from paper.studies import contamination, detector, misspecification
 
 FOLDERS = {"weinberg": Path("results/reference"), "dimension": Path("results/dimension")}
-FOLDERS |= dict.fromkeys(("poisson", "alignment", "detector", "misspecification"), Path("results/studies"))
+FOLDERS |= dict.fromkeys(
+    ("poisson", "alignment", "contamination", "detector", "misspecification"), Path("results/studies")
+)
 """The figures, and where the records of each are unless another folder is named."""
-ONE_FILE = {"detector": detector.read, "misspecification": misspecification.read}
+ONE_FILE = {"contamination": contamination.read, "detector": detector.read, "misspecification": misspecification.read}
 """The figures that are drawn from a file of their own, with what reads it."""
 
 

@@ -9,12 +9,14 @@ import pandas as pd
 
 from avobench.cli.main import main
 from paper.experiments import records_of
-from paper.figures import dimension, misspecification
+from paper.figures import contamination, dimension, misspecification
+from paper.studies import contamination as contamination_study
 from paper.studies.misspecification import read
 from paper.tables import coverage, experiments, targets
 
 TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = {
     "ablation": (experiments.ablation, "reference dimension ablation"),
+    "contamination": (contamination.table, "studies"),
     "coverage": (coverage.table, "reference rivals smm"),
     "dimension": (dimension.table, "dimension"),
     "fresh": (experiments.fresh, "fresh"),
@@ -25,13 +27,15 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = 
     "tuning": (experiments.tuning, "tuning"),
 }
 """What makes each table, and the folders in results of which it is made unless others are named."""
+ONE_FILE = {"contamination": contamination_study.read, "misspecification": read}
+"""The tables of a record that is a file of its own, with what reads it."""
 
 
 def printed(name: str, folders: tuple[Path, ...] = ()) -> str:
     """A table of TABLES, to be read. Raises UsageError or StoreError where its records are missing."""
     make, usual = TABLES[name]
     chosen = folders or tuple(Path("results") / folder for folder in usual.split())
-    kept = [read(chosen[0])] if name == "misspecification" else list(records_of(chosen).values())
+    kept = [ONE_FILE[name](chosen[0])] if name in ONE_FILE else list(records_of(chosen).values())
     frame = make(kept)
     named = not isinstance(frame.index, pd.RangeIndex)
     return frame.to_string(index=named, na_rep="-", float_format=lambda value: f"{value:.3g}")

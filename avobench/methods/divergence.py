@@ -1,0 +1,178 @@
+"""The minimiser of the Jensen-Shannon divergence, where `avo` can end in place of a match of moments.
+
+Let p be the density of the events simulated at theta, r that of the observed ones, and d = r / (p + r) the best
+discriminator. The gradient of the divergence in theta is half of E_p[s log(1 - d)], with s the score of p (from
+Equation 3 of the paper). What is solved here is
+
+    E_p[s (log(1 - d) + d)] = E_r[s (1 - d)].
+
+With the best d it is the same, since E_p[s d] = E_r[s (1 - d)]. But its derivative in d vanishes there, so that an
+error of the discriminator counts squared only (Chernozhukov et al., Econometrics Journal 21 (2018) C1). An observed
+event moves the solution by its score times 1 - d = p / (p + r): one that the simulator does not make moves nothing.
+Where the simulator is right d = 1/2, and this is the match of the mean of s.
+
+Any p independent combinations of the score have the same solution. So s is the regression of theta on the learnt
+statistic and the inputs over the simulated events nearby, which is about the score times the covariance of theta there.
+`docs/robust.md` has the derivation, and what was measured.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import expit, log_expit
+
+from avobench.methods.leeway import is_open
+from avobench.methods.polish import RIDGE, Neighbours, Polished, Response, TooFewEvents, descend, kernel_of
+
+MOST_STEPS = 15
+"""Largest number of steps, each with a discriminator of its own: three to five are the rule."""
+STANDS_STILL = 0.1
+"""The search ends with a step below this share of the standard error."""
+SHARP = 0.3
+"""Width of the kernel that stands for "simulated at theta", in units of that of the polish. A quadratic in theta takes
+what the width adds out of the mean of a statistic, but nothing takes it out of the density that the discriminator
+sees."""
+INDEPENDENT = 1e-5
+"""Least variance of a combination of the discriminator's features, each of unit variance, that is made use of."""
+
+Pair = tuple[NDArray[np.float32], NDArray[np.float32]]
+"""The same features of observed (N, k) and of simulated events (n, k)."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """p combinations of features that stand for the score: their regression of theta."""
+
+    weights: NDArray[np.float64]
+    """(k, p)"""
+    precision: NDArray[np.float64]
+    """Inverse of the covariance of the features (k, k)."""
+    noise: NDArray[np.float64]
+    """Covariance of what the features leave of theta, over the number of events (p, p)."""
+
+
+class Contrast:
+    """One half of the events, seen by networks that learnt from the other half only.
+
+    `phi` are the features from which the score is learnt, `psi` those of the discriminator, which is a logistic
+    regression. It learns from `training`, the features of the other half by the same networks. The simulated events of
+    this half are at u (n, p), those of the other at `training_u`.
+    """
+
+    def __init__(
+        self, phi: Pair, psi: Pair, training: Pair, u: NDArray[np.float64], training_u: NDArray[np.float64]
+    ) -> None:
+        from sklearn.linear_model import LogisticRegression
+
+        self.phi, self.psi, self.training, self.u, self.training_u = phi, psi, training, u, training_u
+        self.model = LogisticRegression(solver="newton-cholesky", warm_start=True)
+        self.whitening: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+        self.divergence, self.is_minimum = np.inf, False
+
+    def score(self, mean: NDArray[np.float64], kernel: NDArray[np.float64]) -> Score:
+        """What stands for the score near `mean` (p,). Raises TooFewEvents."""
+        near = Neighbours(self.u, mean, kernel)
+        phi, u = self.phi[1][near.rows].astype(float), self.u[near.rows]
+        precision = np.linalg.pinv(near.covariance(phi, phi), hermitian=True)
+        weights = precision @ near.covariance(phi, u)
+        rest = u - phi @ weights
+        return Score(weights, precision, near.covariance(rest, rest) * near.share)
+
+    def response(self, score: Score, mean: NDArray[np.float64], kernel: NDArray[np.float64]) -> Response:
+        """How the two sides of the equation differ at `mean` (p,), and how that depends on theta. Raises TooFewEvents.
+
+        The derivative of E_p[h] in theta is E_p[h score], and the score is the one combination of s whose mean moves
+        with theta as that of s does. That is known from a wide kernel, where the mean of h itself would be curved.
+        """
+        wide, near = Neighbours(self.u, mean, kernel), Neighbours(self.u, mean, SHARP * kernel)
+        observed, simulated = self._logits(mean, kernel, near)
+        all_phi, phi = (self.phi[1][rows].astype(float) for rows in (wide.rows, near.rows))
+        f = log_expit(-simulated)
+        center, mean_f = wide.fit(all_phi)[0], near.fit(f)[0]
+        s = (phi - center) @ score.weights
+        # with the mean of f taken out the derivative in the center vanishes too, and that in theta is the whole one
+        left = s * (f + expit(simulated) - mean_f)[:, None]
+        right = ((clipped(self.phi[0], phi) - center) @ score.weights) * expit(-observed)[:, None]
+        slope = np.linalg.pinv(near.covariance(s, s), hermitian=True) @ near.covariance(s, left)
+        rest = left - s @ slope  # the mean of s is 0: what is left of h where the simulator is right is nothing
+        self.is_minimum = bool((np.linalg.eigvals(slope).real > 0).all())
+        self.divergence = float(np.log(2) + (log_expit(observed).mean() + mean_f) / 2)
+
+        p, spread = len(mean), wide.spread
+        spread[1 : 1 + p, 1 : 1 + p] *= len(center) / p
+        coefficients = np.zeros((len(spread), p))
+        coefficients[0] = near.fit(rest)[0] - right.mean(axis=0)
+        coefficients[1 : 1 + p] = wide.fit(all_phi @ score.weights)[1 : 1 + p] @ slope
+        pull = near.covariance(phi, f[:, None])[:, 0]
+        covariance = near.covariance(rest, rest) * near.spread[0, 0]
+        covariance += near.covariance(s @ slope, s @ slope) * spread[0, 0]
+        covariance += np.atleast_2d(np.cov(right, rowvar=False)) / len(right)
+        covariance += score.noise * (pull @ score.precision @ pull)
+        covariance += RIDGE * np.diag(np.diag(covariance))
+        inverse = np.linalg.inv(covariance / (spread[0, 0] + 1 / len(right)))
+        return Response(mean, wide.unit, coefficients, spread, inverse, len(right))
+
+    def _logits(
+        self, mean: NDArray[np.float64], kernel: NDArray[np.float64], judged: Neighbours
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The logit of d at `mean` (p,), of the observed events (N,) and of the judged ones (n,)."""
+        near = Neighbours(self.training_u, mean, SHARP * kernel)
+        simulated, n = self.training[1][near.rows], len(self.training[0])
+        x = np.concatenate([clipped(self.training[0], simulated), simulated]).astype(float)
+        if self.whitening is None:
+            scale = x.std(axis=0)
+            scale[scale == 0] = 1
+            variance, axes = np.linalg.eigh(np.cov(x / scale, rowvar=False))
+            kept = variance > INDEPENDENT
+            self.whitening = x.mean(axis=0), axes[:, kept] / np.sqrt(variance[kept]) / scale[:, None]
+        shift, whitening = self.whitening
+        weights = np.concatenate([np.ones(n), near.weights * n / near.weights.sum()])
+        self.model.fit((x - shift) @ whitening, np.arange(len(x)) < n, weights)
+        judge = (clipped(self.psi[0], simulated), clipped(self.psi[1][judged.rows], simulated))
+        observed, made = (self.model.decision_function((x - shift) @ whitening) for x in judge)
+        return observed, made
+
+
+def clipped(x: NDArray[np.float32], simulated: NDArray) -> NDArray:
+    """Features x (n, k) within the range of the simulated ones (m, k): nothing is learnt of what lies outside."""
+    return np.clip(x, simulated.min(axis=0), simulated.max(axis=0))
+
+
+class Minimum(NamedTuple):
+    """Where the divergence is least, as seen from one place."""
+
+    answer: Polished
+    divergence: float
+    """The Jensen-Shannon divergence there, in nats."""
+    scores: list[Score]
+    """The score that each contrast was solved with."""
+
+
+def minimise(
+    contrasts: Sequence[Contrast],
+    scores: list[Score],
+    mean: NDArray[np.float64],
+    root: NDArray[np.float64],
+    bounds: tuple[NDArray[np.float64], NDArray[np.float64]],
+    toward: NDArray[np.float64] | float,
+) -> Minimum:
+    """Solve the equation from `mean` (p,), with the scores that are known or, if there are none, with those there.
+
+    The other arguments are those of `polish`. At a solution that is no minimum the answer has not converged.
+    """
+    kernel = kernel_of(root)
+
+    def responses(mean: NDArray[np.float64]) -> list[Response]:
+        return [one.response(score, mean, kernel) for one, score in zip(contrasts, scores, strict=True)]
+
+    try:
+        scores = scores or [one.score(mean, kernel) for one in contrasts]
+    except TooFewEvents:
+        return Minimum(Polished(mean, root @ root.T, 0, converged=False), np.inf, [])
+    answer = descend(responses, mean, root, bounds, toward, MOST_STEPS, STANDS_STILL)
+    if not is_open(answer) and not all(one.is_minimum for one in contrasts):
+        answer = replace(answer, converged=False)
+    return Minimum(answer, float(np.mean([one.divergence for one in contrasts])), scores)

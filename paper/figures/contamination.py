@@ -1,0 +1,68 @@
+"""Squared errors of each method against the share of outliers: figure and table of the study `contamination`."""
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from avobench.reports.style import MARKERS, PALETTE, STYLE, panels, save
+from paper.studies.contamination import METHODS, SHARES, contaminated
+
+LEAST = 0.01
+"""Share up to which the axis is linear, since the first share is none."""
+
+
+def table(records: list[dict[str, Any]]) -> pd.DataFrame:
+    """A row a task, share and method: medians over the targets of the one record of the study.
+
+    The squared errors are summed over what is identifiable, as are those to the minimiser of the divergence. A pull is
+    the difference from that minimiser in quoted errors, of each parameter; where parameters are open there is none.
+    """
+    tasks = {name: of.task for name, of in contaminated().items()}
+    rows = []
+    for run in records[0]["runs"]:
+        estimate, clean, minimiser = (np.array(run[name])[None] for name in ("estimate", "theta", "minimiser"))
+        known = tasks[run["task"]].identifiable
+        pulls = np.abs(estimate - minimiser)[0] / run["error"] if run["error"] else np.array([np.nan])
+        if known(clean).shape != clean.shape:
+            pulls = np.array([np.nan])
+        rows.append(
+            {name: run[name] for name in ("task", "share", "row", "seconds")}
+            | {"to theta": ((known(estimate) - known(clean)) ** 2).sum()}
+            | {"to minimiser": ((known(estimate) - known(minimiser)) ** 2).sum()}
+            | {"pull": np.median(pulls), "worst pull": pulls.max(), "doubtful": bool(run["doubt"])}
+        )
+    grouped = pd.DataFrame(rows).groupby(["task", "share", "row"], sort=False)
+    medians = dict.fromkeys(("to theta", "to minimiser", "pull", "seconds"), "median")
+    numbers = grouped.agg({**medians, "worst pull": "max", "doubtful": "sum"})
+    numbers.insert(0, "targets", grouped.size())
+    numbers = numbers.reset_index().rename(columns={"row": "method"})
+    orders = {"task": list(tasks), "share": list(SHARES), "method": list(METHODS)}
+    return numbers.sort_values(
+        list(orders), key=lambda column: column.map(orders[str(column.name)].index), ignore_index=True
+    )
+
+
+def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
+    """Write contamination.pdf, .png and .csv to `folder`: a panel a task."""
+    numbers = table(records)
+    with matplotlib.rc_context(STYLE):
+        return save(_figure(numbers), numbers, folder, "contamination")
+
+
+def _figure(numbers: pd.DataFrame) -> Figure:
+    tasks = list(numbers["task"].unique())
+    figure, axes = panels(tasks)
+    for name, axis in zip(tasks, axes, strict=False):
+        for i, method in enumerate(METHODS):
+            of = numbers[(numbers["task"] == name) & (numbers["method"] == method)]
+            if len(of):
+                style = {"color": PALETTE[i % len(PALETTE)], "marker": MARKERS[i % len(MARKERS)], "ms": 4, "lw": 1}
+                axis.plot(of["share"], of["to theta"], label=method, **style)
+        axis.set_xscale("symlog", linthresh=LEAST)
+        axis.set(yscale="log", xlabel="share of outliers", ylabel="squared error", xlim=(-LEAST / 5, 0.3))
+    axes[0].legend(fontsize="small")
+    return figure

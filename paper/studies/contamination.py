@@ -1,0 +1,180 @@
+"""What a share of outliers does to each method: squared errors to the parameters of the other events.
+
+The observed events are of a simulator at theta, but for a share of them that it hardly makes: contamination as Huber
+has it (Annals of Mathematical Statistics 35 (1964) 73). An estimator of the minimiser of the Jensen-Shannon divergence,
+which is what the paper promises, hardly moves; one that matches means moves by the share times the distance.
+"""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+from scipy.special import rel_entr
+from scipy.stats import norm, poisson
+
+from avobench.bench.cells.budget import MeteredSimulator, pose
+from avobench.bench.cells.streams import stream
+from avobench.bench.plugins import registry
+from avobench.bench.store.files import write_atomically
+from avobench.bench.store.record import SCHEMA_VERSION, encode
+from avobench.bench.store.versions import versions
+from avobench.methods import Method
+from avobench.tasks import Task
+from avobench.tasks.function import task
+from avobench.tasks.weinberg import Weinberg
+from paper.experiments import BUDGET, NUM_OBSERVATIONS
+from paper.studies.files import read_file
+
+FILE = "contamination.json"
+"""The record's name in a results folder."""
+SHARES = (0.0, 0.01, 0.05, 0.2)
+"""Shares of the observed events that are outliers."""
+NUM_TARGETS = 5
+"""The first targets of each task: a median then has two runs on either side."""
+TINY = 1e-250
+"""Density below which both are taken as zero, before numbers underflow."""
+METHODS: dict[str, tuple[str, dict[str, Any]]] = {
+    "smm": ("smm", {}),
+    "avo": ("avo", {}),
+    "avo-robust": ("avo", {"matched": "divergence"}),
+    "adversary alone": ("avo", {"polish": False}),
+    "avo-robust, no adversary": ("avo", {"matched": "divergence", "iterations": 1}),
+    "learnt-moments": ("avo", {"iterations": 1}),
+    "abc-smc": ("abc-smc", {}),
+    "bolfi": ("bolfi", {}),
+    "npe": ("npe", {}),
+}
+"""The method and its settings behind each row. With one iteration there is no adversary to speak of."""
+
+
+def gaussian(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+    """x ~ N(theta, 1): (n, 1) -> (n, 1)."""
+    return theta + rng.standard_normal(theta.shape)
+
+
+class Contaminated(NamedTuple):
+    """A task, what its outliers are, and the density of both where it is one-dimensional."""
+
+    task: Task
+    outliers: Callable[[int, np.random.Generator], NDArray]
+    """n outliers: (n, d)."""
+    points: NDArray[np.float64] | None = None
+    """Where the densities are summed (m,)."""
+    density: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]] | None = None
+    """That of the simulator at points (m,) and theta (p,)."""
+    density_of_outliers: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None
+
+    def minimiser(self, theta: NDArray[np.float64], share: float) -> NDArray[np.float64]:
+        """Where the Jensen-Shannon divergence to the observed density is least (p,), by a sum over the points.
+
+        Outliers of carl are where the simulator makes next to nothing, and leave theta (p,) itself.
+        """
+        if self.points is None or self.density is None or self.density_of_outliers is None or not share:
+            return theta
+        x, density, box = self.points, self.density, self.task.support
+        r = (1 - share) * density(x, theta) + share * self.density_of_outliers(x)
+
+        def divergence(theta: NDArray[np.float64]) -> float:
+            if not box.contains(theta)[0]:
+                return np.inf
+            p = density(x, theta)
+            return float((rel_entr(p, (p + r) / 2) + rel_entr(r, (p + r) / 2))[p + r > TINY].sum())
+
+        return minimize(divergence, theta, method="Nelder-Mead", options={"xatol": 1e-6, "fatol": 1e-13}).x
+
+
+def contaminated() -> dict[str, Contaminated]:
+    """The tasks by name. Outliers of weinberg lie where it makes events as well, for it makes them everywhere."""
+    shift = task(gaussian, prior={"theta": (-2, 2)}, features=["x"], name="normal")
+    carl, weinberg = registry.build("task", "carl", {}), Weinberg()
+    line, angle, counts = np.linspace(-10, 12, 20_001), np.linspace(-1, 1, 4001)[1:-1], np.arange(400.0)
+    return {
+        "normal": Contaminated(
+            shift,
+            lambda n, rng: rng.normal(6, 0.5, (n, 1)),
+            *(line, lambda x, theta: norm.pdf(x, theta[0]), lambda x: norm.pdf(x, 6, 0.5)),
+        ),
+        "poisson": Contaminated(
+            registry.build("task", "poisson", {}),
+            lambda n, rng: rng.poisson(150, (n, 1)),
+            *(counts, lambda x, theta: poisson.pmf(x, np.exp(theta[0])), lambda x: poisson.pmf(x, 150)),
+        ),
+        "carl": Contaminated(carl, lambda n, rng: rng.normal(15, 1, (n, 5))),
+        "weinberg": Contaminated(
+            weinberg,
+            lambda n, rng: rng.uniform(0.85, 0.95, (n, 1)),
+            *(angle, weinberg.density, lambda x: np.where((x > 0.85) & (x < 0.95), 10.0, 0.0)),
+        ),
+    }
+
+
+def made(
+    path: Path, seed: int = 0, tasks: tuple[str, ...] = (), num_events: int = NUM_OBSERVATIONS, budget: int = BUDGET
+) -> dict[str, Any]:
+    """The record of the study at `path`, of which each run that is lacking is made and written at once.
+
+    `runs` holds for each the `task`, `share`, `target`, `row` and `version` of the method, what there was to find
+    (`theta`, and `minimiser`), `estimate`, `error`, `doubt` and `seconds`. Raises StoreError for a damaged file.
+    """
+    identity = {"study": "contamination", "seed": seed, "budget": budget, "num_observations": num_events}
+    runs: list[dict[str, Any]] = []
+    if path.exists():
+        record = read(path.parent)
+        runs = record["runs"] if {name: record.get(name) for name in identity} == identity else []
+    methods = {row: registry.build("method", name, settings) for row, (name, settings) in METHODS.items()}
+    done = {(run["task"], run["share"], run["target"], run["row"], run["version"]) for run in runs}
+    record = {"schema_version": SCHEMA_VERSION, **identity, "runs": runs, "versions": versions(("torch",))}
+    for target in range(NUM_TARGETS):
+        for name, of in contaminated().items():
+            for share in SHARES:
+                for row, method in methods.items():
+                    key = (name, share, target, row, method.version)
+                    if key in done or (tasks and name not in tasks):
+                        continue
+                    runs.append(one(name, of, share, target, row, method, seed, num_events, budget))
+                    write_atomically(path, encode(record))
+    return record
+
+
+def one(
+    name: str,
+    of: Contaminated,
+    share: float,
+    target: int,
+    row: str,
+    method: Method,
+    seed: int,
+    num_events: int = NUM_OBSERVATIONS,
+    budget: int = BUDGET,
+) -> dict[str, Any]:
+    """A run of a method on the events of a target of which a share is replaced; all methods see the same."""
+    words = ("contamination", name, str(share), str(target))
+    rng, theta = stream(seed, "observed", *words), of.task.targets()[target]
+    x = of.task.simulate(np.tile(theta, (num_events, 1)), rng)
+    replaced = rng.random(num_events) < share
+    x[replaced] = of.outliers(int(replaced.sum()), rng)
+    simulate = MeteredSimulator(of.task, budget, stream(seed, "simulator", *words))
+    start = time.perf_counter()
+    found = method.infer(pose(of.task, x, simulate), stream(seed, "method", *words, row))
+    return {
+        "task": name,
+        "share": share,
+        "target": target,
+        "row": row,
+        "version": method.version,
+        "theta": theta.tolist(),
+        "minimiser": of.minimiser(theta, share).tolist(),
+        "estimate": found.theta.tolist(),
+        "error": None if found.error is None else found.error.tolist(),
+        "doubt": found.doubt,
+        "seconds": time.perf_counter() - start,
+    }
+
+
+def read(folder: Path) -> dict[str, Any]:
+    """The record of the study in a results folder. Raises StoreError when it is missing or damaged."""
+    return read_file(folder / FILE, "contamination")
