@@ -323,7 +323,7 @@ def diagnose(
     registry.require_packages("task", task)
     folder = None if bank is None else Path(bank)
     tables, part = tables_in(x), None
-    size = NUM_REFERENCE if joint or tables else np.size(x) and len(x)
+    size = NUM_REFERENCE if joint or tables else _rows(x)
     checks = Checks(task, size, simulations, seed=seed, jobs=jobs, folder=folder)
     possible = registry.blamed(checks.entries, f"task {task.name}")
     tried = list(possible) if effects is None else chosen(possible, effects, spec or task.name)
@@ -359,6 +359,14 @@ def diagnose(
     told = {"notes": notes + remarks + said.notes, "num_simulations": calls * said.num_simulations}
     diagnosis = said.model_copy(update=told)
     return _diagnosed(replace(result, diagnosis=diagnosis), spec, theirs, possible)
+
+
+def _rows(x: ArrayLike | pd.DataFrame) -> int:
+    """How many events there seem to be; what is wrong with them is told later."""
+    try:
+        return len(x)
+    except TypeError:
+        return 0
 
 
 def _named(task: Task | str | ArrayLike | pd.DataFrame) -> tuple[Task, str | None]:

@@ -7,6 +7,7 @@ from typing import Any
 from avobench.bench.plugins import registry
 from avobench.tables.table import Table, Tables
 from avobench.tasks import Task
+from avobench.tasks.arguments import checked
 from avobench.tasks.errors import UsageError
 from avobench.tasks.joint import JointTask
 from avobench.tasks.sample import SampleTask
@@ -24,6 +25,7 @@ class Joint:
         return f"{len(self.sets)} data sets ({', '.join(self.task.names)}) of {', '.join(self.task.parameter_names)}"
 
 
+@checked
 def joint(sets: Mapping[str, tuple[Task | str, Any]], shared: Sequence[str] | None = None) -> Joint:
     """Data sets with one theta, each with its own conditions, its own number of events, and events or tables.
 

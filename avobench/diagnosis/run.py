@@ -77,10 +77,10 @@ def diagnose(
         fitted, aside = x.split(TEST.held_out_share, rng)
         notes.append(OF_TABLES)
     else:
-        num_events = len(x)
-        if num_events < BUDGET.least_events:
-            raise UsageError(f"a diagnosis needs at least {BUDGET.least_events} events, got {num_events}")
+        if len(x) < BUDGET.least_events:
+            raise UsageError(f"a diagnosis needs at least {BUDGET.least_events} events, got {len(x)}")
         x, position, notes = sampled(x, time, seed)
+        num_events = len(x)
         if ordered or time is not None:
             order = exchangeability(task, x, position, "index" if time is None else "time", alpha, seed)
         shuffled = rng.permutation(len(x))

@@ -58,6 +58,7 @@ def sound(tmp_path_factory):
         "diagnose": {"task": task, "x": x, "progress": False},
         "fit_tables": {"tables": TABLE, "theta": THETAS, "simulated": [RNG.normal(t, 1, 200) for t in THETAS]},
         "infer": {"task": task, "x": x, "method": "smm", "budget": 2000, "progress": False},
+        "joint": {"sets": {"near": (task, x), "far": (task, x)}},
         "list_effects": {"task": "poisson"},
         "load": {"path": fit},
         "read_events": {"path": str(folder / "x.npy")},
@@ -82,7 +83,7 @@ def parameters():
                 yield name, each.name
 
 
-@pytest.mark.parametrize(("name", "parameter"), parameters())
+@pytest.mark.parametrize(("name", "parameter"), list(parameters()))
 def test_what_is_wrong_is_refused_in_a_line(sound, name, parameter, monkeypatch, tmp_path):
     def reached(*arguments, **options):
         raise Reached
