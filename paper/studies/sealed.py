@@ -11,6 +11,7 @@ from pathlib import Path
 
 import click
 
+from avobench.bench.events.checks import MIN_EVENTS
 from avobench.bench.store.files import require_folder
 from avobench.cli.main import main
 from paper.sealed import measured, simulated
@@ -30,6 +31,8 @@ def opened(cases: Sequence[Sealed]) -> list[Sealed]:
 
 OPENED = {"simulated": opened(simulated.CASES), "measured": opened(measured.CASES)}
 """By what made the events."""
+REFUSED = [case.name for cases in OPENED.values() for case in cases if len(case.x()) < MIN_EVENTS]
+"""Those of too few events: a diagnosis takes none of them."""
 
 
 @click.command()
@@ -37,7 +40,8 @@ OPENED = {"simulated": opened(simulated.CASES), "measured": opened(measured.CASE
 def study(results: Path) -> None:
     """Diagnose the opened cases that have no record yet."""
     require_folder(results)
-    made(results, Configuration(), cases=OPENED, study="sealed")
+    taken = {by: [case for case in cases if case.name not in REFUSED] for by, cases in OPENED.items()}
+    made(results, Configuration(), cases=taken, study="sealed")
 
 
 if __name__ == "__main__":
