@@ -44,10 +44,9 @@ def regions(family: str, by: str, *kinds: str) -> dict[tuple[str, str], str]:
     (0.02, 1.0),
 )
 def shifted(at, y, u, words, rng):
-    """Values are moved, by a function."""
-    return y + words.sign * words.strength * at.std * (
-        words.f(u) - (words.f.values.mean() if words.f.kind == "periodic" else 0)
-    )
+    """Values are moved; a swing has no mean."""
+    mean = words.f.values.mean() if words.f.kind == "periodic" else 0
+    return y + words.sign * words.strength * at.std * (words.f(u) - mean)
 
 
 @REALS.change(
@@ -66,13 +65,9 @@ def stretched(at, y, u, words, rng):
 @REALS.change({("value", "monotone"): "saturation"}, (0.3, 10.0))
 def bent(at, y, u, words, rng):
     """The response bends over beyond a knee, at the upper end, the lower or both."""
-    knee, law = (
-        np.quantile(at.values, 0.5 + 0.45 * words.r[0]),
-        one_of(words.r[1], (np.tanh, np.log1p, lambda t: t / (1 + t))),
-    )
     centre, width = np.median(at.values), at.half / words.strength
-    side = one_of(words.r[2], (1, 1, -1, 0))
-    knee = abs(knee - centre)
+    knee = np.quantile(at.values, 0.5 + 0.45 * words.r[0]) - centre
+    law, side = one_of(words.r[1], (np.tanh, np.log1p, lambda t: t / (1 + t))), one_of(words.r[2], (1, 1, -1, 0))
     beyond = np.maximum(np.abs(y - centre) - knee, 0) * ((side == 0) | (np.sign(y - centre) == side))
     return y - np.sign(y - centre) * (beyond - width * law(beyond / width))
 
