@@ -1,201 +1,196 @@
-"""What effects look like, learnt from random examples: `python -m paper.studies.experience FOLDER`.
+"""What effects look like, learnt from a grammar of them: `python -m paper.studies.experience FOLDER`.
 
-Examples are measured events with hidden shapes that have been seen and with the catalogue's own, on tasks and on small
-simulators, at random theta, strengths and numbers of events, each seen beside its simulator as the first
-fit of a diagnosis finds it. They are kept in FOLDER, a file for each simulator, which a later call does not make again.
-The networks that learn from them are written where a diagnosis reads them. It takes three hours of one processor.
+Examples are measured events of random simulators with what a random sentence of `paper.grammar` does to them, each seen
+beside its simulator with theta fitted. They are kept in FOLDER, a file for each PART of them, which a later call does
+not make again. With `--install` the networks that learn from them are written where a diagnosis reads them.
 """
 
 import io
-import sys
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from functools import cached_property, partial
 from pathlib import Path
 from typing import get_args
 
-import joblib
+import click
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2
 from sklearn.neural_network import MLPClassifier
 from sklearn.preprocessing import StandardScaler
 
-from avobench.bench.plugins import registry
 from avobench.bench.store.files import write_atomically
-from avobench.challenge.hide import NUM_REFERENCE, OwnShape
-from avobench.challenge.shape import Injection, Place, Shape
+from avobench.cli.main import main
 from avobench.diagnosis import experience
-from avobench.diagnosis.effort import effort_for
-from avobench.diagnosis.experience.recogniser import Kind, compressed, kind_of, portrait
-from avobench.diagnosis.fit.null import fit_null
+from avobench.diagnosis.experience.recogniser import Kind, compressed, portrait
 from avobench.diagnosis.settings import RECOGNITION
-from avobench.effects.catalogue import catalogue, domain
-from avobench.effects.model import Model
-from avobench.effects.pool import Counted
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
-from avobench.tasks.meter import Meter
-from paper.studies.simulators import SIMULATORS
-from shapes import SEEN
+from paper.grammar.counts import COUNTS
+from paper.grammar.functions import log_uniform
+from paper.grammar.reals import REALS
+from paper.grammar.simulators import simulator
 
-ROUNDS = {"poisson": 36, "weinberg": 22, "carl": 20, "correlated": 4, "mixed": 4, "chain": 4}
-"""Over all shapes, by simulator; USUAL_ROUNDS of others."""
-USUAL_ROUNDS = 8
-"""Fewer than of tasks, since there are many of them."""
-LEARNT_FROM = ("carl", "weinberg", "poisson", *SIMULATORS)
-"""The simulators, slowest first."""
-OWN = 3
-"""Examples of each family in the catalogue's own shapes, per round."""
-TWO = 40
-"""Examples with two hidden shapes, per round."""
-NUM_EVENTS = (300, 50_000)
+Array = NDArray[np.float64]
+
+PART = 100
+"""Draws of a file, of which those are kept that show anything."""
+SENTENCES = 10
+"""About each random simulator at a random theta: the way in which theta moves its events is then known."""
+NUM_EVENTS = (300, 20_000)
 """Log-uniform."""
-LIKE_THERE = 0.7
-"""Share of the examples on tasks of the challenge that have the most events, as many as there."""
+TWO = 0.1
+"""Share of the draws with two sentences, one after the other."""
+NEARBY = 10_000
+"""Events at each theta, from which the way in which theta moves them is taken."""
+STEP = 0.1
+"""Of theta for that, in widths of the prior to either side."""
+STEPS = 4
+"""Of the fit of theta."""
+BINS = np.linspace(0, 1, 31)[1:-1]
+"""Quantiles of the simulated events between which measured ones are counted in the fit."""
 SHOWN = 1e-3
-"""p-value of an example above which it shows nothing."""
+"""p-value of a fit above which an example shows nothing."""
 NETWORKS = 4
 """Number of networks whose probabilities are averaged."""
 UNITS = (128, 64)
 """Units of the hidden layers of each network."""
-COPIES = 3
-"""Copies of each example. All but one are blurred, because other simulators differ."""
-BLURRED = 0.3
-"""Noise of a blurred copy, in standard deviations of each mark."""
-
-Measure = Callable[[Callable, NDArray[np.float64], np.random.Generator], NDArray]
-"""Events of a simulator with an effect: simulate, theta (n, p), rng -> (n, d)."""
 
 
 @dataclass(frozen=True)
 class Examples:
-    """Portraits, and what they show."""
+    """Portraits, and the sentences that they show: their parts in the order in which they acted, or one twice."""
 
     portraits: NDArray[np.float32]
     """(m, f)"""
     families: NDArray[np.str_]
-    """(m, 2): of both hidden effects, the same twice where there is one."""
+    """(m, 2)"""
+    sentences: NDArray[np.str_]
+    """(m, 2): primitive, what it goes by, and the class of the function, with blanks between."""
+    simulators: NDArray[np.str_]
+    """(m,)"""
 
     @classmethod
     def read(cls, path: Path) -> "Examples":
         with np.load(path) as stored:
-            return cls(stored["portraits"], stored["families"])
+            return cls(*(stored[field.name] for field in fields(cls)))
 
     def write(self, path: Path) -> None:
         buffer = io.BytesIO()
-        np.savez_compressed(buffer, portraits=self.portraits, families=self.families)
+        np.savez_compressed(buffer, **{field.name: getattr(self, field.name) for field in fields(self)})
         write_atomically(path, buffer.getvalue())
 
     @classmethod
     def joined(cls, parts: "list[Examples]") -> "Examples":
-        """The examples of several simulators, as one."""
-        columns = ([getattr(each, name) for each in parts] for name in ("portraits", "families"))
-        return cls(*(np.concatenate(column) for column in columns))
+        """The examples of several files, as one."""
+        return cls(*(np.concatenate([getattr(each, field.name) for each in parts]) for field in fields(cls)))
+
+    def where(self, rows: NDArray[np.bool_]) -> "Examples":
+        """Those of some rows (m,)."""
+        return Examples(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
-def named(simulator: str) -> Task:
-    """A small simulator, or a task."""
-    return SIMULATORS[simulator] if simulator in SIMULATORS else registry.build("task", simulator, {})
+@dataclass(frozen=True)
+class Nearby:
+    """A simulator near a theta, which is fitted to measured events by how it moves their shares of bins."""
+
+    task: Task
+    theta: Array
+    """(p,)"""
+    reference: NDArray
+    """Events at theta (m, d)."""
+
+    @cached_property
+    def edges(self) -> list[Array]:
+        return [np.unique(np.quantile(column, BINS)) for column in self.reference.T]
+
+    def shares(self, x: NDArray) -> Array:
+        """Of events (n, d) in the bins of each feature, and in coarse cells of each pair of them: (k,)."""
+        at = [np.searchsorted(edges, column, "right") for edges, column in zip(self.edges, x.T, strict=True)]
+        sizes = [len(edges) + 1 for edges in self.edges]
+        tables = [np.bincount(one, minlength=size) for one, size in zip(at, sizes, strict=True)]
+        coarse = [4 * one // size for one, size in zip(at, sizes, strict=True)]
+        pairs = [(i, j) for i in range(len(at)) for j in range(i)]
+        tables += [np.bincount(4 * coarse[i] + coarse[j], minlength=16) for i, j in pairs]
+        return np.concatenate(tables) / len(x)
+
+    @cached_property
+    def expected(self) -> Array:
+        return self.shares(self.reference) + 1 / len(self.reference)
+
+    @cached_property
+    def slopes(self) -> Array:
+        """Of the shares, in their errors, with theta in widths of the prior: (k, p)."""
+        moved = []
+        for k in range(len(self.theta)):
+            to_either_side = [
+                self.theta + side * STEP * self.task.prior.width * np.eye(len(self.theta))[k] for side in (1, -1)
+            ]
+            up, down = (self.shares(self.events(theta, NEARBY, np.random.default_rng(0))) for theta in to_either_side)
+            moved.append((up - down) / (2 * STEP))
+        return np.stack(moved, axis=1) / np.sqrt(self.expected)[:, None]
+
+    def events(self, theta: Array, n: int, rng: np.random.Generator) -> NDArray:
+        """Simulated events at a theta (p,), or where the support ends on the way to it: (n, d)."""
+        return self.task.simulate(np.tile(np.clip(theta, self.task.support.low, self.task.support.high), (n, 1)), rng)
+
+    def beside(self, x: NDArray, rng: np.random.Generator) -> tuple[NDArray, float]:
+        """Simulated events at the theta that describes events (n, d) best, by Gauss and Newton, and its p-value.
+
+        Features are taken as independent of each other in the p-value, which is good enough to say what shows nothing.
+        """
+        best, theta, step = (np.inf, self.reference), self.theta, np.zeros_like(self.theta)
+        measured, at = self.shares(x), self.theta
+        for _ in range(STEPS):
+            simulated = self.events(at, max(RECOGNITION.simulated * len(x), NEARBY), rng)
+            pull = (measured - self.shares(simulated)) / np.sqrt(self.expected)
+            left = float(pull @ pull / (1 / len(x) + 1 / len(simulated)))
+            if left < best[0]:
+                best, theta = (left, simulated), at
+                step = np.linalg.lstsq(self.slopes, pull, rcond=1e-3)[0] * self.task.prior.width
+            else:
+                step = step / 3
+            at = theta + step
+        cells = sum(len(edges) for edges in self.edges) + 9 * len(self.edges) * (len(self.edges) - 1) // 2
+        return best[1][: RECOGNITION.simulated * len(x)], float(chi2.sf(best[0], max(cells - len(self.theta), 1)))
 
 
-def examples(simulator: str, rounds: int, rng: np.random.Generator, shapes: Sequence[Shape] = SEEN) -> Examples:
-    """Random examples of all `shapes` and of the catalogue's own, where they show anything."""
-    task = named(simulator)
-    reference = task.simulate(task.prior.sample(NUM_REFERENCE, np.random.default_rng(0)), np.random.default_rng(0))
-    shapes = [shape for shape in shapes if any(shape.suits(place) for place in places(task, reference))]
-    portraits, families = [], []
-
-    def add(make: Callable[[NDArray], Measure | None], names: tuple[str, str]) -> None:
-        seen = seen_of(task, make, rng, simulator in SIMULATORS)
-        if seen is not None:
-            portraits.append(seen)
-            families.append(names)
-
-    for _ in range(rounds):
-        for shape in shapes:
-            add(partial(foreign, task, shape, rng), (shape.family, shape.family))
-        for name in dict.fromkeys(effect.name for effect in catalogue(task)):
-            for _ in range(OWN):
-                add(partial(own, task, name, rng), (name, name))
-        for _ in range(TWO):
-            one, other = (shapes[k] for k in rng.integers(len(shapes), size=2))
-            if one.family != other.family:
-                add(partial(both, task, one, other, rng), (one.family, other.family))
-    return Examples(np.array(portraits, np.float32), np.array(families))
+def examples(kind: Kind, rng: np.random.Generator, draws: int = PART) -> Examples:
+    """What so many random draws show, where they show anything."""
+    rows = [row for _ in range(draws // SENTENCES) for row in of_simulator(kind, rng)]
+    portraits, families, sentences, simulators = zip(*rows, strict=True)
+    return Examples(np.array(portraits, np.float32), *map(np.array, (families, sentences, simulators)))
 
 
-def places(task: Task, reference: NDArray) -> list[Place]:
-    """All places where an effect may act on the events of a task, of which `reference` (m, d) are some."""
-    everywhere = [None, *range(task.num_features), *(["all"] if task.num_features > 1 else [])]
-    return [Place(task, at, reference) for at in everywhere]
-
-
-def seen_of(
-    task: Task, make: Callable[[NDArray], Measure | None], rng: np.random.Generator, small: bool
-) -> NDArray[np.float64] | None:
-    """The portrait (f,) of events with the effect that `make` makes of a reference; None where nothing shows."""
-    low, high = NUM_EVENTS
-    n = high if not small and rng.random() < LIKE_THERE else int(np.exp(rng.uniform(np.log(low), np.log(high))))
+def of_simulator(kind: Kind, rng: np.random.Generator) -> Iterator[tuple]:
+    """The examples of a random simulator at a random theta: their portraits, families, sentences and its name."""
+    task, grammar = simulator(kind, rng), COUNTS if kind == "count" else REALS
     theta = task.prior.sample(1, rng)[0]
-    measure = make(task.simulate(np.tile(theta, (NUM_REFERENCE, 1)), rng))
-    if measure is None:
-        return None
-    seen, p_value = beside(task, measure(task.simulate, np.tile(theta, (n, 1)), rng), rng)
-    return seen if p_value <= SHOWN else None
-
-
-def beside(task: Task, x: NDArray, rng: np.random.Generator) -> tuple[NDArray[np.float64], float]:
-    """The portrait (f,) of events (n, d) beside the task as a first fit finds it, and the p-value of that fit."""
-    model = Model(task, events=Counted(task, Meter()))
-    fit, _ = fit_null(model, x, rng, effort_for(task, domain(task), None, len(x)), None)
-    m = max(RECOGNITION.simulated * len(x), NUM_REFERENCE)
-    return portrait(x, task.simulate(np.tile(fit.params, (m, 1)), rng), kind_of(task) == "count"), fit.p_value
-
-
-def foreign(task: Task, shape: Shape, rng: np.random.Generator, reference: NDArray) -> Measure | None:
-    """A hidden shape of random strength at a random place; None where it suits none."""
-    injection = placed(task, shape, rng, reference)
-    return injection and injection.measure
-
-
-def placed(task: Task, shape: Shape, rng: np.random.Generator, reference: NDArray) -> Injection | None:
-    """The shape itself."""
-    suited = [place for place in places(task, reference) if shape.suits(place)]
-    return shape.draw(suited[rng.integers(len(suited))], rng) if suited else None
-
-
-def own(task: Task, name: str, rng: np.random.Generator, reference: NDArray) -> Measure:
-    """An effect of the catalogue's own shapes."""
-    return OwnShape.draw([effect for effect in catalogue(task, reference) if effect.name == name], rng).measure
-
-
-def both(task: Task, one: Shape, other: Shape, rng: np.random.Generator, reference: NDArray) -> Measure | None:
-    """Two hidden shapes, in the order in which they would act."""
-    injections = [placed(task, shape, rng, reference) for shape in (one, other)]
-    if None in injections:
-        return None
-    first, second = sorted(injections, key=lambda each: each.stage)
-
-    def measure(simulate: Callable, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        return second.measure(partial(first.measure, simulate), theta, rng)
-
-    return measure
+    near = Nearby(task, theta, task.simulate(np.tile(theta, (NEARBY, 1)), rng))
+    for _ in range(SENTENCES):
+        said = [grammar.sentence(task, near.reference, rng) for _ in range(1 + (rng.random() < TWO))]
+        measure = task.simulate
+        for each in said:
+            measure = partial(each.act, measure)
+        n = int(log_uniform(*NUM_EVENTS, rng))
+        x = measure(np.tile(theta, (n, 1)), rng)
+        simulated, p_value = near.beside(x, rng)
+        if p_value < SHOWN:
+            told = [(each.family, f"{each.primitive} {each.by} {each.function}") for each in (said[0], said[-1])]
+            yield portrait(x, simulated, kind == "count"), *zip(*told, strict=True), task.name
 
 
 def trained(known: Examples) -> tuple[list[str], list[list[tuple[NDArray, NDArray]]]]:
     """Families, and networks that tell them by a portrait: their layers, with the scale of marks in the first."""
-    rng = np.random.default_rng(0)
     alone = known.families[:, 0] == known.families[:, 1]
     rows = np.r_[np.arange(len(alone)), np.flatnonzero(~alone)]
     labels = np.r_[known.families[:, 0], known.families[~alone, 1]]
     marks = compressed(known.portraits[rows])
-    blurred = [marks + BLURRED * marks.std(axis=0) * rng.normal(size=marks.shape) for _ in range(COPIES - 1)]
     scaler = StandardScaler().fit(marks)
-    inputs, labels = scaler.transform(np.concatenate([marks, *blurred])), np.tile(labels, COPIES)
     networks = []
     for seed in range(NETWORKS):
         network = MLPClassifier(UNITS, alpha=0.01, early_stopping=True, n_iter_no_change=8, random_state=seed)
-        network.fit(inputs, labels)
+        network.fit(scaler.transform(marks), labels)
         (weights, biases), *others = zip(network.coefs_, network.intercepts_, strict=True)
         first = weights / scaler.scale_[:, None]
         networks.append([(first, biases - scaler.mean_ @ first), *others])
@@ -215,32 +210,34 @@ def install(kind: Kind, families: list[str], networks: list[list[tuple[NDArray, 
     return path
 
 
-def made(simulator: str, number: int, folder: Path) -> Path:
-    """The examples of a simulator in a file of the folder, made where they are not there yet."""
-    path = folder / f"{simulator}.npz"
+def make(kind: Kind, k: int, folder: Path) -> None:
+    """The k-th file of examples in a folder, unless it is there."""
+    path = folder / f"{kind}-{k}.npz"
     if not path.exists():
-        examples(simulator, ROUNDS.get(simulator, USUAL_ROUNDS), np.random.default_rng(number)).write(path)
-        print(path, flush=True)
-    return path
+        examples(kind, np.random.default_rng([get_args(Kind).index(kind), k])).write(path)
 
 
-def learnt(folder: Path) -> list[Path]:
-    """Make what is missing of the examples, and train on all; the paths of the networks."""
-    folder.mkdir(parents=True, exist_ok=True)
-    joblib.Parallel(n_jobs=-1)(joblib.delayed(made)(each, k, folder) for k, each in enumerate(LEARNT_FROM))
-    return [install(kind, *trained(of_kind(kind, folder))) for kind in get_args(Kind)]
-
-
-def of_kind(kind: Kind, folder: Path) -> Examples:
-    """The examples of all simulators with such events, of a folder. Raises UsageError if one is missing."""
-    paths = [folder / f"{each}.npz" for each in LEARNT_FROM if kind_of(named(each)) == kind]
-    if missing := [str(path) for path in paths if not path.exists()]:
-        raise UsageError(f"there is no {missing[0]}: `python -m paper.studies.experience {folder}` makes it")
+def read(kind: Kind, folder: Path) -> Examples:
+    """All examples of a folder with such events. Raises UsageError if there are none."""
+    paths = sorted(folder.glob(f"{kind}-*.npz"))
+    if not paths:
+        raise UsageError(f"there are no examples in {folder}: `python -m paper.studies.experience {folder}` makes them")
     return Examples.joined([Examples.read(path) for path in paths])
 
 
+@click.command()
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.option("--parts", default=300, show_default=True, help=f"Files of {PART} draws each, of each kind of events.")
+@click.option("--install/--no-install", "installs", default=False, help="Train on all examples, for all diagnoses.")
+def learn(folder: Path, parts: int, installs: bool) -> None:
+    """Make what is missing of the examples in FOLDER. `paper.studies.recognised` says what they teach."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for k in range(parts):  # of each kind in turn, so that a call that is stopped leaves as much of each
+        for kind in get_args(Kind):
+            make(kind, k, folder)
+    for kind in get_args(Kind) if installs else ():
+        click.echo(install(kind, *trained(read(kind, folder))))
+
+
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit("say in which folder the examples are to be kept")
-    for path in learnt(Path(sys.argv[1])):
-        print(path)
+    main(learn)
