@@ -27,8 +27,10 @@ GROWTH = 4
 """Factor by which the number of rows grows from step to step: the posterior then has half the width."""
 FIRST_POINTS = 512
 """Points of a Sobol sequence over the prior box in the first step; a power of two."""
-LEAST_POINTS, ROWS_OF_A_STEP = 128, 2**23
-"""Points of a later step: those of the first one, or fewer where points times rows would be more than this."""
+ROWS_OF_A_STEP = 2**23
+"""Points times rows of a later step: it has as many points as the first one, or fewer where that were more."""
+LEAST_POINTS = 128
+"""Points of a step, however many rows there are: of fewer no kernels are told."""
 LEAST_SHARE = 1 / 3
 """Least effective number of points of a step in its points: some forty then tell the mixture of the next one."""
 MOST_STEPS = 100

@@ -19,6 +19,10 @@ from paper.study import study
 ROOT = Path(__file__).parents[2]
 
 
+PARTLY = ("alignment", "fresh", "reading", "rivals", "tuning")
+"""Experiments of which not all runs were made."""
+
+
 @pytest.mark.parametrize("name", [name for name in EXPERIMENTS if name != "reference"])
 def test_the_committed_records_are_those_of_the_grid(name):
     cells = EXPERIMENTS[name].cells()
@@ -29,7 +33,7 @@ def test_the_committed_records_are_those_of_the_grid(name):
     kept = {record["id"] for record in Store(ROOT / folder).read_all(traces=False)}
     sharing = [each for other, each in EXPERIMENTS.items() if each.folder == folder and other != name]
     assert kept <= ids | {cell.id for each in sharing for cell in each.cells()}
-    assert ids <= kept or name in ("alignment", "fresh")  # of which not all runs were made
+    assert ids <= kept or name in PARTLY
 
 
 @pytest.mark.parametrize(("name", "iterations"), [("poisson", 3000), ("alignment", 5000)])
@@ -49,7 +53,7 @@ def test_the_poisson_example_is_that_of_section_4_1():
     assert task.targets()[0, 0] == pytest.approx(1.94591, abs=1e-5)
     assert (method.hidden, method.batch_size, method.r1, method.learning_rate) == ((20, 20, 20), 32, 10, 1e-3)
     assert (method.initial_mean, method.initial_std, method.proposal_learning_rate) == (0, 0.5, 1e-3)
-    assert sorted({cell.build_method().entropy for cell in cells}) == [0, 1e-4, 1e-2]
+    assert sorted({cell.build_method().entropy for cell in cells}) == [0, 1e-4, 1e-2, 1e-1, 1]
 
 
 def test_the_row_sums_are_those_of_the_average_image():

@@ -40,12 +40,11 @@ def test_a_family_has_as_many_shapes_as_it_may_the_plainest_first(number):
 
 
 def test_a_case_is_diagnosed_once_in_each_configuration(tmp_path, monkeypatch):
-    monkeypatch.setattr(foreign, "CASES", {"measured": [CASES["yeast"]]})
-    few = foreign.Configuration(1, False, 1_000_000)
-    [record] = foreign.made(tmp_path, few)
+    few, cases = foreign.Configuration(1, False, 1_000_000), {"measured": [CASES["yeast"]]}
+    [record] = foreign.made(tmp_path, few, cases=cases)
     assert record["diagnosis"]["num_simulations"] <= few.simulations
     monkeypatch.setattr(foreign, "said", lambda *_: pytest.fail("it was diagnosed again"))
-    assert foreign.made(tmp_path, few) == [record] == foreign.read(tmp_path)[few.name]
+    assert foreign.made(tmp_path, few, cases=cases) == [record] == foreign.read(tmp_path)[few.name]
     (tmp_path / few.name / "yeast.json").write_text("{}")
     with pytest.raises(StoreError, match="delete it"):
-        foreign.made(tmp_path, few)
+        foreign.made(tmp_path, few, cases=cases)
