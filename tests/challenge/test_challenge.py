@@ -21,6 +21,7 @@ from avobench.challenge.table import as_text
 from avobench.challenge.targets import targets
 from avobench.challenge.visibility import visibility
 from avobench.cli import main as cli
+from avobench.diagnosis.schema import Verdict
 from avobench.effects.catalogue import catalogue
 from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson
@@ -220,7 +221,7 @@ def test_results_of_other_options_are_not_mixed(fresh, monkeypatch):
         solve(folder, workers=HERE, options={"alpha": 0.01})
 
 
-NAMED, REDUCED = "missing effect named", "disagreement reduced, still significant"
+NAMED, FAMILY = Verdict.NAMED.value, Verdict.FAMILY.value
 UNEXPLAINED = "disagreement not explained by the catalogue"
 
 
@@ -268,7 +269,7 @@ def test_the_score_counts_what_it_says():
         row(2, "own", ["pile_up"], power=0.06),  # absorbed by theta: undetectable
         row(3, "own", ["dead_time"], power=0.95),  # missed
         row(4, "own", ["dead_time"], said(NAMED, [("dead_time", ["pile_up"])], theta=1.1)),
-        row(5, "own", ["dead_time"], said(REDUCED, [("pile_up", ["dead_time"])])),
+        row(5, "own", ["dead_time"], said(FAMILY, [("pile_up", ["dead_time"])])),
         row(6, "own", ["dead_time"], said(NAMED, [("inefficiency", [])], theta=1.3)),
         row(7, "foreign", ["dead_time"], said(UNEXPLAINED), source="foreign"),
         row(8, "withheld", ["dead_time"], said(NAMED, [("pile_up", [])])),

@@ -19,7 +19,7 @@ from paper.study import study
 ROOT = Path(__file__).parents[2]
 
 
-PARTLY = ("alignment", "fresh", "reading", "rivals", "tuning")
+PARTLY = ("alignment", "fresh", "reading")
 """Experiments of which not all runs were made."""
 
 

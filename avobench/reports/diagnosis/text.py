@@ -15,8 +15,8 @@ SIDES = {1: "one-sided", 2: "two-sided"}
 OUTSIDE = "something outside the catalogue"
 AS_IT_IS = "the simulator as it is"
 MEANT = (
-    f"The probability of {OUTSIDE} was calibrated on {SCORE.calibrated[0]} hidden effects, {SCORE.calibrated[1]} of them "
-    "outside. The others are too sure where the shape is new."
+    f"The probability of {OUTSIDE} was calibrated on {SCORE.calibrated[0]} hidden effects, {SCORE.calibrated[1]} of "
+    "them outside. The others are too sure where the shape is new."
 )
 """What the probabilities mean."""
 CLEARLY = 1.5
