@@ -46,6 +46,7 @@ class Neural(Method):
     is uniform in each, so that events of earlier rounds within the box are drawn as if in this one, and serve again.
     """
 
+    version: ClassVar[str] = "2"
     packages: ClassVar = ("sbi",)
     extra: ClassVar = "sbi"
     first_rows: ClassVar[int] = 400
@@ -144,6 +145,7 @@ def _estimate(fitted: Posterior, trace: list[TracePoint]) -> Estimate:
         std=fitted.std,
         trace=trace,
         sample=fitted.sample,
+        doubt=fitted.doubt,
     )
 
 
