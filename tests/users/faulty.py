@@ -57,8 +57,6 @@ TASKS = {
     "WideAngle": {"feature_kinds": ("angle",)},
     "TargetsElsewhere": {"targets": lambda self, n=15: np.full((n, 1), 2.0)},
     "NotANumber": {"events": lambda self, theta, rng: np.where(theta > 0, np.nan, rng.normal(theta))},
-    "SinglePrecision": {"events": lambda self, theta, rng: rng.normal(theta).astype(np.float32)},
-    "Flat": {"events": lambda self, theta, rng: rng.normal(theta)[:, 0]},
     "FailsAtTheEdge": {"events": lambda self, theta, rng: np.where(np.abs(theta) == 9, np.inf, rng.normal(theta))},
     "Anywhere": {"simulate": lambda self, theta, rng: rng.normal(theta)},
     "OwnEntropy": {"events": lambda self, theta, rng: np.random.default_rng().normal(theta)},
@@ -209,11 +207,11 @@ def drawing(draws):
     return {"draws": lambda self, problem, rng: draws(self, problem, rng)}
 
 
-def telling(theta=lambda theta: theta, std=lambda theta: theta * 0, how="nearest", trace=lambda used, theta: []):
+def telling(theta=lambda theta: theta, how="nearest", trace=lambda used, theta: []):
     """A fault of the estimate that it returns."""
     return {
         "estimate": lambda self, problem, at: Estimate(
-            theta(at), how, "posterior", theta(at), std(at), trace(problem.simulate.used, at)
+            theta(at), how, "posterior", theta(at), at * 0, trace(problem.simulate.used, at)
         )
     }
 
@@ -233,25 +231,17 @@ METHODS = {
     "NoMinimum": {"least": 0},
     "UnpicklableMethod": {"__init__": lambda self: setattr(self, "trick", lambda: None)},
     "Quits": drawing(few),
-    "Greedy": drawing(
-        lambda self, problem, rng: problem.simulate.repeat(problem.prior.sample(1, rng), problem.simulate.budget + 1)
-    ),
     "UnderstatesMinimum": drawing(
         lambda self, problem, rng: (
             problem.simulate.repeat(problem.prior.center, 150) is not None and SoundMethod.draws(self, problem, rng)
         )
     ),
-    "AsksOutside": drawing(lambda self, problem, rng: problem.simulate(np.array([problem.support.high]) + 1)),
     "WritesPlainly": drawing(lambda self, problem, rng: problem.x_observed.__setitem__(0, 0)),
     "GlobalRandomMethod": seeded(lambda: np.random.randint(2**31)),
     "OwnEntropyMethod": seeded(lambda: None),
     "Remembers": seeded(lambda: next(RUNS)),
-    "OutsideEstimate": telling(lambda theta: theta + 100),
     "WideEstimate": telling(lambda theta: theta[None]),
-    "NegativeSpread": telling(std=lambda theta: -np.ones_like(theta)),
     "SaysNothing": telling(how=" "),
-    "TracesBackwards": telling(trace=lambda used, theta: [TracePoint(used, theta), TracePoint(used // 2, theta)]),
-    "TracesBeyond": telling(trace=lambda used, theta: [TracePoint(used + 1, theta)]),
     "TracesTooMuch": telling(trace=lambda used, theta: [TracePoint(used, np.append(theta, 0))]),
     "TracesNotANumber": telling(trace=lambda used, theta: [TracePoint(used, theta * np.nan)]),
     "MixesThemUp": {
@@ -269,12 +259,6 @@ declare(SoundMethod, METHODS)
 @dataclass(frozen=True)
 class HoldsATask(SoundMethod):
     task: Any = SoundTask
-
-
-class RaisesItsBudget(SoundMethod):
-    def draws(self, problem, rng):
-        problem.simulate.budget *= 2
-        return super().draws(problem, rng)
 
 
 class Makeshift(SoundMethod):
