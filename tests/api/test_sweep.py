@@ -22,6 +22,7 @@ def test_a_sweep_gives_a_row_a_cell_and_the_next_one_makes_nothing_again(tmp_pat
         ({"backend": "dask"}, "belong together"),
         ({"scheduler": "tcp://nowhere:1"}, "belong together"),
         ({"group": 3}, "--group is for --backend together"),
+        ({"backend": "together", "group": 0}, "--group is for --backend together, at least 1"),
     ],
 )
 def test_workers_that_make_no_sense_are_refused(workers, said):

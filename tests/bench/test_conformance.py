@@ -32,7 +32,6 @@ AMPLE = ("makes an estimate on poisson from 3001 events", "makes an estimate on 
 TRACE = "traces its estimate against the events used"
 LEFT_OVER = "says why where it leaves much of the budget"
 SAME_ESTIMATE = "repeats its estimate bit for bit for a seed, whatever the global seeds"
-OBSERVED = "leaves the observed events as they are"
 TOO_SMALL = "makes no estimate from fewer events than it needs"
 FAILURE = "lets errors of the simulator through"
 TOGETHER = "makes the same estimates together as alone"

@@ -115,28 +115,6 @@ def test_a_closed_output_is_no_fault(tmp_path):
     assert len(Store(tmp_path / "r").read_all()) == 2
 
 
-def test_a_task_that_makes_other_events_than_it_declares_is_refused_in_a_line(avobench, tmp_path):
-    np.save(tmp_path / "x.npy", np.random.default_rng(0).normal(size=(300, 1)))
-    start = ("--task", "hostile:Wider", "--data", tmp_path / "x.npy", "--out")
-    said = "the simulator of wider returned shape ({0}, 2) where an array ({0}, 1) was due"
-    line(avobench("diagnose", *start, tmp_path / "d"), 1, said.format(2000))
-    assert not list((tmp_path / "d").iterdir())
-    line(avobench("infer", *start, tmp_path / "o.json", "--method", "faulty:SoundMethod"), 1, said.format(4000))
-
-
-@pytest.mark.parametrize(
-    ("counts", "word"),
-    [
-        (np.full(300, 1e301), "the data reach to 1e+301, beyond 2^53"),
-        (np.arange(49), "49 events are too few, at least 200 are needed"),
-    ],
-)
-def test_absurd_counts_are_refused_in_a_line(avobench, tmp_path, counts, word):
-    np.save(tmp_path / "x.npy", counts)
-    line(avobench("diagnose", "--task", "poisson", "--data", tmp_path / "x.npy", "--out", tmp_path / "d"), 2, word)
-    assert not list((tmp_path / "d").iterdir())
-
-
 def test_a_spread_must_be_of_the_posterior_or_the_proposal(avobench):
     code, out, _ = avobench("check", "method", "hostile:NoSpread")
     assert code == 1

@@ -36,17 +36,6 @@ class Leaves(SoundTask):
         os._exit(0)
 
 
-class LeavesLater(SoundTask):
-    """Not where it is tried, but in a cell."""
-
-    name = "leaves-later"
-
-    def events(self, theta, rng):
-        if len(theta) == 40:
-            os._exit(3)
-        return super().events(theta, rng)
-
-
 class NoTargets(SoundTask):
     """At its first mention."""
 
@@ -54,15 +43,6 @@ class NoTargets(SoundTask):
 
     def targets(self, n=15):
         segfault()
-
-
-class Wider(SoundTask):
-    """Makes two features an event, and declares one."""
-
-    name = "wider"
-
-    def events(self, theta, rng):
-        return np.hstack([rng.normal(theta)] * 2)
 
 
 class Hangs(SoundTask):

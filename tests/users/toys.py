@@ -58,7 +58,6 @@ class Moment(Method):
     steps: int = 4
     pause: float = 0.0
     fault: str = ""
-    fault_at: int = -1
 
     def min_simulations(self, num_parameters):
         return self.steps

@@ -175,15 +175,6 @@ def test_an_interrupted_piece_leaves_what_was_finished_and_the_next_run_goes_on(
     assert len(Store(tmp_path).read_all()) == 30
 
 
-def test_avo_gives_together_what_it_gives_alone(tmp_path, monkeypatch):
-    monkeypatch.setattr("avobench.methods.avo.Avo.together", True)
-    settings = ["avo.iterations=20", "avo.hidden=[8]", "avo.batch_size=32"]
-    cells = plan(["poisson"], ["avo"], "0-2", 1, 2000, 1000, 0, settings)
-    records, view = together(tmp_path, cells)
-    assert not view.notes
-    assert_as_single(records, cells, atol=1e-3)
-
-
 def test_the_command_takes_the_backend_and_its_limit(avobench, tmp_path):
     start = ("run", "--task", "toys:Normal", "--method", "toys:Lockstep", "--targets", "0-3", "--budget", 400)
     start += ("--observations", 100, "--jobs", 1, "--results", tmp_path / "r")
@@ -193,27 +184,12 @@ def test_the_command_takes_the_backend_and_its_limit(avobench, tmp_path):
     messages = [record["message"] for record in Store(tmp_path / "r").read_all()]
     assert messages == ["one of 3 cells carried out together"] * 3 + [""]
     assert Store(tmp_path / "r").sweeps()[0]["backend"] == "together"
-    for arguments in (("--group", 2), ("--backend", "together", "--group", 0)):
-        code, _, err = avobench(*start, *arguments)
-        assert code == 2
-        assert "--group is for --backend together, at least 1" in err
-        assert err.count("\n") == 1
 
 
 def cuda():
     import torch
 
     return torch.cuda.is_available()
-
-
-def test_without_a_gpu_nothing_starts(avobench, tmp_path):
-    if cuda():
-        pytest.skip("there is a GPU")
-    code, _, err = avobench("run", "--method", "avo-paper", "--device", "cuda", "--results", tmp_path / "r")
-    assert code == 2
-    assert "finds no CUDA device" in err
-    assert err.count("\n") == 1
-    assert not (tmp_path / "r").exists()
 
 
 def test_avo_trains_all_targets_at_once_on_a_gpu(avobench, tmp_path):
