@@ -91,6 +91,7 @@ def test_data_are_repeated_for_a_seed_and_differ_for_another(folder, tmp_path):
         assert (one == other) == same
         x, y = (np.load(path / "data" / "0000.npz")["x"] for path in (folder, tmp_path / str(seed)))
         assert np.array_equal(x, y) == same
+        assert (x.shape, x.dtype) == ((1000, 1), np.int64)
 
 
 def test_kinds_come_in_equal_shares_and_answers_stand_apart(folder):
@@ -109,13 +110,6 @@ def test_kinds_come_in_equal_shares_and_answers_stand_apart(folder):
             assert len(allowed[answer["case"]]) == len({effect.name for effect in catalogue(Poisson())}) - 1
         else:
             assert allowed[answer["case"]] is None
-
-
-def test_data_have_the_task_s_shape_and_type(folder):
-    for path in sorted((folder / "data").iterdir()):
-        x = np.load(path)["x"]
-        assert x.shape == (1000, 1)
-        assert x.dtype == np.int64
 
 
 def test_what_cannot_be_made_is_refused_and_leaves_nothing(tmp_path):
@@ -339,24 +333,6 @@ def test_intervals_are_those_of_clopper_and_pearson():
     assert rate([])["share"] is None
 
 
-def test_records_in_a_file_give_the_same_score(fresh, monkeypatch, tmp_path):
-    folder, answers = fresh
-    monkeypatch.setattr(
-        solving,
-        "diagnose",
-        lambda task, x, *, seed, effects, bank: SimpleNamespace(diagnosis=said(NAMED, [("pile_up", ())])),
-    )
-    solve(folder, workers=HERE)
-    (folder / "answers.json").symlink_to(answers)
-    lines = records(folder)
-    file = tmp_path / "records.jsonl"
-    file.write_text("".join(json.dumps(line) + "\n" for line in lines))
-    assert score(read_records(file)) == score(lines)
-    file.write_text("{}\n")
-    with pytest.raises(UsageError, match="does not hold records"):
-        read_records(file)
-
-
 def test_zeros_in_excess_are_as_visible_as_their_distribution_says():
     """Noncentrality of the chi-square test, at the best theta, from exact probabilities."""
     rate_, share, n = 6.0, 0.03, 5000
@@ -425,6 +401,10 @@ def test_from_the_command_line(tmp_path, monkeypatch, capsys):
     assert json.loads(out)["solved"] == 2
     code, out, _ = avobench("challenge", "score", tmp_path / "records.jsonl")
     assert "poisson: 2 of 2 cases solved, 0 failed, 1000 events each" in out
+    assert score(read_records(tmp_path / "records.jsonl")) == score(records(folder))
+    (tmp_path / "records.jsonl").write_text("{}\n")
+    with pytest.raises(UsageError, match="does not hold records"):
+        read_records(tmp_path / "records.jsonl")
     for wrong in ((), ("--shapes", "math:pi"), ("--shapes", "nowhere:SHAPES"), ("--kinds", "foreign")):
         code, _, error = avobench(*made, *wrong)
         assert code == 2

@@ -1,12 +1,10 @@
-import json
-
 import numpy as np
 import pytest
 from measurements import with_effect
 
 from avobench.api.diagnosis import require_events
 from avobench.bench.plugins import registry
-from avobench.diagnosis import Diagnosis, diagnose
+from avobench.diagnosis import diagnose
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.report.model_file import describe
 from avobench.diagnosis.report.uncertainties import QuotedFit
@@ -154,12 +152,6 @@ def test_a_clear_effect_is_named_and_its_size_found(named):
     assert diagnosis.candidates[0].score == 0
     assert {region.kind for region in diagnosis.regions} == {"excess", "deficit"}
     assert len(pictures.spectra[0].edges) == len(pictures.spectra[0].measured) + 1
-
-
-def test_a_diagnosis_is_valid_json(named):
-    diagnosis = named[1].diagnosis
-    text = json.dumps(diagnosis.model_dump(mode="json"), allow_nan=False)
-    assert Diagnosis.model_validate_json(text).model_dump() == diagnosis.model_dump()
 
 
 def test_the_new_model_is_a_task_that_finds_nothing_missing(named, tmp_path):

@@ -24,16 +24,6 @@ ORDER = {
     "Spread Mixture",
 }
 """The streams of random numbers of a search follow it: another order would give other numbers for a seed."""
-ONE_FAMILY = {
-    "counts": {"double_counting": "DoubleCounting AfterPulses", "quantisation": "Quantisation Heaping"},
-    "continuous": {
-        "edge_acceptance": "EdgeAcceptance TurnOn Truncation AnalysisWindow",
-        "quantisation": "Quantisation Heaping",
-        "saturation": "Saturation Censoring",
-    },
-    "images": {},
-}
-"""Classes of one name, which data cannot tell apart."""
 
 THEIRS = """
 from avobench.effects import Effect, Parameter
@@ -59,14 +49,6 @@ class Anywhere(Echo):
 @pytest.mark.parametrize("kind", ORDER)
 def test_ours_keep_their_order(kind):
     assert [family.__name__ for family in of_domain(kind)] == ORDER[kind].split()
-
-
-@pytest.mark.parametrize("kind", ORDER)
-def test_what_data_cannot_tell_apart_is_one_family(kind):
-    classes = {}
-    for family in of_domain(kind):
-        classes.setdefault(family.name, []).append(family.__name__)
-    assert {name: " ".join(own) for name, own in classes.items() if len(own) > 1} == ONE_FAMILY[kind]
 
 
 def weeks(theta, rng):
@@ -215,6 +197,7 @@ def test_the_name_of_a_family_chooses_all_its_classes_and_that_of_an_entry_point
 
     assert classes("edge_acceptance") == ["EdgeAcceptance", "TurnOn", "Truncation", "AnalysisWindow"]
     assert classes("continuous.truncation", "heaping") == ["Truncation", "Heaping"]
+    assert classes("saturation", "quantisation") == ["Quantisation", "Saturation", "Censoring", "Heaping"]
     assert [type(effect).__name__ for effect in chosen(catalogue(Poisson()), ["truncation"], "poisson")] == [
         "Truncation"
     ]

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from avobench.methods.discriminator import mlp
 from avobench.methods.fused_step import FusedStep
-from paper.speed.discriminator_steps import AutogradStep, StackedStep
+from paper.speed.discriminator_steps import AutogradStep
 
 settings.register_profile("fused", max_examples=25)
 SLOPES = (0.25, -0.5, 1.0, 2.0)
@@ -56,21 +56,6 @@ def test_an_update_is_that_of_autograd_for_each_network_alone(count, hidden, siz
     with torch.no_grad():
         expected = torch.stack([network(x) for network, x in zip(alone, real, strict=True)])
     torch.testing.assert_close(by_hand.logits(real), expected, rtol=1e-6, atol=1e-7)
-
-
-@settings(settings.get_profile("fused"), max_examples=10)
-@given(st.integers(1, 3), st.sampled_from([0.0, 1.0]), st.integers(0, 2**32 - 1))
-def test_an_update_is_that_of_stacked_autograd(count, r1, seed):
-    """So what `make bench-avo` compares does the same work."""
-    networks = stack(count, 2, (5, 3), seed)
-    stacked, by_hand = StackedStep(copy.deepcopy(networks), 1e-3, r1, "fused"), FusedStep(networks, 1e-3, r1)
-    rng = np.random.default_rng(seed)
-    for _ in range(3):
-        real, synthetic = batches(count, 2, (6, 4), rng)
-        stacked(real, synthetic)
-        by_hand(real, synthetic)
-    for theirs, *ours in zip(stacked.parameters, *(network.parameters() for network in networks), strict=True):
-        torch.testing.assert_close(torch.stack(ours), theirs, rtol=1e-6, atol=1e-7)
 
 
 def test_many_updates_in_single_precision_stay_with_autograd():

@@ -1,10 +1,11 @@
 """The polish against answers known in closed form."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from avobench.methods.polish import Fold, Polished, narrower, polish, polish_closer, quadratic
+from avobench.methods.polish import Fold, Polished, narrower, polish, polish_closer
 
 EDGE = 4.0
 
@@ -84,22 +85,15 @@ def test_several_features_and_parameters():
     np.testing.assert_array_less(answer.error, 1.6 * errors)
 
 
-def test_the_prior_decides_where_the_events_say_nothing():
-    """x depends on u_1 + u_2 alone, so the answer is the point of that line nearest to the prior's mean."""
+@pytest.mark.parametrize(("toward", "nearest"), [(0.0, [0.5, 0.5]), (np.array([1.0, 0.2]), [0.9, 0.1])])
+def test_the_prior_decides_where_the_events_say_nothing(toward, nearest):
+    """x depends on u_1 + u_2 alone, so the answer is the point of that line nearest to the prior's mean, or another."""
     rng = np.random.default_rng(3)
     u = rng.normal([1.2, 0.1], 0.5, (40_000, 2))
     real, synthetic = rng.normal(1.0, 1, (40_000, 1)), rng.normal(u.sum(axis=1, keepdims=True), 1)
-    answer = polished(real, synthetic, u, 0.8, std=0.5)
-    np.testing.assert_allclose(answer.mean, [0.5, 0.5], atol=0.05)  # the slopes know the line to 0.01
+    answer = polished(real, synthetic, u, 0.8, std=0.5, toward=toward)
+    np.testing.assert_allclose(answer.mean, nearest, atol=0.05)  # the slopes know the line to 0.01
     assert answer.error.min() > 0.5  # of the prior's order
-
-
-def test_where_the_events_say_nothing_it_goes_toward_the_point_it_is_told():
-    rng = np.random.default_rng(3)
-    u = rng.normal([1.2, 0.1], 0.5, (40_000, 2))
-    real, synthetic = rng.normal(1.0, 1, (40_000, 1)), rng.normal(u.sum(axis=1, keepdims=True), 1)
-    answer = polished(real, synthetic, u, 0.8, std=0.5, toward=np.array([1.0, 0.2]))
-    np.testing.assert_allclose(answer.mean, [0.9, 0.1], atol=0.05)  # nearest on the line
 
 
 def test_answer_stays_within_the_bounds():
@@ -141,10 +135,6 @@ def test_the_next_proposal_does_not_hang_on_rounding():
     )
     np.testing.assert_allclose(first, root)
     np.testing.assert_allclose(again, root, atol=1e-9)
-
-
-def test_quadratic_terms():
-    np.testing.assert_array_equal(quadratic(np.array([[2.0, 3.0]])), [[1, 2, 3, 4, 6, 9]])
 
 
 def test_the_error_covers_two_in_three_and_nearly_all_within_two():

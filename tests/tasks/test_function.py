@@ -84,9 +84,6 @@ def test_features_are_of_the_kinds_that_are_stated():
         (unpacked, {"prior": {"m": (0, 1), "s": (1, 2)}}, r"theta\[:, 0\] is the first parameter"),
         (lambda theta, rng: rng.normal(theta[0]), {"prior": {"m": (0, 1), "s": (1, 2)}}, r"theta\[:, 0\]"),
         (lambda theta, rng: 1.0, {"prior": {"t": (1, 4)}}, r"theta\[:, 0\]"),
-        (3, {"prior": {"t": (1, 4)}}, "simulate of avobench.task must be a function"),
-        (decay, {"prior": None}, "prior of avobench.task must be a mapping"),
-        (decay, {"prior": {"t": (1, 4)}, "features": "time"}, "features of avobench.task must be a list, each a text"),
     ],
 )
 def test_what_makes_no_task_is_said_in_a_line(function, options, said):

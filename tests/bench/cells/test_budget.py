@@ -76,14 +76,6 @@ def test_a_simulator_cannot_change_what_the_method_holds():
     assert given_theta.tolist() == [THETA, THETA]
 
 
-def test_progress_hears_of_every_call():
-    heard = []
-    simulate = metered(10, progress=heard.append)
-    simulate([THETA] * 3)
-    simulate([THETA] * 4)
-    assert heard == [3, 7]
-
-
 @pytest.mark.parametrize(
     ("theta", "message"),
     [
