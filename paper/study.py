@@ -20,21 +20,11 @@ from paper.studies import baseline, contamination, detector, misspecification, r
 from paper.tables.real import format_table
 
 STUDIES = {
-    "baseline": "the variance of the proposal's gradient with each baseline (Section 3.2)",
-    "contamination": "squared errors against the share of outliers among the observed events",
-    "detector": "the detector's average response at two offsets (Section 4.2)",
-    "misspecification": "the width of avo's proposal on events with a hidden effect, and what the diagnosis says",
-    "real": "what the diagnosis says of the measured events in examples/real, with five seeds from --seed on",
+    each.__name__.rpartition(".")[2]: each for each in (baseline, contamination, detector, misspecification, real)
 }
-"""The studies that are no cells."""
-STUDIED = {
-    "baseline": baseline,
-    "contamination": contamination,
-    "detector": detector,
-    "misspecification": misspecification,
-}
-"""The modules of those that make one file of records."""
-NAMES = {name: experiment.says for name, experiment in EXPERIMENTS.items()} | STUDIES
+"""The modules of the studies that are no cells. Each but `real` makes one file of records."""
+NAMES = {name: experiment.says for name, experiment in EXPERIMENTS.items()}
+NAMES |= {name: module.__doc__.splitlines()[0] for name, module in STUDIES.items()}
 
 
 @click.command(epilog="\b\n" + "\n".join(f"{name}: {says}" for name, says in NAMES.items()))
@@ -56,7 +46,7 @@ def study(state: State, name: str, results: Path | None, seed: int, jobs: int | 
     if name in STUDIES:
         store = Store(results or Path("results/studies"), create=True)
         with store.lock():
-            STUDIED[name].made(path := store.path / STUDIED[name].FILE, seed)
+            STUDIES[name].made(path := store.path / STUDIES[name].FILE, seed)
         click.echo(path)
         return
     experiment = EXPERIMENTS[name]
