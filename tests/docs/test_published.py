@@ -19,12 +19,13 @@ from avobench.bench.store.status import Status
 from avobench.bench.store.store import Store
 from avobench.bench.sweep.plan import plan
 from avobench.reports.figures import FIGURES, draw
+from paper import gallery
 from paper.claims.reproduction import gather
 from paper.claims.reproduction import pages as claims
 from paper.figures.__main__ import FOLDERS
 from paper.figures.__main__ import draw as draw_of_the_paper
 from paper.printed import BLOCK, STEADY, filled, output
-from paper.studies.real import read_all as read_real
+from paper.studies import real
 from paper.tables.real import page as real_page
 from paper.tables.records import fields_table
 
@@ -116,13 +117,23 @@ def test_the_committed_figures_are_of_the_committed_records(name, monkeypatch, t
     assert all((ROOT / "docs" / "figures" / f"{name}.{suffix}").exists() for suffix in ("pdf", "png"))
 
 
-def test_the_pages_on_the_papers_claims_are_what_their_command_writes():
-    pages = claims(gather(REFERENCE.path, STUDIES.path, ROOT / "results" / "ablation"))
+PAGES_OF_RECORDS = {
+    "claims": lambda: claims(gather(REFERENCE.path, STUDIES.path, ROOT / "results" / "ablation")),
+    "real data": lambda: {"real-data.md": real_page(real.read_all(ROOT / "results" / "real"))},
+    "gallery": lambda: {gallery.PAGE.name: gallery.page(real.read(ROOT / "results" / "real"))},
+}
+
+
+@pytest.mark.parametrize("kind", PAGES_OF_RECORDS)
+def test_a_page_that_a_command_writes_is_of_the_committed_records(kind):
+    pages = PAGES_OF_RECORDS[kind]()
     assert pages == {path: (ROOT / "docs" / path).read_text() for path in pages}
 
 
-def test_the_page_on_real_data_is_what_its_command_writes():
-    assert real_page(read_real(ROOT / "results" / "real")) == (ROOT / "docs" / "real-data.md").read_text()
+def test_the_gallery_has_a_small_picture_of_each_example():
+    shown = re.findall(r"\]\((figures/.*?)\)", (ROOT / gallery.PAGE).read_text())
+    assert [Path(path).stem for path in shown] == sorted(path.stem for path in (ROOT / gallery.EXAMPLES).glob("*.py"))
+    assert all((ROOT / "docs" / path).stat().st_size < 60_000 for path in shown)
 
 
 def test_the_reference_records_are_the_cells_of_todays_defaults():

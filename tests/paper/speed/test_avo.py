@@ -3,13 +3,8 @@
 import numpy as np
 import pytest
 import torch
-from click.testing import CliRunner
 
-from paper.speed import avo
-from paper.speed.avo import Update
 from paper.speed.plain_avo import PlainAvo
-
-SMALL = Update("a small one", 2, 3, (8, 8), 16)
 
 
 def test_the_plain_implementation_follows_the_same_algorithm():
@@ -27,11 +22,3 @@ def test_the_plain_implementation_follows_the_same_algorithm():
     expected = (score * (f[:, None, None] - b)).mean(axis=0)
     assert np.concatenate([plain.mean.grad, plain.log_std.grad]) == pytest.approx(expected.ravel(), rel=1e-3, abs=1e-6)
     assert (torch.cat([plain.mean, plain.log_std]).detach().numpy() != before).all()
-
-
-def test_the_command_prints_both_tables(monkeypatch):
-    monkeypatch.setattr(avo, "updates", lambda: [SMALL])
-    done = CliRunner().invoke(avo.main, ["--task", "carl", "--batch-size", "8", "--rounds", "1"])
-    assert done.exit_code == 0, done.output
-    assert "an iteration of avo-paper, median of 1 rounds" in done.output
-    assert "8-8" in done.output

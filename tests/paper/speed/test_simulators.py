@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from avobench.bench.plugins.registry import build
-from paper.speed.simulators import BARE, numpy_rates
+from paper.speed.simulators import BARE
 
 
 @pytest.mark.parametrize("name", BARE)
@@ -15,9 +15,3 @@ def test_the_bare_simulators_have_the_distribution_of_the_tasks(name):
     error = np.sqrt((x.var(axis=0) + bare.var(axis=0)) / len(x))
     assert (np.abs(x.mean(axis=0) - bare.mean(axis=0)) < 4.5 * error).all()
     assert bare.std(axis=0) == pytest.approx(x.std(axis=0), rel=0.02)
-
-
-def test_rates_of_the_numpy_simulators_are_told_for_each():
-    table = numpy_rates(100, num_events=2000, rounds=2)
-    assert table["task"].tolist() == list(BARE)
-    assert (table[["events/s", "bare", "times the bare"]] > 0).all(axis=None)

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from avobench.tasks.errors import StoreError
 from paper.studies import detector
 
 
@@ -21,11 +20,3 @@ def test_the_response_is_made_once(tmp_path, monkeypatch):
     assert detector.made(path, num_events=60) == record == detector.read(tmp_path)
     with pytest.raises(TypeError):  # other events would have to be simulated
         detector.made(path, num_events=61)
-
-
-def test_a_damaged_or_missing_response_is_told(tmp_path):
-    with pytest.raises(StoreError, match="study detector"):
-        detector.read(tmp_path)
-    (tmp_path / detector.FILE).write_text("{}")
-    with pytest.raises(StoreError, match="truncated"):
-        detector.read(tmp_path)

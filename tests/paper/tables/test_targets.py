@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from avobench.bench.store.store import Store
 from paper.quantities import efficient_median
-from paper.tables.__main__ import table as command
 from paper.tables.targets import table
 
 
@@ -65,13 +63,3 @@ def test_a_failed_run_cannot_meet(make_record):
     assert rows.loc[("poisson", "worst run / floor"), "verdict"] == "not met"
     assert rows.loc[("poisson", "against the rivals"), "verdict"] == "no records"
     assert rows.loc[("carl", "inefficiency"), "verdict"] == "no records"
-
-
-def test_the_command_prints_them(run, benchmark, tmp_path):
-    store = Store(tmp_path / "results", create=True)
-    for record in benchmark:
-        store.write(record)
-    code, out, err = run(command, "targets", store.path)
-    assert code == 0, err
-    assert out.count(" met") + out.count("not met") >= 9
-    assert "ahead of all" in out
