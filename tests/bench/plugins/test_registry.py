@@ -1,13 +1,9 @@
 """What a spec may name, where it is found, and what of a user's file identifies a result."""
 
-import multiprocessing
-import pickle
 import subprocess
 import sys
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -177,19 +173,6 @@ def test_an_object_of_a_file_tells_where_it_is_found(file, kind, name):
     instance = registry.effect(spec) if kind == "effect" else registry.build(kind, spec, {})
     assert registry.spec_of(kind, instance) == spec
     assert registry.spec_of("task", registry.build("task", "poisson", {})) == "poisson"
-
-
-def _events(pickled):
-    task = pickle.loads(pickled)
-    return task.simulate(np.zeros((3, 1)), np.random.default_rng(0))
-
-
-@pytest.mark.parametrize("name", ["Second", "made"])
-def test_objects_of_a_file_can_be_sent_to_a_new_process(file, name):
-    task = registry.build("task", f"{file}:{name}", {})
-    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
-        there = pool.submit(_events, pickle.dumps(task)).result()
-    assert np.array_equal(there, _events(pickle.dumps(task)))
 
 
 def test_a_sweep_of_two_processes_runs_a_file_named_from_its_own_folder(file):

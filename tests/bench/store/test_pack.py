@@ -105,42 +105,9 @@ def test_a_record_made_again_wins_over_its_row_and_is_folded_in(store, kept):
     assert store.read_all() == expected
 
 
-def test_a_packed_store_makes_nothing_again_and_only_what_failed_on_request(tmp_path, beside_users_modules):
-    finished = []
-
-    class Counting(View):
-        def finished(self, sweep, cell, record):
-            finished.append(cell.id)
-
-    def sweep(targets, **options):
-        cells = plan(["toys:Normal"], ["toys:Moment"], targets, 1, 400, 100, 0, ["moment.fault=raises"])
-        return run(cells, store, LocalBackend(1, store.running, in_process=True), Counting(), **options)
-
-    store = Store(tmp_path, create=True)
-    first = sweep("0-1")
-    pack(store)
-    finished.clear()
-    assert sweep("0-1") == first
-    assert not finished
-    sweep("0-2")
-    assert len(finished) == len(files(store)) == 1
-    sweep("0-2", retry_failed=True)
-    assert len(finished) == 4
-    assert len(store.read_all()) == 3
-
-
 def test_nothing_to_pack_is_said(tmp_path):
     with pytest.raises(StoreError, match="no records"):
         pack(Store(tmp_path / "empty", create=True))
-
-
-def test_damaged_files_stay_and_are_named(store):
-    bad = sorted(store.records.iterdir())[0]
-    bad.write_bytes(bad.read_bytes()[:200])
-    packed = pack(store)
-    assert list(packed.damaged) == [bad]
-    assert list(files(store)) == [bad.name]
-    assert bad.name not in rows(store)
 
 
 def damage_a_row(store):

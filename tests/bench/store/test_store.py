@@ -98,22 +98,6 @@ def test_a_store_without_a_sound_record_says_so(store):
         store.read_all()
 
 
-def test_a_record_that_cannot_be_opened_does_not_block_the_others(store, monkeypatch):
-    good, bad = (store.write(record) for record in records())
-    read = Path.read_bytes
-
-    def failing(path):
-        if path == bad:
-            raise PermissionError(13, "Permission denied")
-        return read(path)
-
-    monkeypatch.setattr(Path, "read_bytes", failing)
-    sound, damaged = store.read()
-    assert [record["target"] for record in sound] == [0]
-    assert damaged == {bad: "cannot be read: Permission denied"}
-    assert good.exists()
-
-
 def test_a_record_is_written_nowhere_but_in_the_store(store):
     before = sorted(store.path.parent.rglob("*"))
     with pytest.raises(UsageError, match="name of a task must be"):
