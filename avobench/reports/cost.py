@@ -9,7 +9,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from avobench.bench.store.status import ESTIMATED
 from avobench.reports.quantities import comparable, labelled
-from avobench.reports.style import FLOOR, MARKERS, METHOD_ORDER, TASK_ORDER, colours, note, ordered, panels
+from avobench.reports.style import FLOOR, MARKERS, METHOD_ORDER, TASK_ORDER, by_task, colours, ordered
 
 SHAPES = dict(zip(METHOD_ORDER, MARKERS, strict=False))
 """The mark of each of the paper's methods, whichever of them are shown."""
@@ -23,7 +23,8 @@ def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
     """
     frame = labelled(records)
     frame = pd.concat([comparable(cells) for _, cells in frame.groupby("task", sort=False)])
-    return _figure(frame), numbers(frame)
+    tasks, methods = ordered(frame["task"], TASK_ORDER), ordered(frame["method"], METHOD_ORDER)
+    return by_task(frame[frame["status"].isin(ESTIMATED)], tasks, methods, _panel), numbers(frame)
 
 
 def numbers(frame: pd.DataFrame) -> pd.DataFrame:
@@ -31,21 +32,6 @@ def numbers(frame: pd.DataFrame) -> pd.DataFrame:
     groups = frame.groupby(["task", "method"], sort=False)
     columns = ["simulator_seconds", "method_seconds", "seconds", "squared_error", "floor"]
     return groups[columns].median().add_prefix("median_").assign(cells=groups.size()).reset_index()
-
-
-def _figure(frame: pd.DataFrame) -> Figure:
-    tasks, methods = ordered(frame["task"], TASK_ORDER), ordered(frame["method"], METHOD_ORDER)
-    figure, axes = panels(tasks)
-    for axis, task in zip(axes, tasks, strict=True):
-        of_task = frame[(frame["task"] == task) & frame["status"].isin(ESTIMATED)]
-        if of_task.empty:
-            note(axis, "no cell has an estimate")
-        else:
-            _panel(axis, of_task, methods)
-    handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
-    shown = [name for name in (*methods, "floor") if name in handles]
-    figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(5, len(shown)))
-    return figure
 
 
 def _panel(axis: Axes, cells: pd.DataFrame, methods: list[str]) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from avobench.bench.store.status import ESTIMATED
 from avobench.reports.quantities import comparable, labelled, task_of
-from avobench.reports.style import FLOOR, METHOD_ORDER, TASK_ORDER, colours, note, ordered, panels
+from avobench.reports.style import FLOOR, METHOD_ORDER, TASK_ORDER, by_task, colours, ordered
 from avobench.tasks.errors import StoreError
 
 NUM_POINTS = 24
@@ -28,7 +28,8 @@ def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
     table = pd.concat([numbers(comparable(cells)) for _, cells in frame.groupby("task", sort=False)])
     if table.empty:
         raise StoreError("no cell has an estimate to draw")
-    return _figure(table, ordered(frame["task"], TASK_ORDER)), table
+    tasks, methods = ordered(frame["task"], TASK_ORDER), ordered(table["method"], METHOD_ORDER)
+    return by_task(table, tasks, methods, _panel), table
 
 
 def numbers(cells: pd.DataFrame) -> pd.DataFrame:
@@ -75,21 +76,6 @@ def _floor(record: dict[str, Any], simulations: NDArray[np.int64]) -> NDArray[np
         return np.full(len(simulations), np.nan)
     theta = np.array(record["theta_true"])
     return np.array([task.floor(theta, record["num_observations"], int(n)) for n in simulations])
-
-
-def _figure(table: pd.DataFrame, tasks: list[str]) -> Figure:
-    methods = ordered(table["method"], METHOD_ORDER)
-    figure, axes = panels(tasks)
-    for axis, task in zip(axes, tasks, strict=True):
-        of_task = table[table["task"] == task]
-        if of_task.empty:
-            note(axis, "no cell has an estimate")
-        else:
-            _panel(axis, of_task, methods)
-    handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
-    shown = [name for name in (*methods, "floor") if name in handles]
-    figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(5, len(shown)))
-    return figure
 
 
 def _panel(axis: Axes, table: pd.DataFrame, methods: list[str]) -> None:

@@ -1,7 +1,7 @@
 """The one look of all figures: theme, order and colours of tasks and methods, and how a figure is written."""
 
 import io
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -61,6 +61,26 @@ def panels(titles: list[str], columns: int = 2, size: tuple[float, float] = PANE
     for axis in axes[len(titles) :]:
         axis.set_visible(False)
     return figure, list(axes[: len(titles)])
+
+
+def by_task(
+    table: pd.DataFrame,
+    tasks: list[str],
+    methods: list[str],
+    draw: Callable[[Axes, pd.DataFrame, list[str]], None],
+) -> Figure:
+    """A figure in which `draw` fills a panel of each task with its rows; of the methods and the floor is one legend."""
+    figure, axes = panels(tasks)
+    for axis, task in zip(axes, tasks, strict=True):
+        rows = table[table["task"] == task]
+        if rows.empty:
+            note(axis, "no cell has an estimate")
+        else:
+            draw(axis, rows, methods)
+    handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
+    shown = [name for name in (*methods, "floor") if name in handles]
+    figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(5, len(shown)))
+    return figure
 
 
 def note(axis: Axes, text: str) -> None:
