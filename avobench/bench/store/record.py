@@ -134,9 +134,9 @@ class Record(Strict):
     observation_seconds: Seconds = Field(description="making the observed events")
     simulator_seconds: Seconds = Field(description="in the simulator, for the method")
     method_seconds: float = Field(
-        description="in the method outside of the simulator, the first use of its package included; of cells carried "
-        "out together, as `message` says, an equal share; the difference of two clocks, so below 0 where a method "
-        "calls the simulator from several threads"
+        description="in the method outside of the simulator, the first use of its package included. Of cells carried "
+        "out together, as `message` says, it is an equal share. It is the difference of two clocks, so below 0 where a "
+        "method calls the simulator from several threads"
     )
     harness_seconds: Seconds = Field(description="the rest of the cell")
     peak_memory_mib: Annotated[float, Field(gt=0)] | None = Field(
@@ -145,7 +145,7 @@ class Record(Strict):
     started: str | None = Field(description="when, in UTC; null where the worker process was lost")
     versions: dict[str, str | None] = Field(
         description="of Python, avobench, NumPy, SciPy, PyTorch, pyABC, ELFI, GPy, Pythia, the packages that the task "
-        "and method name, and the commit of the source; they do not identify a cell: after an upgrade, finished cells "
+        "and method name, and the commit of the source. They do not identify a cell: after an upgrade, finished cells "
         "stay finished"
     )
 
