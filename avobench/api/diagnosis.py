@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 TRIED = 50
 """Events on which an effect of the user's is tried before anything is fitted."""
 HERE = "__main__:"
-"""Before the name of an effect of a script or a notebook, which another process does not find by it."""
+"""The prefix of an effect of a script or a notebook, which another process does not find by its name."""
 
 
 def _no_model(content: "ModelFile | None") -> Task:
@@ -180,7 +180,7 @@ class Diagnosed:
         return [*paths, write_atomically(folder / "diagnosis.json", f"{said}\n".encode())]
 
     def _simulated(self) -> bytes:
-        """As many events as the sample has, with the effects that were added, as Parquet."""
+        """The content of a Parquet file: as many events as the sample has, with the effects that were added."""
         fit, content = self.result.fit, io.BytesIO()
         x = fit.model.simulate(np.tile(fit.params, (len(self.task.events), 1)), np.random.default_rng(0))
         pd.DataFrame(x, columns=list(self.task.labels)).to_parquet(content, index=False)

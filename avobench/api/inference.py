@@ -56,20 +56,20 @@ class Inference:
     """What a method found for the parameters of a task behind a set of events; shows itself in a notebook."""
 
     task: Task
-    """Of a fit that was read from a file, what the file says of it, without the simulator."""
+    """The task; without its simulator where the fit was read from a file."""
     method: str
     """The name of the method."""
     estimate: Estimate
     num_events: int
-    """Observed."""
+    """The number of observed events."""
     num_simulations: int
-    """Simulated events that it took."""
+    """The number of simulated events that it took."""
     seconds: float
     seed: int
     warnings: tuple[str, ...] = ()
     """What may be wrong with the events, a sentence each."""
     versions: Mapping[str, Any] = field(default_factory=versions)
-    """Of Python and the packages with which it was made."""
+    """The versions of Python and of the packages with which it was made."""
 
     @property
     def theta(self) -> dict[str, float]:

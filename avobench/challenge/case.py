@@ -11,10 +11,7 @@ from avobench.tasks import Task
 INVISIBLE = 0.2
 """A hidden effect of lower power that is not detected counts as undetectable: theta absorbs it, or it is too weak."""
 VISIBLE = 0.9
-
 """Power from which an effect counts as visible: nine of ten times the best test would see it."""
-
-
 DERIVATIVE_STEP = 1e-4
 """The step of a derivative in widths of the prior: small beside curvature, and large beside rounding."""
 
@@ -52,7 +49,7 @@ class Case:
 
     @property
     def named(self) -> list[tuple[str, str | None]]:
-        """Most probable first."""
+        """The effects that were named, the most probable first."""
         return [self.key(effect) for effect in self.diagnosis["effects"]]
 
     @property

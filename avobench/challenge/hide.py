@@ -25,10 +25,8 @@ MAX_DRAWS = 6
 OWN_RANGE = (0.003, 1.0)
 """Strengths of the catalogue's own shapes are log-uniform between these shares of the way from null to the bound."""
 NUM_REFERENCE = 20_000
-
 """Events without an effect, which give the scale on which strengths are meant."""
 SETS = ("own", "foreign")
-
 """The sources of hidden shapes: the catalogue (own), or shapes that it does not have (foreign)."""
 
 
@@ -87,7 +85,7 @@ class Hidden:
     injection: Injection | OwnShape
     feature: str | None
     visibility: Visibility
-    """Alone."""
+    """How visible it is alone."""
     beside: float | None = None
     """The power with which it is seen beside the other hidden effect, of which all but the strength were known; None if
     it is alone."""

@@ -18,7 +18,6 @@ from avobench.tasks.errors import UsageError
 KINDS = ("none", "own", "foreign", "two", "withheld")
 """No effect; one in a shape of the catalogue's; one in a shape that is not; two; one that solving must do without."""
 MANIFEST = {"schema": "avobench-challenge", "version": 1}
-
 """What says that a file is the public part of a challenge, and of which version."""
 UNFINISHED = {"data", "answers.json"}
 """A file that only an interrupted `make` leaves. The next `make` begins anew."""

@@ -8,7 +8,6 @@ from avobench.challenge.solve import RESULTS, read_json, read_manifest
 from avobench.tasks.errors import UsageError
 
 RECORDS = {"schema": "avobench-challenge-records", "version": 1}
-
 """What says that a file holds records, and of which version."""
 KEPT = (
     "verdict",

@@ -137,7 +137,7 @@ def read_manifest(folder: Path) -> dict[str, Any]:
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """Raises AvobenchError for what is not a JSON object."""
+    """The JSON object in a file. Raises AvobenchError where there is none."""
     try:
         content = json.loads(path.read_text())
     except (OSError, ValueError) as error:

@@ -17,8 +17,8 @@ class Verdict(StrEnum):
 
 
 Feature = str | None
-"""None where events have no features to choose from, "all" where an effect acts on all alike, else a feature's name, or
-that of the parameter of the task that an effect acts on."""
+"""The name of a feature, or of the parameter of the task that an effect acts on. It is "all" where an effect acts on
+all alike, and None where events have no features to choose from."""
 
 
 class Strict(BaseModel):
@@ -100,15 +100,15 @@ class ProbableModel(Strict):
 
 class Region(Strict):
     feature: Feature
-    """That of a dependence is "a and b" for two features, and "all" for what all have in common."""
+    """The feature; of a dependence "a and b" for two features, and "all" for what all have in common."""
     low: float | None
-    """None for a dependence, as `high` is."""
+    """The lower end. A dependence has none, and no upper one."""
     high: float | None
     kind: Literal["excess", "deficit", "dependence"]
-    """Of a dependence z is positive where features go together more than in the simulation."""
     z: float
+    """The significance. That of a dependence is positive where features go together more than in the simulation."""
     p_global: float
-    """Two-sided: of a region that disagrees as much, anywhere."""
+    """The two-sided probability of a region anywhere that disagrees as much."""
     unit: str = "1"
 
 
@@ -136,10 +136,10 @@ class TableGap(Strict):
     name: str
     kind: Literal["table", "events"] = "table"
     dof: int
-    """Of the table, without those that the fit takes up."""
+    """The degrees of freedom of the table, without those that the fit takes up."""
     chi_squared_before: float
     chi_squared_after: float | None
-    """With the effects; None where none was added."""
+    """Chi-squared with the effects; None where none was added."""
 
 
 class Disorder(Strict):
@@ -148,14 +148,14 @@ class Disorder(Strict):
     kind: Literal["drift", "change point", "season", "clustering"]
     feature: Feature
     of: Literal["level", "spread", "rate"]
-    """Of the feature's values, of how far they lie from their median, or of how often events come."""
+    """What changes: the feature's values, how far they lie from their median, or how often events come."""
     at: float | None
     """The index (from 0) or time of the first event after a change, a season's period in events or in time, a
     clustering's lag in events; of a rate, in intervals of ten events on average."""
     along: Literal["index", "time"]
     size: float
-    """From first to last of a drift, the step of a change, the amplitude of a season; of a clustering the correlation,
-    or the excess of the variance of counts over their mean."""
+    """The drift from first to last, the step of a change, or the amplitude of a season. The size of a clustering is the
+    correlation, or the excess of the variance of counts over their mean."""
     unit: str
     """The unit of the size."""
     p_value: float
@@ -194,7 +194,7 @@ class Diagnosis(Strict):
     notes: list[str]
     """Sentences for a person: fits that ended at a bound, what so few events cannot show, a wide AVO proposal."""
     num_events: int | None
-    """None of tables, and of several data sets."""
+    """The number of measured events; None where tables or several data sets were measured."""
     num_simulations: int
     seconds: float
     seed: int

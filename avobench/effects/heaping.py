@@ -52,7 +52,7 @@ class Heaping(Family):
     whole: bool = False
     """Whether they are counts."""
     steps: tuple[float, float] = (5.0, 100.0)
-    """Between which the step lies: next to each other where the data show it."""
+    """The bounds of the step, next to each other where the data show it."""
 
     stage = 4
     name = "quantisation"

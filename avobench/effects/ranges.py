@@ -11,7 +11,7 @@ from avobench.tasks.checked import checked_events
 REFERENCE_EVENTS = 20_000
 """Events over the prior, from which the range of each feature is read: enough that its ends are seen."""
 OUTERMOST = (50, 20, 100)
-"""Of so many values one is looked at, at either end, to tell whether it is sharp; how many at least, and at most."""
+"""To tell whether an end is sharp, one in 50 values is looked at there, but at least 20 and at most 100."""
 SHARP = -0.5
 """Extreme value index below which an end is sharp: -1 for a density that ends in a step, -1/2 for one that falls to
 zero in a straight line, 0 for an exponential tail."""

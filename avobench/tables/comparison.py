@@ -19,7 +19,7 @@ class Reduced:
     mean: NDArray[np.float64]
     """(K,)"""
     covariance: NDArray[np.float64]
-    """Of one event: (K, K)."""
+    """The covariance of the entries of one event: (K, K)."""
     num_events: int
 
     @classmethod
@@ -78,7 +78,7 @@ class Comparison:
     rows: list[TableRow]
     """One a table."""
     chi_squared: float
-    """Of all tables together, with what they have in common."""
+    """The distance from all tables together, with what they have in common."""
     dof: int
     num_simulations: int
     """Simulated events that it rests on."""

@@ -41,7 +41,7 @@ class TablePolynomial:
     values: NDArray[np.float64]
     """What each theta gives for the values: (k, K)."""
     covariances: NDArray[np.float64]
-    """Of each theta's values by simulation: (k, K, K)."""
+    """The covariance of each theta's values by simulation: (k, K, K)."""
     num_events: NDArray[np.int64]
     """(k,)"""
 
@@ -120,7 +120,7 @@ class TableFit:
     theta: NDArray[np.float64]
     """(p,)"""
     covariance: NDArray[np.float64]
-    """Of theta (p, p), linearised. What the tables do not tell is as wide as the box."""
+    """The linearised covariance of theta (p, p). What the tables do not tell is as wide as the box."""
     at_bound: NDArray[np.bool_]
     """Which parameters ended at the end of the box, where errors mean little: (p,)."""
     before: Comparison | None

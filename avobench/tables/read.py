@@ -28,7 +28,7 @@ class Published:
     high: list[float]
     values: list[float]
     errors: list[float] | None
-    """None where none are written: then the values are counts."""
+    """The errors; None where none are written: then the values are counts."""
 
     def table(self, **settings: Any) -> Table:
         """The table, with what its file does not say. Raises UsageError for bins that do not lie side by side."""

@@ -82,7 +82,7 @@ class JointTask(Task):
         return np.hstack([task.simulate(self.theta_of(k, theta), rng) for k, task in enumerate(self.tasks)])
 
     def summary(self, x: NDArray) -> NDArray[np.float64]:
-        """Those of the sets, one after the other: (n, d) -> (k,)."""
+        """The summaries of the sets, one after the other: (n, d) -> (k,)."""
         each = zip(self.tasks, self.columns, strict=True)
         return np.concatenate([task.summary(x[:, at].astype(task.dtype)) for task, at in each])
 

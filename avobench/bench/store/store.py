@@ -34,7 +34,7 @@ class Entry:
     """Its file; of a packed record, the table's path and within it the name of the file that it had."""
     content: bytes
     record: dict[str, Any] | None
-    """None where it is damaged."""
+    """The record; None where it is damaged."""
     fault: str = ""
     """The fault of a damaged one."""
 

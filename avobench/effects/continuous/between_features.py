@@ -32,7 +32,7 @@ class Crosstalk(Change):
 
     @classmethod
     def entries(cls, site):
-        """None where there is but one feature."""
+        """The entries of each feature; there are none where there is but one feature."""
         return super().entries(site) if len(site.features) > 1 else []
 
     STRENGTH = Parameter("coupling", -0.5, 0.5, 0, "1")
