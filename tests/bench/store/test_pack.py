@@ -140,7 +140,7 @@ def test_a_damaged_row_is_named_set_aside_and_kept_until_its_cell_is_made_again(
     assert store.read() == (kept, {})
 
 
-def test_bytes_changed_anywhere_in_the_table_are_noticed_and_nothing_is_lost(store, kept, beside_users_modules):
+def test_bytes_changed_anywhere_in_the_table_are_noticed_and_nothing_is_lost(store, kept):
     pack(store)
     whole = store.table.read_bytes()
     moments = random.Random(0)

@@ -10,7 +10,7 @@ from avobench.bench.sweep.runner import View, run
 from paper.speed.cost import PARTS, cost_table, harness_share
 
 
-def test_the_parts_of_a_sweep_add_up_to_its_time(tmp_path):
+def test_the_parts_of_a_sweep_add_up_to_its_time(tmp_path, beside_users_modules):
     cells = plan(["toys:Normal"], ["toys:Moment"], "0-3", 1, 400, 100, 0, ["moment.pause=0.05"])
     store = Store(tmp_path, create=True)
     records = run(cells, store, LocalBackend(1, store.running), View())
