@@ -16,7 +16,7 @@ from avobench.tasks.carl import Carl
 from avobench.tasks.poisson import Poisson
 from shapes.images import rocking_frame, wandering_beam
 
-N = 2_000
+N = 1_000
 
 
 @pytest.fixture(autouse=True)

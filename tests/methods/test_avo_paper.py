@@ -42,7 +42,7 @@ FAST = {"hidden": (16, 16), "learning_rate": 3e-3, "proposal_learning_rate": 3e-
 
 
 def test_proposal_moves_to_the_true_parameters():
-    estimate = AvoPaper(**FAST, r1=1.0).infer(problem(96_000), np.random.default_rng(1))
+    estimate = AvoPaper(**FAST, r1=1.0).infer(problem(64_000), np.random.default_rng(1))
     start, end = estimate.trace[0], estimate.trace[-1]
     assert np.linalg.norm(end.theta - THETA) < 0.2 * np.linalg.norm(start.theta - THETA)
     assert (end.std < start.std).all()
