@@ -87,6 +87,18 @@ class Browser:
         finally:
             self.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
 
+    def in_both_schemes(self):
+        """Screenshots of the page in light and in dark, in which it shows the same words, and all legibly."""
+        words, shots = set(), []
+        for name in ("light", "dark"):
+            with self.scheme(name):
+                faintest, text = self.contrasts()[0]
+                assert faintest >= 4.5, text
+                words.add(self.run("return document.body.innerText"))
+                shots.append(self.screenshot())
+        assert len(words) == 1
+        return shots
+
     def screenshot(self):
         """What the window shows: (height, width, 3), from 0 to 255."""
         return np.array(Image.open(io.BytesIO(self.driver.get_screenshot_as_png())).convert("RGB"))

@@ -74,13 +74,6 @@ def test_a_class_has_one_entry_a_feature_and_of_a_family_no_two_shapes_have_one_
     assert len(set(shapes)) == len(shapes)
 
 
-def test_of_several_features_each_has_its_entries_and_all_together_have_one():
-    of_carl = catalogue(Carl())
-    of_theta = 2 + 1  # two parameters, and both in a second population
-    of_each, on_all = 1, 1  # conditional_response has none on all, correlation none on each
-    assert len({effect.key for effect in of_carl}) == 13 * 6 + 5 * of_each + on_all + of_theta  # five features
-
-
 def test_shapes_that_the_data_show_have_names_of_their_own_too():
     """Two spikes at the end of steps: what reads limits and steps off the data has more shapes then."""
     x = np.round(Weinberg().simulate(np.tile([45.0, 1.0], (20_000, 1)), np.random.default_rng(0)), 2)
