@@ -19,6 +19,7 @@ from paper.grammar.sentences import (
     noise,
     nothing,
     one_of,
+    regions,
     rounded,
     transposed,
     vary,
@@ -38,8 +39,7 @@ OF_MANY = Rule(("dead_time",), of_many)
 
 
 @COUNTS.change(
-    nothing("inefficiency")
-    | {("value", "linear"): OF_MANY, ("value", "monotone"): OF_MANY, ("value", "local"): OUTSIDE},
+    nothing("inefficiency") | regions(OF_MANY, "value", "linear", "monotone") | regions(OUTSIDE, "value", "local"),
     (0.05, 0.95),
 )
 def thinned(at, y, u, words, rng):
@@ -80,8 +80,7 @@ def branched(at, y, u, words, rng):
 
 
 @COUNTS.event(
-    nothing("overdispersion")
-    | {("time", kind): "overdispersion" for kind in ("monotone", "smooth", "stepped", "periodic")},
+    nothing("overdispersion") | regions("overdispersion", "time", "monotone", "smooth", "stepped", "periodic"),
     (0.05, 0.7),
 )
 def exposed_unequally(simulate, theta, places, words, rng):
@@ -155,13 +154,7 @@ AT_AN_END, INSIDE = Rule(("threshold_loss", "truncation"), at_an_end), Rule((OUT
 
 
 @COUNTS.keep(
-    {
-        ("value", "monotone"): AT_AN_END,
-        ("value", "stepped"): AT_AN_END,
-        ("value", "local"): INSIDE,
-        ("value", "periodic"): INSIDE,
-    },
-    (0.1, 2.0),
+    regions(AT_AN_END, "value", "monotone", "stepped") | regions(INSIDE, "value", "local", "periodic"), (0.1, 2.0)
 )
 def lost(u, words):
     """Events are lost by their counts."""
@@ -171,7 +164,7 @@ def lost(u, words):
 OF_FEW = Rule(("threshold_loss",), of_few)
 
 
-@COUNTS.change({("value", "monotone"): OF_FEW, ("value", "stepped"): OF_FEW}, (0.1, 2.0))
+@COUNTS.change(regions(OF_FEW, "value", "monotone", "stepped"), (0.1, 2.0))
 def suppressed(at, y, u, words, rng):
     """Events of few counts are recorded as empty."""
     return np.where(chosen(u, words, rng), 0, y)
@@ -211,11 +204,8 @@ def added(at, y, u, words, rng):
 
 @COUNTS.change(
     nothing("readout_noise")
-    | {
-        ("value", "linear"): "readout_noise",
-        ("value", "monotone"): "readout_noise",
-        ("time", "monotone"): "readout_noise",
-    },
+    | regions("readout_noise", "value", "linear", "monotone")
+    | regions("readout_noise", "time", "monotone"),
     (0.1, 1.0),
 )
 def blurred(at, y, u, words, rng):
@@ -231,9 +221,7 @@ def blurred(at, y, u, words, rng):
     return y + width * noise(n, words.r[3], rng) * hit
 
 
-@COUNTS.change(
-    nothing("quantisation") | {("value", "stepped"): "quantisation", ("value", "monotone"): "quantisation"}, (0.1, 2.0)
-)
+@COUNTS.change(nothing("quantisation") | regions("quantisation", "value", "stepped", "monotone"), (0.1, 2.0))
 def stepped(at, y, u, words, rng):
     """A share of the readings is known in steps: all, those near a multiple, or those in a part; or a bit sticks."""
     step = one_of(words.r[0], (2, 2, 3, 4, 5, 5, 6, 8, 10, 10, 12, 16))
@@ -258,13 +246,13 @@ def clipped(at, y, u, words, rng):
 # The parameters are not the same in all events; and what no family claims.
 
 
-@COUNTS.change(nothing(OUTSIDE), (0.1, 1.0))
+@COUNTS.change(ANYHOW, (0.1, 1.0))
 def shifted(at, y, u, words, rng):
     """Each count is too high, or too low, by the same number."""
     return y + words.sign * max(1, round(words.strength * at.std))
 
 
-@COUNTS.change(nothing(OUTSIDE), (0.05, 2.0))
+@COUNTS.change(ANYHOW, (0.05, 2.0))
 def favoured(at, y, u, words, rng):
     """A share of the counts near one number is recorded as that number."""
     favourite = max(np.rint(np.quantile(at.values, 0.2 + 0.6 * words.r[0])), 1)
@@ -272,13 +260,13 @@ def favoured(at, y, u, words, rng):
     return np.where(near & chosen(u, words, rng), favourite, y)
 
 
-@COUNTS.change(nothing(OUTSIDE), (0.05, 2.0))
+@COUNTS.change(ANYHOW, (0.05, 2.0))
 def misread(at, y, u, words, rng):
     """The first two digits of a share of the counts have changed places."""
     return np.where(chosen(u, words, rng) & (y >= 10), transposed(y), y)
 
 
-@COUNTS.event(nothing(OUTSIDE), (0.05, 2.0))
+@COUNTS.event(ANYHOW, (0.05, 2.0))
 def differences(simulate, theta, places, words, rng):
     """In a share of the cases the difference of two events is recorded."""
     x = simulate(theta, rng)

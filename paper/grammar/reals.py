@@ -19,17 +19,13 @@ from paper.grammar.sentences import (
     noise,
     nothing,
     one_of,
+    regions,
     rounded,
     transposed,
     vary,
 )
 
 REALS = Grammar()
-
-
-def regions(family: str, by: str, *kinds: str) -> dict[tuple[str, str], str]:
-    """The same family for several classes of functions."""
-    return {(by, kind): family for kind in kinds}
 
 
 # Values are changed.
@@ -213,14 +209,10 @@ ON_A_SIDE = Rule(("edge_acceptance", "forward_backward_acceptance"), on_a_side)
 
 
 @REALS.keep(
-    {
-        ("value", "linear"): "forward_backward_acceptance",
-        ("value", "monotone"): ON_A_SIDE,
-        ("value", "stepped"): ON_A_SIDE,
-        ("value", "local"): Rule(("dead_region",), inside),
-        ("value", "smooth"): Rule((OUTSIDE,), wavy),
-        ("value", "periodic"): Rule((OUTSIDE,), wavy),
-    },
+    regions("forward_backward_acceptance", "value", "linear")
+    | regions(ON_A_SIDE, "value", "monotone", "stepped")
+    | regions(Rule(("dead_region",), inside), "value", "local")
+    | regions(Rule((OUTSIDE,), wavy), "value", "smooth", "periodic"),
     (0.05, 2.0),
 )
 def lost(u, words):
@@ -256,7 +248,7 @@ def hole(simulate, theta, places, words, rng):
 # Features go together in another way.
 
 
-@REALS.event({("all", "linear"): "crosstalk", ("all", "monotone"): "crosstalk"}, (0.03, 1.0))
+@REALS.event(regions("crosstalk", "all", "linear", "monotone"), (0.03, 1.0))
 def leaked(simulate, theta, places, words, rng):
     """A part of another feature, of what it exceeds a level by, or of all others, is added to one or to each."""
     x = simulate(theta, rng)
@@ -277,7 +269,7 @@ def a_pair(r, d):
     return j, (j + 1 + int(r[1] * (d - 1))) % d
 
 
-@REALS.event({("all", "constant"): "correlation", ("all", "linear"): "correlation"}, (0.05, 1.0))
+@REALS.event(regions("correlation", "all", "constant", "linear"), (0.05, 1.0))
 def shared(simulate, theta, places, words, rng):
     """Two features, or all, have an error in common: each is moved, or stretched about zero, by the same amount."""
     x, d = simulate(theta, rng), len(places)

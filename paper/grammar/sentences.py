@@ -1,8 +1,8 @@
 """Sentences of the grammar: a primitive, what it goes by, a random function of that, a strength, and who claims it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -100,8 +100,22 @@ class Rule(NamedTuple):
     of: Callable[[Words], str | None]
 
 
-Regions = Mapping[tuple[str, str], str | Rule]
+Regions = dict[tuple[str, str], str | Rule]
 """By what a primitive goes by and the class of the function: the family that claims it, or a rule."""
+
+
+def regions(label: str | Rule, by: str, *kinds: str) -> Regions:
+    """One claim of several classes of functions."""
+    return {(by, kind): label for kind in kinds}
+
+
+def nothing(label: str) -> Regions:
+    """The region of a primitive that goes by nothing, claimed by one family."""
+    return regions(label, "nothing", "constant")
+
+
+ANYHOW = nothing(OUTSIDE)
+"""The region of what no family claims, however it is done."""
 Change = Callable[[Place, Array, Array, Words, Rng], Array]
 """What a primitive makes of values: the place, values (n,), places (n,) of what it goes by, its words -> (n,)."""
 
@@ -314,9 +328,3 @@ def transposed(y: Array) -> Array:
     power = 10.0 ** (np.floor(np.log10(size) + 1e-9) - 1)
     first, second = np.divmod(np.floor(size / power + 1e-9), 10)
     return np.where(y == 0, 0, np.sign(y) * (size + 9 * (second - first) * power))
-
-
-ANYHOW: Regions = {("nothing", "constant"): OUTSIDE}
-"""The region of what no family claims, however it is done."""
-nothing = partial(lambda family: {("nothing", "constant"): family})
-"""The region of a primitive that goes by nothing, claimed by one family."""
