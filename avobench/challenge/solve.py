@@ -13,10 +13,10 @@ from avobench.bench.plugins import registry
 from avobench.bench.processes.apart import Call, here, outcomes
 from avobench.bench.processes.workers import Workers
 from avobench.bench.store.files import require_folder, write_file
-from avobench.bench.store.record import NAME
 from avobench.challenge.make import MANIFEST
 from avobench.diagnosis import diagnose
 from avobench.diagnosis.checks import Checks
+from avobench.tasks.contract import NAME
 from avobench.tasks.errors import AvobenchError, ProcessEnded, UsageError, raised
 
 RESULTS = "results"

@@ -15,12 +15,11 @@ from avobench.effects import Effect
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.tasks import Box, Task
+from avobench.tasks.contract import NAME
 from avobench.tasks.errors import UsageError
 
-NAME = r"^[A-Za-z0-9][A-Za-z0-9.-]*$"
-"""Names that a model may have, as any task: a name becomes a part of file names."""
-EFFECT_NAME = r"^[A-Za-z0-9_]+$"
-
+EFFECT_NAME = r"[A-Za-z0-9_]+"
+"""The names that an effect may have."""
 SAME = (
     *("num_features", "feature_names", "feature_kinds", "feature_units", "event_shape", "cyclic_axes"),
     *("dtype", "discriminator", "packages", "extra"),
@@ -38,7 +37,7 @@ class Strict(BaseModel):
 
 
 class AddedEffect(Strict):
-    name: str = Field(pattern=EFFECT_NAME)
+    name: str = Field(pattern=f"^{EFFECT_NAME}$")
     feature: int | str | None
     """A column, "all", or the name of a parameter of the task."""
     shape: str
@@ -62,7 +61,7 @@ class ModelFile(Strict):
 
     kind: Literal["avobench-model"] = "avobench-model"
     schema_version: Literal[1] = 1
-    name: str = Field(pattern=NAME)
+    name: str = Field(pattern=f"^{NAME}$")
     task: Union[str, "ModelFile"]
     """A name, module:Class or file.py:Class; or the model that the effects were added to, if it is one."""
     task_settings: dict[str, Any]

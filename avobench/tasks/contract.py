@@ -9,6 +9,8 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+NAME = r"[A-Za-z0-9][A-Za-z0-9.-]*"
+"""The names that a task or method may have: a name is part of a file's, so nothing in it may lead to another folder."""
 NUM_TARGETS = 15
 """Target parameters of every task (paper, Section 4.3)."""
 Kind = Literal["count", "continuous", "angle"]

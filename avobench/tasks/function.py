@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.tasks.arguments import box_of, checked
-from avobench.tasks.contract import Box, Kind, ParameterKind, Task, histogram
+from avobench.tasks.contract import NAME, Box, Kind, ParameterKind, Task, histogram
 from avobench.tasks.errors import UsageError, raised, text_of
 from avobench.tasks.patience import limited_to
 
@@ -22,10 +22,6 @@ NUM_BINS = 20
 """Bins of each feature in the summary, as many as the benchmark's weinberg task has."""
 NUM_REFERENCE = 4000
 """Events over the prior from which the bins of the summary are taken: 200 a bin."""
-
-
-NAME = r"[A-Za-z0-9][A-Za-z0-9.-]*"
-"""Names that a task or method may have: a name becomes a part of file names."""
 
 
 class FunctionTask(Task):

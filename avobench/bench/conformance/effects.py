@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2_contingency
 
-from avobench.bench.conformance.promises import Round, expect, global_seeds, is_text, state_kept
+from avobench.bench.conformance.promises import ALPHA, Round, expect, global_seeds, is_text, state_kept
 from avobench.bench.plugins import registry
 from avobench.effects.catalogue import of_domain
 from avobench.effects.contract import Effect, Parameter
@@ -17,8 +17,6 @@ from avobench.effects.site import Site
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
-ALPHA = 1e-6
-"""Chance that a statistical check blames a sound effect: a suite runs hundreds of them."""
 NUM_EVENTS = 4000
 """The events of a statistical check: a tenth of the events too many in one bin of ten is then seen."""
 TASKS = {

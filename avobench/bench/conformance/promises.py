@@ -16,6 +16,8 @@ from avobench.methods import Method
 from avobench.methods.contract import global_seed
 from avobench.tasks import Task
 
+ALPHA = 1e-6
+"""Chance that a statistical check blames a sound task or effect: a suite runs hundreds of them."""
 Round = list[tuple[str, Callable[[], None]]]
 """Checks by what they promise. Each raises when the promise is broken."""
 

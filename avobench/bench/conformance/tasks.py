@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.stats import ks_2samp, norm, rankdata
 
 from avobench.bench.conformance.promises import (
+    ALPHA,
     BrokenPromise,
     Round,
     expect,
@@ -25,8 +26,6 @@ from avobench.tasks import Box, Discriminator, Task
 from avobench.tasks.checked import checked_events
 from avobench.tasks.contract import NUM_TARGETS, Kind
 
-ALPHA = 1e-6
-"""Chance that a statistical check blames a sound task: a suite runs dozens of them."""
 NUM_ALONE = 1000
 """The number of events simulated one at a time, which cannot know of each other, at each of two theta."""
 KINDS = ", ".join(get_args(Kind))

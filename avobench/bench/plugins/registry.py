@@ -22,12 +22,12 @@ from avobench.bench.plugins import user_files
 from avobench.bench.plugins.source import source_hash
 from avobench.effects.catalogue import GROUP, families
 from avobench.effects.contract import Effect
-from avobench.effects.model_file import AugmentedTask
+from avobench.effects.model_file import EFFECT_NAME, AugmentedTask
 from avobench.methods import Method
 from avobench.methods.device import require_device
 from avobench.tasks import Task
+from avobench.tasks.contract import NAME
 from avobench.tasks.errors import SimulatorError, UsageError, installed_by, raised, shown
-from avobench.tasks.function import NAME
 
 BASES = {"task": Task, "method": Method, "effect": Effect}
 GROUPS = {"task": "avobench.tasks", "method": "avobench.methods", "effect": GROUP}
@@ -39,7 +39,7 @@ REQUIRED = {
 NAMES = {
     "task": (NAME, "letters, digits, dots and dashes"),
     "method": (NAME, "letters, digits, dots and dashes"),
-    "effect": (r"[A-Za-z0-9_]+", "letters, digits and underscores"),
+    "effect": (EFFECT_NAME, "letters, digits and underscores"),
 }
 """The pattern of a name, which becomes a part of file names and of other names, and the pattern in words."""
 

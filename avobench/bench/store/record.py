@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from avobench.bench.store.status import ESTIMATED, LOST, Status
+from avobench.tasks.contract import NAME
 from avobench.tasks.errors import UsageError
 
 SCHEMA_VERSION = 1
@@ -22,8 +23,6 @@ UNREAD = "cannot be read"
 """The fault of a file that the disk does not give begins so: its content may be sound, and is never made again."""
 NEWER = f"{UNREAD} by this version of avobench"
 """The fault of a record that a newer version wrote begins so."""
-NAME = r"[A-Za-z0-9][A-Za-z0-9.-]*"
-"""The name of a task or method is part of a file's name, so nothing in it may lead to another folder."""
 TOLERANCE = 1e-12
 """A relative difference: a sum over many parameters depends on its order, by about 1e-16 a term."""
 DEPTH = 50
