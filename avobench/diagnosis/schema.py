@@ -100,15 +100,15 @@ class ProbableModel(Strict):
 
 class Region(Strict):
     feature: Feature
-    """The feature; of a dependence "a and b" for two features, and "all" for what all have in common."""
+    """That of a dependence is "a and b" for two features, and "all" for what all have in common."""
     low: float | None
-    """The lower end. A dependence has none, and no upper one."""
+    """None for a dependence, as `high` is."""
     high: float | None
     kind: Literal["excess", "deficit", "dependence"]
+    """Of a dependence z is positive where features go together more than in the simulation."""
     z: float
-    """The significance. That of a dependence is positive where features go together more than in the simulation."""
     p_global: float
-    """The two-sided probability of a region anywhere that disagrees as much."""
+    """Two-sided: of a region that disagrees as much, anywhere."""
     unit: str = "1"
 
 
