@@ -21,10 +21,7 @@ def p_value(x: np.ndarray, theta: float) -> float:
 
 @pytest.mark.parametrize("theta", [0.0, 1.9, 4.0])
 def test_counts_follow_the_exact_distribution(theta):
-    n, rate = 40_000, np.exp(theta)
-    x = TASK.simulate(np.full((n, 1), theta), np.random.default_rng(0))[:, 0]
-    assert abs(x.mean() - rate) < 4 * np.sqrt(rate / n)
-    assert abs(x.var() / rate - 1) < 4 * np.sqrt((2 + 1 / rate) / n)
+    x = TASK.simulate(np.full((40_000, 1), theta), np.random.default_rng(0))[:, 0]
     assert p_value(x, theta) > 1e-4
 
 

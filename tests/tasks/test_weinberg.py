@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
-from scipy.integrate import cumulative_trapezoid
 
 from avobench.tasks import Box
 from avobench.tasks.weinberg import Weinberg, sample_cosine
@@ -22,13 +21,10 @@ def p_value(x: np.ndarray, c: float) -> float:
 
 @pytest.mark.parametrize("theta", [(45.0, 1.3), (47.0, 2.0), (43.5, 1.0), (46.0, 0.4)])
 def test_the_cosine_follows_the_exact_density(theta):
-    n = 40_000
-    x = TASK.simulate(np.tile(theta, (n, 1)), np.random.default_rng(0))[:, 0]
     c = 2 * np.tanh((2 * theta[0] - 90) / 90 * 10) * theta[1]
-    mean, square = c / 4, 2 / 5
-    assert abs(x.mean() - mean) < 4 * np.sqrt((square - mean**2) / n)
-    assert abs(np.mean(x**2) - square) < 4 * np.sqrt((2 / 7 * 6 / 5 - square**2) / n)
-    assert p_value(x, c) > 1e-4
+    assert p_value(TASK.simulate(np.tile(theta, (40_000, 1)), np.random.default_rng(0))[:, 0], c) > 1e-4
+    x = np.linspace(-1, 1, 9)
+    np.testing.assert_allclose(TASK.density(x, np.array(theta)), 3 / 8 * (1 + x**2 + c * x))
 
 
 @pytest.mark.parametrize("c", [-2.0, -1.0, 0.0, 1e-9, 1.995, 2.0])
@@ -123,15 +119,6 @@ def test_the_curve_shrinks_to_a_corner_at_the_largest_asymmetry():
 def test_an_asymmetry_that_the_prior_does_not_have_has_no_posterior(c):
     with pytest.raises(ValueError, match=r"the prior has \|c\| of at most 1.6693"):
         TASK.posterior_mean(c)
-
-
-@pytest.mark.parametrize("theta", [(45.0, 1.3), (47.0, 2.0), (43.5, 1.0)])
-def test_the_density_is_what_is_drawn(theta):
-    x = TASK.simulate(np.tile(theta, (40_000, 1)), np.random.default_rng(1))[:, 0]
-    fine = np.linspace(-1, 1, 2001)
-    cdf = cumulative_trapezoid(TASK.density(fine, np.array(theta)), fine, initial=0)
-    assert cdf[-1] == pytest.approx(1, abs=1e-6)
-    assert stats.kstest(x, lambda t: np.interp(t, fine, cdf)).pvalue > 1e-4
 
 
 def test_the_floor_of_the_asymmetry_is_that_of_its_information():
