@@ -118,7 +118,7 @@ def _lacking(diagnosis: Diagnosis) -> str:
         names = " and ".join(map(label, diagnosis.effects))
         if diagnosis.verdict == Verdict.FAMILY:
             return f"What the simulator lacks is most like {names}, but the catalogue does not have its shape."
-        return f"The simulator lacks {names}."
+        return f"What the simulator lacks is most probably {names}."
     if len(alike) == 1:
         every = alike[0] >= len(diagnosis.candidates)
         which, tell = f"{'all ' * every}{alike[0]} effects", "but not what" if every else "but do not tell which"
