@@ -182,8 +182,10 @@ class Diagnosis(Strict):
     """The probability of every name that was considered; empty where the search gives none."""
     outside: float | None = None
     """Probability that what is missing is outside the catalogue, by what the best model leaves."""
+    others: float | None = None
+    """Probability of a set of effects of the catalogue that is none of those that were weighed."""
     models: list[ProbableModel] = []
-    """The smallest set of models that holds 95 % of what is not outside the catalogue, the most probable first."""
+    """The smallest set of models that holds 95 % of what all that were weighed have, the most probable first."""
     regions: list[Region]
     candidates: list[Candidate]
     identifiability: list[Identifiable]

@@ -227,20 +227,11 @@ class ScoreSettings:
     temperature: float = 4.0
     """The divisor of log prior and log evidence: what the formulas leave out, and the scatter of simulation, make
     them too sure. Chosen on development cases."""
-    distortions: tuple[float, float, int] = (0.003, 1, 12)
-    """Shares by which something unknown distorts the simulation, from, to and how many: log-uniform, from what a
-    million events would show."""
-    lengths: tuple[float, ...] = (1 / 40, 1 / 16, 1 / 8, 1 / 4)
-    """Lengths over which it does so, as shares of a feature's range."""
-    anywhere: float = 0.1
-    """Share of the mean of all bins that the unknown may add where nothing is expected."""
     weakest: float = 0.001
     """Share of the range of a strength from which its prior is log-uniform: effects are weak more often than strong."""
     number: tuple[float, ...] = (0.1, 0.5, 0.15, 0.03)
-    """Prior, once a disagreement is shown, that no, one, two or more effects are missing. This, and the three numbers
+    """Prior, once a disagreement is shown, that no, one, two or more effects are missing. This, and the two numbers
     below, were chosen on development cases of the challenge."""
-    unknown: float = 0.03
-    """Prior that it is none of the catalogue, and looks like none."""
     coarse: float = 0.02
     """What is added to the temperature of what a fit leaves, for each unit of Q that it explains: no shape is exactly
     that of nature, and what a shape leaves for being another grows with what it does."""
@@ -248,12 +239,20 @@ class ScoreSettings:
     """Power of the odds by the fits, and of those by what the events look like: two opinions of the same events agree
     more than independent ones would."""
     credible: float = 0.95
-    """Probability of the smallest set of models that is told, among those of the catalogue."""
-    outside: tuple[float, float, float] = (-2.275, 0.216, 1.991)
-    """Log odds that what is missing is outside the catalogue: a constant, what each unit of ln(1 - log10 p) of the best
-    model adds, and what is left of the gap. A logistic regression, by `python -m paper.tables.outside`."""
-    calibrated: tuple[int, int] = (226, 40)
-    """Data sets of the challenge that it was fitted to, and those of them whose family the catalogue then lacked."""
+    """Probability of the smallest set of models that is told, among those that were weighed."""
+    sharpness: float = 1.36
+    """Power of the share of a set of effects by the evidence and what the events look like. This, and the three numbers
+    below, are a conditional logit of what was missing in data sets with a known answer, by `python -m
+    paper.tables.decision`."""
+    several: float = -1.324
+    """Log weight of a set of two effects or more beside one alone."""
+    others: float = -1.539
+    """Log weight of all sets that are none of those that are told, beside one that has the whole share."""
+    outside: tuple[float, float, float] = (-2.413, 0.206, 1.453)
+    """Log weight of what is outside the catalogue: a constant, what each unit of ln(1 - log10 p) of the best model
+    adds, and what is left of the gap."""
+    calibrated: tuple[int, int] = (281, 48)
+    """Data sets to which these were fitted, and those of them in which what is missing was outside the catalogue."""
     sized: float = 2.0
     """Standard errors from which the size of an effect is not compatible with none."""
     chance: float = 0.01

@@ -37,7 +37,7 @@ SIMULATIONS = 10_000_000
 """That a diagnosis may use unless another limit is set: it then takes some ten seconds."""
 KEPT = {
     *("verdict", "p_value_before", "p_value_after", "gap_before", "gap_after", "effects", "models", "outside"),
-    *("theta_before", "theta_after", "num_events", "num_simulations", "notes"),
+    *("others", "theta_before", "theta_after", "num_events", "num_simulations", "notes"),
 }
 """Fields of a diagnosis that a record has."""
 

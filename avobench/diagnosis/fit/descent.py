@@ -41,6 +41,7 @@ def descend(
     num_events: int,
     max_rounds: int,
     reference: ReferenceModel | None = None,
+    least: float | None = None,
 ) -> Fit:
     """Go from design to design, each around the minimum of the last one's surrogate, until it stands still.
 
@@ -49,12 +50,14 @@ def descend(
     worse than at its start, the step is taken back and tried in a narrower design. The start is then simulated anew: a
     value that was low by chance would keep every step away.
 
-    Designs are as narrow as it takes for a quadratic to do. An effect with hard edges is none over a wide one.
+    Designs are as narrow as it takes for a quadratic to do. An effect with hard edges is none over a wide one. They are
+    `least` wide in all directions, and in each round a third of that; by default as wide as the first one where that is
+    widest, since little is known yet.
     """
     if model.dim == 0:  # nothing is free
         return fit_at(model, surrogate(model, target, design, num_events, rng), target, design.centre)
     best, lowest, q, error = None, None, np.inf, 0.0
-    scale = float(np.abs(design.axes / model.reach(design.centre)[:, None]).max())
+    scale = float(np.abs(design.axes / model.reach(design.centre)[:, None]).max()) if least is None else least
     rounds, promises_much, narrow = 0, False, 1.0
     while rounds < max_rounds + (FIT.extra_rounds if promises_much else 0):
         rounds += 1
@@ -123,11 +126,12 @@ def sharpen(
     num_events: int,
     rounds: int = FIT.sharpenings,
     reference: ReferenceModel | None = None,
+    least: float | None = None,
 ) -> Fit:
-    """Repeat a fit with many events in small designs around it."""
+    """Repeat a fit with many events in small designs around it; `least` as in `descend`."""
     num_events = fit.afforded(num_events)
     design = fit.next_design(ratio=max(num_events / fit.num_events, 1))
-    return descend(fit.model, target, design, rng, num_events, rounds, reference)
+    return descend(fit.model, target, design, rng, num_events, rounds, reference, least)
 
 
 def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int, ratios: tuple[float, ...]) -> Fit:

@@ -38,7 +38,8 @@ def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, effort: Eff
     metric, lacking = model_metric(
         fit, target.summary, target.mean, target.num_events, rng, min(num_events, effort.covariance)
     )
-    efficient = sharpen(fit, metric, rng, num_events)
+    # The fit has found its place: wide designs would only show a quadratic where it is none.
+    efficient = sharpen(fit, metric, rng, num_events, least=0.0)
     if efficient.p_value > TEST.hopeless:
         efficient = settled(efficient, metric, rng, num_events, effort.settle)
     dof = max(efficient.dof - round(lacking), 1)

@@ -1,7 +1,6 @@
-"""How probable it is that what is missing is outside the catalogue, by what the best model of it leaves."""
+"""What speaks for something outside the catalogue: what the best model of it leaves."""
 
 import numpy as np
-from scipy.special import expit
 
 from avobench.diagnosis.schema import Gap
 from avobench.diagnosis.settings import SCORE, TEST
@@ -18,14 +17,14 @@ def left(before: Gap, after: Gap | None) -> float:
 
 
 def outside(p_value: float, share: float, alpha: float) -> float:
-    """The probability that it is outside, from the p-value of the best model, and the share of the gap that it leaves.
+    """What outside weighs beside sets of effects, by the p-value of the best one and the share of the gap it leaves.
 
     If what is missing is in the catalogue, and so is its shape, p is uniform; if only its family is, most of the gap
     goes. What is left counts where the model is rejected, from half of the gap on as if it were all.
     """
     constant, of_p, of_gap = SCORE.outside
     rejected = p_value < TEST.rejected_share * alpha
-    return float(expit(constant + of_p * misfit(p_value) + of_gap * rejected * min(2 * share, 1)))
+    return float(np.exp(constant + of_p * misfit(p_value) + of_gap * rejected * min(2 * share, 1)))
 
 
 def misfit(p_value: float) -> float:

@@ -1,6 +1,6 @@
 """The outcome of a diagnosis: the models before and after, the verdict, which fits are reported, and notes."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -25,6 +25,8 @@ from avobench.tasks import Task
 
 OUTSIDE_FROM = 0.5
 """Probability of being outside the catalogue from which no name is told of a model that is rejected."""
+MOST_LEFT = 0.5
+"""Share of the gap that a model which is rejected may leave: from then on it leaves more than it explains."""
 
 
 @dataclass(frozen=True)
@@ -60,13 +62,13 @@ class Outcome:
         """The outcome by the tests and the held-out events, from which it follows what is probably outside.
 
         Effects count if the gap on these events is smaller with them, and the model agrees with the measurement or the
-        gap shrinks by more than its error. Of a model that does not agree it must be more probable than not that what
-        is missing is of its families.
+        gap shrinks by more than its error. A model that does not agree must leave less of the gap than it explains, and
+        it must be more probable than not that what is missing is in the catalogue.
         """
         before = held_out.gap(null.efficient, rng, effort.covariance)
         after = held_out.gap(extended.efficient, rng, effort.covariance) if extended else None
         withdrawn: tuple[Effect, ...] = ()
-        why, unlikely = "", outside(null.p_value, 1.0, alpha)
+        why, beyond = "", outside(null.p_value, 1.0, alpha)
         if extended:
             describes = _describes(extended, after, alpha)
             if after.value >= before.value:
@@ -74,12 +76,14 @@ class Outcome:
             elif not describes and not held_out.shrank(extended.efficient, null.efficient):
                 why = "on held-out events the gap shrank by less than its error"
             else:
-                unlikely = outside(extended.p_value, left(before, after), alpha)
-                if not describes and unlikely >= OUTSIDE_FROM:
-                    why = f"with it {left(before, after):.0%} of the gap are left, and p = {extended.p_value:.2g}"
+                share = left(before, after)
+                beyond = outside(extended.p_value, share, alpha)
+                likely = posterior and replace(posterior, beyond=beyond).outside
+                if not describes and (share > MOST_LEFT or (likely or 0) >= OUTSIDE_FROM):
+                    why = f"with it {share:.0%} of the gap are left, and p = {extended.p_value:.2g}"
             if why:
                 withdrawn, extended, after = extended.fit.model.effects, None, None
-        posterior = posterior and posterior.with_outside(unlikely)
+        posterior = posterior and replace(posterior, beyond=beyond)
         candidates, single = [], posterior.single if posterior else []
         for each in single:
             candidates.append(

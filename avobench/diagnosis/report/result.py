@@ -149,6 +149,7 @@ def assemble(
         fields |= {
             "probabilities": probabilities(posterior, labels),
             "outside": posterior.outside,
+            "others": posterior.others,
             "models": models(posterior, labels),
         }
     if outcome.extended is not None:

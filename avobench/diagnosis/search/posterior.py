@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.special import comb, logsumexp
@@ -15,22 +16,24 @@ from avobench.effects import Effect
 
 Names = frozenset[tuple]
 """The effects of a model, by their keys; empty for the simulator as it is."""
-OUTSIDE: Names = frozenset({("outside",)})
-"""That what is missing is not in the catalogue."""
 
 
 @dataclass(frozen=True)
 class Posterior:
-    """Probabilities of sets of effects, most probable first, and the fits of each."""
+    """Sets of effects that were weighed, and how probable each is beside others and what is outside the catalogue.
 
-    probability: dict[Names, float]
+    A conditional logit: see `SCORE.sharpness`, and what follows it.
+    """
+
+    shares: dict[Names, float]
+    """Of each set, by its evidence and what the events look like; together 1."""
     shapes: dict[Names, list[Weighed]]
     """The fits of each set, a shape each, best first."""
-    best: Weighed | None
-    """The model of the most probable effects; None where more probably nothing in the catalogue is missing."""
+    beyond: float = 0.0
+    """What outside the catalogue weighs beside the sets, by `goodness_of_fit.outside`; 0 until the best is tested."""
 
     @classmethod
-    def of(cls, weighed: Iterable[Weighed], outside: float, catalogue: list[Effect]) -> "Posterior":
+    def of(cls, weighed: Iterable[Weighed], catalogue: list[Effect]) -> "Posterior":
         """Of all models that were weighed, each shape once."""
         shapes: dict[Names, dict[tuple, Weighed]] = {}
         for one in weighed:
@@ -40,7 +43,7 @@ class Posterior:
                 best[each] = one
         prior = Prior.of(catalogue)
         to_explain = max((one.evidence.excess for one in shapes.get(frozenset(), {}).values()), default=0.0)
-        logs = {OUTSIDE: (outside + np.log(SCORE.unknown)) / SCORE.temperature}
+        logs = {}
         for names, best in shapes.items():
             values = [tempered(one.evidence, to_explain) for one in best.values()]
             logs[names] = float(logsumexp(values)) + prior.log(names) / SCORE.temperature
@@ -50,31 +53,51 @@ class Posterior:
         total = logsumexp(list(logs.values()))
         share = {names: float(np.exp(log - total)) for names, log in logs.items()}
         fits = {each: sorted(best.values(), key=lambda one: -one.evidence.at_least) for each, best in shapes.items()}
-        return cls.among(share, fits)
+        return cls(share, fits)
 
-    @classmethod
-    def among(cls, share: dict[Names, float], fits: dict[Names, list[Weighed]]) -> "Posterior":
-        """Of sets with these shares of the probability, and the fits of each."""
-        total = sum(share.values())
-        names = sorted(share, key=lambda each: -share[each])
-        best = fits[names[0]][0] if names[0] and names[0] != OUTSIDE else None
-        return cls({each: share[each] / total for each in names}, fits, best)
+    @cached_property
+    def weights(self) -> dict[Names, float]:
+        """What each set weighs, most first."""
+        weights = {
+            names: share**SCORE.sharpness * (np.exp(SCORE.several) if len(names) > 1 else 1.0)
+            for names, share in self.shares.items()
+        }
+        return dict(sorted(weights.items(), key=lambda item: -item[1]))
+
+    @property
+    def total(self) -> float:
+        """What all sets weigh, with other sets and what is outside the catalogue."""
+        return sum(self.weights.values()) + np.exp(SCORE.others) + self.beyond
+
+    @property
+    def probability(self) -> dict[Names, float]:
+        """Of each set, most probable first."""
+        return {names: float(weight / self.total) for names, weight in self.weights.items()}
+
+    @property
+    def others(self) -> float:
+        """The probability of sets of effects of the catalogue that are none of these."""
+        return float(np.exp(SCORE.others) / self.total)
+
+    @property
+    def outside(self) -> float:
+        """The probability that what is missing is outside the catalogue."""
+        return float(self.beyond / self.total)
+
+    @property
+    def best(self) -> Weighed | None:
+        """The model of the most probable effects; None where more probably none is missing."""
+        names = next(iter(self.weights))
+        return self.shapes[names][0] if names else None
 
     def without(self, key: tuple) -> "Posterior":
         """The same if an effect of the best model is none: what the model has goes to that without the effect."""
         names = self.best.effects
-        share = {each: p for each, p in self.probability.items() if each != names}
-        if names - {key} in share:
-            share[names - {key}] += self.probability[names]
-        return self.among(share, self.shapes)
-
-    def with_outside(self, outside: float) -> "Posterior":
-        """The same with another probability that what is missing is outside the catalogue."""
-        inside = 1 - self.outside
-        if inside <= 0:
-            return self
-        share = {each: share * (1 - outside) / inside for each, share in self.probability.items()} | {OUTSIDE: outside}
-        return replace(self, probability=dict(sorted(share.items(), key=lambda item: -item[1])))
+        shares = {each: share for each, share in self.shares.items() if each != names}
+        if names - {key} in shares:
+            shares[names - {key}] += self.shares[names]
+        total = sum(shares.values())
+        return replace(self, shares={each: share / total for each, share in shares.items()})
 
     def unsupported(self, fit: Fit, refit: Callable[[Fit], Fit]) -> tuple | None:
         """The key of the least supported effect of a fit that does not count; None if each does.
@@ -96,15 +119,10 @@ class Posterior:
         return max(chances, key=chances.get)
 
     @property
-    def outside(self) -> float:
-        return self.probability[OUTSIDE]
-
-    @property
     def credible(self) -> list[Names]:
-        """The smallest set of models that is credible, should it be one of the catalogue."""
-        inside = [each for each in self.probability if each != OUTSIDE]
-        reached = np.cumsum([self.probability[each] for each in inside])
-        return inside[: int(np.searchsorted(reached, SCORE.credible * reached[-1])) + 1] if inside else []
+        """The smallest set of models that is credible, should it be one of these."""
+        reached = np.cumsum(list(self.weights.values()))
+        return list(self.weights)[: int(np.searchsorted(reached, SCORE.credible * reached[-1])) + 1]
 
     def rivals(self, k: int) -> list[tuple]:
         """Effects in credible models that lack the k-th of the named ones, but for the named ones: by key."""
@@ -134,7 +152,7 @@ class Posterior:
         """By effect: the probability that it is in the model; most probable first."""
         shares: dict[tuple, float] = {}
         for names, share in self.probability.items():
-            for key in names - OUTSIDE:
+            for key in names:
                 shares[key] = shares.get(key, 0.0) + share
         return dict(sorted(shares.items(), key=lambda item: -item[1]))
 

@@ -11,7 +11,6 @@ from avobench.diagnosis.experience.recogniser import kind_of, resemblance
 from avobench.diagnosis.fit.descent import refine, sharpen
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.search.candidates import Candidates, Weighed, worth
-from avobench.diagnosis.search.evidence import Unknown
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.screening import Start
 from avobench.diagnosis.settings import BUDGET, RECOGNITION, SCORE, SEARCH
@@ -46,11 +45,10 @@ class Search:
         """
         effects = [effect.adapted(self.x) for effect in self.effects]
         weighed = [Weighed.of(null)]
-        outside = Unknown(self.target).evidence(null)
         meter = null.model.events.meter if null.model.events is not None else Meter()
         with suppress(BudgetExhausted):
-            self.look(weighed, outside, effects, self.like(null.model, null.params))
-        return Posterior.of(weighed, outside, effects) if len(weighed) > 1 or not meter.refused else None
+            self.look(weighed, effects, self.like(null.model, null.params))
+        return Posterior.of(weighed, effects) if len(weighed) > 1 or not meter.refused else None
 
     def like(self, model: Model, theta: NDArray[np.float64]) -> dict[str, float]:
         """Logarithm of how much the events look like each family, beside those of a model at theta (p,)."""
@@ -59,7 +57,7 @@ class Search:
         rng, n = self.rng.spawn(1)[0], RECOGNITION.simulated * min(len(self.x), RECOGNITION.portrait_events)
         return resemblance(model.task, self.effects, self.x, model.simulate(np.tile(theta, (n, 1)), rng))
 
-    def look(self, weighed: list[Weighed], outside: float, effects: list[Effect], like: dict[str, float]) -> None:
+    def look(self, weighed: list[Weighed], effects: list[Effect], like: dict[str, float]) -> None:
         """Add to the models `weighed`, at first the null alone, all that may matter: an effect more in each round.
 
         Raises BudgetExhausted where the simulated events end.
@@ -69,7 +67,7 @@ class Search:
         for size in range(1, self.max_effects + 1):
             added = []
             for parent in beam[: SEARCH.parents if size == 2 else 1]:
-                beside = max(outside, *(one.evidence.value for one in weighed))
+                beside = max(one.evidence.value for one in weighed)
                 if size > 1 and parent.evidence.value + parent.evidence.excess - SCORE.indifferent < beside:
                     continue  # no further effect can make it the best
                 if self.phases is not None:

@@ -3,16 +3,15 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property, reduce
+from functools import cached_property
 from itertools import combinations, zip_longest
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
 from scipy.sparse import csr_array
 
-from avobench.diagnosis.settings import SCORE, SUMMARY
+from avobench.diagnosis.settings import SUMMARY
 from avobench.tasks.errors import UsageError
 
 MANY = 3
@@ -109,24 +108,6 @@ class Summary(ABC):
     @abstractmethod
     def view(self, x: NDArray) -> View:
         """What can be shown of events (n, d), which say where the outermost bins end."""
-
-    @abstractmethod
-    def alike(self, length: float) -> NDArray[np.float64]:
-        """The correlation of parts of the vector that lie close to each other: (K, K), 1 on the diagonal.
-
-        Squared-exponential with `length` as a share of the range of a feature, told in bins; parts of different
-        features have nothing in common.
-        """
-
-    def distorted(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
-        """How much of the mean vector (K,) something unknown changes that distorts events by a share of 1: (K,)."""
-        return np.maximum(mean, 0) + SCORE.anywhere * mean.mean()
-
-
-def close(bins: int, length: float) -> NDArray[np.float64]:
-    """Squared-exponential correlation of so many bins side by side: (bins, bins)."""
-    at = np.arange(bins) / bins
-    return np.exp(-0.5 * ((at[:, None] - at) / length) ** 2)
 
 
 @dataclass(frozen=True)
@@ -306,15 +287,6 @@ class Bins(Summary):
 
     def view(self, x: NDArray) -> View:
         return View(spans_of([(j, closed(inner, x[:, j])) for j, inner in enumerate(self.edges)]))
-
-    def alike(self, length: float) -> NDArray[np.float64]:
-        sides = [[bins] if len(f) == 1 else [len(self.coarse[j]) + 1 for j in f] for f, bins in self.blocks]
-        bins = (reduce(np.kron, [close(bins, length) for bins in side]) for side in sides)
-        return block_diag(*bins, np.eye(self.size - self.num_bins))
-
-    def distorted(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
-        # A relative change of the density by 1 changes a product of standard scores by about 1.
-        return np.r_[super().distorted(mean[: self.num_bins]), np.ones(self.size - self.num_bins)]
 
 
 def _parts(edges: NDArray[np.float64], merged: NDArray[np.float64]) -> NDArray[np.intp]:

@@ -93,13 +93,6 @@ class StackedSummary(Summary):
         more = (s.chi_squared_variance(0, num_events / w) for s, w in each if isinstance(s, TableSummary))
         return 2 * rank + sum(more)
 
-    def alike(self, length: float) -> NDArray[np.float64]:
-        return block_diag(*(summary.alike(length) for summary in self.summaries))
-
-    def distorted(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
-        each = zip(self.summaries, self.parts, strict=True)
-        return np.concatenate([summary.distorted(mean[part]) for summary, part in each])
-
 
 @dataclass(frozen=True, eq=False)
 class JointPart(Part):

@@ -5,10 +5,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
 
 from avobench.diagnosis.settings import SUMMARY
-from avobench.diagnosis.summary.bins import Summary, View, close, closed, inner_edges, spans_of
+from avobench.diagnosis.summary.bins import Summary, View, closed, inner_edges, spans_of
 
 
 @dataclass(frozen=True)
@@ -80,11 +79,6 @@ class Pixels(Summary):
         ends.append(("hits", closed(self.fullness, (x > 0).sum(axis=1))))
         mean, error = x.mean(axis=0, dtype=float), np.sqrt(np.maximum(x.var(axis=0, dtype=float), 1 / len(x)) / len(x))
         return View(spans_of(ends), mean.reshape(self.grid), error.reshape(self.grid))
-
-    def alike(self, length: float) -> NDArray[np.float64]:
-        r, c = self.grid
-        blocks = np.kron(close(min(SUMMARY.image_blocks, r), length), close(min(SUMMARY.image_blocks, c), length))
-        return block_diag(close(r, length), close(c, length), close(len(self.fullness) + 1, length), blocks, np.eye(2))
 
 
 def pixels_of(x: NDArray, simulated: NDArray, event_shape: tuple[int, ...]) -> Pixels:

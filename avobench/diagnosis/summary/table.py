@@ -6,11 +6,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
 from scipy.sparse import csr_array
 
-from avobench.diagnosis.settings import SCORE
-from avobench.diagnosis.summary.bins import Shown, Span, Summary, View, close
+from avobench.diagnosis.summary.bins import Shown, Span, Summary, View
 from avobench.tables.comparison import Reduced
 from avobench.tables.table import Table, Tables
 
@@ -103,10 +101,3 @@ class TableSummary(Summary):
         at_least_one = np.maximum(values, np.concatenate([1 / table.widths for table in self.tables]))
         errors = np.sqrt(np.diag(self.tables.covariance_of(at_least_one, np.inf)))
         return View(spans, shown=Shown(values * scale, errors * scale, scale))
-
-    def alike(self, length: float) -> NDArray[np.float64]:
-        return block_diag(*(close(len(table.values), length) for table in self.tables))
-
-    def distorted(self, mean: NDArray[np.float64]) -> NDArray[np.float64]:
-        parts = [np.maximum(mean[part], 0) for part in self.tables.parts]
-        return np.concatenate([part + SCORE.anywhere * part.mean() for part in parts])

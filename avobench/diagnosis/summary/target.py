@@ -71,12 +71,6 @@ def whitening(cov: NDArray[np.float64]) -> NDArray[np.float64]:
     return vectors[:, values > 0] / np.sqrt(values[values > 0])
 
 
-def fixed(cov: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Combinations of the summary that no event changes, such as the sum of the shares of all bins: (K, K - r)."""
-    values, vectors = _directions(cov)
-    return vectors[:, values == 0]
-
-
 def _directions(cov: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Combinations (K, k) that are uncorrelated, and their variances (k,), 0 where that is rounding."""
     filled = np.flatnonzero(np.diag(cov) > 0)  # a cell of a pair may be empty

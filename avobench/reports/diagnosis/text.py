@@ -14,9 +14,10 @@ LEAST_PROBABLE = 0.01
 SIDES = {1: "one-sided", 2: "two-sided"}
 OUTSIDE = "something outside the catalogue"
 AS_IT_IS = "the simulator as it is"
+OTHERS = "another set of effects"
 MEANT = (
-    f"The probability of {OUTSIDE} was calibrated on {SCORE.calibrated[0]} hidden effects, {SCORE.calibrated[1]} of "
-    "them outside. The others are too sure where the shape is new."
+    f"These probabilities were fitted to {SCORE.calibrated[0]} data sets with a known answer, {SCORE.calibrated[1]} of "
+    "them outside the catalogue. Of measured data they are too sure."
 )
 """What the probabilities mean."""
 CLEARLY = 1.5
@@ -117,7 +118,7 @@ def _lacking(diagnosis: Diagnosis) -> str:
         names = " and ".join(map(label, diagnosis.effects))
         if diagnosis.verdict == Verdict.FAMILY:
             return f"What the simulator lacks is most like {names}, but the catalogue does not have its shape."
-        return f"The simulator lacks {names}."
+        return f"What the simulator lacks is most probably {names}."
     if len(alike) == 1:
         every = alike[0] >= len(diagnosis.candidates)
         which, tell = f"{'all ' * every}{alike[0]} effects", "but not what" if every else "but do not tell which"
@@ -164,11 +165,10 @@ def probabilities(diagnosis: Diagnosis) -> str:
 
 
 def likely_models(diagnosis: Diagnosis) -> str:
-    """The smallest set of models that holds 95 %, with what is outside the catalogue; empty where there is none."""
+    """The smallest set of models that holds 95 % of what was weighed, and what else it may be; empty where none was."""
     models = [(" + ".join(map(label, m.effects)) or AS_IT_IS, m.probability) for m in diagnosis.models]
-    if models and sum(p for _, p in models) < SCORE.credible:
-        models.append((OUTSIDE, diagnosis.outside))
-    return _ranked(models)
+    beside = [(OTHERS, diagnosis.others), (OUTSIDE, diagnosis.outside)] if models else []
+    return _ranked(models + [(name, p) for name, p in beside if p is not None])
 
 
 def _ranked(names: list[tuple[str, float]]) -> str:

@@ -13,7 +13,7 @@ from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel
 from avobench.diagnosis.goodness_of_fit.outside import left
 from avobench.diagnosis.report.outcome import Outcome, prior_notes, unconfirmed
 from avobench.diagnosis.schema import Gap, GateResult, Verdict
-from avobench.diagnosis.search.posterior import OUTSIDE, Posterior
+from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.settings import TEST
 from avobench.effects.model import Model
 from avobench.tasks.function import task
@@ -72,7 +72,7 @@ GAPS = st.lists(st.floats(0.2, 900), min_size=3, max_size=3).map(lambda ends: ga
 
 @given(P, GAPS, P, GAPS, st.booleans())
 def test_no_answer_contradicts_a_number_beside_it(p_before, before, p_after, after, shrank):
-    posterior = Posterior({frozenset({("dead_time", None)}): 0.9, OUTSIDE: 0.1}, {}, None)
+    posterior = Posterior({frozenset({("dead_time", None)}): 1.0}, {})
     held_out = SimpleNamespace(gap=lambda fit, rng, num_simulated: fit.gap, shrank=lambda new, old: shrank)
     null, extended = model(p_before, before), model(p_after, after, EFFECT)
     one = Outcome.of(null, extended, posterior, 0.05, held_out, np.random.default_rng(0), Effort())
@@ -84,10 +84,9 @@ def test_no_answer_contradicts_a_number_beside_it(p_before, before, p_after, aft
         assert one.gap_after.low <= 1
     if one.verdict == Verdict.FAMILY:
         assert one.posterior.outside < 0.5
-        assert left(before, after) <= 0.5 or extended.p_value >= TEST.rejected_share * 0.05
+        assert left(before, after) <= 0.5
     if one.verdict == Verdict.UNEXPLAINED:
         assert one.why
-        assert one.posterior.outside > 0.48 or min(p_before / 0.8, 1) >= TEST.rejected_share * 0.05
 
 
 def test_a_p_value_below_alpha_but_not_below_its_share_of_it_is_no_disagreement():

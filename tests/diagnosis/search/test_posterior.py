@@ -1,5 +1,6 @@
 """Probabilities of sets of effects."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,12 +10,7 @@ from hypothesis import strategies as st
 
 from avobench.diagnosis.search.candidates import Weighed
 from avobench.diagnosis.search.evidence import Evidence
-from avobench.diagnosis.search.posterior import (
-    OUTSIDE,
-    Posterior,
-    Prior,
-    pooled,
-)
+from avobench.diagnosis.search.posterior import Posterior, Prior, pooled
 from avobench.diagnosis.settings import SCORE
 from avobench.effects.catalogue import catalogue
 from avobench.tasks.poisson import Poisson
@@ -33,18 +29,22 @@ SOME = st.lists(
 )
 
 
-@given(SOME, st.floats(-50, 0))
-def test_probabilities_are_those_of_exclusive_models(models, outside):
-    found = Posterior.of([weighed(value, *names) for value, names in models], outside, CATALOGUE)
-    assert sum(found.probability.values()) == pytest.approx(1)
+def of(*models):
+    return Posterior.of([weighed(value, *names) for value, *names in models], CATALOGUE)
+
+
+@given(SOME, st.floats(0, 9))
+def test_probabilities_are_those_of_exclusive_models(models, beyond):
+    found = replace(of(*((value, *names) for value, names in models)), beyond=beyond)
+    assert sum(found.probability.values()) + found.others + found.outside == pytest.approx(1)
     for key, share in found.included.items():
         assert share == pytest.approx(sum(p for names, p in found.probability.items() if key in names))
     told, enough = (
         sum(found.probability[each] for each in found.credible),
-        SCORE.credible * (1 - found.outside),
+        SCORE.credible * sum(found.probability.values()),
     )
     assert told >= enough - 1e-9
-    assert not found.credible or told - found.probability[found.credible[-1]] < enough + 1e-9
+    assert told - found.probability[found.credible[-1]] < enough + 1e-9
 
 
 def test_families_share_the_prior_by_the_odds_of_their_classes():
@@ -61,24 +61,24 @@ def test_families_share_the_prior_by_the_odds_of_their_classes():
 
 
 def test_a_fit_of_the_same_shape_counts_once():
-    one = Posterior.of([weighed(-1, "zero_inflation"), weighed(-2, "dead_time")], -9, CATALOGUE)
+    one = Posterior.of([weighed(-1, "zero_inflation"), weighed(-2, "dead_time")], CATALOGUE)
     again = [weighed(-1, "zero_inflation"), weighed(-1.5, "zero_inflation"), weighed(-2, "dead_time")]
-    assert Posterior.of(again, -9, CATALOGUE).probability == pytest.approx(one.probability)
+    assert Posterior.of(again, CATALOGUE).probability == pytest.approx(one.probability)
 
 
 def test_a_shape_that_leaves_as_much_makes_its_family_more_probable():
     alone = [weighed(-1, "zero_inflation"), weighed(-1, "dead_time")]
     both = [*alone, weighed(-1, "zero_inflation", shape=1)]
     key = EFFECTS["zero_inflation"].key
-    assert Posterior.of(both, -9, CATALOGUE).included[key] > Posterior.of(alone, -9, CATALOGUE).included[key]
+    assert Posterior.of(both, CATALOGUE).included[key] > Posterior.of(alone, CATALOGUE).included[key]
 
 
 def odds(found, one, other):
     return found.included[EFFECTS[one].key] / found.included[EFFECTS[other].key]
 
 
-def told(excess, *models, outside=-30):
-    return Posterior.of([weighed(-excess, excess=excess), *models], outside, CATALOGUE)
+def told(excess, *models):
+    return Posterior.of([weighed(-excess, excess=excess), *models], CATALOGUE)
 
 
 def test_the_more_a_model_explains_the_less_what_it_leaves_tells_of_two_names():
@@ -95,18 +95,21 @@ def test_what_is_free_is_priced_alike_however_much_there_is_to_explain():
 
 
 def test_a_model_that_explains_nothing_is_no_better_than_the_simulator_as_it_is():
-    found = told(500, weighed(-500, "zero_inflation", excess=500), outside=-70)
-    assert found.best is None
-    assert found.outside > 0.99
+    assert told(500, weighed(-500, "zero_inflation", excess=500)).best is None
 
 
-@given(SOME, st.floats(-50, 0), st.floats(0, 1))
-def test_what_is_outside_speaks_against_all_sets_alike_and_is_no_reason_for_another(models, evidence, outside):
-    before = Posterior.of([weighed(value, *names) for value, names in models], evidence, CATALOGUE)
-    after = before.with_outside(outside)
-    assert after.outside == outside or before.outside == 1
-    assert sum(after.probability.values()) == pytest.approx(1)
-    assert (after.best, after.credible) == (before.best, before.credible)
+@given(SOME, st.floats(0, 9), st.floats(0, 9))
+def test_what_is_outside_speaks_against_all_sets_alike_and_is_no_reason_for_another(models, one, other):
+    found = of(*((value, *names) for value, names in models))
+    less, more = (replace(found, beyond=each) for each in sorted([one, other]))
+    assert less.outside <= more.outside
+    assert (less.best, less.credible) == (more.best, more.credible)
+
+
+def test_what_leaves_nothing_and_has_no_rival_is_probable_and_what_has_rivals_less():
+    surely, level = of((-60,), (0, "dead_time")), of((-60,), (0, "dead_time"), (0, "pile_up"), (0, "truncation"))
+    assert max(level.probability.values()) < 0.5 < max(surely.probability.values()) < 0.9
+    assert level.others > surely.others
 
 
 def fitted(strength, std, q):
@@ -130,38 +133,29 @@ def fitted(strength, std, q):
 def test_an_effect_counts_by_its_size_or_by_what_it_explains(strength, std, q, counts):
     """Beside a simulator with chi-squared 12. Where a model does not describe the events, its errors are larger."""
     alone = SimpleNamespace(model=SimpleNamespace(effects=()), noiseless_q=12)
-    found = Posterior({frozenset(): 1.0}, {frozenset(): [Weighed(alone, Evidence(0, 0))]}, None)
+    found = Posterior({frozenset(): 1.0}, {frozenset(): [Weighed(alone, Evidence(0, 0))]})
     assert (found.unsupported(fitted(strength, std, q), lambda fit: fit) is None) == counts
 
 
 def test_what_a_model_has_goes_to_that_without_an_effect_that_does_not_count():
     pair, one, other = ("zero_inflation", "dead_time"), ("zero_inflation",), ("pile_up",)
-    found = Posterior.of([weighed(-90), weighed(0, *pair), weighed(-6, *one), weighed(-5, *other)], -90, CATALOGUE)
+    found = of((-90,), (0, *pair), (-26, *one), (-25, *other))
     assert len(found.best.effects) == 2
     alone = found.without(("dead_time", None))
     assert alone.best.effects == {("zero_inflation", None)}
-    assert sum(alone.probability.values()) == pytest.approx(1)
-    assert alone.included[("zero_inflation", None)] == pytest.approx(found.included[("zero_inflation", None)])
+    assert sum(alone.shares.values()) == pytest.approx(1)
+    assert alone.shares[alone.best.effects] > 1 - found.shares[frozenset({("pile_up", None)})] - 1e-9
     assert alone.without(("zero_inflation", None)).best is None  # the simulator as it is has most then
 
 
 def test_two_effects_must_explain_more_than_one():
-    found = Posterior.of([weighed(-5, "dead_time"), weighed(-5, "dead_time", "pile_up")], -30, CATALOGUE)
+    found = of((-5, "dead_time"), (-5, "dead_time", "pile_up"))
     assert len(found.best.effects) == 1
-
-
-def test_nothing_is_named_where_it_is_more_probably_outside_the_catalogue():
-    found = Posterior.of([weighed(-40, "zero_inflation")], -5, CATALOGUE)
-    assert found.best is None
-    assert next(iter(found.probability)) == OUTSIDE
-    assert found.outside > 0.99
 
 
 def test_rivals_stand_in_the_place_of_an_effect():
     zeros, dead, noise = ("zero_inflation", "dead_time", "readout_noise")
-    found = Posterior.of(
-        [weighed(-5, zeros, noise), weighed(-5.5, dead, noise), weighed(-40, "pile_up", noise)], -30, CATALOGUE
-    )
+    found = of((-5, zeros, noise), (-5.5, dead, noise), (-40, "pile_up", noise))
     first = [effect.name for effect in found.best.fit.model.effects].index(zeros)
     assert found.rivals(first) == [EFFECTS[dead].key]
     assert found.rivals(1 - first) == []

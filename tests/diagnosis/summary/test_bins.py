@@ -79,7 +79,6 @@ def test_the_vector_of_an_event_is_one_however_it_is_asked_for(d):
     np.testing.assert_allclose(bins.covariance(x), np.cov(rows.T, bias=True), atol=1e-12)
     direction = rng.standard_normal((bins.size, 2))
     np.testing.assert_allclose(bins.project(x, direction), rows @ direction, atol=1e-9)
-    assert bins.alike(0.1).shape == (bins.size, bins.size)
     np.testing.assert_array_equal(bins.moved(x, x), 0)
 
 

@@ -82,7 +82,6 @@ def test_vectors_of_events_are_the_same_however_they_are_asked_for():
         (0, "density"),
         ("two", "two"),
     ]
-    assert summary.alike(0.1).shape == (10, 10)
 
 
 def test_chi_squared_is_that_of_the_tables_and_its_noise_that_of_the_simulation():

@@ -190,7 +190,7 @@ def test_the_page_says_what_the_numbers_say():
     assert "Probability of being in the model" not in nothing
     ranked = render(task, diagnosis(task, probabilities=probable, outside=0.15), [], "title")
     assert "Probability of being in the model: zero_inflation, 0.62; something outside the catalogue, 0.15." in ranked
-    assert "The simulator lacks" not in ranked  # of two that are tied
+    assert "is most probably" not in ranked  # of two that are tied
 
 
 def shaded(axis):

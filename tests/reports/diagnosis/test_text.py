@@ -46,13 +46,13 @@ AGREE = "simulation and measurement agree"
 
 def test_an_effect_without_a_rival_is_what_the_simulator_lacks():
     said = meaning(diagnosis(Verdict.NAMED))
-    assert said.startswith("The simulator lacks saturation on mass. With it, simulation and measurement agree (p = 0.4")
+    assert said.startswith(f"What the simulator lacks is most probably saturation on mass. With it, {AGREE} (p = 0.4")
 
 
 @pytest.mark.parametrize(("ties", "words"), [(1, "do not tell which: 2 effects"), (3, "but not what: all 4 effects")])
 def test_with_ties_no_effect_is_said_to_be_what_the_simulator_lacks(ties, words):
     said = meaning(diagnosis(Verdict.NAMED, ties))
-    assert "The simulator lacks" not in said
+    assert "is most probably" not in said
     assert words in said
 
 
@@ -90,7 +90,7 @@ def test_no_sentence_contradicts_a_number_beside_it(verdict, p_after, before, af
     for said in (summary(one), details(one)):
         assert ("the gap shrinks" not in said) or after["value"] < before["value"]
         assert (f"With it, {AGREE}" not in said) or (p_after >= one.alpha and verdict == Verdict.NAMED)
-        assert ("The simulator lacks" not in said) or (verdict == Verdict.NAMED and not ties)
+        assert ("is most probably" not in said) or (verdict == Verdict.NAMED and not ties)
         assert ("\nmissing: " in said) == (verdict == Verdict.NAMED)
         assert MEANT in said  # no probability without what it means
     if verdict == Verdict.UNEXPLAINED:
