@@ -31,6 +31,7 @@ from avobench.tables.table import Table, Tables
 from avobench.tasks import Task
 from avobench.tasks.arguments import checked
 from avobench.tasks.errors import UsageError, whole
+from avobench.tasks.sample import SampleTask
 
 if TYPE_CHECKING:
     from arviz import InferenceData
@@ -282,6 +283,7 @@ def infer(
     settings: Mapping[str, Any] | None = None,
     drop_invalid: bool = False,
     progress: Progress | bool | None = None,
+    bank: str | Path | None = None,
     seconds: float | None = None,
 ) -> Inference:
     """Infer the parameters of a task behind observed events, in this process unless `seconds` is given.
@@ -290,15 +292,17 @@ def infer(
     ----------
     task
         A task, or its name, `module:Class`, `path/to/file.py:Class`, or the path of a model.json; or several data sets
-        with what was measured, by `avobench.joint`, without `x`.
+        with what was measured, by `avobench.joint`, without `x`; or simulated events of `avobench.bank`.
     x
-        Observed events (N, d), or (N,) where an event is one number; or published tables. Of tables, and of several
-        data sets, theta is found by `smm`: from means of summaries, by the fit with which a diagnosis begins.
+        Observed events (N, d), or (N,) where an event is one number; or published tables. Of tables, of several data
+        sets, and from events that were simulated before, theta is found by `smm`: from means of summaries, by the fit
+        with which a diagnosis begins.
     method
         A method, or its name, such as "avo", "abc-smc" or "bolfi". By default it is `avo` where PyTorch is
         installed, and otherwise `smm`, which needs no more than the base install.
     budget
-        Simulated events, at most. A twentieth of them at most goes into a check of events and simulator.
+        Simulated events, at most; of `avobench.bank` all that there are. A twentieth of them at most goes into a check
+        of events and simulator.
     seed
         Of all that is random. The same seed gives the same estimate.
     settings
@@ -311,6 +315,9 @@ def infer(
     seconds
         Works in a process of its own, with one thread, and ends it after so long; the task is sent there. `progress`
         is called there too, so a notebook shows none.
+    bank
+        Folder of simulated events that a diagnosis kept, which are used before any is made, and into which those that
+        are made come. Other methods than `smm` choose thetas of which it has none.
 
     Raises
     ------
@@ -321,14 +328,16 @@ def infer(
     ProcessEnded
         If the process took longer than `seconds`, or was ended by what it ran.
     """
-    if isinstance(task, Joint) or tables_in(x) is not None:
+    budget, seed = whole("budget", budget, 1), whole("seed", seed, 0)
+    given = isinstance(task, SampleTask) or bank is not None
+    if given or isinstance(task, Joint) or tables_in(x) is not None:
         if method not in (None, "smm") or settings:
-            raise UsageError("tables and several data sets are fitted by smm, without settings: leave others out")
-        return moments(task, x, whole("budget", budget, 1), whole("seed", seed, 0), drop_invalid, progress)
+            why = "other methods need events at thetas of their own" if given else "leave others out"
+            raise UsageError(f"tables, several data sets and a bank are fitted by smm, without settings: {why}")
+        return moments(task, x, budget, seed, drop_invalid, progress, bank)
     if x is None:
         raise UsageError("give what was measured, but of `avobench.joint`, which has it")
     task = registry.task_of(task)
-    budget, seed = whole("budget", budget, 1), whole("seed", seed, 0)
     if method is None:
         method = next(name for name in DEFAULTS if registry.missing_package(registry.load("method", name)) is None)
     if isinstance(method, str):
@@ -360,11 +369,17 @@ def infer(
 
 
 def moments(
-    task: Task | str | Joint, x: Any, budget: int, seed: int, drop_invalid: bool, progress: Progress | bool | None
+    task: Task | str | Joint,
+    x: Any,
+    budget: int,
+    seed: int,
+    drop_invalid: bool,
+    progress: Progress | bool | None,
+    folder: str | Path | None = None,
 ) -> Inference:
-    """Infer theta from tables x, or from several data sets, by the means of their summaries.
+    """Infer theta from events or tables x, or from several data sets, by the means of their summaries.
 
-    Raises UsageError as `infer` does.
+    Simulated events are kept in a `folder`, if there is one. Raises UsageError as `infer` does.
     """
     from avobench.diagnosis.checks import Checks
     from avobench.diagnosis.effort import effort_for
@@ -379,16 +394,23 @@ def moments(
         if x is not None:
             raise UsageError("what was measured is in `avobench.joint`: leave x out")
         calls, sets, task = len(task.sets), task.sets, task.task
-        checks = Checks(task, NUM_REFERENCE, budget // calls, seed=seed)
+        checks = Checks(task, NUM_REFERENCE, budget // calls, seed=seed, folder=folder and Path(folder))
         part, warnings = checks.joint(sets, drop_invalid=drop_invalid)
         num_events = sum(map(len, part.sets))
     else:
-        task = registry.task_of(task)
-        checks = Checks(task, NUM_REFERENCE, budget, seed=seed)
-        part, warnings = checks.tables(tables_in(x)), []
+        if x is None:
+            raise UsageError("give what was measured, but of `avobench.joint`, which has it")
+        task, tables = registry.task_of(task), tables_in(x)
+        if isinstance(task, SampleTask) and folder is not None:
+            raise UsageError("simulated events that were made before are all there are: leave bank out")
+        size = NUM_REFERENCE if tables or not hasattr(x, "__len__") else len(x)
+        limit = None if isinstance(task, SampleTask) else budget
+        checks = Checks(task, size, limit, seed=seed, folder=folder and Path(folder))
+        part, warnings = (checks.tables(tables), []) if tables else checks.events(x, drop_invalid=drop_invalid)
         num_events = len(part)
-    limit, rng = budget // calls, stream(seed, "method", task.name, "smm")
+    rng = stream(seed, "method", task.name, "smm")
     meter = checks.bank.meter
+    limit = meter.limit
     effort = effort_for(task, domain(task), limit, len(part), meter.used)
     with shown(progress) as tell:
         meter.progress = lambda used: tell("smm", calls * used, budget)

@@ -41,8 +41,9 @@ class FunctionTask(Task):
         feature_names: Sequence[str],
         kinds: Mapping[str, Kind | ParameterKind] | None = None,
         feature_units: Mapping[str, str] | None = None,
+        per_theta: bool = False,
     ) -> None:
-        self.function, self.name = function, name
+        self.function, self.name, self.per_theta = function, name, per_theta
         self.parameter_names = tuple(prior)
         self.parameter_units = tuple(units.get(parameter, "1") for parameter in prior)
         self.prior = Box(*zip(*prior.values(), strict=True))
@@ -88,6 +89,8 @@ class FunctionTask(Task):
             said += (self.feature_kinds, self.feature_units)
         if self.parameter_kinds:
             said += (self.parameter_kinds,)
+        if self.per_theta:
+            said += ("per theta",)
         return (self.function, repr(said))
 
     @property
@@ -102,7 +105,7 @@ class FunctionTask(Task):
         kinds = dict(zip(self.labels, self.feature_kinds, strict=bool(self.feature_kinds)))
         kinds |= dict(zip(self.parameter_names, self.parameter_kinds, strict=bool(self.parameter_kinds)))
         units = dict(zip(self.labels, self.feature_units, strict=bool(self.feature_units)))
-        return said | {"kinds": kinds, "feature_units": units}
+        return said | {"kinds": kinds, "feature_units": units, "per_theta": self.per_theta}
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """One event per row: theta (n, p) -> (n, d). Raises ValueError outside the support."""
@@ -122,7 +125,18 @@ class FunctionTask(Task):
         return np.nan
 
     def _events(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        x = self.function(theta, rng)
+        if self.per_theta:
+            nodes, which, counts = np.unique(theta, axis=0, return_inverse=True, return_counts=True)
+            made = [self._array(self.function(node, int(n), rng)) for node, n in zip(nodes, counts, strict=True)]
+            if wrong := [x.shape for x, n in zip(made, counts, strict=True) if len(x) != n]:
+                raise ValueError(f"one of {len(nodes)} calls with one theta gave events of shape {wrong[0]}")
+            x = np.concatenate(made)
+            return x[np.argsort(np.argsort(which, kind="stable"))]
+        return self._array(self.function(theta, rng))
+
+    @staticmethod
+    def _array(x: ArrayLike) -> NDArray:
+        """What a function returned as events (n, d). Raises ValueError for what are no numbers."""
         if np.ma.is_masked(x):
             raise ValueError("it returned masked values, which are no events")
         x = np.asarray(x)
@@ -169,9 +183,10 @@ def task(
     kinds: Mapping[str, Kind | ParameterKind] | None = None,
     feature_units: Mapping[str, str] | None = None,
     name: str | None = None,
+    per_theta: bool = False,
     seconds: float = 60.0,
 ) -> FunctionTask:
-    """A task from a function that simulates one event for each row of parameters.
+    """A task from a function that simulates one event for each row of parameters, or many at one theta.
 
     Parameters
     ----------
@@ -197,6 +212,10 @@ def task(
         Physical units by name of the feature. An angle comes round after 360 "deg", or else after 2 pi.
     name
         What records and pages call the task; that of the function by default.
+    per_theta
+        `simulate` takes one theta (p,), a number n of events and a generator, as a program that is started for each
+        theta does. A diagnosis, and `infer` with a `bank`, start it for few thetas; methods that draw a theta for each
+        event start it for each.
     seconds
         The function is tried on a few events, and ended if that takes longer.
 
@@ -226,7 +245,9 @@ def task(
                 raise UsageError(f"{what} names '{parameter}'; the parameters of {label} are {', '.join(prior)}")
     try:
         with limited_to(seconds, f"the function of the task {label}, tried on {len(prior) + 1} events,"):
-            made = FunctionTask(simulate, label, prior, support or {}, units or {}, features, kinds, feature_units)
+            made = FunctionTask(
+                simulate, label, prior, support or {}, units or {}, features, kinds, feature_units, per_theta
+            )
     except UsageError:
         raise
     except (Exception, SystemExit) as error:  # a user's function may raise anything

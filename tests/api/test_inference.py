@@ -197,3 +197,22 @@ def test_a_limit_of_time_ends_a_simulator_of_a_script_and_changes_no_answer():
             ask(task, x, seconds=0.5)
         with pytest.raises(UsageError, match="seconds must be a number above 0"):
             ask(task, x, seconds=-1)
+
+
+def test_events_that_were_simulated_before_are_enough_for_smm_and_their_noise_counts():
+    rng = np.random.default_rng(0)
+    rates = np.repeat(np.linspace(5.0, 9.0, 5), 4000)
+    bank = avobench.bank(rng.poisson(rates), theta={"rate": rates})
+    found = avobench.infer(bank, EVENTS)
+    assert abs(found.theta["rate"] - EVENTS.mean()) < 3 * found.std["rate"]
+    assert np.sqrt(7 / 4000) < found.std["rate"] < 3 * np.sqrt(7 / 4000)
+    assert found.num_simulations == 20_000
+    with pytest.raises(UsageError, match="fitted by smm"):
+        avobench.infer(bank, EVENTS, "abc-smc")
+
+
+def test_what_was_simulated_for_a_fit_is_used_again(tmp_path):
+    first, again = (avobench.infer("poisson", EVENTS, "smm", bank=tmp_path) for _ in range(2))
+    assert abs(first.theta["log_rate"] - np.log(7)) < 4 * first.std["log_rate"] < 0.05
+    assert abs(again.theta["log_rate"] - first.theta["log_rate"]) < first.std["log_rate"]
+    assert again.num_simulations < first.num_simulations / 5

@@ -139,3 +139,25 @@ def test_a_function_that_hangs_is_named_and_the_alarm_of_others_is_kept():
         assert signal.getsignal(signal.SIGALRM) is signal.SIG_IGN
     finally:
         signal.signal(signal.SIGALRM, before)
+
+
+def test_a_program_that_is_started_for_each_theta_is_started_seldom():
+    started = []
+
+    def program(theta, n, rng):
+        started.append(n)
+        return rng.exponential(theta[0], n)
+
+    made = task(program, prior={"lifetime": (1, 4)}, per_theta=True)
+    theta, rng = np.array([[3.0], [1.0], [3.0], [2.0]]), np.random.default_rng(0)
+    x = np.mean([made.simulate(theta, rng)[:, 0] for _ in range(2000)], axis=0)
+    np.testing.assert_allclose(x, theta[:, 0], rtol=0.15)
+    assert started[-3:] == [1, 1, 2]  # of 1, 2 and 3
+    started.clear()
+    found = avobench.diagnose(made, rng.exponential(2.2, 1000), progress=False, effects=[])
+    assert sum(started) == found.diagnosis.num_simulations > 20 * len(started)
+
+
+def test_a_program_that_makes_too_few_events_is_named():
+    with pytest.raises(UsageError, match=r"one of 1 calls with one theta gave events of shape \(3, 1\)"):
+        task(lambda theta, n, rng: np.ones(3), prior={"a": (0, 1)}, name="few", per_theta=True)

@@ -26,6 +26,8 @@ FEW_REFERENCE = 4000
 """So many of them do for few measured events: more are made only where more are measured."""
 LEAST_REFERENCE = 100
 """Fewer simulated events do not tell which values the simulator can make."""
+STARTED = 100
+"""Thetas of these, at most, where a simulator must be started for each; the tails are then known less well."""
 SHARE = 20
 """The checks take one in so many of the simulated events that are allowed, at most."""
 CERTAIN = 1e-9
@@ -217,6 +219,8 @@ def reference(task: Task, simulate: Simulate, num_events: int) -> NDArray:
     # of every second row. These thetas are also the first ones of any larger number, so that a bank has them.
     end = np.random.default_rng(1).integers(-1, 2, theta[1::2].shape)
     theta[1::2] = np.where(end == 0, theta[1::2], np.where(end < 0, task.prior.low, task.prior.high))
+    if getattr(task, "per_theta", False):
+        theta = theta[np.arange(len(theta)) % STARTED]
     halves = []
     for first in (task.prior.low, task.prior.high):
         theta[0] = first

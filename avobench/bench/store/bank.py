@@ -42,6 +42,8 @@ class KeptBank(Bank):
         for kind in (EVENTS, ASIDE):
             for path in sorted(folder.glob(f"{kind}-*.parquet")):
                 self._read(path, kind == ASIDE)
+        # Where a damaged file was deleted there are fewer than their numbers say, and none may be written again.
+        self.fills = max((int(path.stem.split("-")[-1]) + 1 for path in folder.glob("*-*.parquet")), default=0)
 
     def _claim(self) -> None:
         """Write whose events the folder holds, or raise UsageError if they are another simulator's."""

@@ -5,7 +5,7 @@ from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.stats import chi2, norm
 
 from avobench.diagnosis.fit.surrogate import Design, ReferenceModel, Surrogate, basis_slope, quadratic, surrogate
 from avobench.diagnosis.settings import FIT
@@ -49,16 +49,18 @@ class Fit:
 
     @cached_property
     def _directions(self) -> tuple[NDArray[np.float64], ...]:
-        """Directions of the parameters with the squared slope of the summary along each, its scatter by simulation, and
-        the squared length of their whole range: (P, P), and (P,) thrice.
+        """Directions of the parameters with the squared slope of the summary along each, how large simulation alone
+        hardly ever makes it, and the squared length of their whole range: (P, P), and (P,) thrice.
 
         The noise of the slopes adds to their square, the more the more summaries there are. It is taken out, in the
-        coordinates of the design, where it is much the same in all directions.
+        coordinates of the design, where it is much the same in all directions. It is chi-squared: of few summaries its
+        tail is far longer than that of a Gaussian.
         """
         axes = self.design.axes
         slopes, noise = self.jacobian @ axes, axes.T @ self.jacobian_noise @ axes
         values, vectors = np.linalg.eigh(slopes.T @ slopes - noise)
-        by_chance = np.sqrt(2 / max(len(self.residual), 1)) * np.einsum("ik,ij,jk->k", vectors, noise, vectors)
+        r = max(len(self.residual), 1)
+        by_chance = (chi2.isf(norm.sf(FIT.clear), r) / r - 1) * np.einsum("ik,ij,jk->k", vectors, noise, vectors)
         back = vectors.T @ np.linalg.inv(axes)
         whole_range = 1 / np.maximum((np.linalg.inv(back) ** 2).sum(axis=0), 1e-30)
         return back, values, by_chance, whole_range
@@ -70,15 +72,14 @@ class Fit:
         A direction counts only if its slope stands out of the simulation's noise.
         """
         back, values, by_chance, whole_range = self._directions
-        clear = (values > FIT.clear * by_chance) & (values * whole_range > FIT.identified**2)
+        clear = (values > by_chance) & (values * whole_range > FIT.identified**2)
         return (back[clear].T * values[clear]) @ back[clear] / (1 + self.noise), int(clear.sum())
 
     @property
     def undecided(self) -> bool:
         """True if a direction may be identified, but its slope does not stand out of the simulation's noise."""
         _, values, by_chance, whole_range = self._directions
-        error = FIT.clear * by_chance
-        return bool(((values < error) & ((values + error) * whole_range > FIT.identified**2)).any())
+        return bool(((values < by_chance) & ((values + by_chance) * whole_range > FIT.identified**2)).any())
 
     @property
     def noiseless_q(self) -> float:

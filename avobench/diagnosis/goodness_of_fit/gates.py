@@ -34,7 +34,8 @@ def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, effort: Eff
     summary has, less those that theta takes up, and one at least: where nothing is free to scatter, a distance is left
     because theta cannot reach the measurement.
     """
-    num_events = int(effort.sharpen * target.num_events)
+    # Where no theta comes near, nothing depends on how exactly the nearest one is known.
+    num_events = int((effort.rounds if fit.p_value < TEST.hopeless else effort.sharpen) * target.num_events)
     metric, lacking = model_metric(
         fit, target.summary, target.mean, target.num_events, rng, min(num_events, effort.covariance)
     )

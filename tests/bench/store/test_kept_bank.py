@@ -31,6 +31,15 @@ def test_events_of_another_simulator_are_refused(tmp_path):
         KeptBank(Carl(), Meter(), 0, 1, tmp_path)
 
 
+def test_no_file_is_written_over_where_another_was_deleted(tmp_path):
+    for rate in (1.0, 2.0, 3.0):
+        KeptBank(Poisson(), Meter(), 0, 1, tmp_path).session()(rate * THETA, np.random.default_rng(0))
+    files = sorted(tmp_path.glob("events-*.parquet"))
+    files[0].unlink()
+    KeptBank(Poisson(), Meter(), 0, 1, tmp_path).session()(0.5 * THETA, np.random.default_rng(0))
+    assert len(list(tmp_path.glob("events-*.parquet"))) == 3
+
+
 @pytest.mark.parametrize("how", ["cut", "link", "lost"])
 def test_a_damaged_bank_is_named(tmp_path, how):
     folder = tmp_path / "bank"
