@@ -127,6 +127,8 @@ class Decision(Strict):
     rival: list[Named]
     condition: str = ""
     """Which events: of one of several data sets, or of a condition that was asked for; empty for more of the same."""
+    chi_squared: float
+    """By how much that of the rival exceeds that of the true model, by the measured events."""
     events: int | None
     """0 if the measured ones are enough; None if no number is known to be, as of models that are the same."""
     low: int | None

@@ -30,7 +30,7 @@ from shapes import SEEN
 FILE = Path("results/studies/decide.jsonl")
 EVENTS = {"poisson": 2000, "weinberg": 2000, "carl": 1500}
 """Measured events of a data set, so few that sets often have several models."""
-SETS = {"poisson": 16, "weinberg": 16, "carl": 4}
+SETS = {"poisson": 12, "weinberg": 12, "carl": 3}
 """Data sets of each kind of shape."""
 MOST = {"poisson": 150_000, "weinberg": 150_000, "carl": 20_000}
 """Events that are made anew at most: more take minutes."""
@@ -76,7 +76,12 @@ def made(name: str, kind: str, number: int) -> dict[str, Any]:
     row |= {"verdict": first.verdict.value, "models": [names(model.effects) for model in first.models]}
     for decision in askable(first, injection.name):
         asked = {"true": names(decision.true), "rival": names(decision.rival)}
-        asked |= {"events": decision.events, "low": decision.low, "high": decision.high}
+        asked |= {
+            "chi_squared": round(decision.chi_squared, 1),
+            "events": decision.events,
+            "low": decision.low,
+            "high": decision.high,
+        }
         if decision.events and n + decision.events <= MOST[name] and not any("named" in each for each in row["asked"]):
             tried = [each for each in catalogue(task) if each.name in asked["true"] + asked["rival"]]
             again = diagnose(task, measured(n + decision.events), seed=number, effects=tried, max_effects=1).diagnosis

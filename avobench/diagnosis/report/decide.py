@@ -68,7 +68,8 @@ class Seen:
         pairs = pieces * (pieces - 1)
         mean, products, moved = left.mean(axis=1), left.T @ left, slopes.T @ slopes
         apart = left.T - mean
-        simulated = 4 * ((apart @ mean) ** 2).sum() / pairs + 2 * ((apart @ apart.T) ** 2).sum() / pairs**2
+        squares = ((apart @ apart.T) ** 2)[~np.eye(pieces, dtype=bool)].sum()
+        simulated = 4 * ((apart @ mean) ** 2).sum() / pairs + 2 * squares / pairs**2
         measured = 4 * ((mean @ slopes) ** 2).sum() + 2 * (moved**2).sum()
         value = (products.sum() - np.trace(products)) / pairs - np.trace(moved)
         return float(value), float(np.sqrt(simulated + measured))
@@ -159,6 +160,7 @@ class Pair:
             true=names[0],
             rival=names[1],
             condition=condition,
+            chi_squared=self.rival.noiseless_q - self.true.noiseless_q,
             events=None if high is None else middle,
             low=low,
             high=high,
@@ -220,7 +222,9 @@ class Rivals:
 
     def under(self, name: str, bank: Bank | Counted, chosen: Mapping[str, float], simulations: int) -> list[Decision]:
         """The same by events of another condition, of which about so many are simulated; see `Pair.under`."""
-        size = max(simulations // (DECIDE.asked * DECIDE.pieces), 1)
+        size = simulations // (DECIDE.asked * DECIDE.pieces)
+        if size < DECIDE.fewest:
+            raise BudgetExhausted(f"{size} events are too few for a piece")
         nearest = [self._nearest(pairs)[0] for pairs in self.pairs]
         return [pair.decision(self, pair.under(bank, chosen, size), name) for pair in nearest]
 

@@ -132,7 +132,8 @@ def _decision(same: Decision, diagnosis: Diagnosis) -> str:
         least = f": at least {_rounded(same.low)}" if same.low else ""
         return f"It is not known how many more events would tell {pair}{least}.{of_one}"
     if same.events == 0:
-        return f"By chi-squared these events tell {pair}, unless nature's shape is another."
+        by = f"chi-squared is {abs(same.chi_squared):.0f} {'larger' if same.chi_squared > 0 else 'smaller'}"
+        return f"These events are enough to tell {pair} if one of them is right: {by} with {model(same.rival)}."
     place = f" {same.share:.0%} of the difference is the {where(same.where)}." if same.where else ""
     return f"{_events(same)} would tell {pair}.{place}{of_one}"
 
