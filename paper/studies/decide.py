@@ -9,6 +9,7 @@ it has are left alone.
 
 import json
 import time
+from itertools import chain, zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -110,12 +111,11 @@ def study(out: Path, tasks: tuple[str, ...]) -> None:
     """Carry out what the file lacks."""
     have = [json.loads(line) for line in out.read_text().splitlines()] if out.exists() else []
     done = {(row["task"], row["kind"], row["number"]) for row in have}
-    for name in tasks:
-        for number in range(SETS[name]):
-            for kind in ("own", "foreign"):
-                if (name, kind, number) not in done:
-                    with out.open("a") as file:
-                        file.write(json.dumps(made(name, kind, number)) + "\n")
+    of_task = [[(name, kind, number) for number in range(SETS[name]) for kind in ("own", "foreign")] for name in tasks]
+    for case in filter(None, chain.from_iterable(zip_longest(*of_task))):
+        if case not in done:
+            with out.open("a") as file:
+                file.write(json.dumps(made(*case)) + "\n")
 
 
 if __name__ == "__main__":

@@ -221,12 +221,22 @@ class Rivals:
         return found
 
     def under(self, name: str, bank: Bank | Counted, chosen: Mapping[str, float], simulations: int) -> list[Decision]:
-        """The same by events of another condition, of which about so many are simulated; see `Pair.under`."""
-        size = simulations // (DECIDE.asked * DECIDE.pieces)
-        if size < DECIDE.fewest:
-            raise BudgetExhausted(f"{size} events are too few for a piece")
-        nearest = [self._nearest(pairs)[0] for pairs in self.pairs]
-        return [pair.decision(self, pair.under(bank, chosen, size), name) for pair in nearest]
+        """The same by events of another condition, of which about so many are simulated; see `Pair.under`.
+
+        Where a model takes more, as one that loses nearly all events there, pieces are made smaller. Raises
+        BudgetExhausted where that leaves next to nothing.
+        """
+        found, size = [], simulations // (DECIDE.asked * DECIDE.pieces)
+        for pair in [self._nearest(pairs)[0] for pairs in self.pairs]:
+            adds = None
+            while adds is None:
+                if size < DECIDE.fewest:
+                    raise BudgetExhausted(f"{size} events are too few for a piece")
+                with suppress(BudgetExhausted):
+                    adds = pair.under(bank, chosen, size)
+                size = size if adds else size // 2
+            found.append(pair.decision(self, adds, name))
+        return found
 
     def _nearest(self, pairs: list[Pair]) -> tuple[Pair, Decision]:
         """The shape that is hardest to tell from the other model."""

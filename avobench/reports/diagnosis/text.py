@@ -134,7 +134,8 @@ def _decision(same: Decision, diagnosis: Diagnosis) -> str:
     if same.events == 0:
         by = f"chi-squared is {abs(same.chi_squared):.0f} {'larger' if same.chi_squared > 0 else 'smaller'}"
         return f"These events are enough to tell {pair} if one of them is right: {by} with {model(same.rival)}."
-    place = f" {same.share:.0%} of the difference is the {where(same.where)}." if same.where else ""
+    its = "its " if same.where and same.where.kind != "dependence" else ""
+    place = f" {100 * same.share:.0f} % of the difference is {its}{where(same.where)}." if same.where else ""
     return f"{_events(same)} would tell {pair}.{place}{of_one}"
 
 

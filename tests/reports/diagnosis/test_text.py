@@ -142,7 +142,7 @@ def test_it_is_said_how_many_events_would_decide_and_of_which_set():
     same, one = decision(178_400, 90_000, 1_250_000, **place), decision(20_300, 9000, 40_000, "46 GeV")
     short = summary(diagnosis(Verdict.NAMED, decisions=[same, decision(None, 5, None, "45 GeV"), one]))
     assert "180 000 more events (90 000 to 1 200 000) would tell saturation on mass from scale on mass." in short
-    assert "71% of the difference is the excess at mass 9.2 to 12 GeV." in short
+    assert "71 % of the difference is its excess at mass 9.2 to 12 GeV." in short
     assert "20 000 more events (9 000 to 40 000) of 46 GeV alone would." in short
 
 
