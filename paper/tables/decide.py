@@ -1,4 +1,4 @@
-"""Whether what is said to decide does: `python -m paper.tables.decide` prints it from `results/studies/decide.jsonl`."""
+"""Whether what is said to decide does: `python -m paper.tables.decide` prints it, from `results/studies`."""
 
 import json
 from pathlib import Path
