@@ -75,7 +75,7 @@ bench-cost: venv  ## where the time goes, from results/reference
 
 pages: venv  ## write into README, docs and examples what the commands and cells there print
 	$(BIN)/python -m paper.printed README.md docs/*.md docs/tables/*.md
-	OMP_NUM_THREADS=1 $(BIN)/python -m paper.pages docs/index.md docs/tutorial.md docs/diagnosis.md docs/own-data.md docs/published-tables.md docs/several-data-sets.md
+	OMP_NUM_THREADS=1 $(BIN)/python -m paper.pages docs/index.md docs/tutorial.md docs/diagnosis.md docs/own-data.md docs/published-tables.md docs/several-data-sets.md docs/what-would-decide.md
 	OMP_NUM_THREADS=1 $(BIN)/jupyter-execute --inplace --NotebookClient.record_timing=False examples/*.ipynb
 
 docs: venv docs/figures/effects/drawn  ## build the site into site/: a warning ends it

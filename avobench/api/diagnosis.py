@@ -27,7 +27,7 @@ from avobench.effects import Effect
 from avobench.tables.table import Table, Tables
 from avobench.tasks import Task
 from avobench.tasks.arguments import checked
-from avobench.tasks.errors import UsageError, whole
+from avobench.tasks.errors import BudgetExhausted, UsageError, whole
 from avobench.tasks.function import FunctionTask
 from avobench.tasks.joint import JointTask
 from avobench.tasks.sample import SampleTask
@@ -215,6 +215,65 @@ class Diagnosed:
 
         return details(self.diagnosis)
 
+    def decide(
+        self, conditions: Mapping[str, Task | str | Mapping[str, float]] | None = None, *, simulations: int = 200_000
+    ) -> pd.DataFrame:
+        """How many more measured events would tell the models of the 95 % set apart, and under which condition.
+
+        Parameters
+        ----------
+        conditions
+            By a name for each, a run that might be made: a task with the same parameters and features under other
+            conditions, or values of parameters that can be chosen, which are then known. None simulates nothing.
+        simulations
+            Simulated events for each condition, at most.
+
+        Returns
+        -------
+        A row for each other model of the set and each condition, that of more events of the same kind first: `events`
+        to be measured beside the present ones, with `low` and `high` one standard error away, and where most of the
+        difference is. `events` is 0 where the present ones are enough, and missing where no number is known to be.
+
+        Raises
+        ------
+        UsageError
+            If a condition has other parameters or features, too few simulated events, or nothing is to be decided.
+        """
+        from avobench.diagnosis.checks import bank_of
+        from avobench.reports.diagnosis.text import model, where
+        from avobench.tasks.meter import Meter
+
+        found, rivals = list(self.diagnosis.decisions), self.result.rivals
+        if conditions and rivals is None:
+            raise UsageError("there are no fitted models to decide between: one alone, or all was read from a folder")
+        for name, given in (conditions or {}).items():
+            chosen = given if isinstance(given, Mapping) else {}
+            task = self.task if isinstance(given, Mapping) else registry.task_of(given)
+            require_condition(name, task, self.task, chosen)
+            bank = bank_of(task, Meter(whole("simulations", simulations, 1)))
+            try:
+                found += rivals.under(name, bank, chosen, simulations)
+            except BudgetExhausted as error:
+                raise UsageError(
+                    f"{name}: {simulations} simulated events are too few; allow {4 * simulations}"
+                ) from error
+        rows = [
+            {
+                "true": model(each.true),
+                "rival": model(each.rival),
+                "condition": each.condition or "more of the same",
+                "events": each.events,
+                "low": each.low,
+                "high": each.high,
+                "where": each.where and where(each.where),
+                "share": each.share,
+            }
+            for each in found
+        ]
+        columns = ["true", "rival", "condition", "events", "low", "high", "where", "share"]
+        numbers = dict.fromkeys(["events", "low", "high"], "Int64")
+        return pd.DataFrame(rows, columns=columns).astype(numbers)
+
     def __str__(self) -> str:
         from avobench.reports.diagnosis.text import summary
 
@@ -359,6 +418,23 @@ def diagnose(
     told = {"notes": notes + remarks + said.notes, "num_simulations": calls * said.num_simulations}
     diagnosis = said.model_copy(update=told)
     return _diagnosed(replace(result, diagnosis=diagnosis), spec, theirs, possible)
+
+
+def require_condition(name: str, task: Task, measured: Task, chosen: Mapping[str, float]) -> None:
+    """Raise UsageError unless a task may stand for another condition of one that was measured."""
+    if isinstance(measured, JointTask | SampleTask):
+        raise UsageError(f"{name}: conditions are of one simulator; of several data sets, each is one already")
+    if (task.parameter_names, task.num_features) != (measured.parameter_names, measured.num_features):
+        raise UsageError(f"{name}: {task.name} has other parameters or features than {measured.name}")
+    for parameter, value in chosen.items():
+        if parameter not in task.parameter_names:
+            raise UsageError(
+                f"{name}: {task.name} has no parameter {parameter}; it has {', '.join(task.parameter_names)}"
+            )
+        k = task.parameter_names.index(parameter)
+        if not task.support.low[k] <= value <= task.support.high[k]:
+            low, high = task.support.low[k], task.support.high[k]
+            raise UsageError(f"{name}: {parameter} lies between {low:g} and {high:g}, got {value:g}")
 
 
 def _rows(x: ArrayLike | pd.DataFrame) -> int:

@@ -15,8 +15,9 @@ from avobench.diagnosis.fit.null import Inferred, best_null, fit_null
 from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel, correction
 from avobench.diagnosis.goodness_of_fit.held_out import HeldOut
 from avobench.diagnosis.goodness_of_fit.order import exchangeability
+from avobench.diagnosis.report.decide import Rivals
 from avobench.diagnosis.report.identifiability import card
-from avobench.diagnosis.report.outcome import Outcome, notes_of
+from avobench.diagnosis.report.outcome import Outcome, notes_of, to_choose_from
 from avobench.diagnosis.report.result import Result, assemble, pictures
 from avobench.diagnosis.report.tables import table_gaps
 from avobench.diagnosis.report.uncertainties import QuotedFit, ambiguity
@@ -277,18 +278,22 @@ class Run:
         if outcome.verdict in (Verdict.FAMILY, Verdict.UNEXPLAINED) and not self.of_tables:
             with self.affordable("the correction"):
                 weights = correction(fit, target, self.events, rng)
+        rivals = None
+        if outcome.effects and len(outcome.posterior.credible) > 1:
+            rivals = Rivals.of(final.fit, outcome.posterior, target, view.spans, to_choose_from(self.task))
         diagnosis = assemble(
             self.task,
             outcome,
             QuotedFit(fit, moves),
             regions,
             rows,
+            rivals.decisions() if rivals else [],
             notes=self.notes + self.shortage() + notes_of(outcome, fit, target, inferred, self.num_events),
             num_events=self.num_events,
             num_simulations=self.meter.used,
             tables=table_gaps(target, outcome.first, fit if outcome.effects else None),
         )
-        return Result(self.task, diagnosis, fit, drawn, weights)
+        return Result(self.task, diagnosis, fit, drawn, weights, rivals)
 
 
 def sampled(x: NDArray, time: NDArray[np.float64] | None, seed: int) -> tuple[NDArray, NDArray[np.float64], list[str]]:

@@ -98,18 +98,46 @@ class ProbableModel(Strict):
     probability: float
 
 
-class Region(Strict):
+class Place(Strict):
+    """An interval of a feature, or how features go together."""
+
     feature: Feature
     """That of a dependence is "a and b" for two features, and "all" for what all have in common."""
     low: float | None
     """None for a dependence, as `high` is."""
     high: float | None
     kind: Literal["excess", "deficit", "dependence"]
-    """Of a dependence z is positive where features go together more than in the simulation."""
+    unit: str = "1"
+
+
+class Region(Place):
+    """Where measurement and simulation disagree."""
+
     z: float
+    """Of a dependence it is positive where features go together more than in the simulation."""
     p_global: float
     """Two-sided: of a region that disagrees as much, anywhere."""
-    unit: str = "1"
+
+
+class Decision(Strict):
+    """How many more measured events would tell two models of the 95 % set apart, if one of them is true."""
+
+    true: list[Named]
+    """The effects of the model that is taken as true: the first of the set, or one that has more effects."""
+    rival: list[Named]
+    condition: str = ""
+    """Which events: of one of several data sets, or of a condition that was asked for; empty for more of the same."""
+    chi_squared: float
+    """By how much that of the rival exceeds that of the true model, by the measured events."""
+    events: int | None
+    """0 if the measured ones are enough; None if no number is known to be, as of models that are the same."""
+    low: int | None
+    """As `high`, one standard error away; also given where no number is known."""
+    high: int | None
+    where: Place | None = None
+    """Where most of the difference is: an excess is one of the true model. None of another condition."""
+    share: float | None = None
+    """Share of the difference that is there."""
 
 
 class Candidate(Named):
@@ -186,6 +214,8 @@ class Diagnosis(Strict):
     """Probability of a set of effects of the catalogue that is none of those that were weighed."""
     models: list[ProbableModel] = []
     """The smallest set of models that holds 95 % of what all that were weighed have, the most probable first."""
+    decisions: list[Decision] = []
+    """What would decide between the first model and each other one of the set; empty where there is nothing to."""
     regions: list[Region]
     candidates: list[Candidate]
     identifiability: list[Identifiable]

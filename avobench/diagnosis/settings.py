@@ -366,6 +366,29 @@ class BudgetSettings:
     """Rounds of the fit of an effect that was chosen, at most."""
 
 
+@dataclass(frozen=True)
+class DecideSettings:
+    """How it is told what would tell models apart."""
+
+    told: float = 0.95
+    """Probability with which the right one of two models has the smaller chi-squared, once they are told apart."""
+    pieces: int = 64
+    """Pieces of simulated events, at most: their scatter is the error by simulation, known to a tenth."""
+    fewest: int = 6
+    """Pieces at least."""
+    in_piece: int = 8
+    """Measured events, in those of a piece: all pieces together are as many as the last fits simulate."""
+    least: int = 100
+    """Events of a piece at least, to spare time."""
+    asked: int = 8
+    """Simulated events that may be asked for a condition, in those of a model: those of slopes lie elsewhere, and
+    rejected ones are replaced."""
+    shapes: int = 3
+    """Shapes of each model beside which the first is seen, at most: as many as a search keeps of a family."""
+    most: float = 1e12
+    """More events than anybody measures, from which models count as the same."""
+
+
 SUMMARY, FIT, TEST, ORDER = SummarySettings(), FitSettings(), TestSettings(), OrderSettings()
 SEARCH, SCORE, RECOGNITION = SearchSettings(), ScoreSettings(), RecognitionSettings()
-REPORT, BUDGET = ReportSettings(), BudgetSettings()
+REPORT, BUDGET, DECIDE = ReportSettings(), BudgetSettings(), DecideSettings()

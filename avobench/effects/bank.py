@@ -203,6 +203,13 @@ class Session:
         """theta (n, p) -> (n, d). Raises BudgetExhausted."""
         return self._bank.take(theta, rng, self._taken, self._step)
 
+    def after(self, other: "Session") -> "Session":
+        """A session of the same bank that hands out what neither of two has."""
+        later = Session(self._bank)
+        for node in self._taken.keys() | other._taken.keys():
+            later._taken[node] = max(self._taken.get(node, 0), other._taken.get(node, 0))
+        return later
+
     @property
     def repeats(self) -> float:
         """How often each event was handed out, on average: by that the variance of a mean is larger than it seems."""

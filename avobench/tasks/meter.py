@@ -54,5 +54,15 @@ class Meter:
         finally:
             self.kept -= num_events
 
+    @contextmanager
+    def closed(self) -> Iterator[None]:
+        """Meanwhile nothing may be simulated, and a request is refused without a note of it."""
+        limit, refused = self.limit, self.refused
+        self.limit = self.used + self.kept
+        try:
+            yield
+        finally:
+            self.limit, self.refused = limit, refused
+
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "progress": None}  # a copy in another process tells nobody

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.schema import Region
+from avobench.diagnosis.schema import Place, Region
 from avobench.diagnosis.settings import TEST
 from avobench.diagnosis.summary.bins import Bins, Span
 from avobench.diagnosis.summary.joint import StackedSummary
@@ -161,17 +161,17 @@ def regions(
 
     `names` are those of the features, (d,), or none where there is nothing to choose from.
     """
-    found = []
-    for region, z, p in significant(intervals(fit, target, spans) + dependences(fit, target), fit, rng, alpha):
-        if isinstance(region, Together):
-            pair = len(region.features) == 2
-            feature = " and ".join(names[j] for j in region.features) if pair else "all"
-            found.append(Region(feature=feature, low=None, high=None, kind="dependence", z=z, p_global=p))
-            continue
-        feature, (low, high) = region.span.feature, region.ends
-        name = feature if isinstance(feature, str) else names[feature] if names else None
-        name = region.span.name or name
-        kind = "excess" if z > 0 else "deficit"
-        unit = region.span.unit or "1"
-        found.append(Region(feature=name, low=low, high=high, kind=kind, z=z, p_global=p, unit=unit))
-    return found
+    found = significant(intervals(fit, target, spans) + dependences(fit, target), fit, rng, alpha)
+    return [Region(**placed(region, z, names).model_dump(), z=z, p_global=p) for region, z, p in found]
+
+
+def placed(region: Interval | Together, z: float, names: tuple[str, ...]) -> Place:
+    """A region by the names of its features, with what it is by the sign of its disagreement z."""
+    if isinstance(region, Together):
+        pair = len(region.features) == 2
+        feature = " and ".join(names[j] for j in region.features) if pair else "all"
+        return Place(feature=feature, low=None, high=None, kind="dependence")
+    feature, (low, high) = region.span.feature, region.ends
+    name = region.span.name or (feature if isinstance(feature, str) else names[feature] if names else None)
+    kind = "excess" if z > 0 else "deficit"
+    return Place(feature=name, low=low, high=high, kind=kind, unit=region.span.unit or "1")

@@ -139,8 +139,12 @@ class Outcome:
         """The intervals in which the task alone disagrees with the events that were fitted; none where it does not."""
         if not self.disagree:
             return []
-        one_count = task.num_features == 1 and domain(task) == "counts"
-        return regions(self.null.fit, target, view.spans, rng, self.alpha, () if one_count else task.labels)
+        return regions(self.null.fit, target, view.spans, rng, self.alpha, to_choose_from(task))
+
+
+def to_choose_from(task: Task) -> tuple[str, ...]:
+    """The names of the features of a task; none of a single count, which needs no name."""
+    return () if task.num_features == 1 and domain(task) == "counts" else task.labels
 
 
 def _describes(model: ExtendedModel, gap: Gap, alpha: float) -> bool:

@@ -2,16 +2,17 @@
 
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.goodness_of_fit.gates import Correction
+from avobench.diagnosis.report.decide import Rivals
 from avobench.diagnosis.report.outcome import Outcome
 from avobench.diagnosis.report.uncertainties import QuotedFit, models, probabilities
-from avobench.diagnosis.schema import Diagnosis, Identifiable, Region
+from avobench.diagnosis.schema import Decision, Diagnosis, Identifiable, Place, Region
 from avobench.diagnosis.settings import REPORT
 from avobench.diagnosis.summary.bins import Span, View
 from avobench.diagnosis.summary.target import Target
@@ -96,6 +97,8 @@ def _spectrum(
     return Spectrum(name, span.ends, share, error, first, then)
 
 
+PlaceOf = TypeVar("PlaceOf", bound=Place)
+
 PACKAGES = ("avobench", "numpy", "scipy", "scikit-learn")
 """Whose versions a diagnosis states: those that its numbers depend on."""
 
@@ -113,18 +116,31 @@ class Result:
     """What figures are drawn from."""
     correction: Correction | None
     """Weights for simulated events, where the catalogue does not explain all."""
+    rivals: Rivals | None = None
+    """The models of the 95 % set, fitted; None where there is one, or all was read from a file."""
 
 
 def assemble(
-    task: Task, outcome: Outcome, final: QuotedFit, regions: list[Region], rows: list[Identifiable], **facts: Any
+    task: Task,
+    outcome: Outcome,
+    final: QuotedFit,
+    regions: list[Region],
+    rows: list[Identifiable],
+    decisions: list[Decision],
+    **facts: Any,
 ) -> Diagnosis:
     """The diagnosis as it is written to a file.
 
-    `final` is the final fit with its uncertainties, `regions` are where the null model disagrees with the events, and
-    `rows` the identifiability card. `facts` are further fields of the diagnosis.
+    `final` is the final fit with its uncertainties, `regions` are where the null model disagrees with the events,
+    `rows` the identifiability card, and `decisions` what would tell models apart. `facts` are further fields of the
+    diagnosis.
     """
     first, posterior, labels = QuotedFit(outcome.first), outcome.posterior, task.labels
     units = dict(zip(labels, task.feature_units, strict=False))  # none where the task does not say them
+
+    def with_unit(place: PlaceOf) -> PlaceOf:
+        return place.model_copy(update={"unit": units.get(place.feature, place.unit)})
+
     fields = {
         "verdict": outcome.verdict,
         "alpha": outcome.alpha,
@@ -138,7 +154,8 @@ def assemble(
         "identified_before": first.identified,
         "identified_after": None,
         "effects": [],
-        "regions": [region.model_copy(update={"unit": units.get(region.feature, region.unit)}) for region in regions],
+        "regions": [with_unit(region) for region in regions],
+        "decisions": [each.model_copy(update={"where": each.where and with_unit(each.where)}) for each in decisions],
         "candidates": outcome.candidates,
         "identifiability": rows,
         "seconds": 0.0,

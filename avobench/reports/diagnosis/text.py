@@ -1,6 +1,16 @@
 """A diagnosis in words: a summary of about ten lines, and all details in a screen of them."""
 
-from avobench.diagnosis.schema import Diagnosis, EffectValue, FoundEffect, Gap, GateResult, Named, Region, Verdict
+from avobench.diagnosis.schema import (
+    Decision,
+    Diagnosis,
+    EffectValue,
+    FoundEffect,
+    Gap,
+    GateResult,
+    Named,
+    Place,
+    Verdict,
+)
 from avobench.diagnosis.settings import SCORE
 from avobench.reports.diagnosis.order import sentences
 from avobench.reports.numbers import p_equals, p_value, with_error
@@ -37,6 +47,7 @@ def summary(diagnosis: Diagnosis) -> str:
     lines = [_verdict(diagnosis), meaning(diagnosis)]
     lines += [f"{_role(diagnosis)}: {_effect(effect)}" for effect in diagnosis.effects]
     lines += [f"95 % set of models: {models}\n{MEANT}" for models in [likely_models(diagnosis)] if models]
+    lines += decisions(diagnosis)[:1]
     lines += [*_chi_squared(diagnosis), _gap(diagnosis), *_theta(diagnosis)]
     lines.append(f"{diagnosis.num_simulations} simulated events; details() tells the rest.")
     return "\n".join(lines)
@@ -51,6 +62,7 @@ def details(diagnosis: Diagnosis) -> str:
             lines.append(f"  these data do not tell it from {', '.join(map(label, effect.tied_with))}")
     lines += [f"probability of being missing: {names}" for names in [probabilities(diagnosis)] if names]
     lines += [f"95 % set of models: {models}\n{MEANT}" for models in [likely_models(diagnosis)] if models]
+    lines += decisions(diagnosis)
     lines += [f"{where(region)}: {abs(region.z):.1f} sigma" for region in diagnosis.regions[:MOST_REGIONS]]
     lines += _theta(diagnosis)
     if diagnosis.effects:
@@ -103,7 +115,41 @@ def look(diagnosis: Diagnosis) -> str:
     return f"It looks as if events were {how}: {' and '.join(places.values())}."
 
 
-def where(region: Region) -> str:
+def decisions(diagnosis: Diagnosis) -> list[str]:
+    """A sentence on each other model of the 95 % set, the most probable first: what would tell it from the first."""
+    return [_decision(each, diagnosis) for each in diagnosis.decisions if not each.condition]
+
+
+def _decision(same: Decision, diagnosis: Diagnosis) -> str:
+    """More events of the same kind, and of the one of several data sets that tells most."""
+    pair = f"{model(same.true)} from {model(same.rival)}"
+    of_pair = [each for each in diagnosis.decisions if (each.true, each.rival) == (same.true, same.rival)]
+    alone = [each for each in of_pair if each.condition and each.events]
+    best = min(alone, key=lambda each: each.events, default=None)
+    of_one = f" {_events(best)} of {best.condition} alone would." if best else ""
+    if same.events is None:
+        if same.low is None:
+            return f"No number of events tells {pair}: they look the same.{of_one}"
+        least = f": at least {_rounded(same.low)}" if same.low else ""
+        return f"It is not known how many more events would tell {pair}{least}.{of_one}"
+    if same.events == 0:
+        by = f"chi-squared is {abs(same.chi_squared):.0f} {'larger' if same.chi_squared > 0 else 'smaller'}"
+        return f"These events are enough to tell {pair} if one of them is right: {by} with {model(same.rival)}."
+    its = "its " if same.where and same.where.kind != "dependence" else ""
+    place = f" {100 * same.share:.0f} % of the difference is {its}{where(same.where)}." if same.where else ""
+    return f"{_events(same)} would tell {pair}.{place}{of_one}"
+
+
+def _events(decision: Decision) -> str:
+    return f"{_rounded(decision.events)} more events ({_rounded(decision.low)} to {_rounded(decision.high)})"
+
+
+def _rounded(number: int) -> str:
+    """Two digits, and thousands apart."""
+    return f"{int(float(f'{number:.1e}')):,}".replace(",", " ")
+
+
+def where(region: Place) -> str:
     """A region in words."""
     if region.kind == "dependence":
         return "what all features have in common" if region.feature == "all" else f"the dependence of {region.feature}"
@@ -166,9 +212,14 @@ def probabilities(diagnosis: Diagnosis) -> str:
 
 def likely_models(diagnosis: Diagnosis) -> str:
     """The smallest set of models that holds 95 % of what was weighed, and what else it may be; empty where none was."""
-    models = [(" + ".join(map(label, m.effects)) or AS_IT_IS, m.probability) for m in diagnosis.models]
+    models = [(model(each.effects), each.probability) for each in diagnosis.models]
     beside = [(OTHERS, diagnosis.others), (OUTSIDE, diagnosis.outside)] if models else []
     return _ranked(models + [(name, p) for name, p in beside if p is not None])
+
+
+def model(effects: list[Named]) -> str:
+    """A set of effects."""
+    return " + ".join(map(label, effects)) or AS_IT_IS
 
 
 def _ranked(names: list[tuple[str, float]]) -> str:

@@ -130,3 +130,27 @@ def test_a_summary_is_ten_lines_with_what_was_found_and_the_rest_is_in_the_detai
         assert part not in short
         assert part in long
     assert "probability" not in details(diagnosis(Verdict.NAMED))
+
+
+def decision(events, low, high, condition="", **where):
+    pair = {"true": [named("saturation")], "rival": [named("scale")], "chi_squared": 14.2}
+    return pair | {"condition": condition, "events": events, "low": low, "high": high, **where}
+
+
+def test_it_is_said_how_many_events_would_decide_and_of_which_set():
+    place = {"where": {"feature": "mass", "low": 9.2, "high": 12, "kind": "excess", "unit": "GeV"}, "share": 0.71}
+    same, one = decision(178_400, 90_000, 1_250_000, **place), decision(20_300, 9000, 40_000, "46 GeV")
+    short = summary(diagnosis(Verdict.NAMED, decisions=[same, decision(None, 5, None, "45 GeV"), one]))
+    assert "180 000 more events (90 000 to 1 200 000) would tell saturation on mass from scale on mass." in short
+    assert "71 % of the difference is its excess at mass 9.2 to 12 GeV." in short
+    assert "20 000 more events (9 000 to 40 000) of 46 GeV alone would." in short
+
+
+@pytest.mark.parametrize(
+    ("numbers", "word"),
+    [((None, None, None), "look the same"), ((None, 31_000, None), "at least 31 000"), ((0, 0, 0), "14 larger")],
+)
+def test_no_number_is_said_where_none_is_known_or_needed(numbers, word):
+    told = details(diagnosis(Verdict.NAMED, decisions=[decision(*numbers)]))
+    assert word in told
+    assert "more events (" not in told
