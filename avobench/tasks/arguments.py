@@ -27,6 +27,8 @@ WORDS = {
     **{
         Mapping: "a mapping of names",
         Callable: "a function",
+        tuple: "a pair of numbers",
+        Distribution: "a distribution",
         Task: "a task, such as avobench.task makes of a function",
     },
 }
