@@ -523,7 +523,8 @@ def _code(task: Task) -> tuple[str, str | None]:
         return name, as_module(module, {name})
     name = getattr(task.function, "__qualname__", "")
     text = as_module(getattr(task.function, "__module__", ""), {name})
-    return "task", text and f"{text}\nimport avobench\n\ntask = avobench.task({name}, **{task.arguments!r})\n"
+    made = f"task = avobench.task({name}, **{task.arguments!r})"
+    return "task", text and f"{text}\nimport scipy.stats\n\nimport avobench\n\n{made}\n"
 
 
 def _theirs(

@@ -19,6 +19,7 @@ from avobench.api.limited import limited
 from avobench.api.progress import Progress, shown
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.estimates import require_recordable
+from avobench.bench.cells.quantiles import in_shares, raw
 from avobench.bench.cells.streams import stream
 from avobench.bench.events.checks import NUM_REFERENCE, SHARE, check_events, reference
 from avobench.bench.plugins import registry
@@ -353,15 +354,16 @@ def infer(
     made = partial(reference, task, checks, min(budget // SHARE, budget - least))
     x_observed, warnings = check_events(task, x, drop_invalid=drop_invalid, diagnosis=False, made=made)
     start = time.perf_counter()
-    words = (task.name, method.name)
+    words, posed = (task.name, method.name), in_shares(task)
     with shown(progress) as tell:
         simulate = MeteredSimulator(
-            *(task, budget - checks.used, stream(seed, "simulator", *words)),
+            *(posed, budget - checks.used, stream(seed, "simulator", *words)),
             progress=lambda used: tell(method.name, checks.used + used, budget),
         )
-        problem = pose(task, x_observed, simulate)
+        problem = pose(posed, x_observed, simulate)
         estimate = method.infer(problem, stream(seed, "method", *words))
     require_recordable(estimate, problem, simulate.used)
+    estimate = raw(estimate, task.prior)
     seconds = time.perf_counter() - start
     return Inference(
         task, method.name, estimate, len(x_observed), checks.used + simulate.used, seconds, seed, tuple(warnings)

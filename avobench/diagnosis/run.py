@@ -15,6 +15,7 @@ from avobench.diagnosis.fit.null import Inferred, best_null, fit_null
 from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel, correction
 from avobench.diagnosis.goodness_of_fit.held_out import HeldOut
 from avobench.diagnosis.goodness_of_fit.order import exchangeability
+from avobench.diagnosis.goodness_of_fit.regions import disagreeing
 from avobench.diagnosis.report.decide import Rivals
 from avobench.diagnosis.report.identifiability import card
 from avobench.diagnosis.report.outcome import Outcome, notes_of, to_choose_from
@@ -216,7 +217,11 @@ class Run:
                 x, experience = x.as_events(self.task, made, rng), False
         if isinstance(x, Part):
             return None, None
-        search = Search(target, x, self.effects, max_effects, rng, effort, self.jobs, self.phases, experience)
+        features = disagreeing(null.fit, target, x)
+        if len(features) < x.shape[1]:
+            names = ", ".join(self.task.labels[j] for j in features)
+            self.notes.append(f"Effects on single features were looked for where most disagrees, on {names}.")
+        search = Search(target, x, self.effects, max_effects, rng, effort, self.jobs, self.phases, experience, features)
         extended = None
         with meter.keeping(self.later):
             refused = meter.refused

@@ -21,6 +21,9 @@ class SummarySettings:
     """Bins of the number of hits of an image, at most: as many as a feature has where there are several."""
     most_numbers: int = 3000
     """Numbers in the summary of features, at most: a covariance of 72 MB. All pairs of 18 features have bins."""
+    events_a_number: int = 5
+    """Measured events for each number in the summary of several features, at least: the covariance that a model is
+    tested with is of three times as many events, and is then known well enough for Hotelling's test."""
     numbers_at_once: int = 4_000_000
     """Products of features that are held in memory at once: 32 MB."""
     least_hits: int = 40
@@ -109,6 +112,8 @@ class TestSettings:
     """The shares where events are images."""
     hopeless: float = 1e-12
     """P-value below which no care in the fit helps a model."""
+    biased: float = 0.1
+    """Share of the scatter of chi-squared, above which what it is too high by for a covariance of few events counts."""
     trees: int = 60
     """Trees of the classifier. Chosen on development cases."""
     leaves: int = 12
@@ -191,6 +196,10 @@ class SearchSettings:
     """Strengths, as shares of the range, at which it is found out whether theta hides an effect: above the noise."""
     strong: tuple[float, ...] = tuple(np.linspace(0.1, 1, 10).tolist())
     """Strengths, as shares of the range, at which an effect that theta hides is looked for: the rest of the range."""
+    most_features: int = 15
+    """Features on which effects are looked for, at most: shapes that tie two of them grow with the square of their
+    number, and 15 have 2 900 shapes, which is minutes. Of events with more features a look takes longer, and they are
+    fewer, so that the search does not."""
     modes: int = 2
     """Places at which a fit begins that were found in this way, at most, to either side."""
     coarse_points: int = 10

@@ -17,6 +17,7 @@ from avobench.effects.model import Model
 from avobench.tasks import Box, Task
 from avobench.tasks.contract import NAME
 from avobench.tasks.errors import UsageError
+from avobench.tasks.prior import Distributed, Law
 
 EFFECT_NAME = r"[A-Za-z0-9_]+"
 """The names that an effect may have."""
@@ -54,6 +55,8 @@ class Parameter(Strict):
     std: float
     prior: tuple[float, float]
     support: tuple[float, float]
+    law: Law | None = None
+    """Its distribution between the ends of the prior, where that is not uniform."""
 
 
 class ModelFile(Strict):
@@ -127,6 +130,8 @@ class AugmentedTask(Task):
             task.prior, task.support = (
                 Box(*zip(*(getattr(p, box) for p in content.parameters), strict=True)) for box in ("prior", "support")
             )
+            if any(laws := tuple(p.law for p in content.parameters)):
+                task.prior = Distributed(task.prior.low, task.prior.high, laws)
         except ValueError as error:
             raise UsageError(f"{path} is not a model: {error}") from error
         return task

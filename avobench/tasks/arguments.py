@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from avobench.tasks.contract import Box, Task
 from avobench.tasks.errors import UsageError, shown
+from avobench.tasks.prior import Distributed, Distribution, Ends, Law
 
 WORDS = {
     **{
@@ -26,6 +27,8 @@ WORDS = {
     **{
         Mapping: "a mapping of names",
         Callable: "a function",
+        tuple: "a pair of numbers",
+        Distribution: "a distribution",
         Task: "a task, such as avobench.task makes of a function",
     },
 }
@@ -84,16 +87,29 @@ def numbers(what: str, values: ArrayLike) -> NDArray:
     return array
 
 
-def box_of(prior: Mapping[str, Sequence[float]]) -> Box:
-    """The box of the ends of each parameter. Raises UsageError for what are no two numbers, the lower one first."""
-    for name, ends in prior.items():
+def box_of(prior: Mapping[str, Ends], integers: Sequence[str] = ()) -> Box:
+    """The box of the ends of each parameter, or of its distribution, of whole numbers for `integers`.
+
+    Raises UsageError for what are neither two numbers, the lower one first, nor a distribution of one number.
+    """
+    laws: list[Law | None] = []
+    for name, given in prior.items():
+        if isinstance(given, Distribution):
+            laws.append(Law.of(name, given, name in integers))
+            continue
+        laws.append(None)
         try:
-            Box(*((end,) for end in ends))
+            Box(*((end,) for end in given))
         except (TypeError, ValueError) as error:
             raise UsageError(
-                f"the prior of {name} must be two numbers, low < high, between which it is uniform, got {shown(ends)}"
+                f"the prior of {name} must be two numbers, low < high, between which it is uniform, or a distribution "
+                f"of one number such as scipy.stats.norm(0, 1), got {shown(given)}"
             ) from error
-    return Box(*zip(*prior.values(), strict=True)) if prior else Box((), ())
+    if not prior:
+        return Box((), ())
+    both = zip(prior.values(), laws, strict=True)
+    ends = zip(*(given if law is None else law.ends for given, law in both), strict=True)
+    return Distributed(*ends, tuple(laws)) if any(laws) else Box(*ends)
 
 
 def _fits(value: Any, hint: Any) -> bool:

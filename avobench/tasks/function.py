@@ -14,6 +14,7 @@ from avobench.tasks.arguments import box_of, checked
 from avobench.tasks.contract import NAME, Box, Kind, ParameterKind, Task, histogram
 from avobench.tasks.errors import UsageError, raised, text_of
 from avobench.tasks.patience import limited_to
+from avobench.tasks.prior import Distributed, Ends
 
 Simulate = Callable[[NDArray[np.float64], np.random.Generator], ArrayLike]
 """theta (n, p), a generator -> one event per row: (n, d), or (n,) where an event is one number."""
@@ -35,7 +36,7 @@ class FunctionTask(Task):
         self,
         function: Simulate,
         name: str,
-        prior: Mapping[str, tuple[float, float]],
+        prior: Mapping[str, Ends],
         support: Mapping[str, tuple[float, float]],
         units: Mapping[str, str],
         feature_names: Sequence[str],
@@ -46,9 +47,10 @@ class FunctionTask(Task):
         self.function, self.name, self.per_theta = function, name, per_theta
         self.parameter_names = tuple(prior)
         self.parameter_units = tuple(units.get(parameter, "1") for parameter in prior)
-        self.prior = Box(*zip(*prior.values(), strict=True))
-        self.support = Box(*zip(*(support.get(parameter, prior[parameter]) for parameter in prior), strict=True))
         said = {name: kind for name, kind in (kinds or {}).items() if name in prior and kind in get_args(ParameterKind)}
+        self.prior = box_of(prior, [name for name, kind in said.items() if kind == "integer"])
+        ends = dict(zip(prior, zip(self.prior.low, self.prior.high, strict=True), strict=True))
+        self.support = Box(*zip(*(support.get(parameter, ends[parameter]) for parameter in prior), strict=True))
         kinds = {name: kind for name, kind in (kinds or {}).items() if name not in said}
         if "integer" in said.values():
             self.parameter_kinds = tuple(said.get(parameter, "continuous") for parameter in prior)
@@ -95,11 +97,13 @@ class FunctionTask(Task):
 
     @property
     def arguments(self) -> dict[str, Any]:
-        """The arguments of `task`, beside the function, that make this task again: plain numbers and texts."""
+        """The arguments of `task`, beside the function, that make this task again: of plain numbers, texts and laws."""
         prior, support = (
             dict(zip(self.parameter_names, zip(box.low, box.high, strict=True), strict=True))
             for box in (self.prior, self.support)
         )
+        if isinstance(self.prior, Distributed):
+            prior |= {name: law for name, law in zip(prior, self.prior.laws, strict=True) if law is not None}
         said = {"prior": prior, "support": support, "units": dict(zip(prior, self.parameter_units, strict=True))}
         said |= {"features": self.feature_names, "name": self.name}
         kinds = dict(zip(self.labels, self.feature_kinds, strict=bool(self.feature_kinds)))
@@ -175,7 +179,7 @@ class FunctionTask(Task):
 def task(
     simulate: Simulate,
     *,
-    prior: Mapping[str, tuple[float, float]] | Sequence[tuple[float, float]],
+    prior: Mapping[str, Ends] | Sequence[Ends],
     names: Sequence[str] | None = None,
     support: Mapping[str, tuple[float, float]] | None = None,
     units: Mapping[str, str] | None = None,
@@ -195,7 +199,8 @@ def task(
         Rows are independent, and all randomness comes from the generator.
     prior
         Ends of the uniform prior of each parameter by its name, such as `{"lifetime": (1, 4)}`; or in the order of
-        `names`.
+        `names`. In place of ends a distribution of one number, such as `scipy.stats.norm(0, 1)`; one that goes on for
+        ever ends where a share of 0.0001 is left at either side. Of whole numbers it needs the kind "integer".
     names
         Names of the parameters, where `prior` does not give them.
     support
@@ -222,8 +227,9 @@ def task(
     Raises
     ------
     UsageError
-        If the prior is no box of finite ends, if the function raises, takes too long or returns events of another
-        shape, if a name cannot be one, or if a feature is not of the kind that was stated.
+        If the prior is neither finite ends nor a distribution of each parameter, if the function raises, takes too
+        long or returns events of another shape, if a name cannot be one, or if a feature is not of the kind that was
+        stated.
 
     Examples
     --------
@@ -238,7 +244,7 @@ def task(
     label = name or re.sub(r"[^A-Za-z0-9.]+", "-", getattr(simulate, "__name__", "")).strip("-") or "task"
     if not re.fullmatch(NAME, label):
         raise UsageError(f"the name of a task must be letters, digits, dots and dashes, got '{label}'")
-    box_of(prior)
+    box_of(prior, [parameter for parameter, kind in (kinds or {}).items() if kind == "integer"])
     for given, what in ((support or {}, "support"), (units or {}, "units")):
         for parameter in given:
             if parameter not in prior:

@@ -94,10 +94,9 @@ class Bump(avobench.Effect):
         x = simulate(theta, rng)
         return np.where(rng.random(x.shape) < phi, rng.normal(self.centre, WIDTH, x.shape), x)
 
-def sim(theta, rng):
-    return rng.normal(theta[:, 0], 1)
-
 if __name__ == "__main__":
+    def sim(theta, rng):
+        return rng.normal(theta[:, 0], 1)
     task = avobench.task(sim, prior={"mean": (-1, 1)})
     x = np.r_[np.random.default_rng(0).normal(0, 1, 900), np.random.default_rng(1).normal(2.5, WIDTH, 100)]
     given = dict(own=[Bump(2.5)], effects=["scale"], simulations=60_000, progress=False)

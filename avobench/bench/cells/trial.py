@@ -17,6 +17,7 @@ from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.estimates import require_recordable
 from avobench.bench.cells.memory import peak_memory_mib, reset_peak_memory
+from avobench.bench.cells.quantiles import in_shares, raw
 from avobench.bench.cells.state import put_back
 from avobench.bench.cells.streams import observe, stream
 from avobench.bench.plugins import registry
@@ -67,7 +68,8 @@ class Trial:
         # An amortised method has the same events for every target: one budget for all, whoever simulates first.
         own = () if self.method.amortised else (cell.target,)
         words = (self._task.name, self.method.name, *own, cell.repetition)
-        self.simulate = MeteredSimulator(self._task, cell.budget, stream(cell.seed, "simulator", *words), progress)
+        posed = in_shares(self._task)
+        self.simulate = MeteredSimulator(posed, cell.budget, stream(cell.seed, "simulator", *words), progress)
         self.rng = stream(cell.seed, "method", *words)
         self.problem: Problem | None = None
         self.estimate: object = None
@@ -83,7 +85,7 @@ class Trial:
             # An amortised method shares its simulated summaries among all targets, so these have one reference.
             reference = _observed(cell.task, settings, 0, cell.num_observations, cell.seed) if not own else None
             self._x_observed = _observed(cell.task, settings, cell.target, cell.num_observations, cell.seed)
-            self.problem = pose(self._task, self._x_observed.copy(), self.simulate, reference)
+            self.problem = pose(posed, self._x_observed.copy(), self.simulate, reference)
         self._observation_seconds = time.perf_counter() - start
 
     @contextmanager
@@ -112,6 +114,7 @@ class Trial:
         if not np.array_equal(self.problem.x_observed, self._x_observed):
             raise InvalidEstimate("the method changed the observed events; let it work on a copy")
         require_recordable(self.estimate, self.problem, self.simulate.used)
+        self.estimate = raw(self.estimate, self._task.prior)
         message = "; ".join(filter(None, (self.estimate.message, self.remark, self.estimate.doubt)))
         status = Status.DOUBTFUL if self.estimate.doubt else Status.OK
         try:

@@ -128,11 +128,16 @@ def _closure(statements: tuple[Statement, ...], wanted: set[str] | frozenset[str
 
 @functools.lru_cache(maxsize=64)
 def _statements(source: str) -> tuple[Statement, ...]:
-    """The statements at the top of a module."""
+    """The statements at the top of a module; also those of a script under `if __name__ == "__main__":`."""
     lines, statements = source.splitlines(keepends=True), []
-    for node in ast.parse(source).body:
+    nodes = list(ast.parse(source).body)
+    while nodes:
+        node = nodes.pop(0)
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "__name__ == '__main__'" and node.body[0].col_offset:
+            nodes = [*node.body, *nodes]
+            continue
         first = min([node.lineno, *(each.lineno for each in getattr(node, "decorator_list", []))])
-        text = "".join(lines[first - 1 : node.end_lineno])
+        text = textwrap.dedent("".join(lines[first - 1 : node.end_lineno]))
         statements.append(Statement(text, frozenset(_bound(node)), _names(text)))
     return tuple(statements)
 

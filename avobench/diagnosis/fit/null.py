@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.bench.cells.budget import MeteredSimulator, pose
+from avobench.bench.cells.quantiles import in_shares, raw
 from avobench.bench.plugins import registry
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.descent import refine, scan, sharpen
@@ -42,9 +43,10 @@ class Inferred:
         least = method.min_simulations(len(task.parameter_names))
         if num_events < least:
             raise UsageError(f"--fit {name} needs at least {least} simulated events, got {num_events}")
-        simulate = MeteredSimulator(task, num_events, rng.spawn(1)[0])
-        estimate = method.infer(pose(task, x, simulate), rng.spawn(1)[0])
-        return cls(name, task, estimate, simulate.used)
+        posed = in_shares(task)
+        simulate = MeteredSimulator(posed, num_events, rng.spawn(1)[0])
+        estimate = method.infer(pose(posed, x, simulate), rng.spawn(1)[0])
+        return cls(name, task, raw(estimate, task.prior), simulate.used)
 
     def centre(self, model: Model) -> NDArray[np.float64]:
         """The estimate in the unit cube of the task's own model (p,)."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import binom, chi2, norm
+from scipy.stats import binom, chi2, f, norm
 
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.descent import settled, sharpen
@@ -36,15 +36,27 @@ def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, effort: Eff
     """
     # Where no theta comes near, nothing depends on how exactly the nearest one is known.
     num_events = int((effort.rounds if fit.p_value < TEST.hopeless else effort.sharpen) * target.num_events)
-    metric, lacking = model_metric(
-        fit, target.summary, target.mean, target.num_events, rng, min(num_events, effort.covariance)
-    )
+    of_covariance = min(num_events, effort.covariance)
+    metric, lacking = model_metric(fit, target.summary, target.mean, target.num_events, rng, of_covariance)
     # The fit has found its place: wide designs would only show a quadratic where it is none.
     efficient = sharpen(fit, metric, rng, num_events, least=0.0)
     if efficient.p_value > TEST.hopeless:
         efficient = settled(efficient, metric, rng, num_events, effort.settle)
     dof = max(efficient.dof - round(lacking), 1)
-    return GateResult(statistic=efficient.q, dof=dof, p_value=float(chi2.sf(efficient.q, dof))), efficient, metric
+    p_value = distance_p(efficient.q, dof, of_covariance)
+    return GateResult(statistic=efficient.q, dof=dof, p_value=p_value), efficient, metric
+
+
+def distance_p(q: float, dof: int, num_events: int) -> float:
+    """The p-value of a squared distance q in so many dimensions, by a covariance from so many events.
+
+    By H. Hotelling, Ann. Math. Stat. 2 (1931) 360. The share `dof / num_events` by which such a distance is too large
+    is left out, as chi-squared does, where it is small beside the scatter.
+    """
+    if dof**2 / num_events < TEST.biased * np.sqrt(2 * dof):
+        return float(chi2.sf(q, dof))
+    left = max(num_events - dof + 1, 1)
+    return float(f.sf(q * left / (num_events * dof), dof, left))
 
 
 def model_metric(

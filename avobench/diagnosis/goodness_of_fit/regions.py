@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.schema import Place, Region
-from avobench.diagnosis.settings import TEST
+from avobench.diagnosis.settings import SEARCH, TEST
 from avobench.diagnosis.summary.bins import Bins, Span
 from avobench.diagnosis.summary.joint import StackedSummary
 from avobench.diagnosis.summary.table import TableSummary
@@ -130,6 +130,21 @@ def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> li
     z = scan.z(fit)
     strongest = [scan.regions[i] for i in (z.argmax(), z.argmin())]
     return [(*region.ends, region.span.feature) for region in strongest]
+
+
+def disagreeing(fit: Fit, target: Target, x: NDArray) -> list[int]:
+    """The features of events x (n, d) that disagree most, alone or in a pair, as many as a search can look at."""
+    d = x.shape[1]
+    if d <= SEARCH.most_features or not isinstance(target.summary, Bins):
+        return list(range(d))
+    most = int(SEARCH.most_features**1.5 / np.sqrt(d))
+    scan = intervals(fit, target, target.summary.view(x).spans) + dependences(fit, target)
+    strongest = np.zeros(d)
+    for region, z in zip(scan.regions, np.abs(scan.z(fit)), strict=True):
+        features = region.features if isinstance(region, Together) else (region.span.feature,)
+        if len(features) <= 2:
+            strongest[list(features)] = np.maximum(strongest[list(features)], z)
+    return sorted(np.argsort(-strongest)[:most].tolist())
 
 
 def significant(

@@ -19,6 +19,7 @@ from avobench.effects.model_file import (
     settings_of,
 )
 from avobench.tasks import Task
+from avobench.tasks.prior import Distributed
 
 
 def describe(
@@ -43,6 +44,9 @@ def describe(
     high = np.minimum(model.high, fit.params + margin)
     low[:theta] = np.minimum(low[:theta], base.prior.low)
     high[:theta] = np.maximum(high[:theta], base.prior.high)
+    laws = [*base.prior.laws] if isinstance(base.prior, Distributed) else []
+    for j, law in enumerate(laws):
+        low[j], high[j] = (low[j], high[j]) if law is None else law.ends
     return ModelFile(
         name="-".join([base.name, *(e.name.replace("_", "-") for e in model.effects)]),
         task=base.content if inner else registry.absolute(task_spec),
@@ -56,6 +60,7 @@ def describe(
                 std=float(std[i]),
                 prior=(float(low[i]), float(high[i])),
                 support=(float(model.low[i]), float(model.high[i])),
+                law=laws[i] if i < len(laws) else None,
             )
             for i in range(model.dim)
         ],

@@ -177,8 +177,8 @@ def notes_of(
         )
     if isinstance(target.summary, Bins) and (left := target.summary.left_out):
         notes.append(
-            f"{left} pairs of features, far from each other in their order, are not compared: so many have no room in "
-            "memory."
+            f"{left} pairs of features, far from each other in their order, are not compared: there are too many of "
+            "them for so many events, or for the memory."
         )
     notes += prior_notes(outcome.first, "without effects")
     if outcome.effects:

@@ -1,5 +1,7 @@
 """Which effects are missing: a beam search over sets of effects, all weighed by their evidence."""
 
+import re
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -37,13 +39,15 @@ class Search:
     """What is told which effect is looked for."""
     experience: bool = True
     """Whether the networks are asked what the events look like."""
+    features: Sequence[int] | None = None
+    """The features on which effects are looked for, beside effects on all of them; None for each."""
 
     def posterior(self, null: Fit) -> Posterior | None:
         """Sets of effects that may be missing from a rejected model, with their probabilities.
 
         Where the simulated events end, those that were weighed until then; None if they end before any was.
         """
-        effects = [effect.adapted(self.x) for effect in self.effects]
+        effects = [effect.adapted(self.x) for effect in self.effects if self.looks_at({effect.feature})]
         weighed = [Weighed.of(null)]
         meter = null.model.events.meter if null.model.events is not None else Meter()
         with suppress(BudgetExhausted):
@@ -63,7 +67,8 @@ class Search:
         Raises BudgetExhausted where the simulated events end.
         """
         first, beam = self.candidates(weighed[0], effects, like), weighed[:1]
-        guesses = [(shape, shape.guess(self.x)) for effect in effects for shape in effect.shapes()]
+        shapes = [shape for effect in effects for shape in effect.shapes() if self.looks_at(named(shape))]
+        guesses = [(shape, shape.guess(self.x)) for shape in shapes]
         for size in range(1, self.max_effects + 1):
             added = []
             for parent in beam[: SEARCH.parents if size == 2 else 1]:
@@ -82,6 +87,10 @@ class Search:
             if size == 2 and beam:  # each of the two may describe the events alone, from where it is beside the other
                 weighed += first.told_apart([start_without(beam[0].fit, k) for k in (0, 1)], -np.inf)
 
+    def looks_at(self, features: set[int | str | None]) -> bool:
+        """Whether effects are looked for on all single features among these."""
+        return self.features is None or {j for j in features if isinstance(j, int)} <= set(self.features)
+
     def candidates(self, parent: Weighed, effects: list[Effect], like: dict[str, float]) -> Candidates:
         """Those to add to a model."""
         free = [effect for effect in effects if effect.key not in parent.effects]
@@ -92,6 +101,11 @@ class Search:
         """The best model of each set of effects, of the best SEARCH.parents sets."""
         best_last = sorted(added, key=worth)[::-1]
         return list({one.effects: one for one in best_last}.values())[::-1][: SEARCH.parents]
+
+
+def named(shape: Effect) -> set[int | str | None]:
+    """The single features that the name of a shape holds, as "x1 x3" does."""
+    return {int(number) - 1 for number in re.findall(r"\bx(\d+)\b", shape.shape)}
 
 
 def start_without(fit: Fit, k: int) -> Start:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from avobench.diagnosis.settings import SUMMARY
+from avobench.diagnosis.settings import SUMMARY, TEST
 from avobench.tasks.errors import UsageError
 
 MANY = 3
@@ -311,31 +311,36 @@ def bins_of(x: NDArray, simulated: NDArray) -> Bins:
     a feature, the rank correlation of each pair, and 4 x 4 bins a pair where there are at least 2 000 events. In a
     feature's tails they are finer. Few events make fewer bins. Counts are never split, the rare merged.
 
-    The covariance has the square of as many numbers, so there are `SUMMARY.most_numbers` at most: of many features,
-    correlations and then bins are left to pairs that are close in the order of the features, as sensors side by side
-    are, and which effects of the catalogue act on. To keep the pairs that differ most would find a difference where
-    there is none. Raises UsageError where there are too many features for that.
+    Several features have one number for `SUMMARY.events_a_number` events at most, since of fewer events a covariance of
+    them tells nothing; and `SUMMARY.most_numbers`, since it has the square of as many. Of many features, correlations
+    and then bins are left to pairs that are close in the order of the features, as sensors side by side are, and which
+    effects of the catalogue act on. To keep the pairs that differ most would find a difference where there is none.
+    Raises UsageError where there are too many features for that.
     """
     n, d = x.shape
     if 8 * d > SUMMARY.most_numbers:  # four bins of each take half of them
         raise UsageError(
             f"a diagnosis compares at most {SUMMARY.most_numbers // 8} features, the events have {d}: leave some out"
         )
+    numbers = min(n // SUMMARY.events_a_number, SUMMARY.most_numbers)
+    if d > 1 and 4 * d > numbers:
+        least = int(np.ceil(4 * d * SUMMARY.events_a_number / (1 - TEST.held_out_share)))
+        raise UsageError(
+            f"a diagnosis of {d} features needs about {least} events: leave features out, or measure more events"
+        )
     one = np.issubdtype(x.dtype, np.integer) and d == 1
-    most = (
-        min(max(n // 25, 4), 80 if one else 50)
-        if d == 1
-        else min(max(n // 100, 4), 12, SUMMARY.most_numbers // (2 * d))
-    )
+    most = min(max(n // 25, 4), 80 if one else 50) if d == 1 else min(max(n // 100, 4), 12, max(numbers // (2 * d), 4))
     if one and len(np.unique(x)) <= SUMMARY.few_counts:
         return Bins((inner_edges(x[:, 0], simulated[:, 0], len(x), least=SUMMARY.least_of_few),))
     edges = tuple(inner_edges(x[:, j], simulated[:, j], most, growth=2 if d == 1 else 8) for j in range(d))
     if d == 1:
         return Bins(edges)
+    if sum(len(e) + 2 for e in edges) > numbers:  # no room for fine tails beside the product of each with the next
+        edges = tuple(inner_edges(x[:, j], simulated[:, j], most) for j in range(d))
     scores = tuple(ranks(x[:, j], simulated[:, j], e) for j, e in enumerate(edges))
     varies = [j for j in range(d) if len(edges[j])]
     near = sorted(combinations(varies, 2), key=lambda pair: (pair[1] - pair[0], pair))
-    room = SUMMARY.most_numbers - sum(len(e) + 1 for e in edges) - 2  # what all have in common
+    room = numbers - sum(len(e) + 1 for e in edges) - 2  # what all have in common
     products = tuple(near[: max(room, 0)])
     coarse = tuple(inner_edges(x[:, j], simulated[:, j], 4) for j in range(d)) if n >= 2000 else ()
     pairs = []

@@ -71,7 +71,9 @@ class FeatureEffect(Family):
         return max(self.ranges[j].high for j in self.columns)
 
     def adapted(self, x):
-        return replace(self, ranges=tuple(span.shown(x[:, j]) for j, span in enumerate(self.ranges)))
+        acts_on = self.columns
+        shown = (span.shown(x[:, j]) if j in acts_on else span for j, span in enumerate(self.ranges))
+        return replace(self, ranges=tuple(shown))
 
     def place(self, narrow: float, wide: float) -> tuple[Parameter, Parameter]:
         """A centre and a width, the bounds of which are given in half ranges: of the feature; of each where all."""

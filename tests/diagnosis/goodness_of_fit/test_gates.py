@@ -18,13 +18,15 @@ from avobench.diagnosis.goodness_of_fit.gates import (
     classifier_gate,
     correction,
     dependence_gate,
+    distance_p,
     features_of,
     summary_gate,
     trained,
 )
-from avobench.diagnosis.goodness_of_fit.regions import regions
+from avobench.diagnosis.goodness_of_fit.regions import disagreeing, regions
 from avobench.diagnosis.run import diagnose
 from avobench.diagnosis.schema import Verdict
+from avobench.diagnosis.search.search import Search, named
 from avobench.diagnosis.summary.bins import bins_of
 from avobench.diagnosis.summary.target import Target, target_of
 from avobench.effects.catalogue import catalogue
@@ -52,6 +54,48 @@ def test_p_values_of_a_true_model_are_uniform(theta):
     p = p_values(40, theta)
     assert kstest(p, "uniform").pvalue > 5e-4
     assert (p < 0.05).sum() <= binom.isf(5e-4, len(p), 0.05)
+
+
+def test_a_distance_by_a_covariance_of_few_events_is_no_disagreement():
+    """Whitened by a covariance that is itself uncertain: 20 numbers of 100 events, and 1 000 draws."""
+    rng, p = np.random.default_rng(0), []
+    for _ in range(1000):
+        distance = rng.standard_normal(20)
+        cov = np.cov(rng.standard_normal((100, 20)).T)
+        p.append(distance_p(distance @ np.linalg.solve(cov, distance), 20, 99))
+    assert kstest(p, "uniform").pvalue > 1e-3
+
+
+def many(d):
+    """A task of so many features, each of which theta moves."""
+    slopes = np.linspace(0.5, 1.5, d)
+    return task(lambda theta, rng: theta * slopes + rng.normal(size=(len(theta), d)), prior={"s": (-1, 1)}, name="many")
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_many_features_of_few_events_raise_no_alarm(seed):
+    wide = many(30)
+    x = wide.simulate(np.full((1000, 1), 0.3), np.random.default_rng(seed))
+    found = diagnose(wide, x, seed=seed, effects=[]).diagnosis
+    assert min(gate.corrected for gate in found.gates.values()) > 1e-3
+    assert found.theta_before["s"].value == pytest.approx(0.3, abs=4 * found.theta_before["s"].std)
+
+
+def test_the_features_that_disagree_are_those_that_are_searched():
+    wide = many(40)
+    x = wide.simulate(np.full((4000, 1), 0.3), rng := np.random.default_rng(0))
+    x[:400, 7] = rng.normal(1.5, 0.1, 400)
+    target = target_of(x, bins_of(x, x), x)
+    fit = refine(Model(wide), target, np.array([0.65]), 0.01, rng, num_events=10_000)
+    found = disagreeing(fit, target, x)
+    assert 7 in found
+    assert len(found) < 15
+    search = Search(target, x, [], 1, rng, Effort(), 1, features=found)
+    depending = [effect for effect in catalogue(wide) if effect.name == "conditional_response"]
+    tried = [effect for effect in depending if search.looks_at({effect.feature})]
+    assert {effect.feature for effect in tried} == set(found)
+    shapes = [shape for effect in tried for shape in effect.shapes() if search.looks_at(named(shape))]
+    assert {j for shape in shapes for j in named(shape)} == set(found)
 
 
 def test_the_gate_sees_what_is_plainly_missing():

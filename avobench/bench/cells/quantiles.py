@@ -1,0 +1,83 @@
+"""A task whose prior is not uniform, for methods that know uniform ones: its parameters are shares of it."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.methods import Estimate, TracePoint, WeightedSample
+from avobench.tasks import Box, Task
+from avobench.tasks.prior import Distributed
+
+SAME = (
+    *("name", "parameter_names", "parameter_units", "num_features", "feature_names", "feature_kinds", "feature_units"),
+    *("event_shape", "cyclic_axes", "dtype", "discriminator", "packages", "extra"),
+)
+"""What such a task has of the other one."""
+
+
+class InShares(Task):
+    """A task with a parameter in [0, 1] for each of another's: the share of the prior that lies below it.
+
+    So the prior is uniform, and what a method makes of that is right for the prior of the other.
+    """
+
+    source = "a task, by shares of its prior"
+
+    def __init__(self, task: Task) -> None:
+        self.task = task
+        for name in SAME:
+            setattr(self, name, getattr(task, name))
+        self.prior = self.support = Box((0.0,) * task.prior.dim, (1.0,) * task.prior.dim)
+
+    def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
+        """One event per row: shares (n, p) -> (n, d). Raises ValueError outside of 0 to 1."""
+        self.require_support(theta)
+        return self.task.simulate(self.task.at_whole(self.task.prior.at(theta), rng), rng)
+
+    def summary(self, x: NDArray) -> NDArray[np.float64]:
+        """That of the other task."""
+        return self.task.summary(x)
+
+    def with_reference(self, x: NDArray) -> Task:
+        """This task with a summary that suits events like x (n, d)."""
+        return InShares(self.task.with_reference(x))
+
+    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
+        """Not known: NaN."""
+        return np.nan
+
+
+def in_shares(task: Task) -> Task:
+    """The task by shares of its prior; itself where that is uniform."""
+    return InShares(task) if isinstance(task.prior, Distributed) else task
+
+
+def raw(estimate: Estimate, prior: Box) -> Estimate:
+    """An estimate of `in_shares` in the units of the parameters; itself where the prior is uniform.
+
+    Points of a posterior are mapped one by one, and have a new mean and spread. Other errors follow the slope of the
+    quantiles over as far as they reach.
+    """
+    if not isinstance(prior, Distributed):
+        return estimate
+
+    def slopes(at: NDArray, std: NDArray) -> NDArray[np.float64]:
+        reach = np.maximum(np.nan_to_num(std, posinf=1.0), 1e-6)
+        above, below = np.clip(at + reach, 0, 1), np.clip(at - reach, 0, 1)
+        return (prior.at(above) - prior.at(below)) / (above - below)
+
+    def moved(theta: NDArray, std: NDArray | None) -> NDArray | None:
+        return None if std is None else std * slopes(theta, std)
+
+    told = {"theta": prior.at(estimate.theta), "error": moved(estimate.theta, estimate.error)}
+    told["trace"] = [TracePoint(n, prior.at(theta), moved(theta, std)) for n, theta, std in estimate.trace]
+    if estimate.covariance is not None:
+        slope = slopes(estimate.theta, np.sqrt(np.diag(estimate.covariance)))
+        told["covariance"] = estimate.covariance * np.outer(slope, slope)
+    if estimate.sample is None:
+        return replace(estimate, **told, mean=prior.at(estimate.mean), std=moved(estimate.mean, estimate.std))
+    points, weights = prior.at(estimate.sample.theta), estimate.sample.weights
+    mean = weights @ points / weights.sum()
+    std = np.sqrt(weights @ (points - mean) ** 2 / weights.sum())
+    return replace(estimate, **told, sample=WeightedSample(points, weights), mean=mean, std=std)

@@ -1,0 +1,153 @@
+"""Priors that are not uniform: a distribution of SciPy's for each parameter, by its quantiles."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from avobench.tasks.contract import Box
+from avobench.tasks.errors import UsageError, shown
+
+TAIL = 1e-4
+"""A prior that goes on for ever ends where so much is left at either side: a normal one 3.7 deviations out."""
+MOST_VALUES = 100_000
+"""Whole numbers of a prior, at most: all are looked at for a share of it."""
+
+
+@runtime_checkable
+class Distribution(Protocol):
+    """A distribution of one number, as `scipy.stats.norm(0, 1)` is."""
+
+    def ppf(self, q: ArrayLike) -> Any: ...
+
+    def cdf(self, x: ArrayLike) -> Any: ...
+
+
+@dataclass(frozen=True)
+class Law:
+    """A distribution of SciPy's by its name and arguments, so that a file can hold it.
+
+    Of whole numbers it is made continuous: the share below one is that of all smaller ones and half of its own.
+    """
+
+    name: str
+    args: tuple[float, ...] = ()
+    kwds: tuple[tuple[str, float], ...] = ()
+
+    @classmethod
+    def of(cls, parameter: str, given: Distribution, integer: bool) -> "Law":
+        """The law of a frozen distribution. Raises UsageError for what is none of one number, named in SciPy."""
+        if isinstance(given, Law):
+            return given
+        from scipy import stats
+
+        what = f"the prior of {parameter}"
+        known, args = getattr(given, "dist", None), getattr(given, "args", ())
+        if isinstance(given, stats.rv_continuous | stats.rv_discrete) and hasattr(stats, given.name or ""):
+            raise UsageError(f"{what} lacks its parameters: write it as scipy.stats.norm(0, 1) is written")
+        if known is None or type(known) is not type(getattr(stats, known.name or "", None)):
+            raise UsageError(
+                f"{what} must be a distribution of scipy.stats by name, with its parameters, got {shown(given)}"
+            )
+        try:
+            law = cls(known.name, tuple(map(float, args)), tuple((k, float(v)) for k, v in given.kwds.items()))
+        except TypeError as error:
+            raise UsageError(f"{what} must be a distribution of one number, got {shown(given)}") from error
+        except ValueError as error:
+            raise UsageError(f"{what} cannot be used: {error}") from error
+        if law.discrete and not integer:
+            raise UsageError(f"{what} is of whole numbers: say kinds={{'{parameter}': 'integer'}}")
+        if integer and not law.discrete:
+            raise UsageError(f"{parameter} is an integer: its prior must be of whole numbers, as scipy's randint is")
+        return law
+
+    def __post_init__(self) -> None:
+        from scipy import stats
+
+        if not isinstance(getattr(stats, self.name, None), stats.rv_continuous | stats.rv_discrete):
+            raise ValueError(f"scipy.stats has no distribution {self.name}")
+        low, high = self.ends
+        if not (np.isfinite([low, high]).all() and low < high):
+            raise ValueError(f"{self!r} has no finite width")
+        if self.discrete and high - low > MOST_VALUES:
+            raise ValueError(f"{self!r} has more than {MOST_VALUES} values")
+
+    def __repr__(self) -> str:
+        told = [*map(repr, self.args), *(f"{name}={value!r}" for name, value in self.kwds)]
+        return f"scipy.stats.{self.name}({', '.join(told)})"
+
+    @cached_property
+    def _frozen(self) -> Any:
+        from scipy import stats
+
+        return getattr(stats, self.name)(*self.args, **dict(self.kwds))
+
+    @property
+    def discrete(self) -> bool:
+        """Whether it is of whole numbers."""
+        return hasattr(self._frozen, "pmf")
+
+    @cached_property
+    def ends(self) -> tuple[float, float]:
+        """Where it ends, or all but TAIL of it does at either side."""
+        ends = np.array(self._frozen.support(), float)
+        return tuple(np.where(np.isfinite(ends), ends, self._frozen.ppf([TAIL, 1 - TAIL])).tolist())
+
+    def cdf(self, x: ArrayLike) -> NDArray[np.float64]:
+        """The share below x, in that between the ends: 0 to 1."""
+        return self._shares(x) if not self.discrete else np.interp(x, *self._steps)
+
+    def ppf(self, q: ArrayLike) -> NDArray[np.float64]:
+        """The inverse of `cdf`."""
+        if self.discrete:
+            return np.interp(q, *self._steps[::-1])
+        low, high = self._frozen.cdf(self.ends)
+        return np.clip(self._frozen.ppf(low + np.asarray(q) * (high - low)), *self.ends)
+
+    def _shares(self, x: ArrayLike) -> NDArray[np.float64]:
+        low, high = self._frozen.cdf(self.ends)
+        return (self._frozen.cdf(np.clip(x, *self.ends)) - low) / (high - low)
+
+    @cached_property
+    def _steps(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The whole numbers, and the share below each: (k,) twice."""
+        values = np.arange(self.ends[0], self.ends[1] + 1)
+        below = self._frozen.cdf(values) - self._frozen.pmf(values) / 2
+        return values, (below - below[0]) / (below[-1] - below[0])
+
+
+@dataclass(frozen=True)
+class Distributed(Box):
+    """A box in which parameters are distributed by laws; those without one are uniform."""
+
+    laws: tuple[Law | None, ...] = ()
+
+    @property
+    def center(self) -> NDArray[np.float64]:
+        """The medians (p,)."""
+        return self.at(np.full((1, self.dim), 0.5))[0]
+
+    def sample(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
+        """Draws: (n, p)."""
+        return self.at(rng.random((n, self.dim)))
+
+    def at(self, share: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The parameters below which these shares of the prior lie, each by itself: (..., p) -> (..., p)."""
+        plain = np.clip(self.low + share * self.width, self.low, self.high)
+        return self._by_law(plain, share, "ppf")
+
+    def shares(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The inverse of `at`."""
+        return self._by_law((theta - self.low) / self.width, theta, "cdf")
+
+    def _by_law(self, plain: NDArray, given: NDArray, how: str) -> NDArray[np.float64]:
+        found = plain.copy()
+        for j, law in enumerate(self.laws):
+            found[..., j] = plain[..., j] if law is None else getattr(law, how)(given[..., j])
+        return found
+
+
+Ends = tuple[float, float] | Distribution
+"""The ends of a uniform prior, or a distribution."""

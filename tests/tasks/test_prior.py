@@ -1,0 +1,95 @@
+"""Priors by distributions of SciPy's."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import stats
+
+import avobench
+from avobench.bench.cells.quantiles import in_shares, raw
+from avobench.methods import Estimate, WeightedSample
+from avobench.tasks.errors import UsageError
+from avobench.tasks.prior import Distributed, Law
+
+LAWS = {"mu": stats.norm(1, 0.5), "tau": stats.gamma(2, scale=3.0), "n": stats.poisson(3)}
+
+
+def simulate(theta, rng):
+    return theta[:, 0] + rng.normal(size=len(theta))
+
+
+def made(prior, **more):
+    return avobench.task(simulate, prior=prior, name="prior", **more)
+
+
+MIXED = made({**LAWS, "flat": (2, 4)}, kinds={"n": "integer"}).prior
+
+
+@given(st.lists(st.floats(0, 1), min_size=2, max_size=20))
+def test_shares_of_a_prior_are_those_below_its_quantiles(shares):
+    share = np.tile(np.array(shares)[:, None], (1, 4))
+    theta = MIXED.at(share)
+    np.testing.assert_allclose(MIXED.shares(theta), share, atol=1e-9)
+    assert MIXED.contains(theta).all()
+    np.testing.assert_allclose(theta[:, 3], 2 + 2 * share[:, 3])
+
+
+def test_draws_are_of_the_distribution():
+    x = made({"mu": LAWS["mu"], "tau": LAWS["tau"]}).prior.sample(4000, np.random.default_rng(0))
+    assert stats.kstest(x[:, 0], LAWS["mu"].cdf).pvalue > 1e-3
+    assert stats.kstest(x[:, 1], LAWS["tau"].cdf).pvalue > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("prior", "kind", "said"),
+    [
+        (stats.norm, None, "lacks its parameters"),
+        (stats.multivariate_normal([0, 0]), None, "a distribution of one number such as"),
+        (stats.norm([0, 1], 1), None, "distribution of one number"),
+        (stats.norm(0, -1), None, "no finite width"),
+        (stats.rv_histogram(np.histogram([1, 2, 3])), None, "by name"),
+        (stats.poisson(3), None, "kinds={'a': 'integer'}"),
+        (stats.norm(0, 1), "integer", "of whole numbers"),
+        (stats.randint(0, 10**9), "integer", "more than"),
+    ],
+)
+def test_what_is_no_distribution_of_one_number_is_refused_in_a_line(prior, kind, said):
+    with pytest.raises(UsageError, match=said):
+        made({"a": prior}, kinds=kind and {"a": kind})
+
+
+def test_an_answer_by_shares_is_told_in_the_units_of_the_parameter():
+    """Of a lognormal parameter: points one by one, an error by the slope of its quantiles."""
+    prior = made({"size": stats.lognorm(1.0)}).prior
+    points = np.linspace(0.2, 0.8, 7)[:, None]
+    told = Estimate(np.array([0.5]), "", "posterior", np.array([0.5]), np.array([0.2]), error=np.array([1e-4]))
+    known = raw(told, prior)
+    assert known.theta == pytest.approx([1.0], rel=1e-3)
+    assert known.error == pytest.approx(1e-4 / stats.lognorm(1.0).pdf(1.0), rel=1e-2)
+    sample = raw(
+        Estimate(*[told.theta, "", "posterior"], told.mean, told.std, sample=WeightedSample.equal(points)), prior
+    )
+    assert sample.mean == pytest.approx(prior.at(points).mean(axis=0))
+    assert sample.std == pytest.approx(prior.at(points).std(axis=0))
+
+
+def test_a_uniform_prior_is_left_alone():
+    task = made({"a": (0, 1)})
+    assert in_shares(task) is task
+    assert not isinstance(task.prior, Distributed)
+
+
+def test_a_fit_and_its_model_keep_the_prior(tmp_path):
+    task = made({"mu": LAWS["mu"]})
+    far = np.random.default_rng(0).normal(2, 1, 300)
+    assert avobench.infer(task, far, "smm", budget=8000).theta["mu"] == pytest.approx(2, abs=0.3)
+    avobench.diagnose(task, far, effects=[], simulations=40_000, progress=False).save(tmp_path)
+    again = avobench.load(tmp_path / "model.json", trust=True)
+    assert again.prior.laws == task.prior.laws == (Law("norm", (1.0, 0.5)),)
+    assert again.model.task.prior == task.prior
+
+
+def test_a_law_of_a_file_names_a_distribution_alone():
+    with pytest.raises(ValueError, match="no distribution"):
+        Law("os", ())
