@@ -16,10 +16,11 @@ from avobench.cli.progress import ProgressView
 from avobench.cli.state import State
 from avobench.tasks.errors import AvobenchError, UsageError
 from paper.experiments import EXPERIMENTS
-from paper.studies import baseline, contamination, detector, misspecification, real
+from paper.studies import agreement, baseline, contamination, detector, misspecification, real
 from paper.tables.real import format_table
 
 STUDIES = {
+    "agreement": "how often a fit is doubted, where its simulator is right and where it is not",
     "baseline": "the variance of the proposal's gradient with each baseline (Section 3.2)",
     "contamination": "squared errors against the share of outliers among the observed events",
     "detector": "the detector's average response at two offsets (Section 4.2)",
@@ -28,6 +29,7 @@ STUDIES = {
 }
 """The studies that are no cells."""
 STUDIED = {
+    "agreement": agreement,
     "baseline": baseline,
     "contamination": contamination,
     "detector": detector,

@@ -134,7 +134,9 @@ def made(
     if path.exists():
         record = read(path.parent)
         runs = record["runs"] if {name: record.get(name) for name in identity} == identity else []
-    methods = {row: registry.build("method", name, settings) for row, (name, settings) in METHODS.items() if row in rows}
+    methods = {
+        row: registry.build("method", name, settings) for row, (name, settings) in METHODS.items() if row in rows
+    }
     done = {(run["task"], run["share"], run["target"], run["row"], run["version"]) for run in runs}
     record = {"schema_version": SCHEMA_VERSION, **identity, "runs": runs, "versions": versions(("torch",))}
     for target in range(NUM_TARGETS):
