@@ -1,5 +1,6 @@
 """What `import avobench` offers. Each name is loaded when it is first asked for."""
 
+from .api.calibration import Calibration, calibrate
 from .api.diagnosis import Diagnosed, diagnose
 from .api.inference import Inference, infer
 from .api.joint import Joint, joint
@@ -25,6 +26,7 @@ __version__: str
 __all__ = [
     "AvobenchError",
     "Box",
+    "Calibration",
     "Diagnosed",
     "Effect",
     "Estimate",
@@ -42,6 +44,7 @@ __all__ = [
     "WeightedSample",
     "Workers",
     "bank",
+    "calibrate",
     "compare_tables",
     "diagnose",
     "fit_tables",

@@ -4,7 +4,7 @@ import html
 import json
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
+from avobench.api import agreement, others
 from avobench.api.described import Described, array, description, plain
 from avobench.api.joint import Joint, tables_in
 from avobench.api.limited import limited
@@ -70,6 +71,8 @@ class Inference:
     seed: int
     warnings: tuple[str, ...] = ()
     """What may be wrong with the events, a sentence each."""
+    others: tuple[Mapping[str, float], ...] = ()
+    """Other answers by name of the parameter, mirror images of `theta`, at which simulated events agree as well."""
     versions: Mapping[str, Any] = field(default_factory=versions)
     """The versions of Python and of the packages with which it was made."""
 
@@ -120,6 +123,8 @@ class Inference:
             "how": self.estimate.how,
             "message": self.estimate.message,
             "doubt": self.estimate.doubt,
+            "others": list(map(dict, self.others)),
+            "left_open": self.left_open,
             "warnings": list(self.warnings),
             "num_events": self.num_events,
             "num_simulations": self.num_simulations,
@@ -156,7 +161,8 @@ class Inference:
             raise ValueError("the estimate has another number of parameters")
         names = ("method", "num_events", "num_simulations", "seconds", "seed", "versions")
         kept = {name: content[name] for name in names}
-        return cls(task, estimate=estimate, warnings=tuple(content["warnings"]), **kept)
+        kept |= {"warnings": tuple(content["warnings"]), "others": tuple(content.get("others", ()))}
+        return cls(task, estimate=estimate, **kept)
 
     @property
     def samples_of(self) -> str:
@@ -183,6 +189,15 @@ class Inference:
             raise UsageError(f"{self.method} does not tell how the errors of the parameters are correlated")
         names = pd.Index(self.task.parameter_names, name="parameter")
         return pd.DataFrame(values, index=names, columns=self.task.parameter_names)
+
+    @property
+    def left_open(self) -> list[str]:
+        """A sentence for each combination of parameters of which the events tell next to nothing."""
+        try:
+            covariance = self.covariance.to_numpy()
+        except UsageError:
+            covariance = np.diag(self._quoted[1] ** 2)
+        return others.left_open(self.task, self.estimate.theta, covariance)
 
     def samples(self, n: int = 4000, seed: int = 0) -> pd.DataFrame:
         """Draws (n, p) of the parameters, a column each; `samples_of` says from what.
@@ -244,7 +259,7 @@ class Inference:
         raise UsageError(f"there is no figure '{name}'; a fit has trace, pairs")
 
     def __str__(self) -> str:
-        """A line for each parameter, a doubt of the method where it has one, and what the fit took."""
+        """A line for each parameter, a doubt where there is one, other answers, and what the fit took."""
         found = zip(self.theta.items(), self._quoted[1], self.task.parameter_units, self.task.is_integer, strict=True)
         lines = [
             f"{name} = {f'{value:.0f} ± {std:.2g}' if whole else with_error(value, std)}"
@@ -252,8 +267,15 @@ class Inference:
             for (name, value), std, unit, whole in found
         ]
         doubt = [f"doubtful: {self.estimate.doubt}"] if self.estimate.doubt else []
-        notes = [f"note: {note}" for note in (*self.warnings, self.estimate.message) if note]
-        return "\n".join([*lines, *doubt, self.how, *notes])
+        notes = [f"note: {note}" for note in (*self.left_open, *self.warnings, self.estimate.message) if note]
+        return "\n".join([*lines, *doubt, *self._as_well, self.how, *notes])
+
+    @property
+    def _as_well(self) -> list[str]:
+        """A line for each other answer."""
+        return [
+            "as good: " + ", ".join(f"{name} = {value:.4g}" for name, value in other.items()) for other in self.others
+        ]
 
     @property
     def how(self) -> str:
@@ -269,7 +291,8 @@ class Inference:
     def _repr_html_(self) -> str:
         table = self.to_frame().to_html(float_format=lambda value: f"{value:.5g}", border=0)
         doubt = f"<p><strong>doubtful</strong>: {html.escape(self.estimate.doubt)}</p>" if self.estimate.doubt else ""
-        return f"<p>{html.escape(f'{self.task.name}, {self.how}')}</p>{doubt}{table}"
+        more = "".join(f"<p>{html.escape(line)}</p>" for line in (*self._as_well, *self.left_open))
+        return f"<p>{html.escape(f'{self.task.name}, {self.how}')}</p>{doubt}{table}{more}"
 
 
 @checked
@@ -303,7 +326,8 @@ def infer(
         installed, and otherwise `smm`, which needs no more than the base install.
     budget
         Simulated events, at most; of `avobench.bank` all that there are. A twentieth of them at most goes into a check
-        of events and simulator.
+        of events and simulator, and a tenth is held back: fresh events at the estimate are compared with the observed
+        ones, and at its mirror images.
     seed
         Of all that is random. The same seed gives the same estimate.
     settings
@@ -355,19 +379,45 @@ def infer(
     x_observed, warnings = check_events(task, x, drop_invalid=drop_invalid, diagnosis=False, made=made)
     start = time.perf_counter()
     words, posed = (task.name, method.name), in_shares(task)
+    held = min(budget // agreement.SHARE, budget - checks.used - least)
     with shown(progress) as tell:
-        simulate = MeteredSimulator(
-            *(posed, budget - checks.used, stream(seed, "simulator", *words)),
-            progress=lambda used: tell(method.name, checks.used + used, budget),
-        )
+
+        def metered(what: str, task: Task, limit: int, before: int) -> MeteredSimulator:
+            """A simulator of `limit` events with a stream of its own, `before` which so many were made."""
+            told = lambda used: tell(method.name, before + used, budget)  # noqa: E731
+            return MeteredSimulator(task, limit, stream(seed, what, *words), progress=told)
+
+        simulate = metered("simulator", posed, budget - checks.used - held, checks.used)
         problem = pose(posed, x_observed, simulate)
         estimate = method.infer(problem, stream(seed, "method", *words))
-    require_recordable(estimate, problem, simulate.used)
-    estimate = raw(estimate, task.prior)
+        require_recordable(estimate, problem, simulate.used)
+        estimate = raw(estimate, task.prior)
+        test = metered("agreement", task, held, checks.used + simulate.used)
+        estimate, as_good = tested(task, estimate, x_observed, test, simulate.used, stream(seed, "test", *words))
     seconds = time.perf_counter() - start
-    return Inference(
-        task, method.name, estimate, len(x_observed), checks.used + simulate.used, seconds, seed, tuple(warnings)
-    )
+    used = checks.used + simulate.used + test.used
+    answers = tuple(dict(zip(task.parameter_names, other.tolist(), strict=True)) for other in as_good)
+    return Inference(task, method.name, estimate, len(x_observed), used, seconds, seed, tuple(warnings), answers)
+
+
+def tested(
+    task: Task,
+    estimate: Estimate,
+    x_observed: NDArray,
+    simulate: MeteredSimulator,
+    num_fitted: int,
+    rng: np.random.Generator,
+) -> tuple[Estimate, list[NDArray[np.float64]]]:
+    """The estimate with a doubt where fresh events at it differ from the observed ones, and what else fits as well.
+
+    Two thirds of the budget of `simulate` are spent at the estimate, and the rest at its mirror images.
+    """
+    theta, error = task.quoted(estimate.theta, estimate.std if estimate.error is None else estimate.error)
+    num = simulate.budget - simulate.budget // 3
+    doubt = agreement.doubt_of(task, theta, x_observed, simulate, num, rng)
+    if doubt:
+        return replace(estimate, doubt="; ".join(filter(None, (estimate.doubt, doubt)))), []
+    return estimate, others.as_good(task, theta, error, x_observed, simulate, simulate.remaining, num_fitted, rng)
 
 
 def moments(

@@ -10,6 +10,7 @@ import pandas as pd
 from avobench.cli.main import main
 from paper.experiments import records_of
 from paper.figures import contamination, dimension, misspecification
+from paper.studies import agreement
 from paper.studies import contamination as contamination_study
 from paper.studies.misspecification import read
 from paper.tables import coverage, experiments, targets
@@ -17,6 +18,7 @@ from paper.tables import coverage, experiments, targets
 TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = {
     "ablation": (experiments.ablation, "reference dimension ablation"),
     "contamination": (contamination.table, "studies"),
+    "agreement": (agreement.table, "studies"),
     "coverage": (coverage.table, "reference rivals smm"),
     "dimension": (dimension.table, "dimension"),
     "fresh": (experiments.fresh, "fresh"),
@@ -27,7 +29,7 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = 
     "tuning": (experiments.tuning, "tuning"),
 }
 """What makes each table, and the folders in results of which it is made unless others are named."""
-ONE_FILE = {"contamination": contamination_study.read, "misspecification": read}
+ONE_FILE = {"agreement": agreement.read, "contamination": contamination_study.read, "misspecification": read}
 """The tables of a record that is a file of its own, with what reads it."""
 
 

@@ -1,0 +1,129 @@
+"""Whether fresh events simulated at an estimate agree with the observed ones: a two-sample test, at any size.
+
+Each feature is looked at by the Kolmogorov-Smirnov test, which sees a shift, and by a scan of intervals of all widths,
+which sees a narrow peak. Both are exact, for few events too. A classifier that learns from one half of the events and
+judges the other (D. Lopez-Paz, M. Oquab, ICLR 2017) sees how features depend on each other.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.tasks import Task
+from avobench.tasks.errors import SimulatorError, text_of
+
+SHARE = 10
+"""One in so many of the simulated events that are allowed is held back for the test."""
+LEVEL = 0.01
+"""A p-value below it is a doubt. One sound fit in twenty may be doubted, so this leaves room for what theta is off by.
+"""
+FEWEST = 10
+"""Events of each kind below which nothing is said."""
+LEARNT_FROM = 100
+"""Events of each kind in either half from which a classifier learns."""
+MOST_INTERVALS = 1024
+"""Intervals of the least width in which the events of a feature are counted, at most; FEWEST lie in each."""
+MOST_TIMES = 10
+"""So many observed events for each simulated one are looked at, at most: more of them add a tenth at best."""
+
+
+def doubt_of(
+    task: Task,
+    theta: NDArray[np.float64],
+    observed: NDArray,
+    simulate: Callable[[NDArray[np.float64]], NDArray],
+    num_simulated: int,
+    rng: np.random.Generator,
+) -> str:
+    """The reason to doubt theta (p,), or "": so many events simulated there differ from the observed ones (N, d).
+
+    That nothing could be tested is a reason as well.
+    """
+    if min(len(observed), num_simulated) < FEWEST:
+        return (
+            f"{num_simulated} simulated events were held back to be compared with {len(observed)} observed ones: at "
+            f"least {FEWEST} of either could tell whether they agree"
+        )
+    try:
+        simulated = simulate(np.tile(theta, (num_simulated, 1)))
+    except SimulatorError as error:
+        return f"the simulator failed where the estimate was to be tested: {text_of(error)}"
+    p_value = two_sample(seen(task, observed), seen(task, simulated), rng)
+    if p_value >= LEVEL:
+        return ""
+    return f"fresh events simulated at the estimate differ from the observed ones: p = {p_value:.1g}"
+
+
+def seen(task: Task, x: NDArray) -> NDArray:
+    """What the test sees of events (n, d): an image is summed over the axes along which nothing depends on theta."""
+    if not task.cyclic_axes:
+        return x
+    axes = tuple(1 + axis for axis in task.cyclic_axes)
+    return x.reshape(-1, *task.event_shape).sum(axis=axes).reshape(len(x), -1)
+
+
+def two_sample(observed: NDArray, simulated: NDArray, rng: np.random.Generator) -> float:
+    """The p-value of two sets of events (N, d) and (n, d) being of one distribution.
+
+    It is twice the smaller of the classifier's p-value and of the least of a feature, times the number of these.
+    """
+    from scipy.stats import ks_2samp
+
+    from avobench.diagnosis.goodness_of_fit.gates import rounded
+    from avobench.diagnosis.settings import TEST
+
+    observed, simulated = rng.permutation(observed)[: MOST_TIMES * len(simulated)], rng.permutation(simulated)
+    both = np.concatenate([observed, simulated])
+    both = both[:, (both != both[0]).any(axis=0)]
+    both = rounded(both, TEST.grain * both.std(axis=0))
+    observed, simulated = both[: len(observed)], both[len(observed) :]
+    pairs = list(zip(observed.T, simulated.T, strict=True))
+    least = min((2 * min(ks_2samp(*pair).pvalue, scanned(*pair)) for pair in pairs), default=1.0)
+    return float(min(1.0, 2 * min(classified(observed, simulated, rng), len(pairs) * least)))
+
+
+def scanned(observed: NDArray, simulated: NDArray) -> float:
+    """The p-value of observed (N,) and simulated values (n,) being as frequent in each of many intervals.
+
+    The intervals hold a half of all values, a quarter, and so on, and overlap by halves. Given how many values there
+    are in one, the number of observed ones among them is hypergeometric. Each width has the same share of the false
+    alarms, so that what is wide is not lost among many narrow intervals.
+    """
+    from scipy.stats import hypergeom
+
+    num, total = len(observed), len(observed) + len(simulated)
+    levels = int(np.log2(max(2, min(num, len(simulated), MOST_INTERVALS * FEWEST) / FEWEST)))
+    both = np.concatenate([observed, simulated])
+    inner = np.quantile(both, np.linspace(0, 1, 2**levels + 1)[1:-1])
+    place = np.searchsorted(inner, both, side="right")
+    below = [np.r_[0, np.bincount(x, minlength=2**levels).cumsum()] for x in (place[:num], place)]
+    p_values = []
+    for level in range(levels):
+        width = 2**level
+        first = np.arange(0, 2**levels - width + 1, max(1, width // 2))
+        seen, of = (each[first + width] - each[first] for each in below)
+        tail = np.minimum(hypergeom.cdf(seen, total, num, of), hypergeom.sf(seen - 1, total, num, of))
+        p_values.append(2 * tail.min() * len(first))
+    return float(min(1.0, levels * min(p_values)))
+
+
+def classified(observed: NDArray, simulated: NDArray, rng: np.random.Generator) -> float:
+    """The p-value of observed events being no more probable than simulated ones by what a classifier learnt.
+
+    The classifier that one half teaches judges the other. The two halves depend on each other, so the smaller of both
+    p-values counts twice.
+    """
+    from scipy.stats import ttest_ind
+
+    from avobench.diagnosis.goodness_of_fit.gates import trained
+
+    if min(len(observed), len(simulated)) < 2 * LEARNT_FROM or not observed.shape[1]:
+        return 1.0
+    p_values = []
+    for half in range(2):
+        trees = trained(observed[half::2], simulated[half::2], int(rng.integers(2**31)))
+        judged = [trees.predict_proba(x[1 - half :: 2])[:, 1] for x in (observed, simulated)]
+        alike = np.ptp(np.concatenate(judged)) == 0
+        p_values.append(1.0 if alike else ttest_ind(*judged, equal_var=False, alternative="greater").pvalue)
+    return min(1.0, 2 * min(p_values))
