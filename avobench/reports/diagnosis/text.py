@@ -47,7 +47,8 @@ def summary(diagnosis: Diagnosis) -> str:
     lines = [_verdict(diagnosis), meaning(diagnosis)]
     lines += [f"{_role(diagnosis)}: {_effect(effect)}" for effect in diagnosis.effects]
     lines += [f"95 % set of models: {models}\n{MEANT}" for models in [likely_models(diagnosis)] if models]
-    lines += decisions(diagnosis)[:1]
+    asked = [each for each in diagnosis.decisions if each.events and not each.condition]
+    lines += [_decision(each, diagnosis) for each in asked[:1]]
     lines += [*_chi_squared(diagnosis), _gap(diagnosis), *_theta(diagnosis)]
     lines.append(f"{diagnosis.num_simulations} simulated events; details() tells the rest.")
     return "\n".join(lines)
