@@ -278,7 +278,10 @@ class Run:
         view = target.summary.view(self.events)
         regions = outcome.regions(self.task, target, view, rng)
         with self.affordable("the identifiability card"):
-            rows = card(final.fit, target, self.effects, self.alpha * final.gates["summary"].share, rng, effort)
+            shown = self.effects
+            if not self.of_tables and len(some := disagreeing(fit, target, self.events)) < self.events.shape[1]:
+                shown = [each for each in shown if not isinstance(each.feature, int) or each.feature in some]
+            rows = card(final.fit, target, shown, self.alpha * final.gates["summary"].share, rng, effort)
         drawn = pictures(view, target, outcome.first, fit if outcome.effects else None, self.task.labels)
         if outcome.verdict in (Verdict.FAMILY, Verdict.UNEXPLAINED) and not self.of_tables:
             with self.affordable("the correction"):
