@@ -20,7 +20,7 @@ from avobench.cli.terminal import say
 @DATA
 @click.option("--method", default=None, metavar="NAME", help="Method, or file.py:Class.  [avo, or smm without PyTorch]")
 @click.option(
-    "--budget", type=int, default=160_000, show_default=True, help="Simulated events that the method may use."
+    "--budget", type=int, default=160_000, show_default=True, help="Simulated events, at most."
 )
 @SEED
 @click.option(
