@@ -129,6 +129,7 @@ def calibrate(
     task = registry.task_of(task)
     counts = {"n": n, "events": events, "budget": budget, "jobs": jobs}
     n, events, budget, jobs = (whole(name, value, 1) for name, value in counts.items())
+    seed = whole("seed", seed, 0)
     truth = np.concatenate([task.prior.sample(1, stream(seed, "calibrate", task.name, i)) for i in range(n)])
     truth = task.quoted(truth, np.zeros_like(truth))[0]
     identity = {"task": task.name, "method": method, "settings": dict(settings or {})}
@@ -187,7 +188,7 @@ def _opened(folder: str | Path | None, identity: dict[str, Any]) -> Iterator[Pat
             yield Path(temporary)
         return
     require_folder(path := Path(folder))
-    file, said = path / IDENTITY, (json.dumps(identity, indent=1) + "\n").encode()
+    file, said = path / IDENTITY, (json.dumps(identity, indent=1, default=repr) + "\n").encode()
     if file.exists() and file.read_bytes() != said:
         raise UsageError(f"{path} holds fits with other arguments than these ({file} has them); choose another folder")
     write_file(file, said)

@@ -19,9 +19,7 @@ from avobench.cli.terminal import say
 @click.option("--task", "spec", required=True, metavar="NAME", help="Task, file.py:Class, or a model.json.")
 @DATA
 @click.option("--method", default=None, metavar="NAME", help="Method, or file.py:Class.  [avo, or smm without PyTorch]")
-@click.option(
-    "--budget", type=int, default=160_000, show_default=True, help="Simulated events that the method may use."
-)
+@click.option("--budget", type=int, default=160_000, show_default=True, help="Simulated events, at most.")
 @SEED
 @click.option(
     "--set",

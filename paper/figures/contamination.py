@@ -46,6 +46,15 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     )
 
 
+def compared(records: list[dict[str, Any]], value: str = "to minimiser") -> pd.DataFrame:
+    """A row a task and share, a column a method that has any: one column of `table`."""
+    numbers = table(records).dropna(subset=value)
+    wide = numbers.pivot(index=["task", "share"], columns="method", values=value)
+    wide = wide.reindex(index=numbers[["task", "share"]].drop_duplicates().apply(tuple, axis=1))
+    shown = [method for method in METHODS if method in wide]
+    return wide[shown].rename_axis(columns=None).reset_index()
+
+
 def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
     """Write contamination.pdf, .png and .csv to `folder`: a panel a task."""
     numbers = table(records)

@@ -1,6 +1,7 @@
 """`python -m paper.tables NAME [FOLDER...]` prints a table of the documentation from committed records."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,8 @@ from paper.tables import coverage, experiments, targets
 
 TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = {
     "ablation": (experiments.ablation, "reference dimension ablation"),
-    "contamination": (contamination.table, "studies"),
+    "contamination": (contamination.compared, "studies"),
+    "contamination-pulls": (partial(contamination.compared, value="pull"), "studies"),
     "agreement": (agreement.table, "studies"),
     "coverage": (coverage.table, "reference rivals smm"),
     "dimension": (dimension.table, "dimension"),
@@ -29,7 +31,11 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = 
     "tuning": (experiments.tuning, "tuning"),
 }
 """What makes each table, and the folders in results of which it is made unless others are named."""
-ONE_FILE = {"agreement": agreement.read, "contamination": contamination_study.read, "misspecification": read}
+ONE_FILE = {
+    "agreement": agreement.read,
+    **dict.fromkeys(("contamination", "contamination-pulls"), contamination_study.read),
+    "misspecification": read,
+}
 """The tables of a record that is a file of its own, with what reads it."""
 
 

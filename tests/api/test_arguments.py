@@ -54,6 +54,7 @@ def sound(tmp_path_factory):
     avobench.run(**sweep)
     return {
         "bank": {"events": x},
+        "calibrate": {"task": task, "n": 1, "events": 100, "budget": 400, "progress": False},
         "compare_tables": {"tables": TABLE, "events": x},
         "diagnose": {"task": task, "x": x, "progress": False},
         "fit_tables": {"tables": TABLE, "theta": THETAS, "simulated": [RNG.normal(t, 1, 200) for t in THETAS]},
