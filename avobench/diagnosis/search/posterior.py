@@ -205,6 +205,7 @@ class Prior:
     def log(self, names: Names) -> float:
         """Logarithm of the probability of a set of effects in given shapes."""
         k, all_odds = len(names), sum(self.odds.values())
-        sets = comb(len(self.odds), k) * (all_odds / len(self.odds)) ** k if k else 1
+        # One family may act on two features, so that there are more effects than families.
+        sets = max(comb(len(self.odds), k), 1) * (all_odds / len(self.odds)) ** k if k else 1
         each = sum(np.log(self.odds[name] / self.choices[name] / self.shapes[name, on]) for name, on in names)
         return float(np.log(SCORE.number[min(k, len(SCORE.number) - 1)]) - np.log(sets) + each)
