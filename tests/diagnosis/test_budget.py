@@ -113,7 +113,7 @@ def test_a_search_that_fitted_nothing_claims_nothing(often_off):
 
 
 def test_what_was_fitted_until_the_events_ended_is_weighed_and_tested(often_off):
-    diagnosis = diagnose(Poisson(), often_off, num_simulations=50_000).diagnosis
+    diagnosis = diagnose(Poisson(), often_off, num_simulations=75_000).diagnosis
     assert short(diagnosis)
     assert [one.name for one in diagnosis.effects] == ["zero_inflation"]
     assert diagnosis.outside < 0.5

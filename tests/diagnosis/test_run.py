@@ -58,7 +58,7 @@ def test_500_angles_behind_an_acceptance():
     names = ("edge_acceptance", "scale", "dead_region")
     chosen = [effect for effect in catalogue(task) if effect.name in names]
     diagnosis = diagnose(task, seen, effects=chosen, num_simulations=6_000_000).diagnosis
-    assert diagnosis.p_value_before < 1e-4
+    assert diagnosis.p_value_before < 1e-6
     (found,) = [each for each in diagnosis.probabilities if each.name == "edge_acceptance"]  # a scale does it as well
     assert found.feature == "cos_angle"
     assert found.probability > diagnosis.outside
