@@ -82,8 +82,7 @@ def fit_null(
         target = target_for(model.task, x, others)
     near = 0.03
     if centre is None:
-        # A child of the seed: whatever was measured, and however many, the same seed looks at the same places first.
-        centre, near = scan(model, target, rng, size=effort.scan, places=rng.spawn(1)[0])
+        centre, near = scan(model, target, rng, size=effort.scan, places=np.random.default_rng(0))
     near = np.broadcast_to(np.maximum(near, 0.005), model.dim)
     coarse, per_round = max(effort.least, len(x)), max(effort.least, int(effort.rounds * len(x)))
     if isinstance(model.events, Bank):

@@ -25,12 +25,6 @@ class Design:
     def box(cls, centre: NDArray[np.float64], half: NDArray[np.float64]) -> "Design":
         return cls(np.clip(centre, 0, 1), np.diag(half))
 
-    @property
-    def widths(self) -> NDArray[np.float64]:
-        """Half the width along each coordinate, the others at the centre (P,): of a slanting design far less than all
-        that it covers."""
-        return 1 / np.abs(np.linalg.inv(self.axes)).max(axis=0, initial=0)
-
     def to_t(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
         """(..., P) -> (..., P)"""
         return (u - self.centre) @ np.linalg.inv(self.axes).T
@@ -132,7 +126,7 @@ def from_events(model: Model, vectors: Vectors, design: Design, num_events: int,
     does. Places and events come from two streams, so that from one seed all models get the same events.
     """
     places, happenings = rng.spawn(2)
-    source = model.source(design.widths)
+    source = model.source(np.abs(design.axes).sum(axis=1))
     pairs, k = max(num_events // 2, 1), (model.dim + 1) * (model.dim + 2) // 2
     normal, at_centre, spread, unlike = np.zeros((k, k)), 0.0, 0.0, 0.0
     left = pairs
@@ -217,7 +211,7 @@ class ReferenceModel:
         p, k = self.model.dim, (model.dim + 1) * (model.dim + 2) // 2
         normal, change, unlike = np.zeros((k, k)), 0.0, 0.0
         num_centre, change_there = 0, 0.0
-        left, source = num_events, self.model.source(design.widths)
+        left, source = num_events, self.model.source(np.abs(design.axes).sum(axis=1))
         while left > 0:
             n = min(left, model.at_once)
             u = design.to_u(rng.uniform(-1, 1, (n, model.dim)))
