@@ -177,8 +177,6 @@ class SearchSettings:
     """Points of the grid that are looked at again, with more events: the first look is too noisy to choose one."""
     final_events: int = 5
     """Times the events of the first look, for the second: as many again in all, since a grid has some 100 points."""
-    events_of_others: int = 2
-    """Events of each point, a measured one, at most, where an effect acts on theta, so that they are simulated anew."""
     closest: int = 3
     """Finalists that are looked at beside once more: an edge must be met within a fit's first design."""
     look_steps: tuple[float, float] = (1 / 2, 1 / 4)

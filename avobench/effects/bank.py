@@ -52,38 +52,30 @@ class Bank:
 
     def resolve(self, scale: NDArray[np.float64]) -> None:
         """Make the lattice so fine that its spacing is at most `scale` (p,), in shares of each parameter's range."""
-        self._step = _steps(scale)
+        finest = np.clip(np.floor(np.log2(scale)), COARSEST - FINEST, -COARSEST)
+        self._step = 2 ** (FINEST + finest.astype(int))
 
     def fresh(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """Events that no session hands out, kept aside for whoever needs such: theta (n, p) -> (n, d)."""
-        return self.take(theta, rng, {}, self._step, aside=True)
+        return self.take(theta, rng, {}, aside=True)
 
     def repeats(self, taken: dict[bytes, int]) -> float:
         """How often a session that has `taken` so many events of each node had each of them: once."""
         return 1.0
 
-    def session(self, scale: NDArray[np.float64] | None = None) -> "Session":
-        """A simulator that hands out each event of the bank once.
-
-        Where a spacing of `scale` (p,) is fine enough, in shares of each range, its lattice is no finer: what looks at
-        a wide range of theta needs fewer nodes, which are also nodes of all finer lattices.
-        """
-        return Session(self, self._step if scale is None else np.maximum(self._step, _steps(scale)))
+    def session(self) -> "Session":
+        """A simulator that hands out each event of the bank once."""
+        return Session(self)
 
     def take(
-        self,
-        theta: NDArray[np.float64],
-        rng: np.random.Generator,
-        taken: dict[bytes, int],
-        step: NDArray[np.int64],
-        aside: bool = False,
+        self, theta: NDArray[np.float64], rng: np.random.Generator, taken: dict[bytes, int], aside: bool = False
     ) -> NDArray:
         """An event for each row of theta, beyond those of each node that are `taken`: (n, p) -> (n, d).
 
-        The lattice has the spacing `step` (p,). Events are of those kept aside, or of all others. What is lacking is
-        simulated in the order of the rows. Raises BudgetExhausted.
+        They are of those kept aside, or of all others. What is lacking is simulated in the order of the rows. Raises
+        BudgetExhausted.
         """
-        corners = self._corners(theta, rng, step)
+        corners = self._corners(theta, rng)
         nodes, which, counts = distinct_rows(corners)
         keys = [_key(node, aside) for node in nodes]
         first = np.array([taken.get(key, 0) for key in keys], np.intp)
@@ -97,15 +89,13 @@ class Bank:
         rows[order] = np.concatenate([rows[:0], *chosen])
         return self._events[rows]
 
-    def _corners(
-        self, theta: NDArray[np.float64], rng: np.random.Generator, step: NDArray[np.int64]
-    ) -> NDArray[np.int64]:
+    def _corners(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.int64]:
         """A random corner of the cell around each row of theta (n, p), in steps of 2^-FINEST of the range: (n, p)."""
-        at = (theta - self._low) / (self._high - self._low) * (2.0**FINEST / step)
+        at = (theta - self._low) / (self._high - self._low) * (2.0**FINEST / self._step)
         below = np.floor(at)
         # Of the finest lattice it is the nearest, so that the same theta is always the same node.
-        above = np.where(step == 1, 0.5, rng.random((len(theta), 1)))
-        return (below + (at - below > above)).astype(np.int64) * step
+        above = np.where(self._step == 1, 0.5, rng.random((len(theta), 1)))
+        return (below + (at - below > above)).astype(np.int64) * self._step
 
     def _make(self, rows: NDArray[np.int64], aside: bool) -> None:
         """Simulate an event for each of these nodes (n, p)."""
@@ -153,20 +143,13 @@ class Given(Bank):
 
     def __init__(self, task: SampleTask, meter: Meter) -> None:
         self.task, self.meter = task, meter
-        self._step = np.ones(len(task.parameter_names), np.int64)
-        """Not used: the nodes are those that there are."""
         meter.add(len(task.events))
 
     def resolve(self, scale: NDArray[np.float64]) -> None:
         """The nodes are those that there are."""
 
     def take(
-        self,
-        theta: NDArray[np.float64],
-        rng: np.random.Generator,
-        taken: dict[bytes, int],
-        step: NDArray[np.int64],
-        aside: bool = False,
+        self, theta: NDArray[np.float64], rng: np.random.Generator, taken: dict[bytes, int], aside: bool = False
     ) -> NDArray:
         """An event for each row of theta, after those of each node that are `taken`: (n, p) -> (n, d)."""
         groups = self.task.aside if aside else self.task.groups
@@ -188,20 +171,19 @@ class Given(Bank):
 class Session:
     """A simulator with the events of a bank, of which each comes once."""
 
-    def __init__(self, bank: Bank, step: NDArray[np.int64]) -> None:
-        """With a lattice of the spacing `step` (p,)."""
-        self._bank, self._step = bank, step
+    def __init__(self, bank: Bank) -> None:
+        self._bank = bank
         self._taken: dict[bytes, int] = {}
 
     def __copy__(self) -> "Session":
         """A session that will hand out the same events as this one."""
-        other = Session(self._bank, self._step)
+        other = Session(self._bank)
         other._taken = self._taken.copy()
         return other
 
     def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """theta (n, p) -> (n, d). Raises BudgetExhausted."""
-        return self._bank.take(theta, rng, self._taken, self._step)
+        return self._bank.take(theta, rng, self._taken)
 
     def after(self, other: "Session") -> "Session":
         """A session of the same bank that hands out what neither of two has."""
@@ -214,12 +196,6 @@ class Session:
     def repeats(self) -> float:
         """How often each event was handed out, on average: by that the variance of a mean is larger than it seems."""
         return self._bank.repeats(self._taken)
-
-
-def _steps(scale: NDArray[np.float64]) -> NDArray[np.int64]:
-    """The coarsest lattice with a spacing of at most `scale` (p,), in steps of 2^-FINEST of the range."""
-    finest = np.clip(np.floor(np.log2(scale)), COARSEST - FINEST, -COARSEST)
-    return 2 ** (FINEST + finest.astype(int))
 
 
 def _key(node: NDArray[np.int64], aside: bool) -> bytes:

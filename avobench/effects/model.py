@@ -19,9 +19,6 @@ WIDEST = 0.1
 """Share of a parameter's range over which the mean of events is about quadratic, at most."""
 SPACINGS = 4
 """Spacings of the thetas of a sample, to either side, over which a slope is looked for: it needs several of them."""
-ACROSS = 8
-"""Spacings of a bank's nodes, at least, in half the width of what is looked at: between them a mean is linear, which
-misses 1/4 ACROSS^2 of its curvature."""
 LEAST_STRENGTH = 0.003
 """Least such share for a small strength: below, a step is lost in the noise of the simulation."""
 AT_ONCE = 100_000
@@ -139,14 +136,9 @@ class Model:
         u[..., columns] = np.log(params[..., columns] / low) / np.log(high / low)
         return u
 
-    def source(self, half: NDArray[np.float64] | None = None) -> Source:
-        """The simulator without effects; of a bank one that hands out each event once.
-
-        `half` (P,) is half the width of what is looked at, in the unit cube: nodes lie no denser than that needs.
-        """
-        if not isinstance(self.events, Bank):
-            return self.events or self.task.simulate
-        return self.events.session(None if half is None else half[: self.num_theta] / ACROSS)
+    def source(self) -> Source:
+        """The simulator without effects; of a bank one that hands out each event once."""
+        return self.events.session() if isinstance(self.events, Bank) else self.events or self.task.simulate
 
     def simulate(self, params: NDArray[np.float64], rng: np.random.Generator, source: Source | None = None) -> NDArray:
         """One event per row, from `source` if it is given: (n, P) -> (n, d).

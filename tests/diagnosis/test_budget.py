@@ -90,20 +90,6 @@ def test_a_second_question_from_a_kept_bank_simulates_nothing(tmp_path, often_of
     assert answers[0].model_dump(exclude=same) == answers[1].model_dump(exclude=same)
 
 
-def test_other_data_of_the_same_simulator_find_what_a_bank_has(tmp_path, often_off):
-    """As many other events at the same theta, and fewer without what was hidden in the first."""
-    task, made = Counting(), []
-    other, plain = (np.random.default_rng(k).poisson(7, (n, 1)) for k, n in ((1, 1000), (2, 400)))
-    other[np.random.default_rng(3).random(1000) < 0.1] = 0
-    for seed, x in enumerate((often_off, other, plain)):
-        task.made[0] = 0
-        checks = Checks(task, len(x), folder=tmp_path, seed=seed)
-        x, _ = checks.events(x)
-        diagnose(task, x, effects=[e for e in checks.entries() if e.name == "zero_inflation"], bank=checks.bank)
-        made.append(task.made[0])
-    assert (np.array(made) < [70 * 1000, 45 * 1000, 8 * 400]).all()  # where each theta was a node 108, 80 and 14
-
-
 def test_a_search_that_fitted_nothing_claims_nothing(often_off):
     """That nothing in the catalogue is missing has no probability where the catalogue was not tried."""
     diagnosis = diagnose(Poisson(), often_off, num_simulations=30_000).diagnosis

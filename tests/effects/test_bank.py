@@ -12,8 +12,6 @@ from avobench.effects.bank import Bank, Given
 from avobench.tasks.errors import BudgetExhausted
 from avobench.tasks.meter import Meter
 
-RNG = np.random.default_rng(1)
-
 
 def task_of(made=None):
     """Each event is theta with a little noise, so that no two are equal; `made` counts them."""
@@ -53,17 +51,6 @@ def test_no_event_comes_twice_in_a_session_nor_is_made_twice(sizes, seed):
     )
     np.testing.assert_array_equal(first, second)
     assert len(np.unique(first, axis=0)) == len(first) == sum(made) == bank.used
-
-
-def test_what_looks_at_a_wide_range_shares_nodes_with_all_finer_lattices():
-    made, node = [], np.tile([0.25, -1.0], (30, 1))
-    bank = bank_of(made)
-    made.clear()
-    wide = bank.session(np.array([0.5, 0.5]))(np.random.default_rng(0).uniform([0, -2], [1, 2], (3000, 2)), RNG)
-    assert len(np.unique(np.rint(wide * [16, 4]), axis=0)) == 17**2  # the coarsest lattice, however wide the range
-    bank.session()(node, RNG)
-    bank.session(np.array([1e-9, 1e-9]))(node, RNG)  # no finer than the lattice of the bank
-    assert sum(made) <= 3000 + 30
 
 
 def test_a_copy_of_a_session_goes_on_as_it_does():

@@ -171,37 +171,32 @@ def scan(
     fixed: NDArray[np.float64] | None = None,
     around: NDArray[np.float64] | None = None,
     size: tuple[int, int] = (200, 300),
-    places: np.random.Generator | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """A point (P,) of the unit cube near the best, and how near in each coordinate that was searched, from three
     searches, each around the last best.
 
     `fixed` are values of the last coordinates, which are then not searched; the others near `around`, if that is
-    given, and else everywhere. `size` is the number of points of a search and of events at each. `places` draws the
-    points: where it is the same whatever was measured, the first search finds what a bank has of another one. As far as
-    points lie that are not clearly worse than the best, it may be off.
+    given, and else everywhere. `size` is the number of points of a search and of events at each. As far as points lie
+    that are not clearly worse than the best, it may be off.
     """
     points, events = size
     fixed = np.empty(0) if fixed is None else fixed
-    p, places = model.dim - len(fixed), places or rng
+    p = model.dim - len(fixed)
     if p == 0:
         return fixed, np.empty(0)
 
-    def distances(
-        u: NDArray[np.float64], events: int, half: NDArray[np.float64] | None
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        params = np.repeat(model.from_cube(np.hstack([u, np.tile(fixed, (len(u), 1))])), events, axis=0)
-        means = target.summary.mean(model.simulate(params, rng, model.source(half)), len(u))
+    def distances(u: NDArray[np.float64], events: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        params = model.from_cube(np.hstack([u, np.tile(fixed, (len(u), 1))]))
+        means = target.summary.mean(model.simulate(np.repeat(params, events, axis=0), rng), len(u))
         q, noise = (target.whiten(target.mean - means) ** 2).sum(axis=1), target.num_events / events
         return q, np.sqrt(2 * target.rank * noise**2 + 4 * q * noise)
 
     centre, half = (np.full(p, 0.5), np.full(p, 0.5)) if around is None else (around, np.full(p, FIT.searched))
-    for k in range(3):
-        u = places.uniform(np.maximum(centre - half, 0), np.minimum(centre + half, 1), (points, p))
-        within = half if k or around is not None else None
-        q, error = distances(u, max(events // FIT.hopeless_events, 1), within)
+    for _ in range(3):
+        u = rng.uniform(np.maximum(centre - half, 0), np.minimum(centre + half, 1), (points, p))
+        q, error = distances(u, max(events // FIT.hopeless_events, 1))
         u = u[q - q.min() <= FIT.clear * error]
-        q, error = distances(u, events, within)
+        q, error = distances(u, events)
         centre, alike = u[q.argmin()], u[q - q.min() <= error]
         half = np.maximum(half * 3 * points ** (-1 / p), np.abs(alike - centre).max(axis=0))
     return np.concatenate([centre, fixed]), half

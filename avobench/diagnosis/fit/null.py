@@ -10,8 +10,7 @@ from avobench.bench.cells.quantiles import in_shares, raw
 from avobench.bench.plugins import registry
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.descent import refine, scan, sharpen
-from avobench.diagnosis.fit.fit import Fit, fit_at
-from avobench.diagnosis.fit.surrogate import Design, surrogate
+from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.settings import FIT
 from avobench.diagnosis.summary.part import Measured, Part, target_for
 from avobench.diagnosis.summary.target import Target
@@ -82,23 +81,14 @@ def fit_null(
         target = target_for(model.task, x, others)
     near = 0.03
     if centre is None:
-        centre, near = scan(model, target, rng, size=effort.scan, places=np.random.default_rng(0))
-    near = np.broadcast_to(np.maximum(near, 0.005), model.dim)
+        centre, near = scan(model, target, rng, size=effort.scan)
     coarse, per_round = max(effort.least, len(x)), max(effort.least, int(effort.rounds * len(x)))
+    fit = refine(model, target, centre, np.maximum(near, 0.005), rng, num_events=coarse)
     if isinstance(model.events, Bank):
-        first = surrogate(model, target, Design.box(centre, near), coarse, rng)
-        resolve(model.events, fit_at(model, first, target, centre))
-    fit = refine(model, target, centre, near, rng, num_events=coarse)
-    if isinstance(model.events, Bank):
-        resolve(model.events, fit)
+        model.events.resolve(FIT.cell / np.maximum(np.linalg.norm(fit.jacobian, axis=0), 1))
     simulated = np.concatenate([model.simulate(np.tile(fit.params, (len(x), 1)), rng), others])
     target = target_for(model.task, x, simulated)
     return refine(model, target, fit.point, 0.005, rng, num_events=per_round), target
-
-
-def resolve(bank: Bank, fit: Fit) -> None:
-    """Put the nodes of a bank as far from each other as a fit of the task can bear."""
-    bank.resolve(FIT.cell / np.maximum(np.linalg.norm(fit.jacobian, axis=0), 1))
 
 
 def best_null(tried: list[Fit], target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
@@ -110,7 +100,7 @@ def best_null(tried: list[Fit], target: Target, rng: np.random.Generator, effort
     first, *others = tried
     model, per_round = first.model, max(effort.least, int(effort.rounds * target.num_events))
     starts = [(fit.point, 0.005) for fit in others] + [
-        scan(model, target, rng, size=effort.scan, places=np.random.default_rng(1 + k)) for k in range(FIT.scans)
+        scan(model, target, rng, size=effort.scan) for _ in range(FIT.scans)
     ]
     fits = [first] + [
         refine(model, target, start, np.maximum(near, 0.005), rng, num_events=per_round) for start, near in starts

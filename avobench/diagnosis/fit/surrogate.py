@@ -126,7 +126,7 @@ def from_events(model: Model, vectors: Vectors, design: Design, num_events: int,
     does. Places and events come from two streams, so that from one seed all models get the same events.
     """
     places, happenings = rng.spawn(2)
-    source = model.source(np.abs(design.axes).sum(axis=1))
+    source = model.source()
     pairs, k = max(num_events // 2, 1), (model.dim + 1) * (model.dim + 2) // 2
     normal, at_centre, spread, unlike = np.zeros((k, k)), 0.0, 0.0, 0.0
     left = pairs
@@ -211,7 +211,7 @@ class ReferenceModel:
         p, k = self.model.dim, (model.dim + 1) * (model.dim + 2) // 2
         normal, change, unlike = np.zeros((k, k)), 0.0, 0.0
         num_centre, change_there = 0, 0.0
-        left, source = num_events, self.model.source(np.abs(design.axes).sum(axis=1))
+        left, source = num_events, self.model.source()
         while left > 0:
             n = min(left, model.at_once)
             u = design.to_u(rng.uniform(-1, 1, (n, model.dim)))

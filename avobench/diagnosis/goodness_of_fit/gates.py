@@ -34,8 +34,7 @@ def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, effort: Eff
     summary has, less those that theta takes up, and one at least: where nothing is free to scatter, a distance is left
     because theta cannot reach the measurement.
     """
-    # Where no theta comes near, nothing depends on how exactly the nearest one is known.
-    num_events = int((effort.rounds if fit.p_value < TEST.hopeless else effort.sharpen) * target.num_events)
+    num_events = int(effort.sharpen * target.num_events)
     of_covariance = min(num_events, effort.covariance)
     metric, lacking = model_metric(fit, target.summary, target.mean, target.num_events, rng, of_covariance)
     # The fit has found its place: wide designs would only show a quadratic where it is none.

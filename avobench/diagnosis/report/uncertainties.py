@@ -47,9 +47,9 @@ def ambiguity(
             fit.noiseless_q + shapes - than.noiseless_q - np.hypot(fit.noiseless_q_error, than.noiseless_q_error), 0.0
         )
 
-    def mean(fit: Fit, events: int = min(num_events, REPORT.compared_events)) -> NDArray[np.float64]:
+    def mean(fit: Fit) -> NDArray[np.float64]:
         params = np.concatenate([fit.params[:p], chosen.params[p:]])
-        x = model.simulate(np.tile(params, (events, 1)), np.random.default_rng(seed))
+        x = model.simulate(np.tile(params, (REPORT.compared_events, 1)), np.random.default_rng(seed))
         return target.whiten(target.summary.mean(x)[0])
 
     def back(fit: Fit) -> NDArray[np.float64]:
@@ -58,9 +58,8 @@ def ambiguity(
     rivals = [fit for fit in rivals if worse(fit, chosen) < REPORT.allowed]
     if not rivals:
         return []
-    few = min(target.num_events, REPORT.compared_events)  # they only tell which are furthest
-    here, along = mean(chosen, few), back(chosen)
-    far = [np.abs(along @ (mean(fit, few) - here)).max() for fit in rivals]
+    here, along = mean(chosen), back(chosen)
+    far = [np.abs(along @ (mean(fit) - here)).max() for fit in rivals]
     best = settle(chosen)
     here, along, moves = mean(best), back(best), []
     for k in np.argsort(far)[::-1][: REPORT.refitted]:

@@ -69,15 +69,16 @@ class Sample:
 
         Also the square (m,) that the scatter of its few events adds, which makes an effect look stronger than it is.
         """
-        m, model = len(points), self.fit.model.plus(effect)
-        if not model.newest_acts_last:  # the same events from one seed, at all points, are the next best
-            events = min(events, SEARCH.events_of_others * self.target.num_events)
-            seed, params = rng.integers(2**63), np.tile(self.fit.params, (events, 1))
-            untouched = np.tile(self.fit.model.simulate(params, np.random.default_rng(seed)), (m, 1))
-            at = [np.hstack([params, np.tile(point, (events, 1))]) for point in points]
-            changed = np.concatenate([model.simulate(each, np.random.default_rng(seed)) for each in at])
+        m = len(points)
+        params = np.tile(self.fit.params, (m * events, 1))
+        phi = np.repeat(points, events, axis=0)
+        model = self.fit.model.plus(effect)
+        if not model.newest_acts_last:  # events from one seed are the next best
+            seed = rng.integers(2**63)
+            untouched = self.fit.model.simulate(params, np.random.default_rng(seed))
+            changed = model.simulate(np.hstack([params, phi]), np.random.default_rng(seed))
             return self._change(untouched, changed, m, self.target.summary.mean(untouched, m))
-        params, phi, first = np.tile(self.fit.params, (m * events, 1)), np.repeat(points, events, axis=0), True
+        first = True
 
         def simulate(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
             nonlocal first
