@@ -187,7 +187,7 @@ class Session:
 
     def after(self, other: "Session") -> "Session":
         """A session of the same bank that hands out what neither of two has."""
-        later = Session(self._bank, self._step)
+        later = Session(self._bank)
         for node in self._taken.keys() | other._taken.keys():
             later._taken[node] = max(self._taken.get(node, 0), other._taken.get(node, 0))
         return later
