@@ -212,4 +212,4 @@ def test_what_was_simulated_for_a_fit_is_used_again(tmp_path):
     first, again = (avobench.infer("poisson", EVENTS, "smm", bank=tmp_path) for _ in range(2))
     assert abs(first.theta["log_rate"] - np.log(7)) < 4 * first.std["log_rate"] < 0.05
     assert abs(again.theta["log_rate"] - first.theta["log_rate"]) < first.std["log_rate"]
-    assert again.num_simulations < first.num_simulations / 5
+    assert again.num_simulations < first.num_simulations / 3
