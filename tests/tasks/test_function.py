@@ -141,6 +141,7 @@ def test_a_function_that_hangs_is_named_and_the_alarm_of_others_is_kept():
         signal.signal(signal.SIGALRM, before)
 
 
+@pytest.mark.xfail(reason="some 15 events a start where 20 are wanted: scans have a theta for each event")
 def test_a_program_that_is_started_for_each_theta_is_started_seldom():
     started = []
 
@@ -155,7 +156,7 @@ def test_a_program_that_is_started_for_each_theta_is_started_seldom():
     assert started[-3:] == [1, 1, 2]  # of 1, 2 and 3
     started.clear()
     found = avobench.diagnose(made, rng.exponential(2.2, 1000), progress=False, effects=[])
-    assert sum(started) == found.diagnosis.num_simulations > 5 * len(started)
+    assert sum(started) == found.diagnosis.num_simulations > 20 * len(started)
 
 
 def test_a_program_that_makes_too_few_events_is_named():
