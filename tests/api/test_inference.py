@@ -208,7 +208,7 @@ def test_events_that_were_simulated_before_are_enough_for_smm_and_their_noise_co
         avobench.infer(bank, EVENTS, "abc-smc")
 
 
-@pytest.mark.xfail(reason="the second fit makes 11 043 events where the first made 42 057: scans have a theta for each event")
+@pytest.mark.xfail(reason="the second fit makes 11 043 events where the first made 42 057")
 def test_what_was_simulated_for_a_fit_is_used_again(tmp_path):
     first, again = (avobench.infer("poisson", EVENTS, "smm", bank=tmp_path) for _ in range(2))
     assert abs(first.theta["log_rate"] - np.log(7)) < 4 * first.std["log_rate"] < 0.05
