@@ -301,7 +301,7 @@ class Run:
             num_simulations=self.meter.used,
             tables=table_gaps(target, outcome.first, fit if outcome.effects else None),
         )
-        return Result(self.task, diagnosis, fit, drawn, weights, rivals)
+        return Result(self.task, diagnosis, fit, drawn, weights, rivals, outcome.posterior)
 
 
 def sampled(x: NDArray, time: NDArray[np.float64] | None, seed: int) -> tuple[NDArray, NDArray[np.float64], list[str]]:

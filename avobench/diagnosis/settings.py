@@ -214,6 +214,8 @@ class SearchSettings:
     the cube."""
     first_rounds: int = 3
     """Rounds of a fit that begins; enough to tell the promising ones."""
+    likeness: float = 4.0
+    """Log evidence that a unit of log likeness counts for, while fits go on. Chosen on development cases."""
     parents: int = 3
     """Families that stay although they do not matter: to which a further effect may be added."""
     most: tuple[int, ...] = (8, 6, 6)
@@ -231,37 +233,25 @@ class ScoreSettings:
 
     indifferent: float = 8.0
     """Difference of log evidence from which a model no longer matters beside another, and what a further effect costs
-    at least: its strength, and its place among all sets. At a temperature of 4 it is odds of 7. Chosen on development
-    cases."""
-    temperature: float = 4.0
-    """The divisor of log prior and log evidence: what the formulas leave out, and the scatter of simulation, make
-    them too sure. Chosen on development cases."""
+    at least: its strength, and its place among all sets. Chosen on development cases."""
     weakest: float = 0.001
     """Share of the range of a strength from which its prior is log-uniform: effects are weak more often than strong."""
     number: tuple[float, ...] = (0.1, 0.5, 0.15, 0.03)
-    """Prior, once a disagreement is shown, that no, one, two or more effects are missing. This, and the two numbers
-    below, were chosen on development cases of the challenge."""
-    coarse: float = 0.02
-    """What is added to the temperature of what a fit leaves, for each unit of Q that it explains: no shape is exactly
-    that of nature, and what a shape leaves for being another grows with what it does."""
-    opinion: float = 0.7
-    """Power of the odds by the fits, and of those by what the events look like: two opinions of the same events agree
-    more than independent ones would."""
+    """Prior, once a disagreement is shown, that no, one, two or more effects are missing. Chosen on development
+    cases."""
     credible: float = 0.95
     """Probability of the smallest set of models that is told, among those that were weighed."""
-    sharpness: float = 1.36
-    """Power of the share of a set of effects by the evidence and what the events look like. This, and the three numbers
-    below, are a conditional logit of what was missing in data sets with a known answer, by `python -m
-    paper.tables.decision`."""
-    several: float = -1.324
-    """Log weight of a set of two effects or more beside one alone."""
-    others: float = -1.539
-    """Log weight of all sets that are none of those that are told, beside one that has the whole share."""
-    outside: tuple[float, float, float] = (-2.413, 0.206, 1.453)
-    """Log weight of what is outside the catalogue: a constant, what each unit of ln(1 - log10 p) of the best model
-    adds, and what is left of the gap."""
-    calibrated: tuple[int, int] = (281, 48)
+    decision: tuple[float, ...] = (0.449, 0.221, 1.019, -0.842, 0.169)
+    """Weights of what a set of effects is told by, see `posterior.marks_of`. This, and the two below, are a conditional
+    logit of what was missing in data sets with a known answer, by `python -m paper.tables.decision`."""
+    others: float = -3.87
+    """Log weight of all sets of effects that were not weighed."""
+    outside: float = -3.24
+    """Log weight of what is outside the catalogue, beside what the events look like."""
+    calibrated: tuple[int, int] = (136, 15)
     """Data sets to which these were fitted, and those of them in which what is missing was outside the catalogue."""
+    special: int = 5
+    """Place in the list of its family from which a shape is no plainer than those after it."""
     sized: float = 2.0
     """Standard errors from which the size of an effect is not compatible with none."""
     chance: float = 0.01
@@ -303,7 +293,7 @@ class RecognitionSettings:
     """Simulated events a measured one, beside which those are looked at, as in training."""
     floor: float = 0.1
     """Added to the probability of each family: experience excludes none, since simulators may be unlike those it was
-    had with. On the challenge as many names are right as with a tenth of it."""
+    had with."""
     least_count: float = 5.0
     """Mean of counts below which there is no experience: hidden shapes of counts are written for means of 5 to 150. Of
     fewer, real tables of accidents and claims were taken for what is common among examples."""

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avobench.diagnosis.experience.recogniser import OUTSIDE
 from avobench.effects.contract import Simulate
 from avobench.effects.rejection import accepted
 from avobench.tasks import Task
@@ -17,8 +18,6 @@ Array = NDArray[np.float64]
 Rng = np.random.Generator
 Act = Callable[[Simulate, Array, Rng], NDArray]
 """Measured events: simulate, theta (n, p), rng -> (n, d)."""
-OUTSIDE = "outside"
-"""The label of what no family of the catalogue claims."""
 LEAST_KEPT = 0.02
 """Share of the events that a selection keeps at least: another sentence is drawn otherwise."""
 ODDS = {OUTSIDE: 3.0, "spread": 0.5, "mixture": 0.5}

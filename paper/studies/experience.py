@@ -227,7 +227,7 @@ def read(kind: Kind, folder: Path) -> Examples:
 
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
-@click.option("--parts", default=300, show_default=True, help=f"Files of {PART} draws each, of each kind of events.")
+@click.option("--parts", default=160, show_default=True, help=f"Files of {PART} draws each, of each kind of events.")
 @click.option("--install/--no-install", "installs", default=False, help="Train on all examples, for all diagnoses.")
 def learn(folder: Path, parts: int, installs: bool) -> None:
     """Make what is missing of the examples in FOLDER. `paper.studies.recognised` says what they teach."""

@@ -1,9 +1,8 @@
 """How often networks tell what is wrong, on what they were not trained on: `python -m paper.studies.recognised FOLDER`.
 
-FOLDER is that of `paper.studies.experience`. Networks that learn from its examples are compared with those that are
-installed, on draws of a fifth of its files, on function classes, drivers and simulators that were left out, on
-hand-written shapes on the tasks of the benchmark, from which those that are installed have learnt, and on cases of
-others. Each has its theta fitted as in a diagnosis. The portraits of shapes and cases are kept in FOLDER.
+FOLDER is that of `paper.studies.experience`. Networks that learn from a part of its examples are asked about a fifth of
+its files, and about function classes, drivers and simulators that were left out. Those that are installed are asked
+about the opened cases of others, with theta fitted as in a diagnosis; their portraits are kept in FOLDER.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,8 +14,6 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from avobench.bench.plugins import registry
-from avobench.challenge.shape import Place
 from avobench.cli.main import main
 from avobench.diagnosis.effort import effort_for
 from avobench.diagnosis.experience.recogniser import Kind, Recogniser, kind_of, portrait
@@ -27,16 +24,10 @@ from avobench.effects.model import Model
 from avobench.effects.pool import Counted
 from avobench.tasks import Task
 from avobench.tasks.meter import Meter
-from paper.grammar.functions import log_uniform
 from paper.grammar.sentences import OUTSIDE
-from paper.studies.experience import NEARBY, SHOWN, Examples, read, trained
-from paper.studies.foreign import CASES
-from shapes import SEEN
+from paper.studies.cases import CASES
+from paper.studies.experience import SHOWN, Examples, read, trained
 
-SHAPES = {"poisson": "count", "weinberg": "real", "carl": "reals"}
-"""Tasks on which hand-written shapes are hidden, and the kind of their events."""
-NUM_SHAPES = 150
-"""That show anything, on each."""
 LEFT_OUT: dict[str, Callable[[str, str], bool]] = {
     "stepped functions": lambda sentence, simulator: sentence.endswith("stepped"),
     "smooth and periodic": lambda sentence, simulator: sentence.endswith(("smooth", "periodic")),
@@ -59,28 +50,9 @@ def beside(task: Task, x: NDArray) -> tuple[NDArray[np.float64], float]:
     return portrait(most, simulated, kind_of(task) == "count"), fit.p_value
 
 
-def of_shapes(name: str) -> Iterator[tuple[str, str, str, NDArray[np.float64]]]:
-    """Hand-written shapes on a task that show anything: the task, the family, the shape, and the portrait."""
-    task, rng, number = registry.build("task", name, {}), np.random.default_rng(0), 0
-    while number < NUM_SHAPES:
-        shape, theta = SEEN[rng.integers(len(SEEN))], task.prior.sample(1, rng)
-        reference = task.simulate(np.tile(theta, (NEARBY, 1)), rng)
-        everywhere = [None, *range(task.num_features), "all"]
-        suited = [place for at in everywhere if shape.suits(place := Place(task, at, reference))]
-        if not suited:
-            continue
-        hidden = shape.draw(suited[rng.integers(len(suited))], rng)
-        seen, p_value = beside(
-            task, hidden.measure(task.simulate, np.tile(theta, (int(log_uniform(300, 20_000, rng)), 1)), rng)
-        )
-        if p_value < SHOWN:
-            number += 1
-            yield name, shape.family, shape.name, seen
-
-
 def of_cases(kind: Kind) -> Iterator[tuple[str, str, str, NDArray[np.float64]]]:
     """The cases of others that show anything: the case, the right families, how it was made, and the portrait."""
-    for made_by, cases in CASES.items():
+    for made_by, cases in CASES["opened"].items():
         for case in [case for case in cases if case.right and kind_of(case.task) == kind]:
             x = np.reshape(case.x(), (-1, case.task.num_features))
             seen, p_value = beside(case.task, x)
@@ -119,23 +91,19 @@ def told(networks: Recogniser, names: list[str], asked: Examples) -> dict[str, f
 
 
 def compared(kind: Kind, folder: Path) -> Iterator[dict]:
-    """A row for each set of examples of a kind, and for each of the networks."""
-    known, installed = read(kind, folder), Recogniser.of(kind)
+    """A row for each set of examples of a kind."""
+    known = read(kind, folder)
     fifth = np.arange(len(known.portraits)) >= 0.8 * len(known.portraits)  # of whole files, hence of other simulators
-    every = learnt(known)
-    names = [name for name in installed.families if name in every.families and name != OUTSIDE]
     sets = [("other draws", known.where(fifth), learnt(known.where(~fifth)))]
     for what, is_left_out in LEFT_OUT.items():
         rows = np.array([*map(is_left_out, known.sentences[:, 0], known.simulators)])
         if rows.sum() >= LEAST:
             sets.append((what, known.where(rows), learnt(known.where(~rows))))
-    name = next(name for name, its_kind in SHAPES.items() if its_kind == kind)
-    sets.append(("hand-written shapes", kept(folder / f"shapes-{kind}.npz", lambda: of_shapes(name)), every))
-    sets.append(("cases of others", kept(folder / f"cases-{kind}.npz", lambda: of_cases(kind)), every))
+    cases = kept(folder / f"cases-{kind}.npz", lambda: of_cases(kind))
+    sets.append(("cases of others", cases, Recogniser.of(kind)))
     for what, asked, networks in sets:
-        for which, each in (("of the grammar", networks), ("installed", installed)):
-            both = [name for name in names if name in each.families and name in networks.families]
-            yield {"events": kind, "asked about": what, "networks": which, **told(each, both, asked)}
+        names = [name for name in networks.families if name != OUTSIDE]
+        yield {"events": kind, "asked about": what, **told(networks, names, asked)}
 
 
 def learnt(known: Examples) -> Recogniser:

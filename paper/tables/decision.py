@@ -1,12 +1,11 @@
 """What the decision of a diagnosis was fitted to: `python -m paper.tables.decision`.
 
-A conditional logit of what was missing: the sets of effects that a diagnosis tells, other sets of the catalogue, or
-something outside of it. It is fitted to detected data sets of the challenge and to the opened sealed ones, as they were
-diagnosed before it: their records have the share of each set. `SCORE` has its numbers. Each group of data sets is also
-told by a fit to the others.
+A conditional logit of what was missing: the sets of effects that were weighed, other sets of the catalogue, or
+something outside of it. It is fitted to the opened cases, whose records say what each set was told by.
+`SCORE` has its numbers. Each eighth of the simulators is also told by a fit to the others.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,18 +18,15 @@ from scipy.optimize import minimize
 from scipy.special import logsumexp, softmax
 from sklearn.metrics import roc_auc_score
 
-from avobench.challenge.records import read_records
 from avobench.cli.main import main
-from avobench.diagnosis.goodness_of_fit.outside import left, misfit
-from avobench.diagnosis.schema import Gap, Verdict
-from avobench.diagnosis.settings import TEST
-from paper.studies.foreign import read
-from paper.tables.sealed import case_of, true
+from avobench.diagnosis.schema import Verdict
+from paper.studies.cases import FOLDER, Configuration, read
+from paper.tables.cases import case_of, true
 
-CHALLENGE, SEALED = Path("results/challenge"), Path("results/sealed/today")
-FILES = ("development-*.jsonl", "sealed-*.jsonl")
-RIDGE = 1.0
-"""Inverse variance of the normal prior of each number but the two constants; the power is about 1, others about 0."""
+OPENED = FOLDER / "opened" / Configuration().name
+ABOUT, PRECISION = np.array([1, 0.25, 0.7, 0, 0, 0, 0]), np.array([1, 4, 1, 1, 4, 0, 0])
+"""Means and inverse variances of the normal priors of the five weights of marks, and of two constants."""
+PARTS = 8
 Array = NDArray[np.float64]
 
 
@@ -39,96 +35,85 @@ class Told:
     """A detected data set with a known answer, as it was diagnosed."""
 
     group: str
+    simulator: str
     kind: str
     """`single`, `pair` or `outside`."""
-    features: Array
-    """What each answer is told by (k + 2, 6): the k sets that were told, other sets, and outside the catalogue."""
+    marks: Array
+    """What each answer is told by (k + 2, 7): k sets, outside, and other sets, with a constant of either."""
     right: NDArray[np.bool_]
-    """Which of the answers are right (k + 2,)."""
+    """Which of the answers is right (k + 2,)."""
 
     @classmethod
-    def of(cls, group: str, kind: str, diagnosis: dict[str, Any], right: list[bool]) -> "Told":
-        """`right` tells which of the sets are what was missing."""
-        share = np.array([each["probability"] for each in diagnosis["models"]])
-        several = [len(each["effects"]) > 1 for each in diagnosis["models"]]
-        before, after = (gap and Gap(**gap) for gap in (diagnosis["gap_before"], diagnosis["gap_after"]))
-        p = diagnosis["p_value_after"] if after else diagnosis["p_value_before"]
-        rejected = p < TEST.rejected_share * diagnosis.get("alpha", 0.05)
-        features = np.zeros((len(share) + 2, 6))
-        features[:-2, :2] = np.column_stack([np.log(share / share.sum()), several])
-        features[-2, 2] = 1
-        features[-1, 3:] = 1, misfit(p), rejected * min(2 * left(before, after), 1)
-        beside = [kind != "outside" and not any(right), kind == "outside"]
-        return cls(group, kind, features, np.array([*right, *beside]))
+    def of(cls, record: dict[str, Any]) -> "Told":
+        case, sets = case_of(record), record["sets"]
+        marks = np.zeros((len(sets) + 1, 7))
+        marks[:-1, :5] = [each["marks"] for each in sets]
+        marks[-2, 5] = marks[-1, 6] = 1
+        right = [
+            bool(each["effects"]) and case.kind != "outside" and true(record, each["effects"]) for each in sets[:-1]
+        ]
+        outside = case.kind == "outside"
+        told = np.array([*right, outside, not outside and not any(right)])
+        return cls(record["made_by"], case.task.name, case.kind, marks, told)
 
 
-def of_challenge(folder: Path = CHALLENGE) -> Iterator[Told]:
-    kinds = {"foreign": "single", "own": "single", "two": "pair", "withheld": "outside"}
-    for path in [path for pattern in FILES for path in sorted(folder.glob(pattern))]:
-        for row in read_records(path)[1:]:
-            if row["error"] or row["kind"] == "none" or not row["diagnosis"]["models"]:
-                continue
-            hidden = {(each["name"], each["feature"]) for each in row["effects"]}
-            sets = [{(e["name"], e["feature"]) for e in each["effects"]} for each in row["diagnosis"]["models"]]
-            kind = kinds[row["kind"]]
-            yield Told.of(path.stem.split("-")[1], kind, row["diagnosis"], [each == hidden for each in sets])
+def told(folder: Path = OPENED) -> list[Told]:
+    """The cases in which something is missing and a disagreement was seen."""
+    detected = [record for record in read(folder) if record["diagnosis"]["verdict"] != Verdict.NOTHING]
+    return [Told.of(record) for record in detected if case_of(record).kind != "null" and record["sets"]]
 
 
-def of_sealed(folder: Path = SEALED) -> Iterator[Told]:
-    for record in [record for some in read(folder, "sealed").values() for record in some]:
-        kind, diagnosis = case_of(record).kind, record["diagnosis"]
-        if kind == "null" or diagnosis["verdict"] == Verdict.NOTHING or not diagnosis["models"]:
-            continue
-        right = [kind != "outside" and true(record, each["effects"]) for each in diagnosis["models"]]
-        yield Told.of(record["made_by"], kind, diagnosis, right)
-
-
-def fitted(cases: list[Told]) -> Array:
-    """The six numbers (6,)."""
-    about, precision = np.array([1.0, 0, 0, 0, 0, 0]), RIDGE * np.array([1, 1, 0, 0, 1, 1])
+def fitted(cases: Iterable[Told]) -> Array:
+    """The seven numbers (7,)."""
 
     def loss(numbers: Array) -> tuple[float, Array]:
-        value, slope = precision @ (numbers - about) ** 2 / 2, precision * (numbers - about)
+        value, slope = PRECISION @ (numbers - ABOUT) ** 2 / 2, PRECISION * (numbers - ABOUT)
         for case in cases:
-            logs = case.features @ numbers
+            logs = case.marks @ numbers
             right = np.where(case.right, logs, -np.inf)
             value += logsumexp(logs) - logsumexp(right)
-            slope += (softmax(logs) - softmax(right)) @ case.features
+            slope += (softmax(logs) - softmax(right)) @ case.marks
         return value, slope
 
-    return minimize(loss, about, jac=True, method="BFGS").x
+    return minimize(loss, ABOUT, jac=True, method="BFGS").x
+
+
+def by_others(cases: list[Told]) -> list[Array]:
+    """The probabilities of the answers of each case, by a fit to the cases of other simulators."""
+    simulators = sorted({case.simulator for case in cases})
+    part = dict(zip(np.random.default_rng(0).permutation(simulators), np.arange(len(simulators)) % PARTS, strict=True))
+    fits = [fitted([case for case in cases if part[case.simulator] != k]) for k in range(PARTS)]
+    return [softmax(case.marks @ fits[part[case.simulator]]) for case in cases]
 
 
 def row(cases: list[Told], told: list[Array]) -> dict[str, Any]:
     """How good the probabilities of some data sets are."""
     loss = [-np.log(p[case.right].sum()) for case, p in zip(cases, told, strict=True)]
-    said = [np.r_[p[:-2], p[-1]] for p in told]  # a set, or outside
-    best = np.array([(p.max(), np.delete(case.right, -2)[p.argmax()]) for case, p in zip(cases, said, strict=True)])
-    singles = [case.kind != "pair" for case in cases]
-    outside = np.array([case.kind == "outside" for case in cases])
-    enough = outside.any() and not outside.all()
-    auc = roc_auc_score(outside[singles], np.array([p[-1] for p in told])[singles]) if enough else np.nan
+    best = np.array([(p[:-1].max(), case.right[p[:-1].argmax()]) for case, p in zip(cases, told, strict=True)])
+    alone = [k for k, case in enumerate(cases) if case.kind != "pair"]
+    outside = [cases[k].kind == "outside" for k in alone]
+    scores = [told[k][-2] for k in alone]
     return {
         "cases": len(cases),
-        "outside": outside.sum(),
+        "outside": sum(outside),
         "log loss": np.mean(loss),
         "P(best)": best[:, 0].mean(),
         "right": best[:, 1].mean(),
-        "AUC of outside": auc,
+        "AUC of outside": roc_auc_score(outside, scores) if 0 < sum(outside) < len(outside) else np.nan,
     }
 
 
 @click.command()
 def table() -> None:
-    """Print the numbers, and how good the probabilities are of the groups to which they were not fitted."""
-    cases = [*of_challenge(), *of_sealed()]
-    numbers = fitted(cases)
+    """Print the numbers, and how good the probabilities are of simulators to which they were not fitted."""
+    cases = told()
+    numbers, shares = fitted(cases), by_others(cases)
     click.echo(f"{len(cases)} data sets; " + ", ".join(f"{number:.3f}" for number in numbers) + "\n")
-    rows = {}
-    for group in sorted({case.group for case in cases}):
-        own = [case for case in cases if case.group == group]
-        others = fitted([case for case in cases if case.group != group])
-        rows[group] = row(own, [softmax(case.features @ others) for case in own])
+    groups = {group: [k for k, case in enumerate(cases) if case.group == group] for group in ("simulated", "measured")}
+    rows = {
+        group: row([cases[k] for k in chosen], [shares[k] for k in chosen])
+        for group, chosen in {**groups, "all": range(len(cases))}.items()
+    }
     click.echo(pd.DataFrame(rows).T.to_string(float_format=lambda value: f"{value:.2f}"))
 
 

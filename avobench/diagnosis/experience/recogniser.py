@@ -1,6 +1,6 @@
 """Which family measured events look like, told by networks that were trained on random examples of all."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -200,6 +200,9 @@ def _excess(pulls: NDArray[np.float64]) -> float:
     return float((pulls @ pulls - len(pulls)) / np.sqrt(2 * len(pulls)))
 
 
+OUTSIDE = "outside"
+"""What the networks call an effect that is in no family of the catalogue."""
+
 Kind = Literal["count", "real", "reals"]
 """The kind of events that there is experience with: one count, one real number, or several."""
 
@@ -253,18 +256,22 @@ def kind_of(task: Task) -> Kind | None:
     return "count" if "count" in kinds else "real" if task.num_features == 1 else "reals"
 
 
-def resemblance(task: Task, effects: Sequence[Effect], x: NDArray, simulated: NDArray) -> dict[str, float]:
-    """Logarithm of how much measured events (n, d), beside simulated ones (m, d), look like each family of `effects`.
+def resemblance(
+    task: Task, effects: Sequence[Effect], x: NDArray, simulated: Callable[[int], NDArray] | None
+) -> dict[str, float]:
+    """Logarithm of how much measured events (n, d) look like each family of `effects`, and like what is OUTSIDE.
 
-    Empty where there is no experience with such events. A family without is like the average of the others.
+    They are seen beside events that `simulated` makes, so many of them: (m, d). A family that the networks have not
+    learnt is like the average of the others. All are alike without `simulated`, or without experience of such events.
     """
-    if (kind := kind_of(task)) is None or (kind == "count" and simulated.mean() < RECOGNITION.least_count):
-        return {}
-    probability = Recogniser.of(kind).probabilities(
-        portrait(x[: RECOGNITION.portrait_events], simulated, kind == "count")
-    )
-    names = list(dict.fromkeys(effect.name for effect in effects))
-    trained = [probability[name] for name in names if name in probability]
-    total = sum(trained) or 1.0
-    share = [probability[name] / total if name in probability else 1 / max(len(trained), 1) for name in names]
-    return {name: float(np.log(each + RECOGNITION.floor)) for name, each in zip(names, share, strict=True)}
+    names, kind = [*dict.fromkeys(effect.name for effect in effects), OUTSIDE], kind_of(task)
+    known: dict[str, float] = {}
+    if kind is not None and simulated is not None:
+        seen = x[: RECOGNITION.portrait_events]
+        beside = simulated(RECOGNITION.simulated * len(seen))
+        if kind != "count" or beside.mean() >= RECOGNITION.least_count:
+            known = Recogniser.of(kind).probabilities(portrait(seen, beside, kind == "count"))
+    learnt = [name for name in names if name in known]
+    total = sum(known[name] for name in learnt)
+    share = {name: known[name] / total if name in learnt else 1 / len(learnt or names) for name in names}
+    return {name: float(np.log(each + RECOGNITION.floor)) for name, each in share.items()}

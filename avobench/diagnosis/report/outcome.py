@@ -1,6 +1,6 @@
 """The outcome of a diagnosis: the models before and after, the verdict, which fits are reported, and notes."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -11,7 +11,6 @@ from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.null import Inferred
 from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel
 from avobench.diagnosis.goodness_of_fit.held_out import HeldOut
-from avobench.diagnosis.goodness_of_fit.outside import left, outside
 from avobench.diagnosis.goodness_of_fit.regions import regions
 from avobench.diagnosis.report.uncertainties import named
 from avobench.diagnosis.schema import Candidate, Gap, Region, Verdict
@@ -27,6 +26,13 @@ OUTSIDE_FROM = 0.5
 """Probability of being outside the catalogue from which no name is told of a model that is rejected."""
 MOST_LEFT = 0.5
 """Share of the gap that a model which is rejected may leave: from then on it leaves more than it explains."""
+
+
+def left(before: Gap, after: Gap | None) -> float:
+    """The share of the held-out gap that is left with effects: 1 if it did not shrink, or none was added."""
+    if after is None or after.value >= before.value:
+        return 1.0
+    return float(np.clip((after.value - 1) / (before.value - 1), 0, 1)) if before.value > 1 else 0.0
 
 
 @dataclass(frozen=True)
@@ -68,7 +74,7 @@ class Outcome:
         before = held_out.gap(null.efficient, rng, effort.covariance)
         after = held_out.gap(extended.efficient, rng, effort.covariance) if extended else None
         withdrawn: tuple[Effect, ...] = ()
-        why, beyond = "", outside(null.p_value, 1.0, alpha)
+        why = ""
         if extended:
             describes = _describes(extended, after, alpha)
             if after.value >= before.value:
@@ -77,13 +83,11 @@ class Outcome:
                 why = "on held-out events the gap shrank by less than its error"
             else:
                 share = left(before, after)
-                beyond = outside(extended.p_value, share, alpha)
-                likely = posterior and replace(posterior, beyond=beyond).outside
-                if not describes and (share > MOST_LEFT or (likely or 0) >= OUTSIDE_FROM):
+                likely = posterior.outside if posterior else 0.0
+                if not describes and (share > MOST_LEFT or likely >= OUTSIDE_FROM):
                     why = f"with it {share:.0%} of the gap are left, and p = {extended.p_value:.2g}"
             if why:
                 withdrawn, extended, after = extended.fit.model.effects, None, None
-        posterior = posterior and replace(posterior, beyond=beyond)
         candidates, single = [], posterior.single if posterior else []
         for each in single:
             candidates.append(

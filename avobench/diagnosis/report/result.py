@@ -13,6 +13,7 @@ from avobench.diagnosis.report.decide import Rivals
 from avobench.diagnosis.report.outcome import Outcome
 from avobench.diagnosis.report.uncertainties import QuotedFit, models, probabilities
 from avobench.diagnosis.schema import Decision, Diagnosis, Identifiable, Place, Region
+from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.settings import REPORT
 from avobench.diagnosis.summary.bins import Span, View
 from avobench.diagnosis.summary.target import Target
@@ -118,6 +119,8 @@ class Result:
     """Weights for simulated events, where the catalogue does not explain all."""
     rivals: Rivals | None = None
     """The models of the 95 % set, fitted; None where there is one, or all was read from a file."""
+    posterior: Posterior | None = None
+    """All sets of effects that were weighed; None where nothing disagrees, or all was read from a file."""
 
 
 def assemble(

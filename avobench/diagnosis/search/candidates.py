@@ -139,7 +139,7 @@ class Candidates:
 
 def worth(one: Weighed) -> float:
     """Lowest for what is worth most: whether it is known well, further events tell."""
-    return -one.evidence.value - SCORE.temperature * one.resemblance
+    return -one.evidence.value - SEARCH.likeness * one.resemblance
 
 
 def begin(start: Start, reference: ReferenceModel, target: Target, rng: np.random.Generator, num_events: int) -> Fit:

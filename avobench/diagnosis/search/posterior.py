@@ -1,19 +1,22 @@
 """How probable each set of effects is, of all that were weighed."""
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import comb, logsumexp
 from scipy.stats import chi2
 
+from avobench.diagnosis.experience.recogniser import OUTSIDE
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.search.evidence import Evidence, Weighed
+from avobench.diagnosis.search.evidence import Weighed
 from avobench.diagnosis.settings import SCORE
 from avobench.effects import Effect
 
+LIKENESS = 2
+"""The mark of a set that tells how much the events look like its effects; what is outside has this one alone."""
 Names = frozenset[tuple]
 """The effects of a model, by their keys; empty for the simulator as it is."""
 
@@ -22,47 +25,36 @@ Names = frozenset[tuple]
 class Posterior:
     """Sets of effects that were weighed, and how probable each is beside others and what is outside the catalogue.
 
-    A conditional logit: see `SCORE.sharpness`, and what follows it.
+    A conditional logit: see `SCORE.decision`, and what follows it.
     """
 
-    shares: dict[Names, float]
-    """Of each set, by its evidence and what the events look like; together 1."""
+    weights: dict[Names, float]
+    """What each set weighs, most first."""
     shapes: dict[Names, list[Weighed]]
     """The fits of each set, a shape each, best first."""
-    beyond: float = 0.0
-    """What outside the catalogue weighs beside the sets, by `goodness_of_fit.outside`; 0 until the best is tested."""
+    marks: dict[Names, NDArray[np.float64]] = field(default_factory=dict)
+    """What each set is told by: (5,)."""
+    looks_outside: float = -np.inf
+    """Logarithm of how much the events look like what is outside the catalogue."""
 
     @classmethod
-    def of(cls, weighed: Iterable[Weighed], catalogue: list[Effect]) -> "Posterior":
-        """Of all models that were weighed, each shape once."""
+    def of(cls, weighed: Iterable[Weighed], catalogue: list[Effect], like: dict[str, float]) -> "Posterior":
+        """Of all models that were weighed, each shape once; `like` is how much the events look like each family."""
         shapes: dict[Names, dict[tuple, Weighed]] = {}
         for one in weighed:
             each = tuple(sorted((str(effect.key), effect.shape) for effect in one.fit.model.effects))
             best = shapes.setdefault(one.effects, {})
             if each not in best or best[each].evidence.at_least < one.evidence.at_least:
                 best[each] = one
-        prior = Prior.of(catalogue)
-        to_explain = max((one.evidence.excess for one in shapes.get(frozenset(), {}).values()), default=0.0)
-        logs = {}
-        for names, best in shapes.items():
-            values = [tempered(one.evidence, to_explain) for one in best.values()]
-            logs[names] = float(logsumexp(values)) + prior.log(names) / SCORE.temperature
-        logs |= pooled(
-            {each: (logs[each], next(iter(best.values())).resemblance) for each, best in shapes.items() if each}
-        )
-        total = logsumexp(list(logs.values()))
-        share = {names: float(np.exp(log - total)) for names, log in logs.items()}
         fits = {each: sorted(best.values(), key=lambda one: -one.evidence.at_least) for each, best in shapes.items()}
-        return cls(share, fits)
+        marks = marks_of(fits, Prior.of(catalogue))
+        weights = {names: float(np.exp(each @ SCORE.decision)) for names, each in marks.items()}
+        return cls(_most_first(weights), fits, marks, like[OUTSIDE])
 
-    @cached_property
-    def weights(self) -> dict[Names, float]:
-        """What each set weighs, most first."""
-        weights = {
-            names: share**SCORE.sharpness * (np.exp(SCORE.several) if len(names) > 1 else 1.0)
-            for names, share in self.shares.items()
-        }
-        return dict(sorted(weights.items(), key=lambda item: -item[1]))
+    @property
+    def beyond(self) -> float:
+        """What is outside the catalogue weighs beside the sets."""
+        return float(np.exp(SCORE.outside + SCORE.decision[LIKENESS] * self.looks_outside))
 
     @property
     def total(self) -> float:
@@ -93,11 +85,10 @@ class Posterior:
     def without(self, key: tuple) -> "Posterior":
         """The same if an effect of the best model is none: what the model has goes to that without the effect."""
         names = self.best.effects
-        shares = {each: share for each, share in self.shares.items() if each != names}
-        if names - {key} in shares:
-            shares[names - {key}] += self.shares[names]
-        total = sum(shares.values())
-        return replace(self, shares={each: share / total for each, share in shares.items()})
+        weights = {each: weight for each, weight in self.weights.items() if each != names}
+        if names - {key} in weights:
+            weights[names - {key}] += self.weights[names]
+        return replace(self, weights=_most_first(weights))
 
     def unsupported(self, fit: Fit, refit: Callable[[Fit], Fit]) -> tuple | None:
         """The key of the least supported effect of a fit that does not count; None if each does.
@@ -157,27 +148,28 @@ class Posterior:
         return dict(sorted(shares.items(), key=lambda item: -item[1]))
 
 
-def tempered(evidence: Evidence, to_explain: float) -> float:
-    """A log evidence, of which the price of what is free has SCORE.temperature, and what the fit leaves a coarser one.
+def marks_of(fits: dict[Names, list[Weighed]], prior: "Prior") -> dict[Names, NDArray[np.float64]]:
+    """What each set of effects is told by: (5,).
 
-    `to_explain` is the excess of the simulator as it is.
+    How much its log evidence falls short of the best, as -ln(1 + deficit), since no shape of the catalogue is exactly
+    that of nature; the log prior; how much the events look like its effects; whether it has more than one; and how far
+    down the list of its family its shape is. The simulator as it is has no shape, so that its deficit counts in full.
     """
-    price = evidence.value + evidence.excess
-    explained = 2 * max(to_explain - evidence.excess, 0)
-    return price / SCORE.temperature - evidence.excess / (SCORE.temperature + SCORE.coarse * explained)
+    values = {names: logsumexp([one.evidence.value for one in some]) for names, some in fits.items()}
+    most, looks = max(values.values()), [some[0].resemblance for names, some in fits.items() if names]
+    marks = {}
+    for names, (best, *_) in fits.items():
+        deficit, log = most - values[names], prior.log(names)
+        if names:
+            told = -np.log1p(deficit), log, best.resemblance, len(names) > 1, -prior.plainness(best)
+        else:
+            told = -deficit, log, np.mean(looks or [0.0]), 0, 0
+        marks[names] = np.array(told, dtype=float)
+    return marks
 
 
-def pooled(opinions: dict[Names, tuple[float, float]]) -> dict[Names, float]:
-    """Log weights of sets of effects by two opinions: what the fits say, and what the events look like.
-
-    Together the sets keep what the fits give them: how probable it is that nothing in the catalogue is missing, what
-    the events look like does not say.
-    """
-    if not any(looks for _, looks in opinions.values()):
-        return {names: fitted for names, (fitted, _) in opinions.items()}
-    both = {names: SCORE.opinion * (fitted + looks) for names, (fitted, looks) in opinions.items()}
-    kept = logsumexp([fitted for fitted, _ in opinions.values()]) - logsumexp(list(both.values()))
-    return {names: float(log + kept) for names, log in both.items()}
+def _most_first(weights: dict[Names, float]) -> dict[Names, float]:
+    return dict(sorted(weights.items(), key=lambda item: -item[1]))
 
 
 @dataclass(frozen=True)
@@ -188,18 +180,18 @@ class Prior:
     """By family."""
     choices: dict[str, int]
     """Features that a family may act on."""
-    shapes: dict[tuple, int]
-    """Of an effect, by its key."""
+    shapes: dict[tuple, list[str]]
+    """Of an effect, by its key, the plainest first."""
 
     @classmethod
     def of(cls, catalogue: list[Effect]) -> "Prior":
         """Of the effects that may be missing. Classes of one name are one family, with the odds and shapes of all."""
         odds: Counter[str] = Counter()
-        shapes: Counter[tuple] = Counter()
+        shapes: dict[tuple, list[str]] = defaultdict(list)
         for effect in {type(effect): effect for effect in catalogue}.values():
             odds[effect.name] += effect.odds
         for effect in catalogue:
-            shapes[effect.key] += len(effect.shapes())
+            shapes[effect.key] += [each.shape for each in effect.shapes()]
         return cls(odds, Counter(name for name, _ in shapes), shapes)
 
     def log(self, names: Names) -> float:
@@ -207,5 +199,10 @@ class Prior:
         k, all_odds = len(names), sum(self.odds.values())
         # One family may act on two features, so that there are more effects than families.
         sets = max(comb(len(self.odds), k), 1) * (all_odds / len(self.odds)) ** k if k else 1
-        each = sum(np.log(self.odds[name] / self.choices[name] / self.shapes[name, on]) for name, on in names)
+        each = sum(np.log(self.odds[name] / self.choices[name] / len(self.shapes[name, on])) for name, on in names)
         return float(np.log(SCORE.number[min(k, len(SCORE.number) - 1)]) - np.log(sets) + each)
+
+    def plainness(self, one: Weighed) -> float:
+        """The mean place of the shapes of a model in the lists of their families: 0 if all are the plainest."""
+        effects = one.fit.model.effects
+        return float(np.mean([min(self.shapes[each.key].index(each.shape), SCORE.special) for each in effects]))

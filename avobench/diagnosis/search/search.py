@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.effort import Effort, Phases
-from avobench.diagnosis.experience.recogniser import kind_of, resemblance
+from avobench.diagnosis.experience.recogniser import resemblance
 from avobench.diagnosis.fit.descent import refine, sharpen
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.search.candidates import Candidates, Weighed, worth
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.screening import Start
-from avobench.diagnosis.settings import BUDGET, RECOGNITION, SCORE, SEARCH
+from avobench.diagnosis.settings import BUDGET, SCORE, SEARCH
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.effects.model import Model
@@ -50,16 +50,17 @@ class Search:
         effects = [effect.adapted(self.x) for effect in self.effects if self.looks_at({effect.feature})]
         weighed = [Weighed.of(null)]
         meter = null.model.events.meter if null.model.events is not None else Meter()
+        like = resemblance(null.model.task, effects, self.x, None)
         with suppress(BudgetExhausted):
-            self.look(weighed, effects, self.like(null.model, null.params))
-        return Posterior.of(weighed, effects) if len(weighed) > 1 or not meter.refused else None
+            like = self.like(null.model, null.params)
+            self.look(weighed, effects, like)
+        return Posterior.of(weighed, effects, like) if len(weighed) > 1 or not meter.refused else None
 
     def like(self, model: Model, theta: NDArray[np.float64]) -> dict[str, float]:
         """Logarithm of how much the events look like each family, beside those of a model at theta (p,)."""
-        if not self.experience or kind_of(model.task) is None:
-            return {}
-        rng, n = self.rng.spawn(1)[0], RECOGNITION.simulated * min(len(self.x), RECOGNITION.portrait_events)
-        return resemblance(model.task, self.effects, self.x, model.simulate(np.tile(theta, (n, 1)), rng))
+        rng = self.rng.spawn(1)[0]
+        make = (lambda n: model.simulate(np.tile(theta, (n, 1)), rng)) if self.experience else None
+        return resemblance(model.task, self.effects, self.x, make)
 
     def look(self, weighed: list[Weighed], effects: list[Effect], like: dict[str, float]) -> None:
         """Add to the models `weighed`, at first the null alone, all that may matter: an effect more in each round.

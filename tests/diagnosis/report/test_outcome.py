@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel
-from avobench.diagnosis.goodness_of_fit.outside import left
-from avobench.diagnosis.report.outcome import Outcome, prior_notes, unconfirmed
+from avobench.diagnosis.report.outcome import Outcome, left, prior_notes, unconfirmed
 from avobench.diagnosis.schema import Gap, GateResult, Verdict
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.settings import TEST

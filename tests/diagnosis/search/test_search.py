@@ -5,6 +5,7 @@ import pytest
 from measurements import with_effect
 
 from avobench.diagnosis.effort import effort_for
+from avobench.diagnosis.experience.recogniser import OUTSIDE
 from avobench.diagnosis.fit.null import fit_null
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.search import Search
@@ -48,5 +49,5 @@ def test_what_the_events_look_like_is_asked_only_with_experience():
         search = Search(None, counts, effects, 1, np.random.default_rng(1), None, 1, experience=experience)
         return search.like(Model(Poisson()), np.array([np.log(12)]))
 
-    assert set(looks(True)) == set(SOME)
-    assert looks(False) == {}
+    assert set(looks(True)) == {*SOME, OUTSIDE}
+    assert len(set(looks(False).values())) == 1

@@ -1,38 +1,39 @@
-"""The diagnosis on cases of others, by `python -m paper.studies.foreign`; `paper.tables.foreign` prints the table.
+"""The diagnosis on cases of others: `python -m paper.studies.cases opened`, or `sealed`; `paper.tables.cases` prints.
 
-The cases are those of `paper.foreign`: what they lack was written down before any of them was diagnosed. Each
+The cases are those of `paper.cases`: what they lack was written down before any of them was diagnosed. Each
 configuration of the diagnosis has a folder of its own, in which a case that has no record yet is diagnosed.
 """
 
-import copy
 import hashlib
 import time
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import click
 import numpy as np
 
+from avobench.bench.events.checks import MIN_EVENTS
 from avobench.bench.store.files import require_folder, write_atomically
 from avobench.bench.store.record import SCHEMA_VERSION, encode
 from avobench.bench.store.versions import versions
 from avobench.cli.main import main
 from avobench.diagnosis.checks import Checks
+from avobench.diagnosis.report.uncertainties import named
 from avobench.diagnosis.run import diagnose
-from avobench.effects import Effect
-from avobench.tasks.errors import StoreError
-from paper.foreign import measured, simulated
-from paper.foreign.case import Case
+from avobench.diagnosis.search.posterior import Posterior
+from avobench.tasks.errors import StoreError, UsageError
+from paper.cases import opened, sealed
+from paper.cases.case import Case
 from paper.studies.files import read_file
 
-FOLDER = Path("results/foreign")
-CASES = {"simulated": simulated.CASES, "measured": measured.CASES}
-"""By what made the events."""
-NAMES = [case.name for cases in CASES.values() for case in cases]
+STUDY, FOLDER = "cases", Path("results/cases")
+CASES = {
+    of: {by: [case for case in some if len(case.x()) >= MIN_EVENTS] for by, some in cases.items()}
+    for of, cases in {"opened": opened.CASES, "sealed": sealed.CASES}.items()
+}
+"""Opened and sealed ones, by what made the events; without those of too few events, which are refused."""
 SIMULATIONS = 10_000_000
 """That a diagnosis may use unless another limit is set: it then takes some ten seconds."""
 KEPT = {
@@ -46,8 +47,6 @@ KEPT = {
 class Configuration:
     """How a diagnosis is made."""
 
-    shapes: int | None = None
-    """Shapes that a family may have, the plainest first; None for all."""
     experience: bool = True
     """Whether the networks are asked what the events look like."""
     simulations: int | None = SIMULATIONS
@@ -57,42 +56,15 @@ class Configuration:
     @property
     def name(self) -> str:
         """The name of its folder: records of another seed, or another limit, stand in its stead."""
-        words = f"{self.shapes or 'all'}-{'with' if self.experience else 'without'}-experience"
+        words = "with-experience" if self.experience else "without-experience"
         return words if self.simulations else f"{words}-without-limit"
-
-
-@cache
-def with_shapes(family: type[Effect], number: int) -> type[Effect]:
-    """A family that offers the first shapes of another one alone."""
-
-    def shapes(self) -> tuple[Effect, ...]:
-        return family.shapes(self)[:number]
-
-    return type(family.__name__, (family,), {"shapes": shapes})
-
-
-def plainest(effects: Iterable[Effect], number: int | None) -> list[Effect]:
-    """The effects, each with its first shapes alone; classes of one name and feature share their number."""
-    if number is None:
-        return list(effects)
-    taken: Counter[tuple] = Counter()
-    chosen = []
-    for effect in effects:
-        own = min(len(effect.shapes()), number - taken[effect.key])
-        if own:
-            taken[effect.key] += own
-            fewer = copy.copy(effect)
-            object.__setattr__(fewer, "__class__", with_shapes(type(effect), own))  # the effects are frozen
-            chosen.append(fewer)
-    return chosen
 
 
 def made(
     folder: Path,
     configuration: Configuration,
+    cases: Mapping[str, Sequence[Case]],
     names: Sequence[str] = (),
-    cases: Mapping[str, Sequence[Case]] = CASES,
-    study: str = "foreign",
 ) -> list[dict[str, Any]]:
     """The records of the cases of these names, or of all; `cases` are by what made the events.
 
@@ -103,8 +75,8 @@ def made(
     for made_by, some in cases.items():
         for case in [case for case in some if not names or case.name in names]:
             path = folder / configuration.name / f"{case.name}.json"
-            identity = {**identity_of(case, made_by, configuration), "study": study}
-            record = read_file(path, study) if path.exists() else {}
+            identity = identity_of(case, made_by, configuration)
+            record = read_file(path, STUDY) if path.exists() else {}
             if {field: record.get(field) for field in identity} != identity:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 record = {"schema_version": SCHEMA_VERSION, **identity, **said(case, configuration)}
@@ -118,10 +90,10 @@ def made(
 def identity_of(case: Case, made_by: str, configuration: Configuration) -> dict[str, Any]:
     """What determines a record but for the versions."""
     return {
-        **{"study": "foreign", "case": case.name, "made_by": made_by, "events_sha256": digest(case)},
+        **{"study": STUDY, "case": case.name, "made_by": made_by, "events_sha256": digest(case)},
         **{"right": list(case.right), "defensible": list(case.defensible)},
-        **{"shapes": configuration.shapes, "experience": configuration.experience},
-        **{"simulations": configuration.simulations, "seed": configuration.seed},
+        **{"experience": configuration.experience, "simulations": configuration.simulations},
+        **{"seed": configuration.seed},
     }
 
 
@@ -138,48 +110,54 @@ def said(case: Case, configuration: Configuration) -> dict[str, Any]:
     started = time.process_time()
     x = case.x()
     checks = Checks(case.task, len(x), configuration.simulations, seed=configuration.seed)
-    effects = plainest(checks.entries(), configuration.shapes)
     x, remarks = checks.events(x)
-    diagnosis = diagnose(
+    result = diagnose(
         case.task,
         x,
         seed=configuration.seed,
         bank=checks.bank,
-        effects=effects,
+        effects=checks.entries(),
         experience=configuration.experience,
-    ).diagnosis
+    )
+    diagnosis = result.diagnosis
     diagnosis.notes[:0] = remarks
     seconds = time.process_time() - started
     told = diagnosis.model_dump(mode="json", include=KEPT)
-    return {"diagnosis": told, "processor_seconds": seconds, "versions": versions()}
+    sets = weighed(result.posterior, case.task.labels) if result.posterior else []
+    return {"diagnosis": told, "sets": sets, "processor_seconds": seconds, "versions": versions()}
 
 
-def read(folder: Path = FOLDER, study: str = "foreign") -> dict[str, list[dict[str, Any]]]:
-    """The records in a folder by the name of the configuration. Raises StoreError for none or a damaged one."""
-    paths = sorted(folder.glob("*/*.json"))
+def weighed(posterior: Posterior, labels: tuple[str, ...]) -> list[dict[str, Any]]:
+    """What all sets of effects, and what is outside, were told by: to which the decision is fitted."""
+    sets = [
+        {"effects": [named(key, labels).model_dump() for key in sorted(names, key=str)], "marks": marks.tolist()}
+        for names, marks in posterior.marks.items()
+    ]
+    return [*sets, {"effects": None, "marks": [0, 0, posterior.looks_outside, 0, 0]}]
+
+
+def read(folder: Path) -> list[dict[str, Any]]:
+    """The records of a configuration. Raises StoreError for none or a damaged one."""
+    paths = sorted(folder.glob("*.json"))
     if not paths:
-        raise StoreError(f"no records in {folder}; `python -m paper.studies.{study} --results {folder}` makes them")
-    return {
-        name: [read_file(path, study) for path in paths if path.parent.name == name]
-        for name in dict.fromkeys(path.parent.name for path in paths)
-    }
+        raise StoreError(f"no records in {folder}; `python -m paper.studies.cases` makes them")
+    return [read_file(path, STUDY) for path in paths]
 
 
 @click.command()
-@click.option("--shapes", type=click.IntRange(1), default=None, help="Shapes of a family, the plainest first.  [all]")
+@click.argument("which", type=click.Choice(list(CASES)))
 @click.option("--experience/--no-experience", default=True, help="Ask the networks, or not.")
 @click.option("--simulations", type=click.IntRange(0), default=SIMULATIONS, show_default=True, help="0 for no limit.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
-@click.option(
-    "--case", "names", multiple=True, type=click.Choice(NAMES), metavar="NAME", help="May be repeated.  [all]"
-)
+@click.option("--case", "names", multiple=True, metavar="NAME", help="May be repeated.  [all]")
 @click.option("--results", type=click.Path(path_type=Path), default=FOLDER, show_default=True)
-def study(
-    shapes: int | None, experience: bool, simulations: int, seed: int, names: tuple[str, ...], results: Path
-) -> None:
-    """Diagnose the cases that have no record in this configuration yet."""
+def study(which: str, experience: bool, simulations: int, seed: int, names: tuple[str, ...], results: Path) -> None:
+    """Diagnose the opened or the sealed cases that have no record in this configuration yet."""
+    known = {case.name for cases in CASES[which].values() for case in cases}
+    if unknown := sorted(set(names) - known):
+        raise UsageError(f"no {which} case {', '.join(unknown)}")
     require_folder(results)
-    made(results, Configuration(shapes, experience, simulations or None, seed), names)
+    made(results / which, Configuration(experience, simulations or None, seed), CASES[which], names)
 
 
 if __name__ == "__main__":

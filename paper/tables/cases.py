@@ -1,10 +1,10 @@
-"""How often the diagnosis was right on cases that nobody had seen: `python -m paper.tables.sealed [FOLDER]...`.
+"""How often the diagnosis was right on cases of others: `python -m paper.tables.cases [opened|sealed]`.
 
-It prints a table of the records of `python -m paper.studies.sealed`, a column a group of cases and folder, and no case
-by itself. Groups are those of the simulated cases; what was measured is a group of its own.
+It prints a table of the records of `python -m paper.studies.cases`, a column a group of cases, and no case by itself.
+Groups are those of the simulated cases; what was measured is a group of its own.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from statistics import mean, median
 from typing import Any
@@ -16,12 +16,12 @@ from sklearn.metrics import roc_auc_score
 
 from avobench.cli.main import main
 from avobench.diagnosis.schema import Verdict
-from paper.sealed.case import Sealed
-from paper.studies.foreign import read
-from paper.studies.sealed import FOLDER, OPENED, REFUSED
-from paper.tables.foreign import REJECTED, named
+from paper.cases.case import Case
+from paper.studies.cases import CASES, FOLDER, read
 
-CASES = {case.name: case for cases in OPENED.values() for case in cases}
+OF = {case.name: case for groups in CASES.values() for cases in groups.values() for case in cases}
+REJECTED = 1e-10
+"""p-value of the model with what was named, below which it does not describe the events."""
 Record = dict[str, Any]
 BINS = 5
 """Of probabilities, with equal numbers of cases, for the error of calibration."""
@@ -38,8 +38,13 @@ def table(records: list[Record]) -> pd.DataFrame:
     return pd.DataFrame({name: column([r for r in records if of(r)]) for name, of in groups.items()})
 
 
-def case_of(record: Record) -> Sealed:
-    return CASES[record["case"]]
+def case_of(record: Record) -> Case:
+    return OF[record["case"]]
+
+
+def named(effect: dict[str, Any], answers: Sequence[str]) -> bool:
+    """Whether an effect is one of the answers, `name` or `name on feature`."""
+    return effect["name"] in answers or f"{effect['name']} on {effect['feature']}" in answers
 
 
 def column(records: list[Record]) -> dict[str, str]:
@@ -152,13 +157,14 @@ def calibration(records: list[Record]) -> str:
 
 
 @click.command()
-@click.argument("folders", nargs=-1, type=click.Path(path_type=Path), metavar="[FOLDER]...")
-def tables(folders: tuple[Path, ...]) -> None:
-    """Print the table of each folder."""
-    for folder in folders or sorted(path for path in FOLDER.iterdir() if path.is_dir()):
-        records = [record for some in read(folder, "sealed").values() for record in some]
-        click.echo(f"{folder.name}: {len(records)} cases, {len(REFUSED)} more have too few events\n")
-        click.echo(f"{table(records).to_string()}\n")
+@click.argument("which", nargs=-1, type=click.Choice(list(CASES)))
+@click.option("--results", type=click.Path(path_type=Path), default=FOLDER, show_default=True)
+def tables(which: tuple[str, ...], results: Path) -> None:
+    """Print the table of the opened cases, of the sealed ones, or of both, for each configuration with records."""
+    for each in which or list(CASES):
+        for folder in sorted((results / each).iterdir()):
+            records = read(folder)
+            click.echo(f"{each}, {folder.name}: {len(records)} cases\n\n{table(records).to_string()}\n")
 
 
 if __name__ == "__main__":

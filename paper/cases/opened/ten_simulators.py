@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 import avobench
-from paper.foreign.case import Case
+from paper.cases.case import Case
 
 Array = NDArray[np.float64]
 Rng = np.random.Generator

@@ -7,9 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench import task
-from paper.sealed.case import Sealed, draw, either, sealed, some
-
-GROUP = "counts"
+from paper.cases.case import Case, case, draw, either, some
 
 
 def _spikes(theta: NDArray, rng: np.random.Generator) -> NDArray:
@@ -69,210 +67,210 @@ def _renewal(rng: np.random.Generator, n: int, rate: float, blind: float, length
     return ((times > 0) & (times < length)).sum(axis=1)
 
 
-@sealed(SPIKES, GROUP)
+@case(SPIKES)
 def spikes_plain(rng):
     """A Poisson neuron, as the simulator has it."""
     return draw(SPIKES, rng, 2500, 33.0)
 
 
-@sealed(SPIKES, GROUP, "single", ("dead_time",))
+@case(SPIKES, "single", ("dead_time",))
 def spikes_refractory(rng):
     """The neuron cannot fire for 4 ms after each spike (Berry, Meister 1998)."""
     return _renewal(rng, 3000, 40.0, 0.004)
 
 
-@sealed(SPIKES, GROUP, "single", ("overdispersion",), ("mixture",))
+@case(SPIKES, "single", ("overdispersion",), ("mixture",))
 def spikes_gain(rng):
     """The gain of the neuron drifts from trial to trial as a gamma variable (Goris 2014)."""
     return rng.poisson(0.5 * 28 * rng.gamma(1 / 0.03, 0.03, 1800))
 
 
-@sealed(SPIKES, GROUP, "pair", ("zero_inflation", "dead_time"), ("mixture",))
+@case(SPIKES, "pair", ("zero_inflation", "dead_time"), ("mixture",))
 def spikes_down_states(rng):
     """Under anaesthesia the cell is silent in one window of twenty-five, and it is refractory for 5 ms otherwise."""
     return _renewal(rng, 5000, 38.0, 0.005) * ~some(rng, 5000, 0.04)
 
 
-@sealed(SPIKES, GROUP, "outside")
+@case(SPIKES, "outside")
 def spikes_four_bits(rng):
     """The register of the counter has four bits and begins again with nought after fifteen."""
     return draw(SPIKES, rng, 1500, 23.0) % 16
 
 
-@sealed(OUTBREAK, GROUP)
+@case(OUTBREAK)
 def outbreak_plain(rng):
     """Outbreaks as the simulator has them."""
     return draw(OUTBREAK, rng, 1500, 0.55)
 
 
-@sealed(OUTBREAK, GROUP, "single", ("inefficiency",))
+@case(OUTBREAK, "single", ("inefficiency",))
 def outbreak_reported(rng):
     """A case is reported with a chance of 0.45 only, though every introduction is known (Gibbons 2014)."""
     return rng.binomial(draw(OUTBREAK, rng, 5000, 0.78)[:, 0].astype(int), 0.45)
 
 
-@sealed(OUTBREAK, GROUP, "single", ("overdispersion",), ("zero_inflation", "mixture"))
+@case(OUTBREAK, "single", ("overdispersion",), ("zero_inflation", "mixture"))
 def outbreak_superspreading(rng):
     """Each case has its own reproduction number, a gamma variable of shape 0.3 (Lloyd-Smith 2005)."""
     return _chain(800, lambda z, _: rng.poisson(rng.gamma(0.3 * z) * 0.6 / 0.3))
 
 
-@sealed(OUTBREAK, GROUP, "single", ("threshold_loss",), ("inefficiency",))
+@case(OUTBREAK, "single", ("threshold_loss",), ("inefficiency",))
 def outbreak_unnoticed(rng):
     """An outbreak becomes known only if one of its cases is tested, so small ones are mostly missed (Blumberg 2013)."""
     size = draw(OUTBREAK, rng, 5000, 0.6)[:, 0]
     return size[some(rng, len(size), 1 - 0.55 ** (size + 1))]
 
 
-@sealed(OUTBREAK, GROUP, "pair", ("overdispersion", "censoring"), ("mixture", "zero_inflation"))
+@case(OUTBREAK, "pair", ("overdispersion", "censoring"), ("mixture", "zero_inflation"))
 def outbreak_places(rng):
     """Places differ in their reproduction number, as a beta variable, and reports end with `12 or more`."""
     places = rng.beta(0.8, 1.0, 6000)
     return np.minimum(_chain(6000, lambda z, i: rng.poisson(places[i] * z), 400), 12)
 
 
-@sealed(OUTBREAK, GROUP, "outside")
+@case(OUTBREAK, "outside")
 def outbreak_two_generations(rng):
     """Contacts are traced for two generations and no further."""
     return _chain(1200, lambda z, _: rng.poisson(0.8 * z), 2)
 
 
-@sealed(MUTANTS, GROUP)
+@case(MUTANTS)
 def mutants_plain(rng):
     """Cultures as the simulator has them, with jackpots of thousands."""
     return draw(MUTANTS, rng, 1200, 2.6)
 
 
-@sealed(MUTANTS, GROUP, "single", ("inefficiency",))
+@case(MUTANTS, "single", ("inefficiency",))
 def mutants_plated(rng):
     """Only a tenth of each culture is plated (Stewart 1990)."""
     return rng.binomial(draw(MUTANTS, rng, 3000, 6.0)[:, 0].astype(int), 0.1)
 
 
-@sealed(MUTANTS, GROUP, "single", ("censoring",), ("truncation",))
+@case(MUTANTS, "single", ("censoring",), ("truncation",))
 def mutants_too_many(rng):
     """Plates with more than 60 colonies are written down as 60."""
     return np.minimum(draw(MUTANTS, rng, 1000, 4.0), 60)
 
 
-@sealed(MUTANTS, GROUP, "single", ("overdispersion",), ("zero_inflation", "mixture"))
+@case(MUTANTS, "single", ("overdispersion",), ("zero_inflation", "mixture"))
 def mutants_volumes(rng):
     """The cultures are of unlike final size, a gamma variable with a variation of 0.7 (Zheng 2010)."""
     return _mutants(4.0 * rng.gamma(2, 0.5, (4000, 1)), rng)
 
 
-@sealed(MUTANTS, GROUP, "pair", ("zero_inflation", "inefficiency"))
+@case(MUTANTS, "pair", ("zero_inflation", "inefficiency"))
 def mutants_dead_plates(rng):
     """A tenth of each culture is plated, and one plate of six does not grow anything."""
     return rng.binomial(draw(MUTANTS, rng, 5000, 8.0)[:, 0].astype(int), 0.1) * ~some(rng, 5000, 0.17)
 
 
-@sealed(QUEUE, GROUP)
+@case(QUEUE)
 def queue_plain(rng):
     """The queue as the simulator has it."""
     return draw(QUEUE, rng, 10_000, 0.8)
 
 
-@sealed(QUEUE, GROUP, "single", ("truncation",))
+@case(QUEUE, "single", ("truncation",))
 def queue_waiting_room(rng):
     """The room holds twelve, and who finds it full is sent away without a record, as in the M/M/1/K queue."""
     found = draw(QUEUE, rng, 1500, 0.88)[:, 0]
     return found[found <= 12]
 
 
-@sealed(QUEUE, GROUP, "single", ("pile_up",), ("double_counting",))
+@case(QUEUE, "single", ("pile_up",), ("double_counting",))
 def queue_neighbour(rng):
     """In two pictures of five a part of the next queue is in view and is counted too."""
     here, there = draw(QUEUE, rng, 20_000, 0.6)[:, 0], draw(QUEUE, rng, 20_000, 0.6)[:, 0].astype(int)
     return here + rng.binomial(there, 0.8) * some(rng, 20_000, 0.4)
 
 
-@sealed(QUEUE, GROUP, "pair", ("overdispersion", "censoring"), ("mixture",))
+@case(QUEUE, "pair", ("overdispersion", "censoring"), ("mixture",))
 def queue_rush_hours(rng):
     """The load changes with the hour, and the camera sees no more than fifteen."""
     return np.minimum(_queue(rng.beta(4, 2, (8000, 1)), rng), 15)
 
 
-@sealed(QUEUE, GROUP, "outside")
+@case(QUEUE, "outside")
 def queue_longer(rng):
     """The manager writes down the longer one of two queues."""
     return np.maximum(draw(QUEUE, rng, 1500, 0.75), draw(QUEUE, rng, 1500, 0.75))
 
 
-@sealed(FISH, GROUP)
+@case(FISH)
 def fish_plain(rng):
     """Hauls as the simulator has them, which are clumped and often empty."""
     return draw(FISH, rng, 1000, 4.0, 0.7)
 
 
-@sealed(FISH, GROUP, "single", ("zero_inflation",), ("mixture",))
+@case(FISH, "single", ("zero_inflation",), ("mixture",))
 def fish_unoccupied(rng):
     """A fifth of the sites is not inhabited (MacKenzie 2002)."""
     return draw(FISH, rng, 2000, 9.0, 2.5)[:, 0] * ~some(rng, 2000, 0.2)
 
 
-@sealed(FISH, GROUP, "single", ("quantisation",))
+@case(FISH, "single", ("quantisation",))
 def fish_in_fives(rng):
     """The divers give their numbers in fives, as counts by eye often are."""
     return 5 * np.rint(draw(FISH, rng, 400, 11.0, 2.0) / 5)
 
 
-@sealed(FISH, GROUP, "single", ("mixture",))
+@case(FISH, "single", ("mixture",))
 def fish_two_stocks(rng):
     """Two hauls of five are of a second stock that is six times as dense."""
     return either(some(rng, 4000, 0.4), draw(FISH, rng, 4000, 13.0, 5.0), draw(FISH, rng, 4000, 2.0, 5.0))
 
 
-@sealed(FISH, GROUP, "pair", ("zero_inflation", "truncation"), ("mixture",))
+@case(FISH, "pair", ("zero_inflation", "truncation"), ("mixture",))
 def fish_torn_nets(rng):
     """A seventh of the nets is not set, and nets with more than 16 fish tear and are left out."""
     hauls = draw(FISH, rng, 8000, 11.0, 3.0)[:, 0] * ~some(rng, 8000, 0.14)
     return hauls[hauls <= 16]
 
 
-@sealed(FISH, GROUP, "outside")
+@case(FISH, "outside")
 def fish_swapped_digits(rng):
     """A third of the counts of two digits is copied with the digits swapped."""
     n = draw(FISH, rng, 4000, 13.0, 5.5)[:, 0].astype(int)
     return np.where((n > 9) & (n < 100) & some(rng, 4000, 0.33), n % 10 * 10 + n // 10, n)
 
 
-@sealed(PHOTONS, GROUP)
+@case(PHOTONS)
 def photons_plain(rng):
     """Exposures as the simulator has them, with a known scatter of the seeing."""
     return draw(PHOTONS, rng, 20_000, 22.0)
 
 
-@sealed(PHOTONS, GROUP, "single", ("readout_noise",), ("overdispersion",))
+@case(PHOTONS, "single", ("readout_noise",), ("overdispersion",))
 def photons_amplifier(rng):
     """The amplifier adds a noise of two electrons (Janesick 2001)."""
     return np.maximum(np.rint(draw(PHOTONS, rng, 3000, 14.0) + rng.normal(0, 2, (3000, 1))), 0)
 
 
-@sealed(PHOTONS, GROUP, "single", ("flat_background",), ("mixture",))
+@case(PHOTONS, "single", ("flat_background",), ("mixture",))
 def photons_cosmics(rng):
     """In three exposures of a hundred a cosmic ray gives a count of its own, anything up to 100."""
     return np.where(some(rng, 2500, 0.03), rng.integers(0, 101, 2500), draw(PHOTONS, rng, 2500, 30.0)[:, 0])
 
 
-@sealed(PHOTONS, GROUP, "single", ("double_counting",), ("overdispersion",))
+@case(PHOTONS, "single", ("double_counting",), ("overdispersion",))
 def photons_afterpulses(rng):
     """A third of the photons give an afterpulse that is counted as well (Campbell 1992)."""
     n = draw(PHOTONS, rng, 3000, 15.0)[:, 0].astype(int)
     return n + rng.binomial(n, 0.33)
 
 
-@sealed(PHOTONS, GROUP, "pair", ("quantisation", "flat_background"))
+@case(PHOTONS, "pair", ("quantisation", "flat_background"))
 def photons_coarse_converter(rng):
     """The converter has a step of four photons, and cosmic rays spoil four exposures of a hundred."""
     n = np.where(some(rng, 4000, 0.04), rng.integers(0, 121, 4000), draw(PHOTONS, rng, 4000, 33.0)[:, 0])
     return 4 * np.floor(n / 4)
 
 
-@sealed(PHOTONS, GROUP, "outside")
+@case(PHOTONS, "outside")
 def photons_best_of_three(rng):
     """Of three exposures only the brightest is kept, which is called lucky imaging (Fried 1978)."""
     return np.max([draw(PHOTONS, rng, 2500, 30.0) for _ in range(3)], axis=0)
 
 
-CASES: list[Sealed] = [c for c in list(globals().values()) if isinstance(c, Sealed)]
+CASES: list[Case] = [c for c in list(globals().values()) if isinstance(c, Case)]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import avobench
 from avobench.tasks import Task
-from paper.foreign.case import Case
+from paper.cases.case import Case
 
 Array = NDArray[np.float64]
 Rng = np.random.Generator

@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench import task
-from paper.sealed.case import Sealed, draw, either, sealed, some
+from paper.cases.case import Case, case, draw, either, some
 
-GROUP = "one feature"
 TURN = 2 * np.pi
 
 
@@ -73,38 +72,38 @@ RAIN = task(_rain, prior={"shape": (0.4, 2.5), "scale": (3, 16)}, features=["rai
 ALPHA = task(_alpha, prior={"share": (0.1, 0.9), "width": (0.005, 0.02)}, features=["energy"], name="alpha")
 
 
-@sealed(REACTION, GROUP)
+@case(REACTION)
 def reaction_plain(rng):
     """A task with long tails of the responses, as the simulator has them."""
     return draw(REACTION, rng, 3000, 0.38, 0.035, 0.21)
 
 
-@sealed(REACTION, GROUP, "single", ("flat_background",), ("outliers", "mixture"))
+@case(REACTION, "single", ("flat_background",), ("outliers", "mixture"))
 def reaction_contaminants(rng):
     """One response of twenty has nothing to do with the stimulus and comes at any time up to 2.5 s (Ratcliff 2002)."""
     return either(some(rng, 2500, 0.05), rng.uniform(0.15, 2.5, (2500, 1)), draw(REACTION, rng, 2500, 0.42, 0.04, 0.1))
 
 
-@sealed(REACTION, GROUP, "single", ("saturation",))
+@case(REACTION, "single", ("saturation",))
 def reaction_deadline(rng):
     """A trial ends after 1.1 s, and who has not answered then is given 1.1 s."""
     return np.minimum(draw(REACTION, rng, 2000, 0.45, 0.05, 0.17), 1.1)
 
 
-@sealed(REACTION, GROUP, "single", ("peak_background",), ("mixture",))
+@case(REACTION, "single", ("peak_background",), ("mixture",))
 def reaction_anticipations(rng):
     """One response of thirty is an anticipation at the expected time of the signal (Yellott 1971)."""
     return either(some(rng, 1500, 0.033), rng.normal(0.2, 0.03, (1500, 1)), draw(REACTION, rng, 1500, 0.4, 0.04, 0.12))
 
 
-@sealed(REACTION, GROUP, "pair", ("quantisation", "flat_background"), ("outliers",))
+@case(REACTION, "pair", ("quantisation", "flat_background"), ("outliers",))
 def reaction_video(rng):
     """Responses are read from a video of 25 pictures a second, and one of sixteen is a lapse of any length to 3 s."""
     rt = draw(REACTION, rng, 5000, 0.36, 0.03, 0.11)
     return 0.04 * np.rint(either(some(rng, 5000, 0.06), rng.uniform(0.2, 3, (5000, 1)), rt) / 0.04)
 
 
-@sealed(REACTION, GROUP, "outside")
+@case(REACTION, "outside")
 def reaction_swapped_digits(rng):
     """Times of three digits are typed by hand, and one of four with its first two digits swapped."""
     ms = np.rint(1000 * draw(REACTION, rng, 4000, 0.4, 0.04, 0.09)[:, 0]).astype(int)
@@ -112,65 +111,65 @@ def reaction_swapped_digits(rng):
     return np.where((ms < 1000) & some(rng, 4000, 0.25), swapped, ms) / 1000 + rng.uniform(-5e-4, 5e-4, 4000)
 
 
-@sealed(MAGNITUDE, GROUP)
+@case(MAGNITUDE)
 def magnitude_plain(rng):
     """A complete catalogue."""
     return draw(MAGNITUDE, rng, 6000, 1.05)
 
 
-@sealed(MAGNITUDE, GROUP, "single", ("edge_acceptance",))
+@case(MAGNITUDE, "single", ("edge_acceptance",))
 def magnitude_incomplete(rng):
     """The chance to detect an earthquake rises with its magnitude as a normal integral (Ogata, Katsura 1993)."""
     m = draw(MAGNITUDE, rng, 6000, 0.95)[:, 0]
     return m[rng.normal(2.1, 0.2, 6000) < m]
 
 
-@sealed(MAGNITUDE, GROUP, "single", ("resolution",))
+@case(MAGNITUDE, "single", ("resolution",))
 def magnitude_errors(rng):
     """The magnitudes of a complete list are measured anew with an error of 0.15 (Tinti, Mulargia 1985)."""
     return draw(MAGNITUDE, rng, 700, 1.1) + rng.normal(0, 0.15, (700, 1))
 
 
-@sealed(MAGNITUDE, GROUP, "pair", ("quantisation", "edge_acceptance"))
+@case(MAGNITUDE, "pair", ("quantisation", "edge_acceptance"))
 def magnitude_historic(rng):
     """Magnitudes from old reports come in steps of a quarter, and the small ones are reported less often."""
     m = draw(MAGNITUDE, rng, 15_000, 0.8)[:, 0]
     return 0.25 * np.rint(m[rng.normal(2.2, 0.3, 15_000) < m] / 0.25)
 
 
-@sealed(MAGNITUDE, GROUP, "outside")
+@case(MAGNITUDE, "outside")
 def magnitude_largest(rng):
     """The list has the largest shock of each sequence of one to five."""
     m = draw(MAGNITUDE, rng, 6000, 0.9).reshape(-1, 5)
     return np.where(np.arange(5) < rng.integers(1, 6, (1200, 1)), m, 0).max(axis=1)
 
 
-@sealed(HEADING, GROUP)
+@case(HEADING)
 def heading_plain(rng):
     """Birds that fly as the simulator has it."""
     return draw(HEADING, rng, 900, 0.7, 1.6)
 
 
-@sealed(HEADING, GROUP, "single", ("dead_region",))
+@case(HEADING, "single", ("dead_region",))
 def heading_tower(rng):
     """Winds from a sector of 35 degrees come through the tower and are struck from the record."""
     x = draw(HEADING, rng, 4000, -0.3, 1.2)[:, 0]
     return x[(x < 0.5) | (x > 0.5 + np.radians(35))]
 
 
-@sealed(HEADING, GROUP, "single", ("peak_background",))
+@case(HEADING, "single", ("peak_background",))
 def heading_calms(rng):
     """In a calm, one hour of twenty-five, the vane rests where it is pushed by its cable, near 115 degrees."""
     return either(some(rng, 5000, 0.04), rng.normal(2.0, 0.06, (5000, 1)), draw(HEADING, rng, 5000, 0.2, 1.5))
 
 
-@sealed(HEADING, GROUP, "single", ("mixture",), ("flat_background",))
+@case(HEADING, "single", ("mixture",), ("flat_background",))
 def heading_reverse(rng):
     """One bird of seven flies the other way, which is called reverse migration (Alerstam 1990)."""
     return either(some(rng, 600, 0.14), draw(HEADING, rng, 600, 0.4 - np.pi, 2.5), draw(HEADING, rng, 600, 0.4, 2.5))
 
 
-@sealed(HEADING, GROUP, "pair", ("quantisation", "flat_background"), ("mixture",))
+@case(HEADING, "pair", ("quantisation", "flat_background"), ("mixture",))
 def heading_compass(rng):
     """Headings are noted by the sixteen points of the compass, and one bird of six flies anywhere."""
     x = either(some(rng, 6000, 0.16), rng.uniform(-np.pi, np.pi, (6000, 1)), draw(HEADING, rng, 6000, -0.5, 5.0))
@@ -178,33 +177,33 @@ def heading_compass(rng):
     return np.where(x < -3.1, x + TURN, x)
 
 
-@sealed(FLUORESCENCE, GROUP)
+@case(FLUORESCENCE)
 def fluorescence_plain(rng):
     """One dye, with photons that wrap into the next window."""
     return draw(FLUORESCENCE, rng, 50_000, 3.6)
 
 
-@sealed(FLUORESCENCE, GROUP, "single", ("second_exponential", "mixture"), ("spread",))
+@case(FLUORESCENCE, "single", ("second_exponential", "mixture"), ("spread",))
 def fluorescence_bound(rng):
     """A quarter of the NADH is bound to protein and shines for 2.8 ns in place of 1.1 (Lakowicz 1992)."""
     tau = np.where(some(rng, 8000, 0.25), 2.8, 1.1)
     return (1 + rng.normal(0, 0.15, 8000) + rng.exponential(tau)) % 12.5
 
 
-@sealed(FLUORESCENCE, GROUP, "single", ("resolution",))
+@case(FLUORESCENCE, "single", ("resolution",))
 def fluorescence_slow_diode(rng):
     """Another diode is used, whose jitter of 0.2 ns comes on top of the pulse."""
     return (draw(FLUORESCENCE, rng, 4000, 1.6) + rng.normal(0, 0.2, (4000, 1))) % 12.5
 
 
-@sealed(FLUORESCENCE, GROUP, "pair", ("flat_background", "offset"))
+@case(FLUORESCENCE, "pair", ("flat_background", "offset"))
 def fluorescence_dark_counts(rng):
     """One count of fourteen is a dark one, and a longer cable delays all by 0.1 ns."""
     t = either(some(rng, 20_000, 0.07), rng.uniform(0, 12.5, (20_000, 1)), draw(FLUORESCENCE, rng, 20_000, 1.9))
     return (t + 0.1) % 12.5
 
 
-@sealed(FLUORESCENCE, GROUP, "outside")
+@case(FLUORESCENCE, "outside")
 def fluorescence_first_photon(rng):
     """Only the first photon of a pulse is timed, and a pulse gives two of them or so (O'Connor, Phillips 1984)."""
     n = rng.poisson(1.6, 9000)
@@ -212,79 +211,79 @@ def fluorescence_first_photon(rng):
     return np.where(np.arange(12) < n[:, None], times, 99).min(axis=1)[n > 0]
 
 
-@sealed(RETURN, GROUP)
+@case(RETURN)
 def return_plain(rng):
     """A share with a low volatility, as the simulator has it."""
     return draw(RETURN, rng, 2500, 0.05, 0.7)
 
 
-@sealed(RETURN, GROUP, "single", ("outliers",), ("spread", "mixture"))
+@case(RETURN, "single", ("outliers",), ("spread", "mixture"))
 def return_jumps(rng):
     """On one day of fifty there is a jump on top, six times as large as the volatility (Merton 1976)."""
     return draw(RETURN, rng, 2500, 0.05, 1.1) + some(rng, 2500, 0.02)[:, None] * rng.normal(0, 6.6, (2500, 1))
 
 
-@sealed(RETURN, GROUP, "single", ("forward_backward_acceptance",))
+@case(RETURN, "single", ("forward_backward_acceptance",))
 def return_reported(rng):
     """Of the returns that are reported to a database by will, a third of the losses is kept back (Agarwal 2013)."""
     x = draw(RETURN, rng, 4000, 0.2, 1.4)[:, 0]
     return x[(x > 0) | some(rng, 4000, 0.66)]
 
 
-@sealed(RETURN, GROUP, "pair", ("peak_background", "spread"), ("outliers", "mixture"))
+@case(RETURN, "pair", ("peak_background", "spread"), ("outliers", "mixture"))
 def return_stale(rng):
     """On one day of twelve nobody trades and the return is nought (Lesmond 1999), and volatility itself is random."""
     x = rng.normal(0.1, 1.2 * np.exp(rng.normal(-0.1, 0.45, 4000)))
     return np.where(some(rng, 4000, 0.08), 0, x)
 
 
-@sealed(RAIN, GROUP)
+@case(RAIN)
 def rain_plain(rng):
     """Wet days as the simulator has them, many of which are near to nothing."""
     return draw(RAIN, rng, 2000, 0.6, 11.0)
 
 
-@sealed(RAIN, GROUP, "single", ("quantisation",))
+@case(RAIN, "single", ("quantisation",))
 def rain_bucket(rng):
     """The bucket of the gauge tips after each millimetre, and what is left in it is not seen."""
     return np.floor(draw(RAIN, rng, 3000, 1.3, 6.0))
 
 
-@sealed(RAIN, GROUP, "pair", ("quantisation", "saturation"))
+@case(RAIN, "pair", ("quantisation", "saturation"))
 def rain_small_gauge(rng):
     """The gauge is read to the next 2 mm, and it overflows at 30 mm."""
     return np.minimum(2 * np.rint(draw(RAIN, rng, 4000, 1.0, 10.0) / 2), 30)
 
 
-@sealed(RAIN, GROUP, "outside")
+@case(RAIN, "outside")
 def rain_siphon(rng):
     """The recorder empties itself by a siphon at 20 mm and begins again with nought, which nobody corrected."""
     return draw(RAIN, rng, 3000, 1.6, 9.0) % 20
 
 
-@sealed(ALPHA, GROUP)
+@case(ALPHA)
 def alpha_plain(rng):
     """A thin source."""
     return draw(ALPHA, rng, 12_000, 0.3, 0.011)
 
 
-@sealed(ALPHA, GROUP, "single", ("radiative_tail",))
+@case(ALPHA, "single", ("radiative_tail",))
 def alpha_thick_source(rng):
     """One alpha of seven has lost energy in the thickness of the source, 30 keV on average (Bortels, Collaers 1987)."""
     return draw(ALPHA, rng, 4000, 0.55, 0.009) - some(rng, 4000, 0.14)[:, None] * rng.exponential(0.03, (4000, 1))
 
 
-@sealed(ALPHA, GROUP, "single", ("offset", "scale"))
+@case(ALPHA, "single", ("offset", "scale"))
 def alpha_zero(rng):
     """The zero of the scale is 5 keV too high; so near to each other are the lines that a scale looks the same."""
     return draw(ALPHA, rng, 2500, 0.5, 0.012) + 0.005
 
 
-@sealed(ALPHA, GROUP, "pair", ("radiative_tail", "flat_background"), ("outliers",))
+@case(ALPHA, "pair", ("radiative_tail", "flat_background"), ("outliers",))
 def alpha_old_source(rng):
     """One alpha of nine loses 60 keV in dust on average, and one count of thirty is noise from 4.7 to 5.7 MeV."""
     e = draw(ALPHA, rng, 8000, 0.6, 0.01) - some(rng, 8000, 0.11)[:, None] * rng.exponential(0.06, (8000, 1))
     return either(some(rng, 8000, 0.03), rng.uniform(4.7, 5.7, (8000, 1)), e)
 
 
-CASES: list[Sealed] = [c for c in list(globals().values()) if isinstance(c, Sealed)]
+CASES: list[Case] = [c for c in list(globals().values()) if isinstance(c, Case)]

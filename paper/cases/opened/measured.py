@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from avobench import task
 from avobench.tasks import Task
-from paper.sealed.case import Group, Kind, Sealed
+from paper.cases.case import Case
 
 DATA = Path(__file__).parent / "data"
 
@@ -31,10 +31,9 @@ def _case(
     why: str,
     right: tuple[str, ...] = (),
     defensible: tuple[str, ...] = (),
-    kind: Kind = "single",
-    group: Group = "one feature",
-) -> Sealed:
-    return Sealed(name, task, lambda rng: _read(name), why, right, defensible, kind, group)
+    pair: bool = False,
+) -> Case:
+    return Case(name, task, lambda rng: _read(name), why, right, defensible, pair)
 
 
 def _count(theta: NDArray, rng: np.random.Generator) -> NDArray:
@@ -156,30 +155,22 @@ def _bill(theta: NDArray, rng: np.random.Generator) -> NDArray:
 
 
 OVER, MIX, ZERO = "overdispersion", "mixture", "zero_inflation"
-COUNTS: Group = "counts"
-SEVERAL: Group = "several features"
 
-CASES: list[Sealed] = [
+CASES: list[Case] = [
     _case(
         "weldon-dice",
         _binomial("weldon-dice", "fives_and_sixes", 0.3, 0.37),
         "The chance of a five or a six is a little over a third, and with that the binomial fits (Pearson 1900).",
-        kind="null",
-        group=COUNTS,
     ),
     _case(
         "cycling-deaths",
         _poisson("cycling-deaths", "deaths", 0.2, 1.5),
         "The deaths of cyclists in London are as a Poisson process has them (Aberdein, Spiegelhalter 2013).",
-        kind="null",
-        group=COUNTS,
     ),
     _case(
         "women-in-queues",
         task(_of_ten, prior={"chance": (0.2, 0.7)}, features=["women"], name="women-in-queues"),
         "Women in queues of ten in the London underground are binomial within the error (Friendly, Meyer 2016).",
-        kind="null",
-        group=COUNTS,
     ),
     _case(
         "doctor-visits",
@@ -187,7 +178,6 @@ CASES: list[Sealed] = [
         "Health differs from person to person, and the negative binomial is needed (Cameron, Trivedi 1986).",
         (OVER,),
         (ZERO, MIX),
-        group=COUNTS,
     ),
     _case(
         "boat-trips",
@@ -195,8 +185,7 @@ CASES: list[Sealed] = [
         "Two of three households never go there, and the others differ widely (Ozuna, Gomez 1995).",
         (ZERO, OVER),
         (MIX,),
-        "pair",
-        COUNTS,
+        True,
     ),
     _case(
         "saxony-boys",
@@ -204,7 +193,6 @@ CASES: list[Sealed] = [
         "The chance of a boy differs from family to family (Edwards 1958; Lindsey, Altham 1998).",
         (OVER,),
         (MIX,),
-        group=COUNTS,
     ),
     _case(
         "bundesliga-goals",
@@ -212,7 +200,6 @@ CASES: list[Sealed] = [
         "Teams differ in their strength, so that goals over all matches are overdispersed (Reep 1971).",
         (OVER,),
         (MIX,),
-        group=COUNTS,
     ),
     _case(
         "phd-articles",
@@ -220,7 +207,6 @@ CASES: list[Sealed] = [
         "Scientists differ in their productivity, and the negative binomial fits well (Long 1997).",
         (OVER,),
         (ZERO, MIX),
-        group=COUNTS,
     ),
     _case(
         "grouse-ticks",
@@ -228,7 +214,6 @@ CASES: list[Sealed] = [
         "Ticks are clumped by brood and place, as parasites are (Elston 2001).",
         (OVER,),
         (ZERO, MIX),
-        group=COUNTS,
     ),
     _case(
         "school-absences",
@@ -236,7 +221,6 @@ CASES: list[Sealed] = [
         "Children differ in how often they are absent (Aitkin 1978; Venables, Ripley 2002).",
         (OVER,),
         (MIX,),
-        group=COUNTS,
     ),
     _case(
         "federalist-may",
@@ -244,14 +228,12 @@ CASES: list[Sealed] = [
         "A word comes in clusters, and the negative binomial fits where Poisson does not (Mosteller, Wallace 1964).",
         (OVER,),
         (ZERO, MIX),
-        group=COUNTS,
     ),
     _case(
         "daily-births",
         _poisson("daily-births", "births", 7500, 10_500),
         "Fewer children are born on weekends, and the rate changes with the season too (Gelman 2013).",
         (MIX, OVER),
-        group=COUNTS,
     ),
     _case(
         "coal-gaps",
@@ -284,7 +266,7 @@ CASES: list[Sealed] = [
         "Magnitudes are rounded to tenths, and those below 4.6 are incomplete, as in all such catalogues (Kagan 2003).",
         ("edge_acceptance", "quantisation"),
         (),
-        "pair",
+        True,
     ),
     _case(
         "bmw-returns",
@@ -380,7 +362,7 @@ CASES: list[Sealed] = [
         "Earnings are cut at a top code of 25 565 dollars, and who did not work earned nothing (Dehejia, Wahba 1999).",
         ("saturation", "peak_background"),
         (),
-        "pair",
+        True,
     ),
     _case(
         "boston-values",
@@ -427,7 +409,6 @@ CASES: list[Sealed] = [
         "He throws a fast ball, a slider and a curve, each with a speed and a break of its own (Pane 2013).",
         (MIX,),
         ("correlation", "conditional_response", "spread"),
-        group=SEVERAL,
     ),
     _case(
         "newlyn-waves",
@@ -441,7 +422,6 @@ CASES: list[Sealed] = [
         "One storm makes both the waves and the surge, so that they are high together (Coles, Tawn 1994).",
         ("correlation", "conditional_response"),
         (MIX, "spread"),
-        group=SEVERAL,
     ),
     _case(
         "criminal-fingers",
@@ -453,7 +433,6 @@ CASES: list[Sealed] = [
         ),
         "Heights are grouped by the inch and fingers by the millimetre (Macdonell 1902; Student 1908).",
         ("quantisation on height", "quantisation on finger"),
-        group=SEVERAL,
     ),
     _case(
         "penguin-bills",
@@ -466,6 +445,5 @@ CASES: list[Sealed] = [
         "They are of three species, of which Gentoos have long and flat bills (Gorman 2014; Horst 2020).",
         (MIX,),
         ("correlation", "spread"),
-        group=SEVERAL,
     ),
 ]
