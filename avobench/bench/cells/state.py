@@ -15,9 +15,8 @@ import numpy as np
 def put_back() -> Iterator[None]:
     """Put back what the code of a method or task changes of the process within the block.
 
-    This is what would change another cell's numbers or make it fail: NumPy's handling of floating-point errors, the
-    legacy random states, PyTorch's defaults, the filters of warnings, the environment and the current folder. A copy
-    of the process that the code forked off and that comes back too ends here: it would go on as a second sweep.
+    That is NumPy's floating-point error handling, legacy random states, PyTorch's defaults, filters of warnings,
+    environment and current folder. A fork that comes back as well is ended: it would go on as a second sweep.
     """
     process = os.getpid()
     folder, environment = None, dict(os.environ)

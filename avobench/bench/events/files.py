@@ -30,11 +30,10 @@ def read_timed(
 ) -> tuple[NDArray | pd.DataFrame, NDArray[np.float64] | None]:
     """The events of a .npy, .npz, text or .parquet file, or of a tree `file.root:tree`: (n, d), one row an event.
 
-    What has columns with names is a table, whose names say which column is which feature; the rest is an array.
-    `columns` chooses columns, branches, or arrays of a .npz; without it all are read. A one-dimensional array is one
-    feature, and what has more than two dimensions, such as images, is flattened row by row. Also returns the column
-    `time` (n,), if one is named, which is then none of the events'. Dates become seconds since 1970. Raises UsageError
-    for what cannot be read as numbers, and for pickled content, which could run code.
+    What has columns with names is a table, the rest an array. `columns` chooses columns, branches, or arrays of a .npz;
+    without it all are read. More than two dimensions are flattened row by row. Also returns the column `time` (n,), if
+    one is named, which is then none of the events'. Raises UsageError for what cannot be read as numbers, and for
+    pickled content, which could run code.
     """
     file, _, tree = path.rpartition(":") if re.search(r"\.root:[^:]+$", path) else (path, "", "")
     if not Path(file).is_file():
@@ -123,7 +122,6 @@ def _chosen(file: str, names: list, columns: list[str] | None) -> list:
 
 
 def _flat(file: str, x: NDArray) -> NDArray:
-    """An array of numbers as events (n, d)."""
     if x.dtype == bool:
         x = x.astype(np.uint8)
     if x.dtype.kind not in "iuf":

@@ -53,8 +53,7 @@ class Trusted(str):
 def trusted(spec: str) -> str:
     """Mark `spec` as a file that the user trusts: reading a model then runs the code that the file names.
 
-    Without the mark a model may name installed tasks and effects only. The mark stays with the text wherever it is
-    sent, to worker processes too.
+    Without the mark a model may name installed tasks and effects only. It stays with the text, to worker processes too.
     """
     return Trusted(spec)
 
@@ -73,10 +72,7 @@ def names(kind: str) -> list[str]:
 
 
 def load(kind: str, spec: str) -> Any:
-    """Load what `spec` names: a class, or an instance that a user's module or file has ready-made.
-
-    It is a registered name, `module:Class`, `file.py:Class`, or the file of a model. Raises UsageError in one line.
-    """
+    """Load what `spec` names: a class, or an instance that a user's file has ready-made. Raises UsageError."""
     if is_model(kind, spec):
         return AugmentedTask
     found = imported(kind, spec) if ":" in spec else _registered(kind, spec)
@@ -105,7 +101,6 @@ def runs_theirs(kind: str, spec: str) -> bool:
 
 
 def is_model(kind: str, spec: str) -> bool:
-    """Tell whether `spec` is the file of a task with effects added, as `avobench diagnose` writes it."""
     return kind == "task" and spec.endswith(".json")
 
 
@@ -135,7 +130,6 @@ def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
 
 
 def task_of(given: Task | str) -> Task:
-    """The task that is given, itself or by name. Raises UsageError for what is no task."""
     if isinstance(given, str):
         return build("task", given, {})
     if not isinstance(given, Task):
@@ -159,10 +153,7 @@ def read_model(spec: str) -> AugmentedTask:
 
 
 def named_in(file: str | Path, kind: str, name: str, trust: bool) -> str:
-    """The task or effect that a file names, to be built.
-
-    Raises UsageError for what is not installed, unless the user trusts the file.
-    """
+    """The task or effect that a file names. Raises UsageError for one not installed, unless the file is trusted."""
     if ":" in name and not trust:
         raise UsageError(
             f"{file} names {kind} '{name}', and reading it would run that code: only a file that is trusted "
@@ -193,10 +184,9 @@ def effect_families(name: str) -> list[type[Effect]]:
 
 
 def spec_of(kind: str, instance: Any) -> str | None:
-    """The name by which a task or effect is found again in another process; None where there is none, as in a notebook.
+    """The name by which another process finds a task or effect; None where there is none, as in a notebook.
 
-    It is that of its entry point, or what its module, or that of the function that it is made of, calls it or its
-    class.
+    It is that of its entry point, or what the module of its class or function calls it or its class.
     """
     if isinstance(instance, AugmentedTask):
         return instance.name  # its file tells all that it is made of
@@ -240,8 +230,7 @@ def _class_tells(kind: str, instance: Any) -> bool:
 def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:
     """All that determines the behaviour of a task or method: name, version, settings, and the source if it is not ours.
 
-    The source is that of the class, its bases and its `parts`, and what they use of their modules; see `source`. A
-    setting with the metadata `{"identifies": "unless default"}` is left out at its default, so one added later keeps
+    A setting with the metadata `{"identifies": "unless default"}` is left out at its default, so one added later keeps
     old results.
     """
     parts = {kind: instance.name, f"{kind}_version": instance.version, f"{kind}_settings": settings_of(instance)}
@@ -260,7 +249,6 @@ def settings_of(instance: Any) -> dict[str, Any]:
 
 
 def _fields(found: Any) -> list[dataclasses.Field]:
-    """The settings that a class, or an instance of it, takes."""
     return [field for field in dataclasses.fields(found) if field.init] if dataclasses.is_dataclass(found) else []
 
 
@@ -288,10 +276,7 @@ def require_packages(kind: str, instance: Any) -> None:
 
 
 def blamed(make: Callable[[], Any], what: str) -> Any:
-    """The value of `make()`. Raises UsageError that names the class of a user for what this class raises.
-
-    A SimulatorError, which names it already, is raised as it is.
-    """
+    """The value of `make()`; what a user's class raises becomes a UsageError that names it."""
     try:
         return make()
     except (UsageError, SimulatorError, ValidationError):
@@ -307,7 +292,6 @@ def _points(kind: str) -> tuple[EntryPoint, ...]:
 
 
 def _registered(kind: str, name: str) -> Any:
-    """The class that an entry point names."""
     known = names(kind)
     if name not in known:
         hint = _did_you_mean(name, known, cutoff=0.4) or f"known: {', '.join(known)}, module:Class or file.py:Class"
@@ -318,10 +302,7 @@ def _registered(kind: str, name: str) -> Any:
 
 
 def imported(kind: str, spec: str) -> Any:
-    """The object of a module or a file that `spec` names; `my_module:MyTask` is looked for beside the user first.
-
-    Raises UsageError in one line.
-    """
+    """The object of a module or file that `spec` names; a module beside the user comes first. Raises UsageError."""
     place, _, name = spec.rpartition(":")
     module_name = place
     if place.endswith(".py"):

@@ -36,9 +36,8 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 class DaskBackend(Backend):
     """The workers that are connected to a scheduler; more may come and go while the sweep runs.
 
-    A worker needs this package, the same versions of all that a result depends on, and one thread. It tells how far its
-    cell is through the scheduler, so no folder is shared. A cell whose worker dies goes to another one; the scheduler
-    gives up on it when it has lost as many workers as its `allowed-failures` (3) and one more.
+    A worker needs the same versions of all that a result depends on, and one thread. A cell whose worker dies goes to
+    another one, until it has lost the scheduler's `allowed-failures` (3) and one more.
     """
 
     name = "dask"
@@ -115,10 +114,7 @@ class DaskBackend(Backend):
                     queue.add(submit(client, by_id[id]))
 
     def _ended(self, queue: "as_completed", client: "Client") -> Iterator[tuple["Future", Any]]:
-        """Futures with their outcomes, as they end. One whose result was on its way never ends without a scheduler.
-
-        Raises AvobenchError when the scheduler is gone.
-        """
+        """Futures with their outcomes, as they end. Raises AvobenchError when the scheduler is gone."""
         while not queue.is_empty():
             batch = queue.next_batch(block=False)
             yield from batch

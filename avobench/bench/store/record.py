@@ -48,8 +48,6 @@ PartlyKnown = list[float | None]
 
 
 class Strict(BaseModel):
-    """No field besides those listed, no value of another type, no number that is not finite."""
-
     model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
 
 
@@ -236,7 +234,6 @@ def check(record: dict[str, Any]) -> None:
 
 
 def identity_hash(identity: dict[str, Any]) -> str:
-    """The id of what determines a result."""
     return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:16]
 
 
