@@ -85,10 +85,9 @@ class AugmentedTask(Task):
 
     @classmethod
     def read(cls, path: Path, find_task: FindTask, find_effect: FindEffect) -> "AugmentedTask":
-        """The task that a `model.json` describes. Raises UsageError if it describes none.
+        """The task that a `model.json` describes. Raises UsageError.
 
-        A file may come from anywhere, and what it names would be imported: `find_task` and `find_effect` decide what
-        may be.
+        A file may come from anywhere: `find_task` and `find_effect` decide what may be imported.
         """
         try:
             text = path.read_bytes()
@@ -138,7 +137,6 @@ class AugmentedTask(Task):
 
     @property
     def parts(self) -> tuple[object, ...]:
-        """The task without effects, and the effects."""
         return (self.model.task, *self.model.effects)
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:

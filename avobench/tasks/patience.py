@@ -16,10 +16,9 @@ class _Over(BaseException):
 
 @contextmanager
 def limited_to(seconds: float, what: str) -> Iterator[None]:
-    """End the block after so many seconds. Raises UsageError then, which says `what` hangs.
+    """End the block after so many seconds by UsageError, which says `what` hangs.
 
-    It is ended as by Ctrl-C: within Python, and not within compiled code that looks for no signal. There is no limit in
-    a thread other than the main one, and on Windows.
+    It is ended as by Ctrl-C: within Python, not within compiled code, and in the main thread only, not on Windows.
     """
     if not 0 < seconds < math.inf:
         raise UsageError(f"seconds must be a number above 0, got {seconds}")

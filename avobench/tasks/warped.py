@@ -16,13 +16,11 @@ SPREAD = 0.8
 NARROW = 0.5
 """Width, in units of SPREAD, of the core of a coordinate with a tail."""
 WIDE = 2.0
-"""Width of its tail. The two overlap: an event says about 40 % of what it would say about their shares if it were known
-which of them it is from."""
+"""Width of its tail. An event says 40 % of what it would if it were known which of the two it is from."""
 REACH = 12.0
 """Reach of the quadrature over the tail's density, in units of SPREAD: six standard deviations of the wide Gaussian."""
 NODES = 2001
-"""Nodes of that quadrature by the trapezoidal rule, which is exact to rounding from some 200 on, as the integrand is
-analytic."""
+"""Nodes of that quadrature by the trapezoidal rule, exact to rounding from some 200 on."""
 
 
 @dataclass(frozen=True)

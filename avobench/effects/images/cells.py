@@ -32,7 +32,6 @@ class DeadCells(ImageEffect):
         return replace(self, cells=tuple(odd_cells(x, self.grid, few=True).tolist()))
 
     def unit(self, parameter, units=()):
-        """The unit, and which cell is at fault where it is one."""
         cell = told(self.cells, self.grid)
         return f"of what {cell} records" if cell else parameter.unit
 
@@ -67,7 +66,6 @@ class NoisyCells(ImageEffect):
         return replace(self, cells=tuple(odd_cells(x, self.grid, few=False).tolist()))
 
     def unit(self, parameter, units=()):
-        """The unit, and which cell is at fault where it is one."""
         cell = told(self.cells, self.grid)
         return f"{parameter.unit}, by {cell}" if cell else parameter.unit
 
@@ -195,7 +193,6 @@ class Gain(ImageEffect):
         return replace(self, odd=tuple(odd_line(x, self.grid, axis) for axis in (0, 1)))
 
     def guess(self, x):
-        """There is no start where no line stands out."""
         return np.empty((0, 2)) if self.odd and self.odd[LINES.index(self.shape)] is None else None
 
     def apply(self, simulate, theta, phi, rng):
