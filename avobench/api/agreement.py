@@ -16,8 +16,7 @@ from avobench.tasks.errors import SimulatorError, text_of
 SHARE = 10
 """One in so many of the simulated events that are allowed is held back for the test."""
 LEVEL = 0.01
-"""A p-value below it is a doubt. One sound fit in twenty may be doubted, so this leaves room for what theta is off by.
-"""
+"""A p-value below it is a doubt. One sound fit in twenty may be doubted, for what theta is off by."""
 FEWEST = 10
 """Events of each kind below which nothing is said."""
 LEARNT_FROM = 100
@@ -64,10 +63,7 @@ def seen(task: Task, x: NDArray) -> NDArray:
 
 
 def two_sample(observed: NDArray, simulated: NDArray, rng: np.random.Generator) -> float:
-    """The p-value of two sets of events (N, d) and (n, d) being of one distribution.
-
-    It is twice the smaller of the classifier's p-value and of the least of a feature, times the number of these.
-    """
+    """The p-value of two sets of events (N, d) and (n, d): twice the least of classifier and, times d, of features."""
     from scipy.stats import ks_2samp
 
     from avobench.diagnosis.goodness_of_fit.gates import rounded
@@ -111,8 +107,7 @@ def scanned(observed: NDArray, simulated: NDArray) -> float:
 def classified(observed: NDArray, simulated: NDArray, rng: np.random.Generator) -> float:
     """The p-value of observed events being no more probable than simulated ones by what a classifier learnt.
 
-    The classifier that one half teaches judges the other. The two halves depend on each other, so the smaller of both
-    p-values counts twice.
+    The classifier that one half teaches judges the other; the smaller of both p-values counts twice.
     """
     from scipy.stats import ttest_ind
 

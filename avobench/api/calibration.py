@@ -173,7 +173,6 @@ def _fit(
 
 
 def _read(file: Path) -> Inference | None:
-    """The fit in a file; None where there is none, or a damaged one."""
     try:
         return load(file)
     except UsageError:

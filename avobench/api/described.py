@@ -31,7 +31,6 @@ class Described(Task):
         raise UsageError(f"{self.name} was read from the file of a result, which holds no summary; load the task")
 
     def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
-        """Not known: NaN."""
         return np.nan
 
 

@@ -438,7 +438,6 @@ def require_condition(name: str, task: Task, measured: Task, chosen: Mapping[str
 
 
 def _rows(x: ArrayLike | pd.DataFrame) -> int:
-    """How many events there seem to be; what is wrong with them is told later."""
     try:
         return len(x)
     except TypeError:
@@ -458,15 +457,13 @@ def _named(task: Task | str | ArrayLike | pd.DataFrame) -> tuple[Task, str | Non
 def _diagnosed(result: "Result", spec: str | None, own: Mapping[str, "Own"], entries: Sequence[Effect]) -> Diagnosed:
     """What is shown and kept of a result.
 
-    `spec` is the name by which the task is loaded again. `own` are the user's effects by name, `entries` those of the
-    catalogue.
+    `spec` loads the task again, `own` are the user's effects by name, `entries` those of the catalogue.
     """
     found = {each.source or name: each.found for name, each in own.items()}
     return Diagnosed(result, _content(result, spec, own), partial(_in_memory, result.task, found, entries))
 
 
 def _content(result: "Result", spec: str | None, own: Mapping[str, "Own"]) -> "ModelFile":
-    """What model.json says of the final fit. `own` are the user's effects by name."""
     from avobench.diagnosis.report.model_file import describe
     from avobench.diagnosis.report.uncertainties import QuotedFit
 
@@ -484,15 +481,11 @@ def _in_memory(task: Task, own: Mapping[str, Effect], entries: Sequence[Effect],
 
 
 def _from_file(spec: str, content: "ModelFile") -> Task:
-    """The task with effects of a file."""
     return registry.build("task", spec, {})
 
 
 def _with_code(content: "ModelFile", task: Task, folder: Path) -> tuple["ModelFile", dict[Path, str], list[str]]:
-    """What model.json says once code that has no name elsewhere is kept in `folder`; these files; and what is lost.
-
-    `task` is the one that the effects were added to.
-    """
+    """What model.json says once code that has no name elsewhere is kept in `folder`; these files; and what is lost."""
     levels = [content]
     while not isinstance(levels[-1].task, str):  # the effects were added to a model
         levels.append(levels[-1].task)

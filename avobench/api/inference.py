@@ -214,7 +214,6 @@ class Inference:
         return pd.DataFrame(draws, columns=self.task.parameter_names)
 
     def _gaussian(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
-        """Draws within the support: (n, p)."""
         estimate, covariance = self.estimate, self.covariance.to_numpy()
         if not np.isfinite(covariance).all():
             raise UsageError(f"{self.method} tells no finite spread of the parameters")
@@ -272,7 +271,6 @@ class Inference:
 
     @property
     def _as_well(self) -> list[str]:
-        """A line for each other answer."""
         return [
             "as good: " + ", ".join(f"{name} = {value:.4g}" for name, value in other.items()) for other in self.others
         ]
@@ -429,10 +427,7 @@ def moments(
     progress: Progress | bool | None,
     folder: str | Path | None = None,
 ) -> Inference:
-    """Infer theta from events or tables x, or from several data sets, by the means of their summaries.
-
-    Simulated events are kept in a `folder`, if there is one. Raises UsageError as `infer` does.
-    """
+    """Infer theta from events or tables x, or several data sets, by the means of their summaries. Raises UsageError."""
     from avobench.diagnosis.checks import Checks
     from avobench.diagnosis.effort import effort_for
     from avobench.diagnosis.fit.null import fit_null

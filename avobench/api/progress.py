@@ -44,8 +44,6 @@ def shown(progress: Progress | bool | None, plain: bool = False) -> Iterator[Pro
 
 
 class Bar:
-    """Called with the phase, its simulated events so far, and about how many there will be."""
-
     def __init__(self, console: Any) -> None:
         from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 

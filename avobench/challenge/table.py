@@ -8,7 +8,6 @@ from avobench.diagnosis.schema import Verdict
 
 
 def as_text(result: dict[str, Any]) -> str:
-    """The score as a page of text."""
     lines = [
         f"{result['task']}: {result['solved']} of {result['cases']} cases solved, {len(result['failed'])} failed, "
         f"{' or '.join(map(str, result['num_events']))} events each",
@@ -32,7 +31,6 @@ def as_text(result: dict[str, Any]) -> str:
 
 
 def _one(each: str, one: dict[str, Any]) -> list[str]:
-    """One hidden effect, of one set of shapes."""
     if not one["cases"]:
         return []
     return [
@@ -55,7 +53,6 @@ def _one(each: str, one: dict[str, Any]) -> list[str]:
 
 
 def _withheld(each: str, withheld: dict[str, Any]) -> list[str]:
-    """A hidden effect that solving had to do without."""
     if not withheld["cases"]:
         return []
     return [
@@ -67,7 +64,6 @@ def _withheld(each: str, withheld: dict[str, Any]) -> list[str]:
 
 
 def _two(each: str, two: dict[str, Any]) -> list[str]:
-    """Two hidden effects."""
     if not two["cases"]:
         return []
     return [
@@ -117,5 +113,4 @@ def _percent(rate: dict[str, Any]) -> str:
 
 
 def number(value: float | None) -> str:
-    """Three digits, or a dash where there is none."""
     return "-" if value is None else f"{value:.3g}"

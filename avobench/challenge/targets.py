@@ -9,7 +9,6 @@ from avobench.challenge.score import ALL, score
 from avobench.challenge.table import classes, number
 
 COVERS = "covers {:.0%} or below"
-"""An interval does, that is."""
 WANTED: tuple[tuple[str, tuple[str, ...], str, float], ...] = (
     ("no effect: false alarms", ("none", "false_alarms"), COVERS, 0.05),
     ("no effect: theta within 2 errors", ("none", "theta_within_2"), "at least", 0.9),

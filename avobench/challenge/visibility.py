@@ -43,12 +43,11 @@ def visibility(
 ) -> Visibility:
     """The visibility of the effect in events x (n, d), measured at theta (p,), if there were `num_events` of them.
 
-    `other` gives the simulator with another effect, which is known but for a factor of its strength; the task's own if
-    there is none. The factor is fitted like theta: where it can imitate the effect, nobody could tell it.
+    `other` gives the simulator with another effect, of which a factor of its strength is fitted like theta.
 
-    Theta is fitted to the binned events by Gauss-Newton steps, from its true value and from where the means agree, in
-    case it has far to go; the better fit counts. The fluctuations of x and of the simulation are subtracted on average.
-    With as many events in x as `num_events` the distance is uncertain by about 1.5 sqrt(2 / ndf).
+    Theta is fitted to the binned events by Gauss-Newton steps, from its true value and from where the means agree; the
+    better fit counts. The fluctuations of x and of the simulation are subtracted on average. With as many events in x
+    as `num_events` the distance is uncertain by about 1.5 sqrt(2 / ndf).
     """
     fitted = Fitted.of(task, other)
     start = np.append(theta, 0.0) if other else theta
@@ -62,7 +61,6 @@ class Fitted:
 
     simulate: Simulate
     low: NDArray[np.float64]
-    """(p,)"""
     high: NDArray[np.float64]
     step: NDArray[np.float64]
     """The step of a numerical derivative."""

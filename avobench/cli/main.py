@@ -31,8 +31,6 @@ imported when it is asked for."""
 
 
 class Commands(click.Group):
-    """The commands of COMMANDS, none of which is loaded to be listed."""
-
     def list_commands(self, context: click.Context) -> list[str]:
         return sorted(COMMANDS)
 
@@ -94,7 +92,6 @@ def _stop(state: State) -> NoReturn:
 
 
 def _said(error: Exception) -> str:
-    """The error in words for a person."""
     from avobench.bench.processes.apart import Fault
     from avobench.tasks.errors import AvobenchError
 

@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 LATER = {"identifies": "unless default"}
-"""Metadata of settings that came after the first records. At their defaults they change nothing, so they are left out
-of what identifies a record."""
+"""Of settings that came after the first records; at their defaults they do not identify a record."""
 HOW = {
     "mode": "maximum of a weighted kernel density estimate of the last complete generation",
     "mean": "weighted mean of the last complete generation",

@@ -36,7 +36,6 @@ class State:
     psi: "torch.Tensor"
     """Mean and log std (2, p), in the proposal's standardised coordinates."""
     discriminator: "Discriminator"
-    """Its parameters are phi."""
     rmsprop_psi: "torch.optim.RMSprop"
     rmsprop_phi: "torch.optim.RMSprop"
 
@@ -190,16 +189,12 @@ class AvoPaper(Method):
 
     @property
     def events_per_iteration(self) -> int:
-        """Simulated events: kM/2 + M as printed."""
         if self.schedule == "shared":
             return self.batch_size
         return self.discriminator_steps * self.batch_size // 2 + self.batch_size
 
     def num_iterations(self, problem: Problem) -> int:
-        """The number of iterations that the remaining budget allows, at least one.
-
-        If the budget does not suffice for one, the simulator refuses it, so that no estimate is made without events.
-        """
+        """The iterations that the remaining budget allows, one at least, which the simulator may refuse."""
         return max(1, problem.simulate.remaining // self.events_per_iteration)
 
     def min_simulations(self, num_parameters: int) -> int:

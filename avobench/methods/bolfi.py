@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from elfi import BOLFI, Distance
 
 LATER = {"identifies": "unless default"}
-"""Metadata of settings that came after the first records. At their defaults they change nothing, so they are left out
-of what identifies a record."""
+"""Of settings that came after the first records; at their defaults they do not identify a record."""
 LINEAR_BELOW = 0.01
 """Distance below which its logarithm becomes linear: a tenth of what the noise of 128 events leaves."""
 MARGIN = 0.99
@@ -76,11 +75,9 @@ class Bolfi(Method):
     log_distance: bool = field(default=False, metadata=LATER)
     """Model the logarithm of the distance, which tells more near the answer, where the distance is small."""
     growth: float = field(default=1.0, metadata=LATER)
-    """Ratio of the events simulated for the last theta to those for the first; between them the number grows evenly on
-    a logarithmic scale."""
+    """Ratio of the events simulated for the last theta to those for the first, with an even growth of the logarithm."""
     regression: bool = field(default=False, metadata=LATER)
-    """Take as estimate the posterior mean after a regression adjustment, on the evaluations of the smallest
-    distances."""
+    """Take as estimate the posterior mean after a regression adjustment on the evaluations of smallest distance."""
 
     def __post_init__(self) -> None:
         if self.growth < 1:
@@ -149,7 +146,6 @@ class Bolfi(Method):
         return Estimate(trace[-1].theta, how, "posterior", mean, std, trace, sample=sample)
 
     def _num_evidence(self, budget: int) -> int:
-        """The number of evaluations that the budget holds."""
         most = budget // self.events_per_theta
         if self.growth == 1:
             return most
@@ -162,7 +158,6 @@ class Bolfi(Method):
     def _bolfi(
         self, elfi, distance: "Distance", bounds: dict[str, tuple[float, float]], num_initial: int, seed: int
     ) -> "BOLFI":
-        """ELFI's inference with the process that is asked for."""
         settings = {"exploration_rate": self.exploration_rate, "seed": seed}
         parts = {}
         if self.surrogate == "fast":

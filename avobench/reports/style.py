@@ -84,7 +84,6 @@ def by_task(
 
 
 def note(axis: Axes, text: str) -> None:
-    """Say in the middle of a panel why nothing is drawn in it."""
     axis.text(0.5, 0.5, text, ha="center", va="center", transform=axis.transAxes)
     axis.set(xticks=[], yticks=[])
 
@@ -96,7 +95,6 @@ def save(figure: Figure, table: pd.DataFrame, folder: Path, name: str) -> list[P
 
 
 def image(figure: Figure, suffix: str) -> bytes:
-    """The content of a file of the figure, as "pdf" or "png"."""
     options = {"pdf": {"metadata": {"CreationDate": None}}, "png": {"dpi": 200}}[suffix]
     content = io.BytesIO()
     with matplotlib.rc_context(STYLE):  # some of it is read only now
@@ -105,5 +103,4 @@ def image(figure: Figure, suffix: str) -> bytes:
 
 
 def csv(table: pd.DataFrame) -> bytes:
-    """The content of a file of the numbers that a figure shows."""
     return table.to_csv(index=False, float_format="%.6g").encode()

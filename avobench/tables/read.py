@@ -23,7 +23,6 @@ class Published:
 
     name: str
     column: str
-    """The name of the values."""
     low: list[float]
     high: list[float]
     values: list[float]
@@ -107,7 +106,6 @@ def _of_csv(file: str) -> Iterator[Published]:
 def _of_rows(
     file: str, name: str, header: list[str] | None, rows: list[tuple[int, dict[str, str]]]
 ) -> Iterator[Published]:
-    """The tables of rows with these columns: each row has its number in the file."""
     if header is None:
         return
     low, high = _column(file, header, "low"), _column(file, header, "high")
@@ -132,7 +130,6 @@ def _of_rows(
 
 
 def _column(file: str, header: list[str], end: str) -> str:
-    """The column of the lower or upper ends of bins."""
     for column in header:
         if column.lower() == end or column.lower().endswith(f" {end}"):
             return column
@@ -172,7 +169,6 @@ def _of_yaml(file: str) -> Iterator[Published]:
 
 
 def _total(errors: list[dict[str, Any]], value: float, file: str) -> float:
-    """All errors of a value in quadrature."""
     square = 0.0
     for error in errors:
         sides = [error["symerror"]] * 2 if "symerror" in error else list(error["asymerror"].values())
@@ -209,7 +205,6 @@ def _of_root(file: str, name: str) -> Published:
 
 
 def _of_histogram(histogram: Any, name: str) -> Published:
-    """What a histogram of the PlottableHistogram protocol holds."""
     if not (hasattr(histogram, "axes") and hasattr(histogram, "values") and hasattr(histogram, "variances")):
         raise UsageError(f"a table is read from {KINDS} or a histogram, got {type(histogram).__name__}")
     if len(histogram.axes) != 1:
