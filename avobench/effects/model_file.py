@@ -148,10 +148,6 @@ class AugmentedTask(Task):
         """The summary of the task without effects."""
         return self.model.task.summary(x)
 
-    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
-        """Not known: NaN."""
-        return np.nan
-
 
 def _effect(added: AddedEffect, base: Task, path: str, find_effect: FindEffect, entries: list[Effect] | None) -> Effect:
     """The effect that a file keeps, with what the data decided of it. Raises UsageError if there is none."""

@@ -88,9 +88,9 @@ class Discriminator:
 class Task(ABC):
     """A simulator and what is needed to pose and score an inference problem with it.
 
-    A subclass sets the class variables and defines `simulate`, `summary` and `floor`. Settings that a user may
-    change are dataclass fields of the subclass (decorate it with `@dataclass(frozen=True)`); they are part of what
-    identifies a result, as is `version`: raise it when the events, the summary or the floor change their meaning.
+    A subclass sets the class variables and defines `simulate`, `summary` and, if it is known, `floor`. Settings
+    that a user may change are dataclass fields of the subclass (decorate it with `@dataclass(frozen=True)`); they are
+    part of what identifies a result, as is `version`: raise it when events, summary or floor change their meaning.
     """
 
     name: ClassVar[str]
@@ -214,13 +214,13 @@ class Task(ABC):
         """This task with a summary that suits events like x (n, d); itself where its summary is fixed."""
         return self
 
-    @abstractmethod
     def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
         """Expected squared error, in raw units summed over parameters, of the best estimator at theta (p,).
 
         With `num_simulations`, for a method that knows the model only through that many events; with None, for one
-        that knows the likelihood.
+        that knows the likelihood. NaN, as here, where it is not known.
         """
+        return np.nan
 
     def targets(self, n: int = NUM_TARGETS) -> NDArray[np.float64]:
         """Target parameters, drawn from the prior with a seed that belongs to the task's name: (n, p)."""

@@ -124,10 +124,6 @@ class FunctionTask(Task):
         """
         return np.concatenate([histogram(x[:, [j]], edges, overflow=True) for j, edges in enumerate(self._edges)])
 
-    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
-        """Not known: NaN."""
-        return np.nan
-
     def _events(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         if self.per_theta:
             nodes, which, counts = np.unique(theta, axis=0, return_inverse=True, return_counts=True)

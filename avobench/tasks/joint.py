@@ -84,10 +84,6 @@ class JointTask(Task):
         each = zip(self.tasks, self.columns, strict=True)
         return np.concatenate([task.summary(x[:, at].astype(task.dtype)) for task, at in each])
 
-    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
-        """Not known: NaN."""
-        return np.nan
-
 
 def _shared(tasks: Mapping[str, Task], asked: Sequence[str] | None) -> tuple[str, ...]:
     every = [name for task in tasks.values() for name in task.parameter_names]

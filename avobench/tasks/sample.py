@@ -86,10 +86,6 @@ class SampleTask(Task):
         """Shares of the events in twenty bins of each feature that hold equal shares of the sample: (n, d) -> (k,)."""
         return np.concatenate([histogram(x[:, [j]], edges, overflow=True) for j, edges in enumerate(self._edges)])
 
-    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
-        """Not known: NaN."""
-        return np.nan
-
     def _scaled(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
         return (theta - self.prior.low) / self.prior.width
 

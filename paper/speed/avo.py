@@ -58,9 +58,6 @@ class Noise(Task):
     def summary(self, x: NDArray) -> NDArray[np.float64]:
         return x.mean(axis=0)
 
-    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
-        return float("nan")
-
 
 def milliseconds(works: list[Callable[[], object]], rounds: int) -> list[float]:
     """Median processor time of each, taken in turns; a first round is not counted."""

@@ -38,10 +38,6 @@ class InShares(Task):
     def with_reference(self, x: NDArray) -> Task:
         return InShares(self.task.with_reference(x))
 
-    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
-        """Not known: NaN."""
-        return np.nan
-
 
 def in_shares(task: Task) -> Task:
     """The task by shares of its prior; itself where that is uniform."""
