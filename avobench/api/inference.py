@@ -249,12 +249,12 @@ class Inference:
         the method had at that point, the other the error that is quoted. The second shows the draws of `samples`, each
         parameter and each pair. Raises UsageError for another name.
         """
-        from avobench.reports import trace
+        from avobench.reports import fits
 
         if name == "trace":
-            return trace.draw(self.task, self.estimate, self._quoted[1], self.std_of)
+            return fits.draw(self.task, self.estimate, self._quoted[1], self.std_of)
         if name == "pairs":
-            return trace.pairs(self.samples(PAIRED), self.samples_of)
+            return fits.pairs(self.samples(PAIRED), self.samples_of)
         raise UsageError(f"there is no figure '{name}'; a fit has trace, pairs")
 
     def __str__(self) -> str:

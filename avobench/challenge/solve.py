@@ -17,7 +17,7 @@ from avobench.challenge.make import MANIFEST
 from avobench.diagnosis import diagnose
 from avobench.diagnosis.checks import Checks
 from avobench.tasks.contract import NAME
-from avobench.tasks.errors import AvobenchError, ProcessEnded, UsageError, raised
+from avobench.tasks.errors import AvobenchError, ProcessEnded, UsageError, first_fault, raised
 
 RESULTS = "results"
 """The folder of a challenge that holds a file for each case that was tried."""
@@ -125,8 +125,8 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     try:
         cases = [case.case for case in Manifest.model_validate(manifest).cases]
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        raise UsageError(f"{path} makes no sense: {first['msg']} at {'.'.join(map(str, first['loc']))}") from error
+        where, fault = first_fault(error)
+        raise UsageError(f"{path} makes no sense: {fault} at {where}") from error
     if len(set(cases)) < len(cases):
         raise UsageError(f"{path} makes no sense: two cases have the same name")
     return manifest

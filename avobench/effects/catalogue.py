@@ -1,6 +1,5 @@
 """All effects that apply to a task: of each installed family, ours and those of other distributions, its entries."""
 
-import difflib
 from collections.abc import Callable, Iterable
 from functools import cache
 from importlib.metadata import entry_points
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 from avobench.effects.contract import Effect
 from avobench.effects.site import Domain, Site, domain
 from avobench.tasks import Task
-from avobench.tasks.errors import UsageError, raised
+from avobench.tasks.errors import UsageError, did_you_mean, raised
 
 __all__ = ["catalogue", "chosen", "domain", "families", "of_domain"]
 
@@ -62,11 +61,8 @@ def chosen(effects: Iterable[Effect], names: Iterable[str], task: str) -> list[E
     wanted = {name.rpartition(".")[2]: name for name in names}
     for name, given in wanted.items():
         if name not in known:
-            near = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
-            hint = f"did you mean {' or '.join(near)}? " if near else ""
-            raise UsageError(
-                f"there is no effect '{given}' for {task}; {hint}`avobench list effects --task {task}` shows all"
-            )
+            hint = [did_you_mean(name, known, n=3, cutoff=0.5), f"`avobench list effects --task {task}` shows all"]
+            raise UsageError(f"there is no effect '{given}' for {task}; {' '.join(filter(None, hint))}")
     return [effect for effect in effects if wanted.keys() & set(_names(effect))]
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.methods.avo_paper import TRACE_POINTS, baseline
-from avobench.methods.contract import Estimate, Method, TracePoint
+from avobench.methods.contract import LATER, Estimate, Method, TracePoint
 from avobench.methods.device import require_device
 from avobench.methods.divergence import Contrast, Score, minimise
 from avobench.methods.inputs import Inputs
@@ -430,7 +430,7 @@ class Avo(Method):
     """Least width of a round of the local phase in standard errors of the answer before it."""
     local_share: float = 0.7
     """Share of the budget that is kept for the local phase; without the polish there is none."""
-    device: Literal["cpu", "cuda"] = field(default="cpu", metadata={"identifies": "unless default"})
+    device: Literal["cpu", "cuda"] = field(default="cpu", metadata=LATER)
     """Where the discriminators are; on another device sums are rounded otherwise, so it is another cell there."""
 
     def __post_init__(self) -> None:

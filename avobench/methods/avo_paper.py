@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.methods.contract import Estimate, Method, TracePoint
+from avobench.methods.contract import LATER, Estimate, Method, TracePoint
 from avobench.methods.device import require_device
 from avobench.methods.problem import Problem
 from avobench.methods.proposal import TruncatedGaussian
@@ -171,7 +171,7 @@ class AvoPaper(Method):
     initial_std: float = 1.0
     hidden: tuple[int, ...] | None = None
     """Nodes of the discriminator's hidden layers; the task's own network where None."""
-    device: Literal["cpu", "cuda"] = field(default="cpu", metadata={"identifies": "unless default"})
+    device: Literal["cpu", "cuda"] = field(default="cpu", metadata=LATER)
     """Where the discriminator is; on another device sums are rounded otherwise, so it is another cell there."""
 
     def __post_init__(self) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.stats import qmc
 
-from avobench.methods.contract import Estimate, Method, TracePoint, WeightedSample, global_seed
+from avobench.methods.contract import LATER, Estimate, Method, TracePoint, WeightedSample, global_seed
 from avobench.methods.elfi_model import import_elfi, own_client, prior_model
 from avobench.methods.problem import Problem
 from avobench.methods.regression import Evaluation, regressed
@@ -23,8 +23,6 @@ from avobench.tasks.errors import UsageError
 if TYPE_CHECKING:
     from elfi import BOLFI, Distance
 
-LATER = {"identifies": "unless default"}
-"""Of settings that came after the first records; at their defaults they do not identify a record."""
 LINEAR_BELOW = 0.01
 """Distance below which its logarithm becomes linear: a tenth of what the noise of 128 events leaves."""
 MARGIN = 0.99

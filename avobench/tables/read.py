@@ -11,7 +11,7 @@ import numpy as np
 
 from avobench.tables.table import Table
 from avobench.tasks.arguments import checked
-from avobench.tasks.errors import UsageError, installed_by
+from avobench.tasks.errors import UsageError, optional
 
 KINDS = "text (.csv), HEPData's .csv, .yaml and .yml, or .root:HISTOGRAM"
 """Formats that tables are read from, for messages."""
@@ -138,10 +138,7 @@ def _column(file: str, header: list[str], end: str) -> str:
 
 def _of_yaml(file: str) -> Iterator[Published]:
     """The tables of HEPData's YAML: each column of values is one."""
-    try:
-        import yaml
-    except ModuleNotFoundError as error:
-        raise UsageError(f"YAML files need PyYAML, which is not installed: {installed_by('tables')}") from error
+    yaml = optional("yaml", f"{file}, as all YAML,", "tables")
     try:
         with open(file, encoding="utf-8") as stream:
             documents = [each for each in yaml.safe_load_all(stream) if isinstance(each, dict)]
@@ -193,11 +190,7 @@ def _number(cell: Any, where: str, value: float = np.nan) -> float:
 
 
 def _of_root(file: str, name: str) -> Published:
-    try:
-        import uproot
-    except ModuleNotFoundError as error:
-        raise UsageError(f"ROOT files need uproot, which is not installed: {installed_by('root')}") from error
-    with uproot.open(file) as opened:
+    with optional("uproot", "a ROOT file", "root").open(file) as opened:
         histograms = [key.partition(";")[0] for key, kind in opened.classnames().items() if kind.startswith("TH1")]
         if name not in histograms:
             raise UsageError(f"{file} has no TH1 '{name}'; it has: {', '.join(dict.fromkeys(histograms)) or 'none'}")

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from avobench.bench.cells.memory import peak_memory_mib, reset_peak_memory
+from avobench.bench.cells.state import peak_memory_mib, reset_peak_memory
 from avobench.bench.events import check_events
 from avobench.bench.plugins import registry
 from avobench.diagnosis.run import diagnose

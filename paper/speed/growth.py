@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.memory import peak_memory_mib, reset_peak_memory
+from avobench.bench.cells.state import peak_memory_mib, reset_peak_memory
 from avobench.bench.cells.trial import execute
 from avobench.bench.processes.local import LocalBackend
 from avobench.bench.store.status import Status, reason

@@ -1,4 +1,4 @@
-"""The state of a process that all its cells share: what one cell changes of it is put back before the next."""
+"""The process that many cells share: what one changes of it is put back before the next, and the memory of each."""
 
 import os
 import random
@@ -6,6 +6,7 @@ import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -67,3 +68,18 @@ def _put_torch_back(state: dict[str, Any]) -> None:
     if state:
         torch.set_num_threads(state["threads"])
         torch.set_rng_state(state["random"])
+
+
+def reset_peak_memory() -> None:
+    """Start a new high-water mark (Linux), so that a reused worker reports each cell's own peak."""
+    with suppress(OSError):  # not Linux, or not allowed: the mark of the whole process stands
+        Path("/proc/self/clear_refs").write_text("5")
+
+
+def peak_memory_mib() -> float | None:
+    """High-water mark of resident memory in MiB since the last reset; None where the system does not tell."""
+    status = Path("/proc/self/status")
+    if not status.exists():
+        return None
+    line = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
+    return int(line.split()[1]) / 1024

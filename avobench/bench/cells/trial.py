@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.estimates import require_recordable
-from avobench.bench.cells.memory import peak_memory_mib, reset_peak_memory
 from avobench.bench.cells.quantiles import in_shares, raw
-from avobench.bench.cells.state import put_back
+from avobench.bench.cells.state import peak_memory_mib, put_back, reset_peak_memory
 from avobench.bench.cells.streams import observe, stream
 from avobench.bench.plugins import registry
 from avobench.bench.store.record import SCHEMA_VERSION, SECONDS, Record, decode_record, encode

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from avobench.bench.events.text import SUFFIXES as TEXT
 from avobench.bench.events.text import read_text
 from avobench.tasks.arguments import checked
-from avobench.tasks.errors import UsageError, installed_by
+from avobench.tasks.errors import UsageError, optional
 
 KINDS = ".npy, .npz, .csv, .tsv, .txt, .dat (also .gz), .parquet, or .root:TREE"
 """Formats that events are read from, for messages."""
@@ -89,11 +89,7 @@ def _read_parquet(file: str, tree: str, columns: list[str] | None) -> dict[str, 
 
 
 def _read_root(file: str, tree: str, columns: list[str] | None) -> dict[str, NDArray]:
-    try:
-        import uproot
-    except ModuleNotFoundError as error:
-        raise UsageError(f"ROOT files need uproot, which is not installed: {installed_by('root')}") from error
-    with uproot.open(file) as opened:
+    with optional("uproot", "a ROOT file", "root").open(file) as opened:
         trees = [
             name.partition(";")[0] for name, kind in opened.classnames().items() if kind in ("TTree", "ROOT::RNTuple")
         ]

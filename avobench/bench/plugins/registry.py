@@ -1,7 +1,6 @@
 """Tasks, methods and effects by name, as `module:Class` or as `file.py:Class`, with their settings checked."""
 
 import dataclasses
-import difflib
 import importlib
 import inspect
 import os
@@ -27,7 +26,7 @@ from avobench.methods import Method
 from avobench.methods.device import require_device
 from avobench.tasks import Task
 from avobench.tasks.contract import NAME
-from avobench.tasks.errors import SimulatorError, UsageError, installed_by, raised, shown
+from avobench.tasks.errors import SimulatorError, UsageError, did_you_mean, first_fault, installed_by, raised, shown
 
 BASES = {"task": Task, "method": Method, "effect": Effect}
 GROUPS = {"task": "avobench.tasks", "method": "avobench.methods", "effect": GROUP}
@@ -118,15 +117,13 @@ def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
     known = [field.name for field in _fields(found)]
     for name in settings:
         if name not in known:
-            hint = _did_you_mean(name, known) or f"it has: {', '.join(known) or 'none'}"
+            hint = did_you_mean(name, known) or f"it has: {', '.join(known) or 'none'}"
             raise UsageError(f"{kind} {found.name} has no setting '{name}'; {hint}")
     try:
         return blamed(lambda: TypeAdapter(found).validate_python(settings) if known else found(), f"{kind} '{spec}'")
     except ValidationError as error:
-        first = error.errors()[0]
-        where = f" {'.'.join(map(str, first['loc']))}" if first["loc"] else ""
-        reason = first["msg"].removeprefix("Value error, ")
-        raise UsageError(f"setting{where} of {kind} {found.name}: {reason}") from error
+        where, reason = first_fault(error)
+        raise UsageError(f"{f'setting {where}'.strip()} of {kind} {found.name}: {reason}") from error
 
 
 def task_of(given: Task | str) -> Task:
@@ -178,7 +175,7 @@ def effect_families(name: str) -> list[type[Effect]]:
     found = [family for point, family in points.items() if name in (point, point.rpartition(".")[2], family.name)]
     if not found:
         known = points if "." in name else {point.rpartition(".")[2] for point in points}
-        hint = _did_you_mean(name, sorted(known), n=3, cutoff=0.5)
+        hint = did_you_mean(name, sorted(known), n=3, cutoff=0.5)
         raise UsageError(f"there is no effect '{name}'; {hint}{' ' if hint else ''}`avobench list effects` shows all")
     return found
 
@@ -294,7 +291,7 @@ def _points(kind: str) -> tuple[EntryPoint, ...]:
 def _registered(kind: str, name: str) -> Any:
     known = names(kind)
     if name not in known:
-        hint = _did_you_mean(name, known, cutoff=0.4) or f"known: {', '.join(known)}, module:Class or file.py:Class"
+        hint = did_you_mean(name, known, cutoff=0.4) or f"known: {', '.join(known)}, module:Class or file.py:Class"
         raise UsageError(f"there is no {kind} named '{name}'; {hint}")
     if kind == "effect":
         return families()[name]
@@ -321,7 +318,7 @@ def imported(kind: str, spec: str) -> Any:
         raise UsageError(f"{place} of {kind} '{spec}' raised {raised(error)}") from error
     if not hasattr(module, name):
         raise UsageError(
-            "; ".join(filter(None, (f"{place} has no '{name}'", _did_you_mean(name, _of_kind(kind, module)))))
+            "; ".join(filter(None, (f"{place} has no '{name}'", did_you_mean(name, _of_kind(kind, module)))))
         )
     return getattr(module, name)
 
@@ -331,9 +328,3 @@ def _of_kind(kind: str, module: ModuleType) -> list[str]:
     base, own = BASES[kind], module.__name__
     meant = {name: value for name, value in vars(module).items() if isinstance(value, base) or callable(value)}
     return [name for name, value in meant.items() if isinstance(value, base) or value.__module__ == own]
-
-
-def _did_you_mean(name: str, known: list[str], n: int = 1, cutoff: float = 0.6) -> str:
-    """A question after the known names that are spelled alike; nothing where there is none."""
-    near = difflib.get_close_matches(name, known, n, cutoff)
-    return f"did you mean {' or '.join(near)}?" if near else ""

@@ -18,7 +18,7 @@ from avobench.bench.cells.trial import blank_record, execute
 from avobench.bench.processes.contract import ATTEMPTS, Backend, heartbeat
 from avobench.bench.store.status import Status
 from avobench.bench.store.versions import versions
-from avobench.tasks.errors import AvobenchError, UsageError, installed_by
+from avobench.tasks.errors import AvobenchError, UsageError, optional
 
 if TYPE_CHECKING:
     from distributed import Client, Future, Worker, as_completed
@@ -44,10 +44,7 @@ class DaskBackend(Backend):
 
     def __init__(self, scheduler: str, *, debug: bool = False) -> None:
         """Nothing is connected before `records` is asked for; raises UsageError when Dask is not installed."""
-        try:
-            import distributed  # noqa: F401
-        except ModuleNotFoundError as error:
-            raise UsageError(f"--backend dask needs distributed: {installed_by('cluster')}") from error
+        optional("distributed", "--backend dask", "cluster")
         self._scheduler, self._debug, self._most = scheduler, debug, 0
         self._running: dict[str, tuple[float, str]] = {}
 

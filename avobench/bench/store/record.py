@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from avobench.bench.store.status import ESTIMATED, LOST, Status
 from avobench.tasks.contract import NAME
-from avobench.tasks.errors import UsageError
+from avobench.tasks.errors import UsageError, first_fault
 
 SCHEMA_VERSION = 1
 """The version of the schema is raised when a field changes its meaning."""
@@ -225,10 +225,7 @@ def check(record: dict[str, Any]) -> None:
     try:
         Record.model_validate(record)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        where = ".".join(map(str, first["loc"]))
-        message = first["msg"].removeprefix("Value error, ")
-        raise ValueError(f"makes no sense: {where + ': ' if where else ''}{message}") from error
+        raise ValueError(f"makes no sense: {': '.join(filter(None, first_fault(error)))}") from error
     if record["id"] != identity_hash({name: record[name] for name in IDENTITY if name in record}):
         raise ValueError("makes no sense: id is not that of the fields which it stands for")
 
