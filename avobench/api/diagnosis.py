@@ -16,7 +16,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.api.described import Described, array, description, plain
-from avobench.api.joint import Joint, tables_in
+from avobench.api.joint import Joint, require_measured, tables_in
 from avobench.api.limited import limited
 from avobench.api.progress import Progress, shown
 from avobench.bench.events.checks import NUM_REFERENCE, Simulate, with_times
@@ -370,9 +370,8 @@ def diagnose(
     seed, max_effects, jobs = whole("seed", seed, 0), whole("max_effects", max_effects, 0), whole("jobs", jobs, 1)
     simulations = None if simulations is None else whole("simulations", simulations, 1)
     effects = [effects] if isinstance(effects, str) else effects
+    require_measured(task, x)
     joint = task if isinstance(task, Joint) else None
-    if (joint is None) == (x is None):
-        raise UsageError("give what was measured, but of `avobench.joint`, which has it")
     task, spec = (joint.task, None) if joint else _named(task)
     calls = len(joint.sets) if joint else 1  # of simulators, for an event of each data set
     simulations = simulations and simulations // calls

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from avobench.api import agreement, others
 from avobench.api.described import Described, array, description, plain
-from avobench.api.joint import Joint, tables_in
+from avobench.api.joint import Joint, require_measured, tables_in
 from avobench.api.limited import limited
 from avobench.api.progress import Progress, shown
 from avobench.bench.cells.budget import MeteredSimulator, pose
@@ -352,14 +352,13 @@ def infer(
         If the process took longer than `seconds`, or was ended by what it ran.
     """
     budget, seed = whole("budget", budget, 1), whole("seed", seed, 0)
+    require_measured(task, x)
     given = isinstance(task, SampleTask) or bank is not None
     if given or isinstance(task, Joint) or tables_in(x) is not None:
         if method not in (None, "smm") or settings:
             why = "other methods need events at thetas of their own" if given else "leave others out"
             raise UsageError(f"tables, several data sets and a bank are fitted by smm, without settings: {why}")
         return moments(task, x, budget, seed, drop_invalid, progress, bank)
-    if x is None:
-        raise UsageError("give what was measured, but of `avobench.joint`, which has it")
     task = registry.task_of(task)
     if method is None:
         method = next(name for name in DEFAULTS if registry.missing_package(registry.load("method", name)) is None)
@@ -438,15 +437,11 @@ def moments(
 
     start, calls = time.perf_counter(), 1
     if isinstance(task, Joint):
-        if x is not None:
-            raise UsageError("what was measured is in `avobench.joint`: leave x out")
         calls, sets, task = len(task.sets), task.sets, task.task
         checks = Checks(task, NUM_REFERENCE, budget // calls, seed=seed, folder=folder and Path(folder))
         part, warnings = checks.joint(sets, drop_invalid=drop_invalid)
         num_events = sum(map(len, part.sets))
     else:
-        if x is None:
-            raise UsageError("give what was measured, but of `avobench.joint`, which has it")
         task, tables = registry.task_of(task), tables_in(x)
         if isinstance(task, SampleTask) and folder is not None:
             raise UsageError("simulated events that were made before are all there are: leave bank out")

@@ -21,11 +21,6 @@ from avobench.tasks.prior import Distributed, Law
 
 EFFECT_NAME = r"[A-Za-z0-9_]+"
 """The names that an effect may have."""
-SAME = (
-    *("num_features", "feature_names", "feature_kinds", "feature_units", "event_shape", "cyclic_axes"),
-    *("dtype", "discriminator", "packages", "extra"),
-)
-"""What effects do not change of a task."""
 
 FindTask = Callable[[str, dict[str, Any]], Task]
 """The task of a name, or of a module and class, with settings. Raises UsageError for one that may not be used."""
@@ -120,8 +115,7 @@ class AugmentedTask(Task):
         model, task = Model(base, effects), cls(sha256)
         if len(content.parameters) != model.dim:
             raise UsageError(f"{path} gives {len(content.parameters)} parameters to a model of {model.dim}")
-        for name in SAME:
-            setattr(task, name, getattr(base, name))
+        task.copy_events_of(base)
         task.content, task.model, task.name = content, model, content.name
         task.parameter_names = tuple(p.name for p in content.parameters)
         task.parameter_units = tuple(p.unit for p in content.parameters)

@@ -19,6 +19,12 @@ so after 360 if its unit is "deg", else after 2 pi. A cosine is a real number th
 ParameterKind = Literal["integer", "continuous"]
 """The kind of a parameter: a whole number, or any real one."""
 
+OF_EVENTS = (
+    *("num_features", "feature_names", "feature_kinds", "feature_units", "event_shape", "cyclic_axes"),
+    *("dtype", "discriminator", "packages", "extra"),
+)
+"""What a task says of its events, and what they need."""
+
 
 @dataclass(frozen=True)
 class Box:
@@ -189,6 +195,11 @@ class Task(ABC):
     def identifiable_scale(self) -> NDArray[np.float64]:
         """The units (k,) of differences of `identifiable` when several are averaged: the prior's widths."""
         return self.prior.width
+
+    def copy_events_of(self, task: "Task") -> None:
+        """Take over what another task says of its events, and what they need."""
+        for name in OF_EVENTS:
+            setattr(self, name, getattr(task, name))
 
     def require_support(self, theta: NDArray[np.float64]) -> None:
         """Raise ValueError unless all rows of theta (n, p) lie within the support."""

@@ -9,12 +9,6 @@ from avobench.methods import Estimate, TracePoint, WeightedSample
 from avobench.tasks import Box, Task
 from avobench.tasks.prior import Distributed
 
-SAME = (
-    *("name", "parameter_names", "parameter_units", "num_features", "feature_names", "feature_kinds", "feature_units"),
-    *("event_shape", "cyclic_axes", "dtype", "discriminator", "packages", "extra"),
-)
-"""What such a task has of the other one."""
-
 
 class InShares(Task):
     """A task with a parameter in [0, 1] for each of another's: the share of the prior that lies below it."""
@@ -22,9 +16,9 @@ class InShares(Task):
     source = "a task, by shares of its prior"
 
     def __init__(self, task: Task) -> None:
-        self.task = task
-        for name in SAME:
-            setattr(self, name, getattr(task, name))
+        self.task, self.name = task, task.name
+        self.parameter_names, self.parameter_units = task.parameter_names, task.parameter_units
+        self.copy_events_of(task)
         self.prior = self.support = Box((0.0,) * task.prior.dim, (1.0,) * task.prior.dim)
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
