@@ -18,7 +18,7 @@ from avobench.bench.store.files import write_atomically
 from avobench.bench.store.record import SCHEMA_VERSION, encode
 from avobench.bench.store.versions import versions
 from avobench.diagnosis.run import diagnose
-from avobench.tasks.errors import StoreError, UsageError
+from avobench.tasks.errors import StoreError, UsageError, first_fault
 from paper.studies.files import read_file
 
 EXAMPLES = Path("examples/real")
@@ -65,8 +65,7 @@ def expected(examples: Path = EXAMPLES) -> dict[str, Expected]:
     try:
         return TypeAdapter(dict[str, Expected]).validate_json(path.read_bytes())
     except ValidationError as error:
-        first = error.errors()[0]
-        raise UsageError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+        raise UsageError(f"{path}: {': '.join(first_fault(error))}") from error
 
 
 def real(folder: Path, seed: int = 0, examples: Path = EXAMPLES, jobs: int = 1) -> list[dict[str, Any]]:

@@ -12,7 +12,7 @@ from avobench.bench.plugins import registry
 from avobench.tasks import Task
 from avobench.tasks.checked import checked_events
 from avobench.tasks.contract import NUM_TARGETS
-from avobench.tasks.errors import SimulatorError, UsageError, whole
+from avobench.tasks.errors import SimulatorError, UsageError
 
 MOST_CELLS = 100_000
 """The most cells of a run: as many records as the commands that read a store were measured with."""
@@ -38,8 +38,12 @@ def plan(
     with their generators. Raises UsageError for anything that cannot be met, before a cell begins.
     """
     for name, value in (("budget", budget), ("observations", num_observations), ("repetitions", repetitions)):
-        whole(f"--{name}", value, 1)
-    whole("--seed", seed, 0)
+        if value < 1:
+            raise UsageError(f"--{name} must be at least 1, got {value}")
+        if value >= 2**63:
+            raise UsageError(f"--{name} must be below 2^63, got {value}")
+    if not 0 <= seed < 2**63:
+        raise UsageError(f"--seed must lie between 0 and 2^63 - 1, got {seed}")
     indices = parse_targets(targets)
     asked = repetitions * len(indices) * len(set(methods)) * len(set(tasks))
     if asked > MOST_CELLS:

@@ -20,7 +20,7 @@ def test_means_move_by_the_outliers_and_only_what_is_lacking_is_made(tmp_path, m
     monkeypatch.setattr(study, "METHODS", {"smm": ("smm", {})})
     monkeypatch.setattr(study, "SHARES", (0.0, 0.2))
     monkeypatch.setattr(study, "NUM_TARGETS", 1)
-    path, started, one = tmp_path / study.FILE, [], study.one
+    path, started, one = tmp_path / study.FILE.name, [], study.one
 
     def interrupted(*arguments):
         started.append(arguments[2])

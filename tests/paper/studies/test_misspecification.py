@@ -11,7 +11,7 @@ def test_the_proposal_widens_with_what_varies_and_only_what_is_lacking_is_made(t
     monkeypatch.setattr(study, "TASKS", ("poisson",))
     monkeypatch.setattr(study, "STRENGTHS", (0.0, 0.3))
     monkeypatch.setattr(study, "REPETITIONS", 1)
-    path, started, one = tmp_path / study.FILE, [], study.one
+    path, started, one = tmp_path / study.FILE.name, [], study.one
 
     def interrupted(*arguments):
         started.append(arguments)
