@@ -1,7 +1,4 @@
-"""The width of AVO's proposal against a hidden effect, beside the diagnosis: figure and table.
-
-Both are of the record that `python -m paper.study misspecification` makes.
-"""
+"""The width of AVO's proposal against a hidden effect, beside the diagnosis, of the study `misspecification`."""
 
 from typing import Any
 

@@ -1,7 +1,6 @@
 """How the time of a diagnosis grows with the measured events and with the catalogue: `make bench-diagnosis`.
 
-Measured events have one effect of the catalogue, strong enough that its name is looked for at every size. Seconds are
-processor time of one thread; exponents are slopes of straight lines through the logarithms.
+Measured events have one effect of the catalogue, strong enough that its name is looked for at every size.
 """
 
 import multiprocessing

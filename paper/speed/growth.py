@@ -1,7 +1,6 @@
 """How time and memory grow with the work, and whether memory grows with the number of cells: `make bench-scaling`.
 
-Every exponent is the slope of a straight line through the logarithms, by least squares. The settings are cheap, so that
-what is seen is the growth and not the networks: a small discriminator in large batches, and ABC-SMC as it is.
+Exponents are slopes through the logarithms. The settings are cheap, so that the growth is seen and not the networks.
 """
 
 import os
@@ -66,8 +65,7 @@ def sweep(
 ) -> dict[str, float]:
     """A sweep of small cells in workers that stand ready: cells, wall seconds, memory [MiB].
 
-    Memory is the highest of the process that leads (of which so much is new), and of any worker. With one job the two
-    are one process.
+    Memory is the highest of the process that leads (with one job it is the worker), and of any worker.
     """
     store = Store(folder, create=True)
     backend = LocalBackend(jobs, store.running)

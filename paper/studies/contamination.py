@@ -121,10 +121,9 @@ def made(
 ) -> dict[str, Any]:
     """The record of the study at `path`, of which each run that is lacking is made and written at once.
 
-    With `tasks` only those of these tasks are made, and only those of the `rows`.
-
-    `runs` holds for each the `task`, `share`, `target`, `row` and `version` of the method, what there was to find
-    (`theta`, and `minimiser`), `estimate`, `error`, `doubt` and `seconds`. Raises StoreError for a damaged file.
+    With `tasks` only those of these tasks and of the `rows`. `runs` holds for each the `task`, `share`, `target`, `row`
+    and `version` of the method, what there was to find (`theta`, and `minimiser`), `estimate`, `error`, `doubt` and
+    `seconds`. Raises StoreError for a damaged file.
     """
     record = FILE.begun(path, "runs", seed=seed, budget=budget, num_observations=num_events)
     methods = {

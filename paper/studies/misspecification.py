@@ -1,8 +1,7 @@
 """What adversarial inference does where the simulator is wrong, beside what the diagnosis says of it.
 
-The paper expects the proposal to smear a simulator that is too sharp. Here the hidden effect is of that kind: the
-parameters of the observed events vary from event to event, with a standard deviation that the simulator does not have.
-A proposal of that width, averaged over, gives exactly the observed distribution.
+The paper expects the proposal to smear a simulator that is too sharp. Here the parameters of the observed events vary
+from event to event: a proposal of that width, averaged over, gives exactly the observed distribution.
 """
 
 from pathlib import Path

@@ -114,10 +114,7 @@ def identity_of(name: str, answer: Expected, task: Any, examples: Path, seed: in
 
 
 def said(task: Any, measured: Any, seed: int, jobs: int) -> dict[str, Any]:
-    """What the diagnosis says of the measured events, and the versions that it was made with.
-
-    `processor_seconds` are those of this process, which with one job are all.
-    """
+    """What the diagnosis says of the measured events, with its versions and the seconds of this process."""
     x, remarks = check_events(task, measured)
     started = time.process_time()
     diagnosis = diagnose(task, x, seed=seed, jobs=jobs).diagnosis
