@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from avobench.api.described import Described, array, description, plain
 from avobench.api.joint import Joint, require_measured, tables_in
-from avobench.api.limited import limited
-from avobench.api.progress import Progress, shown
+from avobench.api.progress import Progress, limited, shown
 from avobench.bench.events.checks import NUM_REFERENCE, Simulate, with_times
 from avobench.bench.plugins import registry
 from avobench.bench.plugins.source import CODE, as_module

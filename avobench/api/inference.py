@@ -13,11 +13,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from avobench.api import agreement, others
+from avobench.api import agreement
 from avobench.api.described import Described, array, description, plain
 from avobench.api.joint import Joint, require_measured, tables_in
-from avobench.api.limited import limited
-from avobench.api.progress import Progress, shown
+from avobench.api.progress import Progress, limited, shown
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.estimates import require_recordable
 from avobench.bench.cells.quantiles import in_shares, raw
@@ -197,7 +196,7 @@ class Inference:
             covariance = self.covariance.to_numpy()
         except UsageError:
             covariance = np.diag(self._quoted[1] ** 2)
-        return others.left_open(self.task, self.estimate.theta, covariance)
+        return agreement.left_open(self.task, self.estimate.theta, covariance)
 
     def samples(self, n: int = 4000, seed: int = 0) -> pd.DataFrame:
         """Draws (n, p) of the parameters, a column each; `samples_of` says from what.
@@ -414,7 +413,7 @@ def tested(
     doubt = agreement.doubt_of(task, theta, x_observed, simulate, num, rng)
     if doubt:
         return replace(estimate, doubt="; ".join(filter(None, (estimate.doubt, doubt)))), []
-    return estimate, others.as_good(task, theta, error, x_observed, simulate, simulate.remaining, num_fitted, rng)
+    return estimate, agreement.as_good(task, theta, error, x_observed, simulate, simulate.remaining, num_fitted, rng)
 
 
 def moments(

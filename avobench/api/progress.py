@@ -1,12 +1,14 @@
-"""How far a fit or a diagnosis is: a bar on a terminal, a line in a notebook, plain lines elsewhere if asked for."""
+"""How far a fit or a diagnosis is, on a terminal, in a notebook or in plain lines, and how long it may take."""
 
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
 
 from avobench.api.terminal import plain as as_text
+from avobench.bench.processes.apart import apart_within
 from avobench.tasks.errors import ProcessEnded
 
 QUIET_SECONDS = 30.0
@@ -14,6 +16,8 @@ QUIET_SECONDS = 30.0
 NOTEBOOK_SECONDS = 1.0
 """How often the line in a notebook changes; it is first there after as long."""
 
+P = ParamSpec("P")
+R = TypeVar("R")
 SHOW_CURSOR = "\x1b[?25h"
 
 Progress = Callable[[str, int, int], None]
@@ -100,6 +104,23 @@ def cursor_kept() -> Iterator[None]:
         if sys.stderr is not None and sys.stderr.isatty():
             print(SHOW_CURSOR, end="", file=sys.stderr, flush=True)
         raise
+
+
+def limited(function: Callable[P, R]) -> Callable[P, R]:
+    """A function that works in a process of its own where `seconds` is given, and is ended after so long.
+
+    All other arguments are passed on as they are. The function itself makes nothing of `seconds`.
+    """
+
+    @wraps(function)
+    def called(*arguments: P.args, **options: P.kwargs) -> R:
+        seconds = options.pop("seconds", None)
+        if seconds is None:
+            return function(*arguments, **options)
+        with cursor_kept():
+            return apart_within(seconds, called, *arguments, **options)
+
+    return called
 
 
 def clock(seconds: float) -> str:

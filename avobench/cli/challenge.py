@@ -109,7 +109,7 @@ def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bo
     from avobench.challenge.records import records as records_of
     from avobench.challenge.score import score as score_all
     from avobench.challenge.table import as_text
-    from avobench.challenge.targets import targets as wanted
+    from avobench.challenge.table import targets as wanted
 
     if records is not None and len(places) > 1:
         raise UsageError("--records writes one challenge; give one folder")
