@@ -78,7 +78,10 @@ def seen(task: Task, x: NDArray) -> NDArray:
 
 
 def two_sample(observed: NDArray, simulated: NDArray, rng: np.random.Generator) -> float:
-    """The p-value of two sets of events (N, d) and (n, d): twice the least of classifier and, times d, of features."""
+    """The p-value of two sets of events (N, d) and (n, d) being of one distribution.
+
+    It is twice the smaller of the classifier's p-value and of d times the least of a feature.
+    """
     from scipy.stats import ks_2samp
 
     from avobench.diagnosis.goodness_of_fit.gates import rounded

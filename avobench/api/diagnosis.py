@@ -278,8 +278,7 @@ class Diagnosed:
 
         return summary(self.diagnosis)
 
-    def __repr__(self) -> str:
-        return str(self)  # what a prompt shows; of all fields it would be pages
+    __repr__ = __str__  # what a prompt shows; of all fields it would be pages
 
     def _repr_html_(self) -> str:
         content = io.BytesIO()

@@ -282,8 +282,7 @@ class Inference:
             f"{self.num_simulations} simulated events, {self.seconds:.1f} s"
         )
 
-    def __repr__(self) -> str:
-        return str(self)  # what a prompt shows; of all fields it would be pages
+    __repr__ = __str__  # what a prompt shows; of all fields it would be pages
 
     def _repr_html_(self) -> str:
         table = self.to_frame().to_html(float_format=lambda value: f"{value:.5g}", border=0)

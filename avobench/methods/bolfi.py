@@ -73,7 +73,7 @@ class Bolfi(Method):
     log_distance: bool = field(default=False, metadata=LATER)
     """Model the logarithm of the distance, which tells more near the answer, where the distance is small."""
     growth: float = field(default=1.0, metadata=LATER)
-    """Ratio of the events simulated for the last theta to those for the first, with an even growth of the logarithm."""
+    """Ratio of the events simulated for the last theta to those for the first; between them it grows geometrically."""
     regression: bool = field(default=False, metadata=LATER)
     """Take as estimate the posterior mean after a regression adjustment on the evaluations of smallest distance."""
 

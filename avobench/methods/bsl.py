@@ -15,7 +15,7 @@ from avobench.tasks.errors import UsageError
 FEWEST = 8
 """Least number of steps of a chain, and of thetas from which slopes are taken."""
 PARTS = 2048
-"""Parts of the observation from whose summaries the covariance is taken, more than components of a summary."""
+"""Parts of the observation from whose summaries the covariance is taken, more than a summary has components."""
 RIDGE = 1e-3
 """Share of their mean that is added to the variances of a summary: the shares of a histogram sum to 1."""
 

@@ -92,7 +92,7 @@ def posterior(
 
 
 def _carried(log_p: NDArray[np.float64], log_q: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
-    """How far, up to 1, the points (n,) of q carry along p^a q^(1-a), so that LEAST_SHARE count, and their weights."""
+    """The largest a up to 1 at which LEAST_SHARE of the points (n,) of q count in p^a q^(1-a), and their weights."""
 
     def weights(a: float) -> NDArray[np.float64]:
         log_weights = a * (log_p - log_q)
