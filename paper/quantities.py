@@ -37,10 +37,7 @@ def by_mean(cells: pd.DataFrame) -> pd.DataFrame:
 
 
 def still(record: dict[str, Any]) -> float:
-    """Share of the trace's steps in which the proposal stands exactly still, its centre and its width: in [0, 1].
-
-    A failure, which has no steps, did not stand still.
-    """
+    """The share of the trace's steps in which the proposal stands exactly still, its centre and its width."""
     points = [(point["theta"], point["std"]) for point in record["trace"] or ()]
     return sum(before == after for before, after in pairwise(points)) / max(1, len(points) - 1)
 
@@ -100,10 +97,7 @@ def errors_by_target(cells: pd.DataFrame) -> pd.Series:
 
 
 def ahead(cells: pd.DataFrame, rival: pd.DataFrame) -> float:
-    """The p-value of a one-sided paired test that a method's squared errors are not less than a rival's.
-
-    Wilcoxon's signed-rank test on the logarithms of the errors, a pair for each target that both have.
-    """
+    """The p-value of Wilcoxon's signed-rank test, one-sided, on the logarithms of errors of a method and a rival."""
     pairs = pd.concat([errors_by_target(cells), errors_by_target(rival)], axis=1, join="inner").to_numpy()
     if not len(pairs):
         return np.nan

@@ -1,7 +1,6 @@
 """How large each room is: `python -m paper.size [JUNIT.XML]`, or `make size`.
 
-Prints lines of Python and numeric constants of modules by room, the longest functions, and of the report of
-`pytest --junit-xml JUNIT.XML` the slowest tests.
+Prints lines and numeric constants by room, the longest functions, and of a report of pytest the slowest tests.
 """
 
 import ast

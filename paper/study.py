@@ -47,7 +47,7 @@ def study(state: State, name: str, results: Path | None, seed: int, jobs: int | 
     if name in STUDIES:
         store = Store(results or Path("results/studies"), create=True)
         with store.lock():
-            STUDIES[name].made(path := store.path / STUDIES[name].FILE, seed)
+            STUDIES[name].made(path := store.path / STUDIES[name].FILE.name, seed)
         click.echo(path)
         return
     experiment = EXPERIMENTS[name]

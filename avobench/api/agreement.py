@@ -1,11 +1,16 @@
-"""Whether fresh events simulated at an estimate agree with the observed ones: a two-sample test, at any size.
+"""Whether fresh events at an estimate agree with the observed ones, at any size, and which other answers do as well.
 
 Each feature is looked at by the Kolmogorov-Smirnov test, which sees a shift, and by a scan of intervals of all widths,
 which sees a narrow peak. Both are exact, for few events too. A classifier that learns from one half of the events and
 judges the other (D. Lopez-Paz, M. Oquab, ICLR 2017) sees how features depend on each other.
+
+A simulator that depends on the square of a parameter, or in which two parameters may change places, has several equally
+good answers, and a method ends at one of them. Each candidate is a set of parameters with other signs, or with two of
+them in each other's place. It is believed if events simulated there agree with the observed ones.
 """
 
 from collections.abc import Callable
+from itertools import combinations, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +21,7 @@ from avobench.tasks.errors import SimulatorError, text_of
 SHARE = 10
 """One in so many of the simulated events that are allowed is held back for the test."""
 LEVEL = 0.01
-"""A p-value below it is a doubt. One sound fit in twenty may be doubted, so this leaves room for what theta is off by.
-"""
+"""A p-value below it is a doubt. One sound fit in twenty may be doubted, for what theta is off by."""
 FEWEST = 10
 """Events of each kind below which nothing is said."""
 LEARNT_FROM = 100
@@ -26,6 +30,16 @@ MOST_INTERVALS = 1024
 """Intervals of the least width in which the events of a feature are counted, at most; FEWEST lie in each."""
 MOST_TIMES = 10
 """So many observed events for each simulated one are looked at, at most: more of them add a tenth at best."""
+MOST_PARAMETERS = 6
+"""Largest number of parameters: with more there are too many candidates for the events that are held back."""
+APART = 5.0
+"""Standard errors from which a candidate is another answer, with the error that so few events as test it would give."""
+TESTED = 3
+"""So many candidates are tested a second time, those that the first look leaves."""
+OPEN = 0.5
+"""Standard error of a combination, in standard deviations of the prior, above which the events leave it open."""
+TAKES_PART = 0.25
+"""Least component of a parameter in an open combination, of unit length, from which it is named."""
 
 
 def doubt_of(
@@ -66,7 +80,7 @@ def seen(task: Task, x: NDArray) -> NDArray:
 def two_sample(observed: NDArray, simulated: NDArray, rng: np.random.Generator) -> float:
     """The p-value of two sets of events (N, d) and (n, d) being of one distribution.
 
-    It is twice the smaller of the classifier's p-value and of the least of a feature, times the number of these.
+    It is twice the smaller of the classifier's p-value and of d times the least of a feature.
     """
     from scipy.stats import ks_2samp
 
@@ -111,8 +125,7 @@ def scanned(observed: NDArray, simulated: NDArray) -> float:
 def classified(observed: NDArray, simulated: NDArray, rng: np.random.Generator) -> float:
     """The p-value of observed events being no more probable than simulated ones by what a classifier learnt.
 
-    The classifier that one half teaches judges the other. The two halves depend on each other, so the smaller of both
-    p-values counts twice.
+    The classifier that one half teaches judges the other; the smaller of both p-values counts twice.
     """
     from scipy.stats import ttest_ind
 
@@ -127,3 +140,77 @@ def classified(observed: NDArray, simulated: NDArray, rng: np.random.Generator) 
         alike = np.ptp(np.concatenate(judged)) == 0
         p_values.append(1.0 if alike else ttest_ind(*judged, equal_var=False, alternative="greater").pvalue)
     return min(1.0, 2 * min(p_values))
+
+
+def mirrored(theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Theta (p,) with the signs of some changed, and with two in each other's place with either sign: (m, p)."""
+    p, found = len(theta), []
+    for signs in product((1.0, -1.0), repeat=p):
+        found.append(np.array(signs) * theta)
+    for i, j in combinations(range(p), 2):
+        for sign in (1.0, -1.0):
+            other = theta.copy()
+            other[[i, j]] = sign * theta[[j, i]]
+            found.append(other)
+    return np.array(found[1:])
+
+
+def as_good(
+    task: Task,
+    theta: NDArray[np.float64],
+    error: NDArray[np.float64],
+    observed: NDArray,
+    simulate: Callable[[NDArray[np.float64]], NDArray],
+    num_simulated: int,
+    num_fitted: int,
+    rng: np.random.Generator,
+) -> list[NDArray[np.float64]]:
+    """Mirror images of theta (p,) at which events agree with the observed ones (N, d), within the prior.
+
+    At most `num_simulated` events are made. The standard errors (p,) of theta come from `num_fitted` ones. An image so
+    near to theta that these few could not tell the two apart is none.
+    """
+    if len(theta) > MOST_PARAMETERS or not (error > 0).all():
+        return []
+    resolved = np.sqrt(1 + 1 / (1 / len(observed) + 1 / num_fitted) / max(num_simulated / (2 * TESTED), 1))
+    images = mirrored(theta)
+    images = images[task.prior.contains(images)]
+    images = images[(np.abs(images - theta) / error).max(axis=1) > APART * resolved]
+
+    def p_values(n: int) -> NDArray[np.float64]:
+        x = seen(task, simulate(np.repeat(images, n, axis=0))).reshape(len(images), n, -1)
+        return np.array([two_sample(seen(task, observed), each, rng) for each in x])
+
+    try:
+        for most in (len(images), TESTED):  # a first look at all, and fresh events for those that it leaves
+            if not len(images) or (n := num_simulated // 2 // len(images)) < FEWEST:
+                return []
+            p = p_values(n)
+            order = np.argsort(-p)[: min(most, TESTED)]
+            images = images[order[p[order] >= LEVEL]]
+    except SimulatorError:  # it need not work wherever a mirror image lies
+        return []
+    return list(images)
+
+
+def left_open(task: Task, theta: NDArray[np.float64], covariance: NDArray[np.float64]) -> list[str]:
+    """A sentence for each combination of parameters of which the events tell next to nothing.
+
+    It names two points, a standard error to either side of theta (p,) with its covariance (p, p).
+    """
+    if not np.isfinite(covariance).all():
+        return []
+    unit, names = task.prior.width / np.sqrt(12), task.parameter_names
+    variance, axes = np.linalg.eigh(covariance / np.outer(unit, unit))
+    said = []
+    for each, axis in zip(variance, axes.T, strict=True):
+        if each <= OPEN**2:
+            continue
+        ends = [
+            np.clip(theta + side * np.sqrt(each) * axis * unit, task.prior.low, task.prior.high) for side in (-1, 1)
+        ]
+        one, other = (
+            ", ".join(f"{names[j]} = {end[j]:.3g}" for j in np.flatnonzero(np.abs(axis) > TAKES_PART)) for end in ends
+        )
+        said.append(f"the events hardly tell {one} from {other}, or what lies between")
+    return said

@@ -71,9 +71,9 @@ class Calibration:
 
     def plot(self) -> "Figure":
         """The ranks of each parameter, and how many true values each central interval held."""
-        from avobench.reports.calibration import drawn
+        from avobench.reports.fits import calibration
 
-        return drawn(self.ranks)
+        return calibration(self.ranks)
 
     def __str__(self) -> str:
         """How many fits there are, how many were doubted, and the table."""
@@ -173,7 +173,6 @@ def _fit(
 
 
 def _read(file: Path) -> Inference | None:
-    """The fit in a file; None where there is none, or a damaged one."""
     try:
         return load(file)
     except UsageError:

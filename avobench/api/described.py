@@ -30,10 +30,6 @@ class Described(Task):
     def summary(self, x: NDArray) -> NDArray[np.float64]:
         raise UsageError(f"{self.name} was read from the file of a result, which holds no summary; load the task")
 
-    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
-        """Not known: NaN."""
-        return np.nan
-
 
 def description(task: Task) -> dict[str, Any]:
     """What a file keeps of a task, of plain numbers and texts."""

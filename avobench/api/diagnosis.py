@@ -16,9 +16,8 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.api.described import Described, array, description, plain
-from avobench.api.joint import Joint, tables_in
-from avobench.api.limited import limited
-from avobench.api.progress import Progress, shown
+from avobench.api.joint import Joint, require_measured, tables_in
+from avobench.api.progress import Progress, limited, shown
 from avobench.bench.events.checks import NUM_REFERENCE, Simulate, with_times
 from avobench.bench.plugins import registry
 from avobench.bench.plugins.source import CODE, as_module
@@ -279,8 +278,7 @@ class Diagnosed:
 
         return summary(self.diagnosis)
 
-    def __repr__(self) -> str:
-        return str(self)  # what a prompt shows; of all fields it would be pages
+    __repr__ = __str__  # what a prompt shows; of all fields it would be pages
 
     def _repr_html_(self) -> str:
         content = io.BytesIO()
@@ -370,9 +368,8 @@ def diagnose(
     seed, max_effects, jobs = whole("seed", seed, 0), whole("max_effects", max_effects, 0), whole("jobs", jobs, 1)
     simulations = None if simulations is None else whole("simulations", simulations, 1)
     effects = [effects] if isinstance(effects, str) else effects
+    require_measured(task, x)
     joint = task if isinstance(task, Joint) else None
-    if (joint is None) == (x is None):
-        raise UsageError("give what was measured, but of `avobench.joint`, which has it")
     task, spec = (joint.task, None) if joint else _named(task)
     calls = len(joint.sets) if joint else 1  # of simulators, for an event of each data set
     simulations = simulations and simulations // calls
@@ -438,7 +435,6 @@ def require_condition(name: str, task: Task, measured: Task, chosen: Mapping[str
 
 
 def _rows(x: ArrayLike | pd.DataFrame) -> int:
-    """How many events there seem to be; what is wrong with them is told later."""
     try:
         return len(x)
     except TypeError:
@@ -458,15 +454,13 @@ def _named(task: Task | str | ArrayLike | pd.DataFrame) -> tuple[Task, str | Non
 def _diagnosed(result: "Result", spec: str | None, own: Mapping[str, "Own"], entries: Sequence[Effect]) -> Diagnosed:
     """What is shown and kept of a result.
 
-    `spec` is the name by which the task is loaded again. `own` are the user's effects by name, `entries` those of the
-    catalogue.
+    `spec` loads the task again, `own` are the user's effects by name, `entries` those of the catalogue.
     """
     found = {each.source or name: each.found for name, each in own.items()}
     return Diagnosed(result, _content(result, spec, own), partial(_in_memory, result.task, found, entries))
 
 
 def _content(result: "Result", spec: str | None, own: Mapping[str, "Own"]) -> "ModelFile":
-    """What model.json says of the final fit. `own` are the user's effects by name."""
     from avobench.diagnosis.report.model_file import describe
     from avobench.diagnosis.report.uncertainties import QuotedFit
 
@@ -484,15 +478,11 @@ def _in_memory(task: Task, own: Mapping[str, Effect], entries: Sequence[Effect],
 
 
 def _from_file(spec: str, content: "ModelFile") -> Task:
-    """The task with effects of a file."""
     return registry.build("task", spec, {})
 
 
 def _with_code(content: "ModelFile", task: Task, folder: Path) -> tuple["ModelFile", dict[Path, str], list[str]]:
-    """What model.json says once code that has no name elsewhere is kept in `folder`; these files; and what is lost.
-
-    `task` is the one that the effects were added to.
-    """
+    """What model.json says once code that has no name elsewhere is kept in `folder`; these files; and what is lost."""
     levels = [content]
     while not isinstance(levels[-1].task, str):  # the effects were added to a model
         levels.append(levels[-1].task)

@@ -13,11 +13,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from avobench.api import agreement, others
+from avobench.api import agreement
 from avobench.api.described import Described, array, description, plain
-from avobench.api.joint import Joint, tables_in
-from avobench.api.limited import limited
-from avobench.api.progress import Progress, shown
+from avobench.api.joint import Joint, require_measured, tables_in
+from avobench.api.progress import Progress, limited, shown
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.estimates import require_recordable
 from avobench.bench.cells.quantiles import in_shares, raw
@@ -197,7 +196,7 @@ class Inference:
             covariance = self.covariance.to_numpy()
         except UsageError:
             covariance = np.diag(self._quoted[1] ** 2)
-        return others.left_open(self.task, self.estimate.theta, covariance)
+        return agreement.left_open(self.task, self.estimate.theta, covariance)
 
     def samples(self, n: int = 4000, seed: int = 0) -> pd.DataFrame:
         """Draws (n, p) of the parameters, a column each; `samples_of` says from what.
@@ -214,7 +213,6 @@ class Inference:
         return pd.DataFrame(draws, columns=self.task.parameter_names)
 
     def _gaussian(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
-        """Draws within the support: (n, p)."""
         estimate, covariance = self.estimate, self.covariance.to_numpy()
         if not np.isfinite(covariance).all():
             raise UsageError(f"{self.method} tells no finite spread of the parameters")
@@ -250,12 +248,12 @@ class Inference:
         the method had at that point, the other the error that is quoted. The second shows the draws of `samples`, each
         parameter and each pair. Raises UsageError for another name.
         """
-        from avobench.reports import trace
+        from avobench.reports import fits
 
         if name == "trace":
-            return trace.draw(self.task, self.estimate, self._quoted[1], self.std_of)
+            return fits.draw(self.task, self.estimate, self._quoted[1], self.std_of)
         if name == "pairs":
-            return trace.pairs(self.samples(PAIRED), self.samples_of)
+            return fits.pairs(self.samples(PAIRED), self.samples_of)
         raise UsageError(f"there is no figure '{name}'; a fit has trace, pairs")
 
     def __str__(self) -> str:
@@ -272,7 +270,6 @@ class Inference:
 
     @property
     def _as_well(self) -> list[str]:
-        """A line for each other answer."""
         return [
             "as good: " + ", ".join(f"{name} = {value:.4g}" for name, value in other.items()) for other in self.others
         ]
@@ -285,8 +282,7 @@ class Inference:
             f"{self.num_simulations} simulated events, {self.seconds:.1f} s"
         )
 
-    def __repr__(self) -> str:
-        return str(self)  # what a prompt shows; of all fields it would be pages
+    __repr__ = __str__  # what a prompt shows; of all fields it would be pages
 
     def _repr_html_(self) -> str:
         table = self.to_frame().to_html(float_format=lambda value: f"{value:.5g}", border=0)
@@ -354,14 +350,13 @@ def infer(
         If the process took longer than `seconds`, or was ended by what it ran.
     """
     budget, seed = whole("budget", budget, 1), whole("seed", seed, 0)
+    require_measured(task, x)
     given = isinstance(task, SampleTask) or bank is not None
     if given or isinstance(task, Joint) or tables_in(x) is not None:
         if method not in (None, "smm") or settings:
             why = "other methods need events at thetas of their own" if given else "leave others out"
             raise UsageError(f"tables, several data sets and a bank are fitted by smm, without settings: {why}")
         return moments(task, x, budget, seed, drop_invalid, progress, bank)
-    if x is None:
-        raise UsageError("give what was measured, but of `avobench.joint`, which has it")
     task = registry.task_of(task)
     if method is None:
         method = next(name for name in DEFAULTS if registry.missing_package(registry.load("method", name)) is None)
@@ -417,7 +412,7 @@ def tested(
     doubt = agreement.doubt_of(task, theta, x_observed, simulate, num, rng)
     if doubt:
         return replace(estimate, doubt="; ".join(filter(None, (estimate.doubt, doubt)))), []
-    return estimate, others.as_good(task, theta, error, x_observed, simulate, simulate.remaining, num_fitted, rng)
+    return estimate, agreement.as_good(task, theta, error, x_observed, simulate, simulate.remaining, num_fitted, rng)
 
 
 def moments(
@@ -429,10 +424,7 @@ def moments(
     progress: Progress | bool | None,
     folder: str | Path | None = None,
 ) -> Inference:
-    """Infer theta from events or tables x, or from several data sets, by the means of their summaries.
-
-    Simulated events are kept in a `folder`, if there is one. Raises UsageError as `infer` does.
-    """
+    """Infer theta from events or tables x, or several data sets, by the means of their summaries. Raises UsageError."""
     from avobench.diagnosis.checks import Checks
     from avobench.diagnosis.effort import effort_for
     from avobench.diagnosis.fit.null import fit_null
@@ -443,15 +435,11 @@ def moments(
 
     start, calls = time.perf_counter(), 1
     if isinstance(task, Joint):
-        if x is not None:
-            raise UsageError("what was measured is in `avobench.joint`: leave x out")
         calls, sets, task = len(task.sets), task.sets, task.task
         checks = Checks(task, NUM_REFERENCE, budget // calls, seed=seed, folder=folder and Path(folder))
         part, warnings = checks.joint(sets, drop_invalid=drop_invalid)
         num_events = sum(map(len, part.sets))
     else:
-        if x is None:
-            raise UsageError("give what was measured, but of `avobench.joint`, which has it")
         task, tables = registry.task_of(task), tables_in(x)
         if isinstance(task, SampleTask) and folder is not None:
             raise UsageError("simulated events that were made before are all there are: leave bank out")

@@ -62,6 +62,12 @@ def joint(sets: Mapping[str, tuple[Task | str, Any]], shared: Sequence[str] | No
     return Joint(JointTask(tasks, shared), tuple(measured))
 
 
+def require_measured(task: Any, x: Any) -> None:
+    """Raise UsageError unless what was measured is given once: as `x`, or in a Joint."""
+    if isinstance(task, Joint) == (x is not None):
+        raise UsageError("give what was measured as x, but of `avobench.joint`, which has it: there leave x out")
+
+
 def tables_in(x: Any) -> Tables | None:
     """What was measured, if it is published tables."""
     if isinstance(x, Table | Tables):

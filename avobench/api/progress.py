@@ -1,12 +1,14 @@
-"""How far a fit or a diagnosis is: a bar on a terminal, a line in a notebook, plain lines elsewhere if asked for."""
+"""How far a fit or a diagnosis is, on a terminal, in a notebook or in plain lines, and how long it may take."""
 
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
 
 from avobench.api.terminal import plain as as_text
+from avobench.bench.processes.apart import apart_within
 from avobench.tasks.errors import ProcessEnded
 
 QUIET_SECONDS = 30.0
@@ -14,6 +16,8 @@ QUIET_SECONDS = 30.0
 NOTEBOOK_SECONDS = 1.0
 """How often the line in a notebook changes; it is first there after as long."""
 
+P = ParamSpec("P")
+R = TypeVar("R")
 SHOW_CURSOR = "\x1b[?25h"
 
 Progress = Callable[[str, int, int], None]
@@ -35,68 +39,60 @@ def shown(progress: Progress | bool | None, plain: bool = False) -> Iterator[Pro
     console = Console(stderr=True)
     if progress is False or not (plain or console.is_terminal or console.is_jupyter):
         yield lambda phase, done, total: None
-    elif console.is_jupyter:
-        with _line() as line:
-            yield line
     else:
-        with Bar(console) as bar:
-            yield bar
-
-
-class Bar:
-    """Called with the phase, its simulated events so far, and about how many there will be."""
-
-    def __init__(self, console: Any) -> None:
-        from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
-
-        self.console, self.began, self.last = console, time.monotonic(), time.monotonic()
-        columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-        self.shown = Progress(*columns, console=console, transient=True) if console.is_terminal else None
-        self.row = self.shown.add_task("checks of the events", total=None) if self.shown else None
-
-    def __enter__(self) -> "Bar":
-        if self.shown:
-            self.shown.start()
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        if self.shown:
-            self.shown.stop()
-
-    def __call__(self, phase: str, done: int, total: int) -> None:
-        if self.shown:
-            self.shown.update(self.row, description=as_text(phase), completed=done, total=total)
-        elif (now := time.monotonic()) - self.last >= QUIET_SECONDS:
-            self.last = now
-            self.console.print(
-                as_text(_said(phase, done, total, now - self.began)), markup=False, highlight=False, soft_wrap=True
-            )
+        with _in_notebook() if console.is_jupyter else displayed(console) as tell:
+            yield tell
 
 
 @contextmanager
-def _line() -> Iterator[Progress]:
+def displayed(console: Any) -> Iterator[Progress]:
+    """A bar on a terminal, and else a line every QUIET_SECONDS."""
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    if not console.is_terminal:
+        yield _now_and_then(
+            QUIET_SECONDS, lambda line: console.print(as_text(line), markup=False, highlight=False, soft_wrap=True)
+        )
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True) as bar:
+        row = bar.add_task("checks of the events", total=None)
+        yield lambda phase, done, total: bar.update(row, description=as_text(phase), completed=done, total=total)
+
+
+@contextmanager
+def _in_notebook() -> Iterator[Progress]:
     """A line below the cell of a notebook, which is empty at the end."""
     from IPython.display import HTML, display
 
-    began = last = time.monotonic()
-    handle = None
+    handles: list[Any] = []
 
-    def tell(phase: str, done: int, total: int) -> None:
-        nonlocal handle, last
-        if (now := time.monotonic()) - last < NOTEBOOK_SECONDS:
-            return
-        last = now
-        line = HTML(_said(phase, done, total, now - began))
-        if handle is None:
-            handle = display(line, display_id=True)
+    def show(line: str) -> None:
+        if handles:
+            handles[0].update(HTML(line))
         else:
-            handle.update(line)
+            handles.append(display(HTML(line), display_id=True))
 
     try:
-        yield tell
+        yield _now_and_then(NOTEBOOK_SECONDS, show)
     finally:
-        if handle is not None:
-            handle.update(HTML(""))
+        if handles:
+            show("")
+
+
+def _now_and_then(seconds: float, show: Callable[[str], None]) -> Progress:
+    """What shows a line of progress every so many seconds."""
+    began = last = time.monotonic()
+
+    def tell(phase: str, done: int, total: int) -> None:
+        nonlocal last
+        if (now := time.monotonic()) - last >= seconds:
+            last, spent = now, now - began
+            left = spent * (total - done) / done if done else 0
+            share = f", {done / total:.0%} of what is usual, about {clock(left)} left" if left > 0 else ""
+            show(f"{phase}: {done} simulated events{share}")
+
+    return tell
 
 
 @contextmanager
@@ -110,10 +106,21 @@ def cursor_kept() -> Iterator[None]:
         raise
 
 
-def _said(phase: str, done: int, total: int, seconds: float) -> str:
-    left = seconds * (total - done) / done if done else 0
-    share = f", {done / total:.0%} of what is usual, about {clock(left)} left" if left > 0 else ""
-    return f"{phase}: {done} simulated events{share}"
+def limited(function: Callable[P, R]) -> Callable[P, R]:
+    """A function that works in a process of its own where `seconds` is given, and is ended after so long.
+
+    All other arguments are passed on as they are. The function itself makes nothing of `seconds`.
+    """
+
+    @wraps(function)
+    def called(*arguments: P.args, **options: P.kwargs) -> R:
+        seconds = options.pop("seconds", None)
+        if seconds is None:
+            return function(*arguments, **options)
+        with cursor_kept():
+            return apart_within(seconds, called, *arguments, **options)
+
+    return called
 
 
 def clock(seconds: float) -> str:

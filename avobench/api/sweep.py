@@ -113,8 +113,7 @@ def asked(
     """The cells that `run` carries out, in their order.
 
     Tasks and methods of the user's are looked at in a process of its own, unless `in_process`. One that ends it, or
-    takes longer than a minute, where its simulator is tried is left to the sweep, which records why. Raises UsageError
-    where it ends elsewhere, such as when it is asked for its targets.
+    takes a minute, where its simulator is tried is left to the sweep; elsewhere UsageError is raised.
     """
     chosen = {
         kind: [given] if isinstance(given, str) else list(given) or registry.names(kind)

@@ -77,9 +77,8 @@ class Case:
     def pull(self, when: str) -> float | None:
         """How far theta is from the truth, in quoted errors, at most; None where the data determine nothing of it.
 
-        `when`: before or after. Of the combinations of theta that the diagnosis says are determined; where the events
-        determine fewer quantities than theta has, of those, which need be no straight lines, with the errors that the
-        combinations give them.
+        Of the combinations that the diagnosis says are determined; where the events determine fewer quantities than
+        theta has, of those, with the errors that the combinations give them.
         """
         known, estimate, truth = (
             self.diagnosis[f"identified_{when}"],
@@ -109,7 +108,6 @@ class Case:
 
     @property
     def explained(self) -> bool:
-        """Whether the diagnosis says that nothing is missing beside what it named."""
         return self.diagnosis["verdict"] == Verdict.NAMED
 
     def first(self, *, feature: bool = True) -> bool:
@@ -124,7 +122,6 @@ class Case:
 
     @property
     def both(self) -> bool:
-        """Whether all that is hidden was named."""
         return set(self.hidden) <= set(self.named)
 
     @property

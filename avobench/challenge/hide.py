@@ -16,8 +16,7 @@ from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 
 LEAST_POWER = 0.3
-"""Strength and shape are drawn anew, up to MAX_DRAWS times, until the best test would see the effect with this power:
-below it hardly anybody could see it."""
+"""Strength and shape are drawn anew, MAX_DRAWS times at most, until the best test has this power."""
 MOST_DISTANCE = 50.0
 """Strength and shape are also drawn anew until chi2/ndf - 1 is at most this: a stronger effect is too easy to see."""
 MAX_DRAWS = 6
@@ -87,8 +86,7 @@ class Hidden:
     visibility: Visibility
     """How visible it is alone."""
     beside: float | None = None
-    """The power with which it is seen beside the other hidden effect, of which all but the strength were known; None if
-    it is alone."""
+    """The power with which it is seen beside the other hidden effect, of which all but the strength were known."""
 
     @property
     def answer(self) -> dict[str, Any]:
@@ -143,7 +141,6 @@ def hide(
 
 
 def feature_label(task: Task, feature: int | Literal["all"] | None) -> str | None:
-    """The feature as a diagnosis names it: a name, "all", or None if an event has only one feature."""
     if not isinstance(feature, int):
         return feature
     return task.labels[feature]
@@ -192,7 +189,6 @@ def _draw(
 
 
 def _generates(injection: Injection | OwnShape) -> bool:
-    """Whether it acts on generated particles, and makes events itself."""
     return isinstance(injection, Injection) and injection.stage == 0
 
 
@@ -219,7 +215,6 @@ def _beside(
 
 
 def _chain(task: Task, hidden: list[Hidden]) -> Simulate:
-    """The task's simulator with hidden effects, one after the other."""
     simulate: Simulate = task.simulate
     for each in hidden:
         simulate = partial(each.injection.measure, simulate)

@@ -33,10 +33,7 @@ KEPT = (
 
 
 def records(folder: Path) -> list[dict[str, Any]]:
-    """All that scoring needs, a dictionary a line: the challenge as a whole, then its solved cases with their answers.
-
-    Raises UsageError while there is nothing to compare.
-    """
+    """All that scoring needs, a dictionary a line: the challenge, then its solved cases. Raises UsageError."""
     manifest, path = read_manifest(folder), folder / "answers.json"
     if not path.is_file():
         raise UsageError(f"there are no answers in {folder}: {path} is missing")
@@ -58,7 +55,6 @@ def records(folder: Path) -> list[dict[str, Any]]:
 
 
 def read_records(path: Path) -> list[dict[str, Any]]:
-    """The result of `records`, read from a file. Raises UsageError for another file."""
     try:
         lines = [json.loads(line) for line in path.read_text().splitlines()]
     except (OSError, ValueError, RecursionError) as error:

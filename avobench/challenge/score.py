@@ -25,10 +25,9 @@ NEAR = 2.0
 
 
 def score(*challenges: list[dict[str, Any]], trust: bool = False) -> dict[str, Any]:
-    """How often the diagnoses were right, from the `records` of one challenge, or of several pooled.
+    """How often the diagnoses were right, from the `records` of challenges, pooled.
 
-    Raises UsageError where the records are not what `records` gives, or name the code of a task and the user does not
-    `trust` them.
+    Raises UsageError where the records are not sound, or name code and the user does not `trust` them.
     """
     try:
         result = _score(challenges, trust)
@@ -149,7 +148,6 @@ def _spread(values: list[float]) -> dict[str, float] | None:
 
 
 def _by_gap(cases: list[Case], hit: Callable[[Case], bool]) -> list[dict[str, Any]]:
-    """How often, by classes of chi2/ndf before; the last has no upper border."""
     return [
         {
             "from": low,
@@ -165,7 +163,6 @@ def _near(cases: list[Case], when: str) -> list[bool]:
 
 
 def _before_and_after(cases: list[Case]) -> dict[str, Any]:
-    """Medians over the cases: chi2/ndf of held-out events, and the bias of theta."""
     medians: dict[str, Any] = {}
     for when in ("before", "after"):
         gaps = [gap["value"] for case in cases if (gap := case.diagnosis[f"gap_{when}"])]
@@ -175,5 +172,4 @@ def _before_and_after(cases: list[Case]) -> dict[str, Any]:
 
 
 def _mistaken(cases: list[Case]) -> list[str]:
-    """A line for each case that does not name all that was hidden, in any order, and only that, first."""
     return [case.mistaken for case in cases if case.mistaken]

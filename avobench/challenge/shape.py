@@ -37,7 +37,6 @@ class Place:
 
     @cached_property
     def columns(self) -> list[int]:
-        """The features that the effect acts on."""
         return [self.feature] if isinstance(self.feature, int) else list(range(self.task.num_features))
 
     @property
@@ -59,7 +58,6 @@ class Place:
 
     @cached_property
     def centre(self) -> NDArray[np.float64]:
-        """The middle of the range of each column, (k,)."""
         return self._range.mean(axis=0)
 
     @cached_property
@@ -94,10 +92,7 @@ class Place:
         return seen if self.kind == "counts" else (seen - self.centre) / self.half_range
 
     def write(self, x: NDArray, y: NDArray) -> NDArray:
-        """Events x (n, d) in which what `read` gives is y.
-
-        Counts are rounded and not negative, and a cosine that runs over an end comes back from it.
-        """
+        """Events x (n, d) in which what `read` gives is y; a cosine that runs over an end comes back from it."""
         if self.kind == "images":
             return y.reshape(x.shape).astype(x.dtype)
         changed = x.copy()
@@ -121,7 +116,6 @@ class Range:
     either_sign: bool = False
 
     def draw(self, rng: np.random.Generator) -> float:
-        """A random value."""
         value = (
             np.exp(rng.uniform(np.log(self.low), np.log(self.high))) if self.log else rng.uniform(self.low, self.high)
         )
@@ -142,8 +136,7 @@ class Shape:
     sentence: str
     """What happens, for a person."""
     stage: int
-    """Where it stands in the chain, as `Effect.stage`: 0 generated particles, 1 source, 2 measurement, 3 selection,
-    4 what is added or read out."""
+    """As `Effect.stage`."""
     ranges: Mapping[str, Range]
     """What is drawn. `strength` reaches from barely visible to strong."""
     suits: Callable[[Place], bool]
@@ -178,5 +171,4 @@ class Injection:
         return replace(self, settings={**self.settings, "strength": strength})
 
     def measure(self, simulate: Simulate, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        """Events as they are measured, one for each row of theta: (n, p) -> (n, d)."""
         return self.shape.measure(simulate, theta, self.place, SimpleNamespace(**self.settings), rng)

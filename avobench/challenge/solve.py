@@ -17,7 +17,7 @@ from avobench.challenge.make import MANIFEST
 from avobench.diagnosis import diagnose
 from avobench.diagnosis.checks import Checks
 from avobench.tasks.contract import NAME
-from avobench.tasks.errors import AvobenchError, ProcessEnded, UsageError, raised
+from avobench.tasks.errors import AvobenchError, ProcessEnded, UsageError, first_fault, raised
 
 RESULTS = "results"
 """The folder of a challenge that holds a file for each case that was tried."""
@@ -33,10 +33,9 @@ def solve(
 ) -> None:
     """Diagnose each case of `folder` that has no result yet, with `options` of `diagnose`; a file a case in `results/`.
 
-    Each case has a seed of its own, its number, and one process unless `workers` says otherwise. A case that fails, or
-    exceeds a limit of time or memory, leaves its error as the result, and is tried again the next time. Raises
-    UsageError if the folder is no challenge, holds results of other options, or names code without being trusted;
-    StoreError where the disk does not take a result.
+    Each case has its number as seed, and one process. One that fails, or exceeds a limit, leaves its error as the
+    result, and is tried again the next time. Raises UsageError if the folder is no challenge, holds results of other
+    options, or names code without being trusted; StoreError where the disk does not take a result.
     """
     manifest = read_manifest(folder)
     spec = registry.named_in(folder / "manifest.json", "task", manifest["task"], trust)
@@ -69,7 +68,6 @@ def solve(
 
 
 def _solved(spec: str, data: Path, number: int, case: dict, options: dict[str, Any]) -> dict[str, Any]:
-    """The result of a case, or its error."""
     start, cpu = time.perf_counter(), time.process_time()
     result: dict[str, Any] = {"case": case["case"], "options": options}
     try:
@@ -107,8 +105,6 @@ class PublicCase(BaseModel):
 
 
 class Manifest(BaseModel):
-    """What is public of a challenge."""
-
     model_config = ConfigDict(strict=True, extra="forbid")
     kind: str = Field(alias="schema")
     version: int
@@ -129,15 +125,14 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     try:
         cases = [case.case for case in Manifest.model_validate(manifest).cases]
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        raise UsageError(f"{path} makes no sense: {first['msg']} at {'.'.join(map(str, first['loc']))}") from error
+        where, fault = first_fault(error)
+        raise UsageError(f"{path} makes no sense: {fault} at {where}") from error
     if len(set(cases)) < len(cases):
         raise UsageError(f"{path} makes no sense: two cases have the same name")
     return manifest
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """The JSON object in a file. Raises AvobenchError where there is none."""
     try:
         content = json.loads(path.read_text())
     except (OSError, ValueError) as error:

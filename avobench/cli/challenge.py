@@ -7,7 +7,7 @@ import click
 
 from avobench.bench.processes.workers import Workers
 from avobench.cli.isolated import Isolated
-from avobench.cli.options import TRUST, named
+from avobench.cli.options import MEMORY_LIMIT, TIME_LIMIT, TRUST, named
 from avobench.cli.state import State
 from avobench.cli.terminal import say
 from avobench.tasks.errors import UsageError
@@ -62,10 +62,8 @@ def make(
     "--simulations", "num_simulations", type=int, default=None, help="Limit on simulated events per data set."
 )
 @click.option("--fit", default=None, metavar="NAME", help="Method that fits theta first.")
-@click.option("--time-limit", type=float, default=None, metavar="SECONDS", help="Limit for each data set.  [21600]")
-@click.option(
-    "--memory-limit", type=float, default=None, metavar="MIB", help="Limit for the process of each data set.  [8192]"
-)
+@TIME_LIMIT
+@MEMORY_LIMIT
 @TRUST
 @click.pass_obj
 def solve(
@@ -111,7 +109,7 @@ def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bo
     from avobench.challenge.records import records as records_of
     from avobench.challenge.score import score as score_all
     from avobench.challenge.table import as_text
-    from avobench.challenge.targets import targets as wanted
+    from avobench.challenge.table import targets as wanted
 
     if records is not None and len(places) > 1:
         raise UsageError("--records writes one challenge; give one folder")

@@ -8,9 +8,8 @@ from typing import NoReturn
 
 import click
 
-from avobench.cli.damaged import naming_damaged
 from avobench.cli.state import STOPPED, State
-from avobench.cli.terminal import say
+from avobench.cli.terminal import naming_damaged, say
 
 COMMANDS = {
     "list": ("effects:list_", "Show the tasks, the methods and the effects."),
@@ -18,7 +17,7 @@ COMMANDS = {
     "run": ("run:run", "Carry out the cells that a results folder lacks."),
     "status": ("records:status", "Summarise the records of a results folder."),
     "export": ("records:export", "Write all records as one table, a row a cell."),
-    "pack": ("pack:pack", "Put the records of a results folder into one file."),
+    "pack": ("records:pack", "Put the records of a results folder into one file."),
     "check": ("check:check", "Tell whether a task, method or effect keeps its contract."),
     "figure": ("reports:figure", "Draw figures from records."),
     "report": ("reports:report", "Write one page with everything."),
@@ -31,8 +30,6 @@ imported when it is asked for."""
 
 
 class Commands(click.Group):
-    """The commands of COMMANDS, none of which is loaded to be listed."""
-
     def list_commands(self, context: click.Context) -> list[str]:
         return sorted(COMMANDS)
 
@@ -94,7 +91,6 @@ def _stop(state: State) -> NoReturn:
 
 
 def _said(error: Exception) -> str:
-    """The error in words for a person."""
     from avobench.bench.processes.apart import Fault
     from avobench.tasks.errors import AvobenchError
 

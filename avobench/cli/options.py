@@ -31,6 +31,13 @@ SECONDS = click.option(
     default=None,
     help="End the command, and all that it started, after so many seconds.  [no limit]",
 )
+TIME_LIMIT, MEMORY_LIMIT = (
+    click.option(f"--{what}-limit", type=float, default=None, metavar=unit, help=f"Limit for {of}.  [{usual}]")
+    for what, unit, of, usual in (
+        ("time", "SECONDS", "each cell or data set", 21600),
+        ("memory", "MIB", "the process of each", 8192),
+    )
+)
 DROP_INVALID = click.option("--drop-invalid", is_flag=True, help="Leave out rows with NaN or infinite values.")
 
 

@@ -1,10 +1,12 @@
-"""`avobench status` and `avobench export`: what is in a results folder."""
+"""`avobench status`, `avobench export` and `avobench pack`: what is in a results folder."""
 
+import sys
 from pathlib import Path
 
 import click
 
 from avobench.bench.store.files import require_folder, write_file
+from avobench.bench.store.pack import pack as pack_store
 from avobench.bench.store.status import Status, reason
 from avobench.bench.store.store import Store
 from avobench.bench.store.table import as_csv, to_frame
@@ -39,3 +41,19 @@ def export(kind: str, out: Path, results: Path) -> None:
     content = as_csv(frame) if kind == "csv" else frame.to_parquet(index=False)
     write_file(out, content)
     say(f"{len(frame)} rows in {out}")
+
+
+@click.command()
+@RESULTS
+def pack(results: Path) -> None:
+    """Move the records of a results folder from one file per cell into one table, records.parquet.
+
+    All commands read the table as they read the files. A later run adds files again, until they are packed too.
+    """
+    store = Store(results)
+    packed = pack_store(store)
+    say(f"{packed.folded} files packed, {packed.rows} records in {store.table}")
+    for path, fault in packed.damaged.items():
+        say(f"avobench: {path} {fault}; left as it is, {store.remedy(path, fault)}", err=True)
+    if packed.damaged:
+        sys.exit(1)

@@ -17,7 +17,7 @@ from avobench.bench.store.status import Status
 from avobench.bench.sweep.runner import Sweep
 from avobench.cli import listing
 from avobench.cli.isolated import State
-from avobench.cli.options import RESULTS, TRUST, named
+from avobench.cli.options import MEMORY_LIMIT, RESULTS, TIME_LIMIT, TRUST, named
 from avobench.cli.progress import ProgressView
 from avobench.cli.terminal import say
 from avobench.reports.figures import draw
@@ -64,10 +64,8 @@ from avobench.reports.figures import draw
     metavar="METHOD.PARAM=VALUE",
     help="Value of a setting of a method or task. Repeatable.",
 )
-@click.option("--time-limit", type=float, default=None, metavar="SECONDS", help="Limit for each cell.  [21600]")
-@click.option(
-    "--memory-limit", type=float, default=None, metavar="MIB", help="Limit for the process of each cell.  [8192]"
-)
+@TIME_LIMIT
+@MEMORY_LIMIT
 @TRUST
 @click.option("--retry-failed", is_flag=True, help="Run cells again whose status is not ok.")
 @click.option(

@@ -14,8 +14,6 @@ STOPPING_SECONDS = 3.0
 
 @dataclass
 class State:
-    """The state of the whole command, whichever it is."""
-
     debug: bool = False
     """Show tracebacks."""
     in_process: bool = False
@@ -36,6 +34,5 @@ class State:
 
     @property
     def stopped(self) -> str:
-        """The last line of a command that was stopped."""
         kept = "finished work is kept, and the same command continues from it"
         return f"avobench: stopped; {kept if self.resumes else 'nothing was kept, and the same command starts again'}"

@@ -33,7 +33,6 @@ class Bank:
     """
 
     def __init__(self, task: Task, meter: Meter, seed: int, jobs: int = 1) -> None:
-        """The `meter` counts the events of the task that are made, by so many processes."""
         self.task, self.meter, self.jobs = task, meter, jobs
         self._seed, self._size = seed, 0
         self.fills = 0
@@ -47,7 +46,6 @@ class Bank:
 
     @property
     def used(self) -> int:
-        """Events that were simulated."""
         return self.meter.used
 
     def resolve(self, scale: NDArray[np.float64]) -> None:
@@ -72,8 +70,7 @@ class Bank:
     ) -> NDArray:
         """An event for each row of theta, beyond those of each node that are `taken`: (n, p) -> (n, d).
 
-        They are of those kept aside, or of all others. What is lacking is simulated in the order of the rows. Raises
-        BudgetExhausted.
+        They are of those kept aside, or of all others; what is lacking is simulated. Raises BudgetExhausted.
         """
         corners = self._corners(theta, rng)
         nodes, which, counts = distinct_rows(corners)
@@ -98,7 +95,6 @@ class Bank:
         return (below + (at - below > above)).astype(np.int64) * self._step
 
     def _make(self, rows: NDArray[np.int64], aside: bool) -> None:
-        """Simulate an event for each of these nodes (n, p)."""
         if not len(rows):
             return
         share = rows / 2.0**FINEST
@@ -116,7 +112,6 @@ class Bank:
         self._keep(rows, theta, np.concatenate(made), aside)
 
     def _keep(self, nodes: NDArray[np.int64], theta: NDArray[np.float64], x: NDArray, aside: bool) -> None:
-        """Keep events x (n, d) of these nodes (n, p), which are at theta (n, p)."""
         self.add(nodes, x, aside)
 
     def add(self, nodes: NDArray[np.int64], x: NDArray, aside: bool = False) -> None:
@@ -136,10 +131,7 @@ class Bank:
 
 
 class Given(Bank):
-    """The events of a sample: there are no more of them than were made before, and those that were kept aside.
-
-    A session that asks for more gets the first ones again.
-    """
+    """The events of a sample, and no more; a session that asks for more gets the first ones again."""
 
     def __init__(self, task: SampleTask, meter: Meter) -> None:
         self.task, self.meter = task, meter
@@ -199,7 +191,6 @@ class Session:
 
 
 def _key(node: NDArray[np.int64], aside: bool) -> bytes:
-    """What stands for a node (p,), or for the events of it that are kept aside."""
     return node.tobytes() + b"aside" * aside
 
 

@@ -1,6 +1,5 @@
 """All effects that apply to a task: of each installed family, ours and those of other distributions, its entries."""
 
-import difflib
 from collections.abc import Callable, Iterable
 from functools import cache
 from importlib.metadata import entry_points
@@ -10,22 +9,18 @@ from numpy.typing import NDArray
 from avobench.effects.contract import Effect
 from avobench.effects.site import Domain, Site, domain
 from avobench.tasks import Task
-from avobench.tasks.errors import UsageError, raised
+from avobench.tasks.errors import UsageError, did_you_mean, raised
 
 __all__ = ["catalogue", "chosen", "domain", "families", "of_domain"]
 
 GROUP = "avobench.effects"
-"""The group of entry points of effects. An entry point is named by its domain, a dot, and what it is, such as
-`counts.dead_time`. Each class of a family has its own: that of `continuous.truncation` is of the family
-`edge_acceptance`."""
+"""Entry points are named by domain, a dot, and what each is. Classes of one family, as `continuous.truncation` and
+`edge_acceptance`, have each their own."""
 
 
 @cache
 def families() -> dict[str, type[Effect]]:
-    """The installed families by the names of their entry points. Raises UsageError for one that cannot be loaded.
-
-    Asked for once a process, since it looks into every installed distribution.
-    """
+    """The installed families by their entry points, looked for once a process. Raises UsageError."""
     found = {}
     for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
         try:
@@ -49,34 +44,27 @@ def of_domain(*kinds: Domain) -> list[type[Effect]]:
 def catalogue(task: Task, x: NDArray | None = None, made: Callable[[], NDArray] | None = None) -> list[Effect]:
     """Every effect that applies to `task`: one entry a class and feature, each in its plainest shape.
 
-    Classes of one family have the same name; no two of their shapes have.
-
-    Ranges of features are those that events x (N, d) show, or those of simulated events (n, d) over the prior, which
-    `made` gives.
+    Classes of one family have the same name; no two of their shapes have. Ranges of features are those that events x
+    (N, d) show, or those of simulated events (n, d) over the prior, which `made` gives.
     """
     site = Site(task, x, made)
     return [entry for family in of_domain(*site.domains) for entry in family.entries(site)]
 
 
 def chosen(effects: Iterable[Effect], names: Iterable[str], task: str) -> list[Effect]:
-    """The effects of these names, in their own order. Raises UsageError for a name that none of them has.
+    """The effects of these names, of families or of entry points, in their own order. Raises UsageError.
 
-    `task` is what the user calls the task, for the message. A name may be that of an entry point, `counts.dead_time`:
-    of a family of several classes, as `continuous.truncation`, that one is chosen alone.
+    `task` is what the user calls the task.
     """
     effects = list(effects)
     known = dict.fromkeys(name for effect in effects for name in _names(effect))
     wanted = {name.rpartition(".")[2]: name for name in names}
     for name, given in wanted.items():
         if name not in known:
-            near = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
-            hint = f"did you mean {' or '.join(near)}? " if near else ""
-            raise UsageError(
-                f"there is no effect '{given}' for {task}; {hint}`avobench list effects --task {task}` shows all"
-            )
+            hint = [did_you_mean(name, known, n=3, cutoff=0.5), f"`avobench list effects --task {task}` shows all"]
+            raise UsageError(f"there is no effect '{given}' for {task}; {' '.join(filter(None, hint))}")
     return [effect for effect in effects if wanted.keys() & set(_names(effect))]
 
 
 def _names(effect: Effect) -> list[str]:
-    """The name of its family, and those of the entry points of its class."""
     return [effect.name, *(point.rpartition(".")[2] for point, own in families().items() if own is type(effect))]

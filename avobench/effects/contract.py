@@ -144,11 +144,9 @@ class Family(Effect):
     """The parameters beside the strength, by the name of the shape."""
 
     def strength(self) -> Parameter:
-        """The first parameter, where it depends on the shape or on the settings."""
         return self.STRENGTH
 
     def variants(self) -> dict[str, tuple[Parameter, ...]]:
-        """What SHAPES says, where it depends on the settings."""
         return self.SHAPES
 
     @property

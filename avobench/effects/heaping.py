@@ -88,7 +88,6 @@ class Heaping(Family):
         return replace(self, steps=((1 - KNOWN) * step, (1 + KNOWN) * step) if step else self.steps)
 
     def guess(self, x):
-        """There is no start where no multiples stand out."""
         shown = self.shown(x)
         if not shown.step:
             return np.empty((0, len(self.parameters)))

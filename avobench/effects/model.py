@@ -31,9 +31,7 @@ Source = Callable[..., NDArray]
 class Model:
     """A task and effects in the order in which they were added; parameters are theta and then their phi.
 
-    They act on events one after the other, those of an earlier stage first.
-
-    `events` is what stands for the simulator: that of the task, a bank of its events, or a cheaper source of them.
+    Effects act one after the other, those of an earlier stage first. `events` stands for the simulator.
     """
 
     task: Task
@@ -43,12 +41,10 @@ class Model:
     """Factor by which the upper bound of each effect's strength is raised; 1 where it is not."""
 
     def plus(self, effect: Effect) -> "Model":
-        """This model with one more effect."""
         stretch = (*self.stretch, 1.0) if self.stretch else ()
         return replace(self, effects=(*self.effects, effect), stretch=stretch)
 
     def minus(self, k: int) -> "Model":
-        """This model without its k-th effect."""
         stretch = self.stretch[:k] + self.stretch[k + 1 :]
         return replace(self, effects=self.effects[:k] + self.effects[k + 1 :], stretch=stretch)
 
@@ -98,10 +94,7 @@ class Model:
         return len(self.low)
 
     def reach(self, unit: NDArray[np.float64]) -> NDArray[np.float64]:
-        """How far from a point (P,) of the unit cube the mean of events is about quadratic, at most: (P,).
-
-        A tenth of the range, and of a strength no more than there is of it; of theta as far as some nodes of a sample.
-        """
+        """How far from a point (P,) of the unit cube the mean of events is about quadratic, at most: (P,)."""
         reach = np.full(self.dim, WIDEST)
         if isinstance(self.task, SampleTask) and self.num_theta:
             reach[: self.num_theta] = np.clip(SPACINGS * self.task.spacing, WIDEST, 1)
@@ -137,14 +130,12 @@ class Model:
         return u
 
     def source(self) -> Source:
-        """The simulator without effects; of a bank one that hands out each event once."""
         return self.events.session() if isinstance(self.events, Bank) else self.events or self.task.simulate
 
     def simulate(self, params: NDArray[np.float64], rng: np.random.Generator, source: Source | None = None) -> NDArray:
         """One event per row, from `source` if it is given: (n, P) -> (n, d).
 
-        Each effect has a stream of random numbers of its own, so that from one seed a model with one more effect makes
-        the same events but for what this changes.
+        Each effect has a random stream of its own, so that one more effect changes the same events.
         """
         seed = int(rng.spawn(1)[0].integers(2**63))
         streams = [np.random.default_rng([seed, crc32(repr(effect.key).encode())]) for effect in self.effects]
@@ -186,7 +177,6 @@ class Model:
 
 
 def _both(first: Alter | None, then: Alter | None) -> Alter | None:
-    """One after the other."""
     if first is None or then is None:
         return first or then
     return lambda generated, rows: then(first(generated, rows), rows)

@@ -21,11 +21,6 @@ from avobench.tasks.prior import Distributed, Law
 
 EFFECT_NAME = r"[A-Za-z0-9_]+"
 """The names that an effect may have."""
-SAME = (
-    *("num_features", "feature_names", "feature_kinds", "feature_units", "event_shape", "cyclic_axes"),
-    *("dtype", "discriminator", "packages", "extra"),
-)
-"""What effects do not change of a task."""
 
 FindTask = Callable[[str, dict[str, Any]], Task]
 """The task of a name, or of a module and class, with settings. Raises UsageError for one that may not be used."""
@@ -85,10 +80,9 @@ class AugmentedTask(Task):
 
     @classmethod
     def read(cls, path: Path, find_task: FindTask, find_effect: FindEffect) -> "AugmentedTask":
-        """The task that a `model.json` describes. Raises UsageError if it describes none.
+        """The task that a `model.json` describes. Raises UsageError.
 
-        A file may come from anywhere, and what it names would be imported: `find_task` and `find_effect` decide what
-        may be.
+        A file may come from anywhere: `find_task` and `find_effect` decide what may be imported.
         """
         try:
             text = path.read_bytes()
@@ -121,8 +115,7 @@ class AugmentedTask(Task):
         model, task = Model(base, effects), cls(sha256)
         if len(content.parameters) != model.dim:
             raise UsageError(f"{path} gives {len(content.parameters)} parameters to a model of {model.dim}")
-        for name in SAME:
-            setattr(task, name, getattr(base, name))
+        task.copy_events_of(base)
         task.content, task.model, task.name = content, model, content.name
         task.parameter_names = tuple(p.name for p in content.parameters)
         task.parameter_units = tuple(p.unit for p in content.parameters)
@@ -138,7 +131,6 @@ class AugmentedTask(Task):
 
     @property
     def parts(self) -> tuple[object, ...]:
-        """The task without effects, and the effects."""
         return (self.model.task, *self.model.effects)
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
@@ -149,10 +141,6 @@ class AugmentedTask(Task):
     def summary(self, x: NDArray) -> NDArray[np.float64]:
         """The summary of the task without effects."""
         return self.model.task.summary(x)
-
-    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
-        """Not known: NaN."""
-        return np.nan
 
 
 def _effect(added: AddedEffect, base: Task, path: str, find_effect: FindEffect, entries: list[Effect] | None) -> Effect:

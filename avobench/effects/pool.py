@@ -32,7 +32,6 @@ class Counted:
 
     @property
     def used(self) -> int:
-        """Events that were simulated."""
         return self.meter.used
 
     def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
@@ -44,8 +43,7 @@ class Counted:
 class Pool:
     """Generated events of a task, handed out from a random place on, again and again.
 
-    Within one request no event comes twice as long as it asks for no more than the pool holds. What is generated is
-    counted by a meter, and raises BudgetExhausted at its limit.
+    A request gets no event twice if it asks for no more than the pool holds. A meter counts what is generated.
     """
 
     def __init__(self, task: Generating, num_events: int, rng: np.random.Generator, meter: Meter | None = None) -> None:
@@ -56,12 +54,10 @@ class Pool:
 
     @property
     def used(self) -> int:
-        """Events that were generated."""
         return self.meter.used
 
     @property
     def size(self) -> int:
-        """How many events it holds."""
         return int(self._starts[-1])
 
     def fresh(self, theta: NDArray[np.float64], rng: np.random.Generator, alter: Alter | None = None) -> NDArray:

@@ -36,7 +36,6 @@ class Range:
     sharp_low: bool = False
     """Whether it ends sharply at the lower end, as a time since a start does."""
     sharp_high: bool = False
-    """Whether it ends sharply at the upper end."""
 
     @property
     def centre(self) -> float:
@@ -59,7 +58,6 @@ class Range:
         return np.arccos(np.clip(self.unit(x), -1, 1))
 
     def cosine(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The feature at an angle."""
         return self.centre + self.half * np.cos(angle)
 
     def shown(self, column: NDArray[np.float64]) -> "Range":
@@ -88,11 +86,10 @@ class Range:
 
 
 def ranges(task: Task, x: NDArray | None = None) -> tuple[Range, ...]:
-    """The range of each feature, from events over the prior: each end exact if it is sharp, else 3.5 deviations away.
+    """The range of each feature, from events x (n, d) over the prior: exact if it ends sharply, else 3.5 deviations.
 
-    They are read from events x (n, d) over the prior; REFERENCE_EVENTS are simulated where it is None. The range of an
-    angle is once round: from zero, or as far to either side of it where some are negative. Raises SimulatorError for
-    events that are not those that the task declares.
+    REFERENCE_EVENTS are simulated where x is None. An angle's is once round: from zero, or to either side of it where
+    some are negative. Raises SimulatorError for events that are not those that the task declares.
     """
     if x is None:
         rng = np.random.default_rng(0)
@@ -121,8 +118,7 @@ def ends_sharply(column: NDArray[np.float64]) -> bool:
     """Whether the density of values (n,) does not fall to zero towards their upper end.
 
     By the extreme value index of the largest values, a generalised Pareto distribution fitted to them by probability
-    weighted moments (J. R. M. Hosking, J. R. Wallis, Technometrics 29 (1987) 339). Values that are all alike end in a
-    spike, which is no end of a range.
+    weighted moments (J. R. M. Hosking, J. R. Wallis, Technometrics 29 (1987) 339).
     """
     share, least, most = OUTERMOST
     count = min(max(len(column) // share, least), most, len(column) - 1)
@@ -134,6 +130,5 @@ def ends_sharply(column: NDArray[np.float64]) -> bool:
 
 
 def _round_out(low: float, high: float) -> tuple[float, float]:
-    """The nearest round numbers outside the smallest and the largest of many events."""
     step = 10.0 ** np.floor(np.log10((high - low) / 100))
     return float(np.floor(low / step) * step), float(np.ceil(high / step) * step)

@@ -10,8 +10,7 @@ from avobench.effects.contract import Simulate
 MAX_ROUNDS = 200
 """Rounds of rejection: of a detector that records one event in ten, all but 1e-9 have been recorded by then."""
 DRAWN = 12
-"""Events that are drawn for one that is recorded, at most and on average: a detector that records one in ten still
-has all of its events, and one that records next to nothing does not take hundreds of times as long as others."""
+"""Draws for one recorded event, at most and on average: enough where one in ten is recorded."""
 FEW = 100
 """What fewer events count as in that average."""
 

@@ -40,7 +40,6 @@ class Site:
 
     @cached_property
     def ranges(self) -> tuple[Range, ...]:
-        """The range of each feature, over the prior or as the measured events show it."""
         spans = ranges(self.task, self.made and self.made())
         return spans if self.x is None else tuple(span.shown(self.x[:, j]) for j, span in enumerate(spans))
 
@@ -57,9 +56,7 @@ class Site:
         return self._acted_on([j for j, kind in enumerate(self.task.kinds_of_features) if kind == "count"])
 
     def columns(self, feature: int | Literal["all"] | None) -> tuple[int, ...]:
-        """The columns of such a feature in an event."""
         return (feature,) if isinstance(feature, int) else tuple(range(self.task.num_features))
 
     def _acted_on(self, columns: list[int]) -> list[int | Literal["all"]]:
-        """All alike only where all are of one kind."""
         return [*columns, "all"] if len(columns) == self.task.num_features > 1 else columns

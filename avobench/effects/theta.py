@@ -40,8 +40,7 @@ support from `low` to `high` does not cut them off."""
 class Spread(Family):
     """A parameter of the task, named by `feature`, has another value in each event, around that of theta.
 
-    Overdispersion of counts is a special case: a rate that differs. Where an event is one count and theta one
-    parameter, they are the same, and it is left to `overdispersion`.
+    Where an event is one count and theta one parameter, it is `overdispersion` and left to that.
     """
 
     shape: str = "gaussian"
@@ -50,7 +49,6 @@ class Spread(Family):
     """Column of the parameter in theta."""
     support: tuple[float, float] = (0.0, 1.0)
     widest: float = WIDEST
-    """The largest standard deviation."""
     parameter_unit: str = "1"
 
     stage = 1
@@ -67,7 +65,6 @@ class Spread(Family):
 
     @classmethod
     def entries(cls, site):
-        """One a parameter of the task."""
         task = site.task
         if site.counts == [None] and len(task.parameter_names) == 1:
             return []
@@ -119,7 +116,6 @@ class Mixture(Effect):
 
     @classmethod
     def entries(cls, site):
-        """One, or one a parameter where there are more than MOST; none for a simulator without parameters."""
         task = site.task
         low = np.maximum(task.prior.low - BEYOND * task.prior.width, task.support.low)
         high = np.minimum(task.prior.high + BEYOND * task.prior.width, task.support.high)

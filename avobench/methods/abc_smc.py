@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.stats import gaussian_kde
 
-from avobench.methods.contract import Estimate, Method, TracePoint, WeightedSample, global_seed
+from avobench.methods.contract import LATER, Estimate, Method, TracePoint, WeightedSample, global_seed
 from avobench.methods.problem import Problem
 from avobench.methods.regression import Evaluation, regressed
 from avobench.tasks import Box
@@ -20,9 +20,6 @@ from avobench.tasks.errors import BudgetExhausted, UsageError
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-LATER = {"identifies": "unless default"}
-"""Metadata of settings that came after the first records. At their defaults they change nothing, so they are left out
-of what identifies a record."""
 HOW = {
     "mode": "maximum of a weighted kernel density estimate of the last complete generation",
     "mean": "weighted mean of the last complete generation",

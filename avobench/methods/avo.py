@@ -1,13 +1,11 @@
 """The preset `avo`: adversarial variational optimization with replayed events, and a polish that simulates nothing.
 
-It keeps what defines AVO (see `avo_paper.py`): a discriminator trained against observed events, a parametric proposal
-over theta moved by a score-function gradient of log(1 - d), a simulator that is only called. What differs from the
-algorithm as printed, and what each difference is worth, is in docs/methods.md.
+It keeps what defines AVO (see `avo_paper.py`): a discriminator, a proposal over theta moved by a score-function
+gradient of log(1 - d), a simulator that is only called. Differences from the printed algorithm, and what each is worth,
+are in docs/methods.md.
 
-`Inference` is the algorithm, for one problem: `phases` says what happens in which order. Its settings, `Avo`, follow.
-It does not know whether other problems are inferred beside it: it hands out what its discriminators are to learn from
-and is told what they make of its events. How many problems' networks are trained in one batch is the affair of
-`stacked_discriminators.py`.
+`Inference` is the algorithm, for one problem, and `phases` its order; its settings, `Avo`, follow. How many problems'
+networks are trained in one batch is the affair of `stacked_discriminators.py`.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -19,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.methods.avo_paper import TRACE_POINTS, baseline
-from avobench.methods.contract import Estimate, Method, TracePoint
+from avobench.methods.contract import LATER, Estimate, Method, TracePoint
 from avobench.methods.device import require_device
 from avobench.methods.divergence import Contrast, Score, minimise
 from avobench.methods.inputs import Inputs
@@ -41,8 +39,7 @@ EVENTS_PER_COEFFICIENT = 10
 """Least number of events of the adversarial phase for each coefficient of the polish's local quadratic."""
 MOST_MISFIT = 5.0
 """Squared difference of means, in units of their variance and averaged over features, from which the answer is in
-doubt. Chance makes it exceed 2 in one run of a million with 64 features and 100 000 events; what the local quadratic
-fails to describe adds to it."""
+doubt. Chance makes it exceed 2 in one run of a million with 64 features and 100 000 events."""
 ROWS_AT_A_TIME = 8192
 """Events of which the last layer's inputs are computed at once, so that the values between the layers stay small."""
 MOST_INPUTS = 32
@@ -295,7 +292,6 @@ class Inference:
         return u[:n]
 
     def note(self, mean: NDArray[np.float64], std: NDArray[np.float64]) -> None:
-        """Add a point to the trace: what the estimate would be now."""
         scale = self.proposal.scale
         self.trace.append(TracePoint(self.problem.simulate.used, self.proposal.to_raw(mean), std * scale))
 
@@ -423,8 +419,7 @@ class Avo(Method):
     """Whether to polish the estimate, and to simulate more events around it."""
     matched: Literal["statistic", "layers", "inputs", "divergence"] = "statistic"
     """What the polish matches the mean of: the learnt statistic with the inputs, the discriminators' last layers with
-    the inputs, or the inputs alone; with "divergence" it ends at the minimiser of the Jensen-Shannon divergence instead
-    (`divergence.py`), which outliers hardly move."""
+    the inputs, or the inputs alone; with "divergence" it minimises the Jensen-Shannon divergence (`divergence.py`)."""
     statistic_steps: int = 500
     """Updates of the learnt statistic before each polish. On six development targets each, and before the inputs were
     matched beside it, 800 had mean ratios to the floor of 1.9 and 2.1 (`warped-10`, `warped-5`), and 500 of 1.6 and 2.2
@@ -435,7 +430,7 @@ class Avo(Method):
     """Least width of a round of the local phase in standard errors of the answer before it."""
     local_share: float = 0.7
     """Share of the budget that is kept for the local phase; without the polish there is none."""
-    device: Literal["cpu", "cuda"] = field(default="cpu", metadata={"identifies": "unless default"})
+    device: Literal["cpu", "cuda"] = field(default="cpu", metadata=LATER)
     """Where the discriminators are; on another device sums are rounded otherwise, so it is another cell there."""
 
     def __post_init__(self) -> None:
@@ -482,7 +477,6 @@ class Avo(Method):
         return self.infer_together([problem], [rng])[0]
 
     def infer_together(self, problems: Sequence[Problem], rngs: Sequence[np.random.Generator]) -> list[Estimate]:
-        """See Method. The networks are stacked; each problem keeps its own random stream, proposal and events."""
         from avobench.methods.stacked_discriminators import StackedDiscriminators, play
 
         inferences = [Inference(self, problem, rng) for problem, rng in zip(problems, rngs, strict=True)]

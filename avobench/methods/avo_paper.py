@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.methods.contract import Estimate, Method, TracePoint
+from avobench.methods.contract import LATER, Estimate, Method, TracePoint
 from avobench.methods.device import require_device
 from avobench.methods.problem import Problem
 from avobench.methods.proposal import TruncatedGaussian
@@ -36,7 +36,6 @@ class State:
     psi: "torch.Tensor"
     """Mean and log std (2, p), in the proposal's standardised coordinates."""
     discriminator: "Discriminator"
-    """Its parameters are phi."""
     rmsprop_psi: "torch.optim.RMSprop"
     rmsprop_phi: "torch.optim.RMSprop"
 
@@ -172,7 +171,7 @@ class AvoPaper(Method):
     initial_std: float = 1.0
     hidden: tuple[int, ...] | None = None
     """Nodes of the discriminator's hidden layers; the task's own network where None."""
-    device: Literal["cpu", "cuda"] = field(default="cpu", metadata={"identifies": "unless default"})
+    device: Literal["cpu", "cuda"] = field(default="cpu", metadata=LATER)
     """Where the discriminator is; on another device sums are rounded otherwise, so it is another cell there."""
 
     def __post_init__(self) -> None:
@@ -190,16 +189,12 @@ class AvoPaper(Method):
 
     @property
     def events_per_iteration(self) -> int:
-        """Simulated events: kM/2 + M as printed."""
         if self.schedule == "shared":
             return self.batch_size
         return self.discriminator_steps * self.batch_size // 2 + self.batch_size
 
     def num_iterations(self, problem: Problem) -> int:
-        """The number of iterations that the remaining budget allows, at least one.
-
-        If the budget does not suffice for one, the simulator refuses it, so that no estimate is made without events.
-        """
+        """The iterations that the remaining budget allows, one at least, which the simulator may refuse."""
         return max(1, problem.simulate.remaining // self.events_per_iteration)
 
     def min_simulations(self, num_parameters: int) -> int:

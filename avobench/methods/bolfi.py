@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.stats import qmc
 
-from avobench.methods.contract import Estimate, Method, TracePoint, WeightedSample, global_seed
+from avobench.methods.contract import LATER, Estimate, Method, TracePoint, WeightedSample, global_seed
 from avobench.methods.elfi_model import import_elfi, own_client, prior_model
 from avobench.methods.problem import Problem
 from avobench.methods.regression import Evaluation, regressed
@@ -23,9 +23,6 @@ from avobench.tasks.errors import UsageError
 if TYPE_CHECKING:
     from elfi import BOLFI, Distance
 
-LATER = {"identifies": "unless default"}
-"""Metadata of settings that came after the first records. At their defaults they change nothing, so they are left out
-of what identifies a record."""
 LINEAR_BELOW = 0.01
 """Distance below which its logarithm becomes linear: a tenth of what the noise of 128 events leaves."""
 MARGIN = 0.99
@@ -76,11 +73,9 @@ class Bolfi(Method):
     log_distance: bool = field(default=False, metadata=LATER)
     """Model the logarithm of the distance, which tells more near the answer, where the distance is small."""
     growth: float = field(default=1.0, metadata=LATER)
-    """Ratio of the events simulated for the last theta to those for the first; between them the number grows evenly on
-    a logarithmic scale."""
+    """Ratio of the events simulated for the last theta to those for the first; between them it grows geometrically."""
     regression: bool = field(default=False, metadata=LATER)
-    """Take as estimate the posterior mean after a regression adjustment, on the evaluations of the smallest
-    distances."""
+    """Take as estimate the posterior mean after a regression adjustment on the evaluations of smallest distance."""
 
     def __post_init__(self) -> None:
         if self.growth < 1:
@@ -149,7 +144,6 @@ class Bolfi(Method):
         return Estimate(trace[-1].theta, how, "posterior", mean, std, trace, sample=sample)
 
     def _num_evidence(self, budget: int) -> int:
-        """The number of evaluations that the budget holds."""
         most = budget // self.events_per_theta
         if self.growth == 1:
             return most
@@ -162,7 +156,6 @@ class Bolfi(Method):
     def _bolfi(
         self, elfi, distance: "Distance", bounds: dict[str, tuple[float, float]], num_initial: int, seed: int
     ) -> "BOLFI":
-        """ELFI's inference with the process that is asked for."""
         settings = {"exploration_rate": self.exploration_rate, "seed": seed}
         parts = {}
         if self.surrogate == "fast":

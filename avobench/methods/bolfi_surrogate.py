@@ -239,7 +239,6 @@ class GaussianProcess:
 
     @property
     def n_evidence(self) -> int:
-        """Number of evaluations seen."""
         return 0 if self.posterior is None else len(self.posterior.y)
 
     @property
@@ -254,7 +253,6 @@ class GaussianProcess:
 
     @property
     def noise(self) -> float:
-        """Variance of the noise."""
         return self.posterior.hyperparameters.noise
 
     def predict(self, x: Array, noiseless: bool = False) -> tuple[Array, Array]:
@@ -264,7 +262,6 @@ class GaussianProcess:
         return moments.mean[:, None], moments.variance[:, None] + noise
 
     def predict_mean(self, x: Array) -> Array:
-        """(m, 1) at x (m, p)."""
         return self.predict(x)[0]
 
     def predictive_gradients(self, x: Array) -> tuple[Array, Array]:
@@ -273,7 +270,6 @@ class GaussianProcess:
         return moments.mean_gradient, moments.variance_gradient
 
     def predictive_gradient_mean(self, x: Array) -> Array:
-        """(m, p) at x (m, p)."""
         return self.predictive_gradients(x)[0]
 
     def update(self, x: Array, y: Array, optimize: bool = False) -> None:

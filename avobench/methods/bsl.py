@@ -15,8 +15,7 @@ from avobench.tasks.errors import UsageError
 FEWEST = 8
 """Least number of steps of a chain, and of thetas from which slopes are taken."""
 PARTS = 2048
-"""Parts of the observation from whose summaries the covariance is taken: more than the 1024 components of the largest
-summary."""
+"""Parts of the observation from whose summaries the covariance is taken, more than a summary has components."""
 RIDGE = 1e-3
 """Share of their mean that is added to the variances of a summary: the shares of a histogram sum to 1."""
 
@@ -142,7 +141,6 @@ class _Near(NamedTuple):
     weights: NDArray[np.float64]
     """Slope of theta in the summary by generalised least squares (k, p)."""
     information: NDArray[np.float64]
-    """Fisher information on theta in the summary of one event (p, p)."""
 
     def statistic(self, summaries: NDArray[np.float64]) -> NDArray[np.float64]:
         """The estimate of theta from each summary: (m, k) -> (m, p)."""
@@ -174,7 +172,6 @@ def _point(problem: Problem, draws: NDArray[np.float64]) -> TracePoint:
 
 
 def _estimate(trace: list[TracePoint], draws: NDArray[np.float64]) -> Estimate:
-    """The estimate from the draws of the last chain (m, p), which are the last point of the trace."""
     moved = (np.diff(draws, axis=0) != 0).any(axis=1).mean()
     return Estimate(
         theta=trace[-1].theta,

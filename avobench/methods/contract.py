@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 
 from avobench.methods.problem import Problem
 
+LATER = {"identifies": "unless default"}
+"""Metadata of settings that came after the first records, which they do not identify at their defaults."""
+
 
 class TracePoint(NamedTuple):
     """The estimate that would have been given after so many simulated events."""

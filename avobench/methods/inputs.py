@@ -78,9 +78,6 @@ class Inputs:
 
 
 def origin(x: NDArray) -> NDArray[np.float64]:
-    """The zero from which the features of events x (n, d) are counted before they become float32: (d,).
-
-    It is zero but for features far from it, such as times since 1970, of which float32 would lose what varies.
-    """
+    """The zero from which the features of events x (n, d) are counted before they become float32: (d,)."""
     mean, std = x.mean(axis=0, dtype=float), x.std(axis=0, dtype=float)
     return np.where(np.abs(mean) > OFFSET * std, mean, 0.0)

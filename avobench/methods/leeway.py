@@ -27,11 +27,9 @@ MOST_PARAMETERS = 3
 LOG_POINTS = 16
 """Logarithm to base 2 of the number of points in the box: a Sobol sequence needs a power of two."""
 LEAST_POINTS = 200
-"""Least effective number of points in the posterior. Where fewer lie within its width it is widened, by taking the
-likelihood to a power below 1."""
+"""Least effective number of points in the posterior, which is widened to hold them by a power of the likelihood."""
 DEGREE = 4
-"""Degree of the polynomial in theta that describes the means over the box. On development targets of weinberg 2 to 5
-do alike."""
+"""Degree of the polynomial in theta that describes the means over the box; 2 to 5 do alike on weinberg."""
 EDGE = np.sqrt(3)
 """Half the width of the prior box, in its standard deviations."""
 FAR = 20.0
@@ -41,7 +39,6 @@ STANDARD_ERROR = np.exp(-0.5)
 
 
 def is_open(answer: Polished) -> bool:
-    """Tell whether a combination of parameters is nearly as uncertain as the prior has it."""
     return bool(np.linalg.eigvalsh(answer.covariance)[-1] > OPEN**2)
 
 
@@ -112,7 +109,6 @@ class _Fit(NamedTuple):
     gram: NDArray[np.float64]
     """Gram matrix of the terms (m, m); its inverse is the covariance of each feature's coefficients."""
     coefficients: NDArray[np.float64]
-    """(m, k)"""
 
     @classmethod
     def of(cls, fold: Fold) -> "_Fit":

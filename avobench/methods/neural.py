@@ -50,8 +50,7 @@ class Neural(Method):
     packages: ClassVar = ("sbi",)
     extra: ClassVar = "sbi"
     first_rows: ClassVar[int] = 400
-    """Rows of the observation with which the search of the posterior begins: enough to tell more than the prior does.
-    """
+    """Rows of the observation with which the search of the posterior begins."""
 
     amortised: bool = False
     """Use the same events and the same network for every target of a task: one budget for all of them."""
@@ -60,8 +59,7 @@ class Neural(Method):
     hidden: int = 50
     """Nodes of a hidden layer; sbi's default."""
     steps: int = 1800
-    """Training steps in each round, however many rows there are. The best of twenty states by the held-out rows counts.
-    """
+    """Training steps in each round, of whose twenty states the best by the held-out rows counts."""
     batch_size: int = 1024
     """Rows of a training step."""
     learning_rate: float = 2e-3
@@ -77,11 +75,9 @@ class Neural(Method):
 
     @property
     def together(self) -> bool:
-        """An amortised network is trained once for all problems."""
         return self.amortised
 
     def min_simulations(self, num_parameters: int) -> int:
-        """A thousand events per round: a network for single events knows nothing below that."""
         return 1000 * self.rounds
 
     def rows(self, problem: Problem, x: NDArray, rng: np.random.Generator) -> NDArray[np.float32]:
@@ -106,11 +102,9 @@ class Neural(Method):
         """The factors of the posterior that a network learns from theta (n, p), uniform in the box, and rows (n, k)."""
 
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
-        """Infer as `Method.infer` describes. Raises BudgetExhausted when the budget is below `min_simulations`."""
         return self.infer_together([problem], [rng])[0]
 
     def infer_together(self, problems: Sequence[Problem], rngs: Sequence[np.random.Generator]) -> list[Estimate]:
-        """Infer as `Method.infer_together` describes. An amortised network is trained once, for all observations."""
         import torch  # noqa: F401 - global_seed seeds what has been imported
 
         estimates, shared = [], None
@@ -150,7 +144,6 @@ def _estimate(fitted: Posterior, trace: list[TracePoint]) -> Estimate:
 
 
 def _truncated(box: Box, fitted: Posterior) -> Box:
-    """The box of the next round, within this one."""
     half = np.maximum(SPREADS * fitted.std, SHRINK * box.width / 2)
     low = np.clip(fitted.mean - half, box.low, np.array(box.high) - 2 * half)
     low = np.maximum(low, box.low)

@@ -27,7 +27,6 @@ class Nle(Neural):
     """The density estimator by its name in sbi, e.g. mdn, maf, nsf. A mixture takes a tenth of a flow's time."""
 
     def rows(self, problem: Problem, x: NDArray, rng: np.random.Generator) -> NDArray[np.float32]:
-        """The rows of `Neural`, with uniform noise within half a unit where all of them are whole numbers."""
         rows = super().rows(problem, x, rng)
         if not np.array_equal(rows, np.rint(rows)):
             return rows

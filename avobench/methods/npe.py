@@ -38,7 +38,6 @@ class Npe(Neural):
     learning_rate: float = 1e-3
 
     def min_simulations(self, num_parameters: int) -> int:
-        """Forty simulated observations per round."""
         return MIN_SETS * self.rounds * self.events_per_set
 
     def simulated(self, problem: Problem, box: Box, number: int, rng: np.random.Generator) -> tuple[NDArray, NDArray]:

@@ -46,7 +46,6 @@ class Polished:
     """The answer of a polish, in the standardised coordinates of the proposal."""
 
     mean: NDArray[np.float64]
-    """(p,)"""
     covariance: NDArray[np.float64]
     """Covariance of the mean (p, p); as large as the prior's along a direction that the events leave open."""
     num_steps: int
@@ -54,7 +53,6 @@ class Polished:
 
     @property
     def error(self) -> NDArray[np.float64]:
-        """Standard error of the mean (p,)."""
         return np.sqrt(np.diag(self.covariance))
 
 
@@ -126,7 +124,6 @@ class Fold:
         return ((phi[:, self.kept] - self.shift) / self.scale).astype(np.float32)
 
     def add(self, synthetic: NDArray[np.float32], u: NDArray[np.float64]) -> None:
-        """Take in more simulated events."""
         self.synthetic = np.concatenate([self.synthetic, self._standardised(synthetic)])
         self.u = np.concatenate([self.u, u])
 
@@ -172,11 +169,9 @@ class Response:
     center: NDArray[np.float64]
     unit: NDArray[np.float64]
     coefficients: NDArray[np.float64]
-    """(m, k)"""
     spread: NDArray[np.float64]
     """Covariance of the coefficients where phi has unit variance (m, m)."""
     inverse: NDArray[np.float64]
-    """Inverse of the covariance of phi (k, k)."""
     num_observations: int
 
     @property
@@ -276,11 +271,9 @@ def polish_closer(
 ) -> tuple[Polished, NDArray[np.float64]]:
     """The polish, and the root (p, p) of the width at which it can be believed.
 
-    Over a wide kernel E[phi | u] need not be a quadratic, and then the answer is off by many of its standard errors.
-    A narrower kernel, by `narrower(root, answer, *narrowing)`, tells: where its answer is as far away as its own
-    standard errors do not explain, it takes the place of the wider one's and is tested in its turn; else the wider one
-    stands, as it uses more events. A closer look that does not come to rest has too few of them, and tells nothing.
-    Otherwise as `polish`.
+    Over a wide kernel E[phi | u] need not be a quadratic. A narrower kernel tells: where its answer is further away
+    than its own errors explain, it takes the place of the wider one's and is tested in its turn; else the wider one
+    stands, as it uses more events. A closer look that does not come to rest tells nothing. Otherwise as `polish`.
     """
     return closer(lambda mean, root: polish(folds, mean, root, *bounds, toward), mean, root, narrowing)
 

@@ -34,8 +34,7 @@ LEAST_POINTS = 128
 LEAST_SHARE = 1 / 3
 """Least effective number of points of a step in its points: some forty then tell the mixture of the next one."""
 MOST_STEPS = 100
-"""Steps after which the sample is told as it is, with a doubt. Five parameters take twenty or thirty; the sample of ten
-does not come to rest."""
+"""Steps after which the sample is told with a doubt; five parameters take twenty or thirty."""
 NEIGHBOURS = 4
 """Effective number of neighbours of which a kernel has the covariance, for each element of that and one more."""
 SHARPER = 0.5
@@ -50,8 +49,7 @@ SEARCH_STEPS = 30
 """Steps of the search for the mode, which begins at the best point of the last sample: a few suffice."""
 
 LogFactors = "Callable[[Tensor, Tensor], Tensor]"
-"""A function that gives the logarithm of each row's factor at a theta: (p,), (n, k) -> (n,), differentiable in theta.
-"""
+"""The logarithm of each row's factor at a theta, differentiable in it: (p,), (n, k) -> (n,)."""
 
 
 @dataclass(frozen=True)
@@ -94,10 +92,7 @@ def posterior(
 
 
 def _carried(log_p: NDArray[np.float64], log_q: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
-    """How far the points (n,) of q carry towards p, and their weights there (n,).
-
-    The way is the geometric one, p^a q^(1-a), and a the largest, up to 1, at which LEAST_SHARE of the points count.
-    """
+    """The largest a up to 1 at which LEAST_SHARE of the points (n,) of q count in p^a q^(1-a), and their weights."""
 
     def weights(a: float) -> NDArray[np.float64]:
         log_weights = a * (log_p - log_q)

@@ -7,7 +7,6 @@ from scipy.special import erfcx, log_ndtr, ndtr, ndtri, ndtri_exp
 from avobench.tasks import Box
 
 SQRT_2PI = np.sqrt(2 * np.pi)
-"""Normalises the density of a standard Gaussian."""
 
 
 class TruncatedGaussian:
@@ -64,7 +63,6 @@ class TruncatedGaussian:
         return np.stack([(m3 - m1 * m2) / (2 * std), (m4 - m2**2) / 2])
 
     def mode(self, psi: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Mode of the truncated density: psi (2, p) -> u (p,)."""
         return np.clip(psi[0], self.low, self.high)
 
     def mean_and_std(self, psi: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -20,9 +20,7 @@ class Evaluation(NamedTuple):
     """The summary of the events that were simulated at one theta."""
 
     theta: NDArray[np.float64]
-    """(p,)"""
     summary: NDArray[np.float64]
-    """(k,)"""
     simulations: int
     """Number of events simulated until then, those of this theta included."""
 

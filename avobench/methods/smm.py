@@ -31,8 +31,7 @@ class Smm(Method):
     source: ClassVar[str] = "D. McFadden, Econometrica 57 (1989) 995; A. Pakes, D. Pollard, Econometrica 57 (1989) 1027"
 
     rounds: int = 8
-    """Number of rounds of simulation, each with an equal share of the budget and around the answer of the one before.
-    """
+    """Number of rounds of simulation, each with an equal share of the budget."""
     shrink: float = 0.5
     """Least width of a round in units of the one before: a first answer may be far off."""
     errors: float = 10.0

@@ -20,8 +20,7 @@ from avobench.methods.fused_step import FusedStep
 class Lesson(NamedTuple):
     """The events that one problem gives its two discriminators in one iteration, and those to judge afterwards.
 
-    Events are counted from the first that was simulated; those in even rows are of the first half, whose network is the
-    first, those in odd rows of the second.
+    Those in even rows are of the first half, whose network is the first, those in odd rows of the second.
     """
 
     fresh: NDArray[np.float32]
@@ -31,7 +30,6 @@ class Lesson(NamedTuple):
     judged: slice
     """The simulated events of which log(1 - d) is wanted; from an even row to the last that was simulated."""
     learning_rate: float
-    """Learning rate of Adam in this iteration."""
 
 
 Game = Generator[Lesson, NDArray[np.float64], Estimate]
@@ -86,7 +84,6 @@ class StackedDiscriminators:
         return self._other(f).transpose(1, 2).flatten(1).cpu().numpy().astype(np.float64)
 
     def _other(self, halves: torch.Tensor) -> torch.Tensor:
-        """The halves (P, 2, ...) in the order of the networks that judge them."""
         return halves.flip(1) if self.cross_fit else halves
 
 

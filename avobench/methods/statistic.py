@@ -40,7 +40,6 @@ class Statistic:
         generator = torch.Generator().manual_seed(int(rng.integers(2**63)))
 
         def uniform(inputs: int, *shape: int) -> Tensor:
-            """PyTorch's start of a linear layer."""
             drawn = torch.rand((2, *shape), generator=generator) * 2 - 1
             return (drawn / np.sqrt(inputs)).to(device).requires_grad_()
 

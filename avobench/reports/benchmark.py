@@ -27,7 +27,6 @@ def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
 
 
 def numbers(frame: pd.DataFrame) -> pd.DataFrame:
-    """Numbers of the figure, one row per box: cells, failures, quartiles of the error, the floor, median ratio."""
     rows = []
     for (task, method), cells in frame.groupby(["task", "method"], sort=False):
         errors, floors = cells["squared_error"].dropna(), cells["floor"]

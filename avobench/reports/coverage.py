@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.stats import norm
 
 from avobench.bench.store.status import ESTIMATED
 from avobench.bench.store.table import labels
-from avobench.reports.style import FLOOR, METHOD_ORDER, TASK_ORDER, colours, ordered, panels
+from avobench.reports.style import FLOOR, METHOD_ORDER, TASK_ORDER, by_task, colours, ordered
 from avobench.tasks.errors import StoreError
 
 CURVE = np.linspace(0, 1, 101)
@@ -62,25 +63,24 @@ def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
     pooled = by_method(records)
     if not pooled:
         raise StoreError("no record has a standard error or a posterior, so there is no coverage to draw")
-    curves = {key: (away[:, None] <= norm.ppf((1 + CURVE) / 2)).mean(axis=0) for key, away in pooled.items()}
     rows = [
-        pd.DataFrame({"task": task, "method": method, "nominal": CURVE, "empirical": held})
-        for (task, method), held in curves.items()
+        pd.DataFrame(
+            {
+                "task": task,
+                "method": method,
+                "nominal": CURVE,
+                "empirical": (away[:, None] <= norm.ppf((1 + CURVE) / 2)).mean(axis=0),
+            }
+        )
+        for (task, method), away in pooled.items()
     ]
-    return _figure(curves), pd.concat(rows)
+    table = pd.concat(rows)
+    tasks, methods = ordered(table["task"], TASK_ORDER), ordered(table["method"], METHOD_ORDER)
+    return by_task(table, tasks, methods, _panel), table
 
 
-def _figure(curves: dict[tuple[str, str], NDArray[np.float64]]) -> Figure:
-    tasks = ordered((task for task, _ in curves), TASK_ORDER)
-    methods = ordered((method for _, method in curves), METHOD_ORDER)
-    figure, axes = panels(tasks)
-    for axis, task in zip(axes, tasks, strict=True):
-        axis.plot([0, 1], [0, 1], color=FLOOR, ls="--", lw=1.2)
-        for (of, method), held in curves.items():
-            if of == task:
-                axis.plot(CURVE, held, color=colours(methods)[method], label=method, clip_on=False)
-        axis.set(xlabel="nominal coverage", ylabel="empirical coverage", xlim=(0, 1), ylim=(0, 1))
-    handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
-    shown = [name for name in methods if name in handles]
-    figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(5, len(shown)))
-    return figure
+def _panel(axis: Axes, table: pd.DataFrame, methods: list[str]) -> None:
+    axis.plot([0, 1], [0, 1], color=FLOOR, ls="--", lw=1.2)
+    for method, curve in table.groupby("method", sort=False):
+        axis.plot(CURVE, curve["empirical"], color=colours(methods)[method], label=method, clip_on=False)
+    axis.set(xlabel="nominal coverage", ylabel="empirical coverage", xlim=(0, 1), ylim=(0, 1))

@@ -35,8 +35,7 @@ THETA = 0.75
 MIDDLING = 0.12
 """Share of the events that an effect moves to another bin at the strength that is drawn: clear, and no caricature."""
 PLACES = (0.7, 0.5, 0.9, 0.3)
-"""Shape parameters lie so far along their bounds: the first at which the strength can be middling. The middle is not
-tried first, since a skewness or a slope is zero there."""
+"""Where shape parameters lie along their bounds, in the order tried; at the middle a skewness is zero."""
 SHARES = tuple(np.geomspace(0.01, 1, 16).tolist())
 """Strengths that are tried in turn, as shares of the way from null to bound."""
 IMAGE_SHARE = 0.3
@@ -92,7 +91,6 @@ class Drawn:
 
     @property
     def column(self) -> int:
-        """Column of the feature that is drawn."""
         return self.effect.feature if isinstance(self.effect.feature, int) else 0
 
 
@@ -194,7 +192,6 @@ def _lines(view: View, made: list[Drawn]) -> Figure:
 
 
 def _outline(axis: Axes, edges: NDArray, shares: NDArray, k: int, label: str) -> None:
-    """A line with markers, so that colour is not all that tells it from others."""
     colour, middle = PALETTE[(0, 1, 2, 4)[k]], (edges[1:] + edges[:-1]) / 2
     marks = {"marker": MARKERS[k], "markersize": 4, "markevery": (3 * k, 12)}
     axis.plot(middle, shares, color=colour, lw=1.3, drawstyle="steps-mid", label=label, **marks)

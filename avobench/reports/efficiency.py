@@ -33,12 +33,9 @@ def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
 
 
 def numbers(cells: pd.DataFrame) -> pd.DataFrame:
-    """Quartiles of the squared error and the floor, for the cells of one task.
+    """Quartiles of the squared error and the floor, for the cells of one task, a row per method and simulations.
 
-    There is one row per method and number of simulations.
-
-    The floor, with so many simulations and a median over targets, is missing for a task that is not registered here.
-    A method without any estimate has no rows.
+    The floor, a median over targets, is missing for a task that is not registered here.
     """
     budget = cells["budget"].max()
     grid = np.unique(np.geomspace(budget / 160, budget, NUM_POINTS).round().astype(int))
@@ -59,10 +56,7 @@ def numbers(cells: pd.DataFrame) -> pd.DataFrame:
 
 
 def errors_at(record: dict[str, Any], simulations: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Squared error of the last estimate made with at most so many simulations, NaN before the first: (n,) -> (n,).
-
-    A method that tells nothing of its way, as it may, has one estimate: the last.
-    """
+    """Squared error of the last estimate made with at most so many simulations, NaN before the first: (n,) -> (n,)."""
     trace = record["trace"] or [{"simulations": record["simulations_used"], "theta": record["theta_hat"]}]
     theta = np.array([point["theta"] for point in trace], float).reshape(len(trace), -1)
     errors = ((theta - record["theta_true"]) ** 2).sum(axis=1)

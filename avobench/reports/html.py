@@ -52,7 +52,6 @@ class Table:
 
     @classmethod
     def of(cls, id: str, title: str, text: str, columns: Mapping[str, Sequence[Cell]], csv: str = "") -> "Table":
-        """A table from the cells of each column."""
         return cls(id, title, text, list(columns), list(zip(*columns.values(), strict=True)), csv)
 
 
@@ -86,8 +85,7 @@ class Missing:
 def made(name: str, make: Callable[[], T]) -> T | Missing:
     """Return what `make` returns, or, if it fails, why there is no such figure or table.
 
-    Anything may fail that reads what users' tasks and methods left, and the rest of the page is to be there all the
-    same. Only what concerns the disk is left to the caller.
+    What users' tasks and methods left may fail anywhere; what concerns the disk is left to the caller.
     """
     try:
         return make()
@@ -128,7 +126,6 @@ def column(values: pd.Series) -> list[Cell]:
 
 
 def address(kind: str, content: bytes) -> str:
-    """The address of a file that is in the page itself."""
     return f"data:{kind};base64,{base64.b64encode(content).decode()}"
 
 

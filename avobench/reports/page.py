@@ -34,8 +34,7 @@ MOST_CELLS = 2000
 def render(results: Path) -> str:
     """The page on the records in the folder `results`.
 
-    A figure or a table that cannot be made is a sentence in its place. Raises UsageError or StoreError when the folder
-    cannot be read.
+    What cannot be made is a sentence in its place. Raises UsageError or StoreError when the folder cannot be read.
     """
     store = Store(results)
     records = store.read_all()
@@ -63,7 +62,6 @@ def _picture(name: str, records: list[dict[str, Any]]) -> html.Picture:
 
 
 def _tables(store: Store, records: list[dict[str, Any]]) -> Iterator[tuple[str, Callable[[], html.Table]]]:
-    """The tables that the records are there for, each with what makes it."""
     frame = to_frame(records)
     frame["task"], frame["method"] = labels(records)
     yield "summary", partial(_summary, frame)
@@ -107,7 +105,6 @@ def _commands(sweeps: list[dict[str, Any]]) -> html.Table:
 
 
 def provenance(records: list[dict[str, Any]]) -> pd.DataFrame:
-    """One row per task, method and combination of settings, commit and versions, with the number of its cells."""
     names = ["task", "task_version", "task_settings", "method", "method_version", "method_settings"]
     names += ["num_observations", "budget", "seed"]
     frame = to_frame(records)[names]

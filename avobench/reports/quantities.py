@@ -14,8 +14,7 @@ from avobench.tasks import Task
 def labelled(records: list[dict[str, Any]]) -> pd.DataFrame:
     """One row per cell, with the labels of its task and method in place of their names, and the `record` itself.
 
-    `ratio` is the squared error over the floor. A cell that failed has an infinite squared error: it is as far from the
-    truth as can be, and no median leaves it out. A doubtful one has the error that it has.
+    `ratio` is the squared error over the floor. A cell that failed has an infinite squared error.
     """
     frame = to_frame(records)
     frame["task"], frame["method"] = labels(records)

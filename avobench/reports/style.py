@@ -77,14 +77,18 @@ def by_task(
             note(axis, "no cell has an estimate")
         else:
             draw(axis, rows, methods)
-    handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
-    shown = [name for name in (*methods, "floor") if name in handles]
-    figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(5, len(shown)))
+    legend_below(figure, axes, (*methods, "floor"))
     return figure
 
 
+def legend_below(figure: Figure, axes: Iterable[Axes], names: Iterable[str]) -> None:
+    """One legend for all panels, of these names as far as one of them has each."""
+    handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
+    shown = [name for name in names if name in handles]
+    figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(5, len(shown)))
+
+
 def note(axis: Axes, text: str) -> None:
-    """Say in the middle of a panel why nothing is drawn in it."""
     axis.text(0.5, 0.5, text, ha="center", va="center", transform=axis.transAxes)
     axis.set(xticks=[], yticks=[])
 
@@ -96,7 +100,6 @@ def save(figure: Figure, table: pd.DataFrame, folder: Path, name: str) -> list[P
 
 
 def image(figure: Figure, suffix: str) -> bytes:
-    """The content of a file of the figure, as "pdf" or "png"."""
     options = {"pdf": {"metadata": {"CreationDate": None}}, "png": {"dpi": 200}}[suffix]
     content = io.BytesIO()
     with matplotlib.rc_context(STYLE):  # some of it is read only now
@@ -105,5 +108,4 @@ def image(figure: Figure, suffix: str) -> bytes:
 
 
 def csv(table: pd.DataFrame) -> bytes:
-    """The content of a file of the numbers that a figure shows."""
     return table.to_csv(index=False, float_format="%.6g").encode()

@@ -56,7 +56,6 @@ class TablePolynomial:
         return low + (t + 1) / 2 * (high - low)
 
     def basis(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The terms of the polynomial at theta (n, p): (n, b)."""
         return quadratic_terms(self.to_t(theta))
 
     @cached_property
@@ -108,7 +107,6 @@ class TablePolynomial:
         return whitening(self.tables.covariance_of(expected, self.num_events.sum()) + noise)
 
     def compare(self, theta: NDArray[np.float64]) -> Comparison:
-        """The tables beside the polynomial at theta (p,)."""
         return Comparison.of(self.tables, *self.at(theta), int(self.num_events.sum()))
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from avobench.tables.table import Table
 from avobench.tasks.arguments import checked
-from avobench.tasks.errors import UsageError, installed_by
+from avobench.tasks.errors import UsageError, optional
 
 KINDS = "text (.csv), HEPData's .csv, .yaml and .yml, or .root:HISTOGRAM"
 """Formats that tables are read from, for messages."""
@@ -23,7 +23,6 @@ class Published:
 
     name: str
     column: str
-    """The name of the values."""
     low: list[float]
     high: list[float]
     values: list[float]
@@ -107,7 +106,6 @@ def _of_csv(file: str) -> Iterator[Published]:
 def _of_rows(
     file: str, name: str, header: list[str] | None, rows: list[tuple[int, dict[str, str]]]
 ) -> Iterator[Published]:
-    """The tables of rows with these columns: each row has its number in the file."""
     if header is None:
         return
     low, high = _column(file, header, "low"), _column(file, header, "high")
@@ -132,7 +130,6 @@ def _of_rows(
 
 
 def _column(file: str, header: list[str], end: str) -> str:
-    """The column of the lower or upper ends of bins."""
     for column in header:
         if column.lower() == end or column.lower().endswith(f" {end}"):
             return column
@@ -141,10 +138,7 @@ def _column(file: str, header: list[str], end: str) -> str:
 
 def _of_yaml(file: str) -> Iterator[Published]:
     """The tables of HEPData's YAML: each column of values is one."""
-    try:
-        import yaml
-    except ModuleNotFoundError as error:
-        raise UsageError(f"YAML files need PyYAML, which is not installed: {installed_by('tables')}") from error
+    yaml = optional("yaml", f"{file}, as all YAML,", "tables")
     try:
         with open(file, encoding="utf-8") as stream:
             documents = [each for each in yaml.safe_load_all(stream) if isinstance(each, dict)]
@@ -172,7 +166,6 @@ def _of_yaml(file: str) -> Iterator[Published]:
 
 
 def _total(errors: list[dict[str, Any]], value: float, file: str) -> float:
-    """All errors of a value in quadrature."""
     square = 0.0
     for error in errors:
         sides = [error["symerror"]] * 2 if "symerror" in error else list(error["asymerror"].values())
@@ -197,11 +190,7 @@ def _number(cell: Any, where: str, value: float = np.nan) -> float:
 
 
 def _of_root(file: str, name: str) -> Published:
-    try:
-        import uproot
-    except ModuleNotFoundError as error:
-        raise UsageError(f"ROOT files need uproot, which is not installed: {installed_by('root')}") from error
-    with uproot.open(file) as opened:
+    with optional("uproot", "a ROOT file", "root").open(file) as opened:
         histograms = [key.partition(";")[0] for key, kind in opened.classnames().items() if kind.startswith("TH1")]
         if name not in histograms:
             raise UsageError(f"{file} has no TH1 '{name}'; it has: {', '.join(dict.fromkeys(histograms)) or 'none'}")
@@ -209,7 +198,6 @@ def _of_root(file: str, name: str) -> Published:
 
 
 def _of_histogram(histogram: Any, name: str) -> Published:
-    """What a histogram of the PlottableHistogram protocol holds."""
     if not (hasattr(histogram, "axes") and hasattr(histogram, "values") and hasattr(histogram, "variances")):
         raise UsageError(f"a table is read from {KINDS} or a histogram, got {type(histogram).__name__}")
     if len(histogram.axes) != 1:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import block_diag
 from scipy.sparse import csr_array, hstack
 
+from avobench.tasks.arguments import numbers
 from avobench.tasks.errors import UsageError, shown
 
 ROUNDING = 1e-8
@@ -80,13 +81,7 @@ class Table:
         return UsageError(f"table {self.name or 'without a name'}: {what}")
 
     def _numbers(self, what: str, given: ArrayLike) -> NDArray[np.float64]:
-        try:
-            numbers = np.asarray(given, float)
-        except (TypeError, ValueError):
-            raise self.wrong(f"{what} must be numbers") from None
-        if not np.isfinite(numbers).all():
-            raise self.wrong(f"{what} must be finite")
-        return numbers
+        return numbers(f"table {self.name or 'without a name'}: {what}", given).astype(float)
 
     def _covariance_of_errors(self) -> NDArray[np.float64]:
         if self.covariance is not None:

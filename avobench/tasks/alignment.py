@@ -143,7 +143,6 @@ class Alignment(Task):
 
     @property
     def support(self) -> Box:
-        """The interaction point must lie inside the sphere."""
         return Box((-0.99 * self.radius,), (0.99 * self.radius,))
 
     @property
@@ -236,7 +235,6 @@ class _Stream:
         self._left: Particles | None = None
 
     def next(self, num_events: int) -> Particles:
-        """The next events, at most `num_events` and at least one."""
         if not self._left:
             self._left = self._generate()
         n = min(num_events, len(self._left))
@@ -275,10 +273,7 @@ class _Stream:
 
 
 def start_pythia(settings: tuple[str, ...]) -> "Pythia":
-    """Pythia, initialised with `settings` and its own seed in them.
-
-    Raises RuntimeError for a setting it does not know or if it fails.
-    """
+    """Pythia with `settings`, its seed among them. Raises RuntimeError for one it does not know, or if it fails."""
     from pythia8mc import Pythia
 
     pythia = Pythia("", False)  # no banner
@@ -291,7 +286,6 @@ def start_pythia(settings: tuple[str, ...]) -> "Pythia":
 
 
 def _counted(pythia: "Pythia", particles: str) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """The sorted PDG codes that Pythia knows, and which of them the detector records."""
     data, ids = pythia.particleData, [1]
     while following := data.nextId(ids[-1]):
         ids.append(following)

@@ -44,16 +44,13 @@ class Alignment3(Alignment):
 
     @property
     def support(self) -> Box:
-        """A cube within the sphere."""
         half = 0.99 * self.radius / np.sqrt(3)
         return Box((-half,) * 3, (half,) * 3)
 
     def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
-        """(1/N + 1/n) times the trace of the inverse `information` in one event [mm^2].
+        """(1/N + 1/n) times the trace of the inverse information in one event [mm^2]; N observations, n simulations.
 
-        N observations, n simulations; without them no 1/n. An upper bound on the floor: an image may hold more than
-        linear statistics of it tell. It was measured within the prior with the default settings, at some distances from
-        the axis and from the centre plane; elsewhere it is unknown, and NaN.
+        An upper bound: an image may hold more than linear statistics of it tell. NaN where it was not measured.
         """
         if self != type(self)():
             return np.nan

@@ -61,7 +61,6 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def _said(hint: Any) -> str:
-    """A type in words."""
     origin, inner = get_origin(hint) or hint, get_args(hint)
     if origin in (Union, UnionType):
         return " or ".join(dict.fromkeys(map(_said, inner)))

@@ -10,9 +10,8 @@ from avobench.tasks.errors import SimulatorError, raised
 def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
     """Events of `task`, or SimulatorError saying what its simulator did wrong: theta (n, p) -> x (n, d).
 
-    Parameters that are integers are made whole, see `Task.at_whole`.
-    Theta and events are copied: a simulator may change theta, and may return an array that cannot be written to, or the
-    same one each time.
+    Integers are made whole, see `Task.at_whole`. Theta and events are copied, since a simulator may change or keep
+    them.
     """
     try:
         x = task.simulate(task.at_whole(theta, rng).copy(), rng)

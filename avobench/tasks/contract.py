@@ -19,6 +19,12 @@ so after 360 if its unit is "deg", else after 2 pi. A cosine is a real number th
 ParameterKind = Literal["integer", "continuous"]
 """The kind of a parameter: a whole number, or any real one."""
 
+OF_EVENTS = (
+    *("num_features", "feature_names", "feature_kinds", "feature_units", "event_shape", "cyclic_axes"),
+    *("dtype", "discriminator", "packages", "extra"),
+)
+"""What a task says of its events, and what they need."""
+
 
 @dataclass(frozen=True)
 class Box:
@@ -72,11 +78,7 @@ class Box:
 
 
 def _within(values: NDArray[np.float64], low: float, high: float) -> bool:
-    """Tell whether all values lie in [low, high].
-
-    Where there is a NaN, argmin and argmax find it, and it fails both comparisons. On few values a call of them takes a
-    third of what one of min, max, or a comparison of arrays does.
-    """
+    """Tell whether all values, none a NaN, lie in [low, high]. argmin and argmax are the fastest on few values."""
     return low <= values.item(values.argmin()) and values.item(values.argmax()) <= high
 
 
@@ -92,9 +94,9 @@ class Discriminator:
 class Task(ABC):
     """A simulator and what is needed to pose and score an inference problem with it.
 
-    A subclass sets the class variables and defines `simulate`, `summary` and `floor`. Settings that a user may
-    change are dataclass fields of the subclass (decorate it with `@dataclass(frozen=True)`); they are part of what
-    identifies a result, as is `version`: raise it when the events, the summary or the floor change their meaning.
+    A subclass sets the class variables and defines `simulate`, `summary` and, if it is known, `floor`. Settings
+    that a user may change are dataclass fields of the subclass (decorate it with `@dataclass(frozen=True)`); they are
+    part of what identifies a result, as is `version`: raise it when events, summary or floor change their meaning.
     """
 
     name: ClassVar[str]
@@ -194,6 +196,11 @@ class Task(ABC):
         """The units (k,) of differences of `identifiable` when several are averaged: the prior's widths."""
         return self.prior.width
 
+    def copy_events_of(self, task: "Task") -> None:
+        """Take over what another task says of its events, and what they need."""
+        for name in OF_EVENTS:
+            setattr(self, name, getattr(task, name))
+
     def require_support(self, theta: NDArray[np.float64]) -> None:
         """Raise ValueError unless all rows of theta (n, p) lie within the support."""
         if not self.support.contains_all(theta):
@@ -218,13 +225,13 @@ class Task(ABC):
         """This task with a summary that suits events like x (n, d); itself where its summary is fixed."""
         return self
 
-    @abstractmethod
     def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
         """Expected squared error, in raw units summed over parameters, of the best estimator at theta (p,).
 
         With `num_simulations`, for a method that knows the model only through that many events; with None, for one
-        that knows the likelihood.
+        that knows the likelihood. NaN, as here, where it is not known.
         """
+        return np.nan
 
     def targets(self, n: int = NUM_TARGETS) -> NDArray[np.float64]:
         """Target parameters, drawn from the prior with a seed that belongs to the task's name: (n, p)."""

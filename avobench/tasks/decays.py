@@ -10,7 +10,6 @@ from avobench.tasks.function import task
 
 
 def _decays(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
-    """One exponential time for each lifetime: (n, 1) -> (n,)."""
     return theta[:, 0] * rng.standard_exponential(len(theta))
 
 

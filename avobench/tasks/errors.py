@@ -1,5 +1,14 @@
 """Every error that avobench raises on purpose. The command line prints each as one line."""
 
+from collections.abc import Iterable
+from difflib import get_close_matches
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pydantic import ValidationError
+
 
 class AvobenchError(Exception):
     """Base of all; its text is one sentence that says what to do."""
@@ -53,6 +62,12 @@ def raised(error: BaseException) -> str:
     return f"{type(error).__name__}: {text_of(error)}"
 
 
+def first_fault(error: "ValidationError") -> tuple[str, str]:
+    """Where pydantic found something wrong first, as `a.b.0`, and what."""
+    first = error.errors(include_url=False)[0]
+    return ".".join(map(str, first["loc"])), first["msg"].removeprefix("Value error, ")
+
+
 def shown(value: object) -> str:
     """What was given, as a part of a line: at most 60 characters of it."""
     try:
@@ -61,9 +76,23 @@ def shown(value: object) -> str:
         return type(value).__name__
 
 
+def optional(module: str, what: str, extra: str) -> ModuleType:
+    """A module that not every installation has. Raises UsageError, which says `what` needs it and how to install it."""
+    try:
+        return import_module(module)
+    except ModuleNotFoundError as error:
+        raise UsageError(f"{what} needs {module}, which is not installed: {installed_by(extra)}") from error
+
+
 def installed_by(extra: str) -> str:
     """The command that installs an optional part of the package, for the end of a message."""
     return f"in a clone of avobench, pip install '.[{extra}]'"
+
+
+def did_you_mean(name: str, known: Iterable[str], n: int = 1, cutoff: float = 0.6) -> str:
+    """A question after the known names that are spelled alike; "" where there is none."""
+    near = get_close_matches(name, list(known), n, cutoff)
+    return f"did you mean {' or '.join(near)}?" if near else ""
 
 
 def whole(name: str, value: object, least: int) -> int:

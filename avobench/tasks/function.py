@@ -1,7 +1,12 @@
 """A task from a plain function, for whoever has a simulator and wants an answer."""
 
+import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from copy import copy
 from functools import cached_property
 from traceback import walk_tb
@@ -13,7 +18,6 @@ from numpy.typing import ArrayLike, NDArray
 from avobench.tasks.arguments import box_of, checked
 from avobench.tasks.contract import NAME, Box, Kind, ParameterKind, Task, histogram
 from avobench.tasks.errors import UsageError, raised, text_of
-from avobench.tasks.patience import limited_to
 from avobench.tasks.prior import Distributed, Ends
 
 Simulate = Callable[[NDArray[np.float64], np.random.Generator], ArrayLike]
@@ -123,10 +127,6 @@ class FunctionTask(Task):
         The bins hold equal shares of the reference events, or over the prior where there are none.
         """
         return np.concatenate([histogram(x[:, [j]], edges, overflow=True) for j, edges in enumerate(self._edges)])
-
-    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
-        """Not known: NaN."""
-        return np.nan
 
     def _events(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         if self.per_theta:
@@ -266,3 +266,34 @@ def _in(function: Simulate, error: BaseException) -> bool:
     """Tell whether an error came out of a function, or tells of the shape of what it returned."""
     frames = (frame.f_code for frame, _ in walk_tb(error.__traceback__))
     return getattr(function, "__code__", None) in frames or "gave events of shape" in text_of(error)
+
+
+class _Over(BaseException):
+    """The time is over; no Exception, so that the function that hangs does not take it for one of its own."""
+
+
+@contextmanager
+def limited_to(seconds: float, what: str) -> Iterator[None]:
+    """End the block after so many seconds by UsageError, which says `what` hangs.
+
+    It is ended as by Ctrl-C: within Python, not within compiled code, and in the main thread only, not on Windows.
+    """
+    if not 0 < seconds < math.inf:
+        raise UsageError(f"seconds must be a number above 0, got {seconds}")
+    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "setitimer"):
+        yield
+        return
+
+    def over(number: int, frame: object) -> None:
+        raise _Over
+
+    began, before = time.monotonic(), signal.signal(signal.SIGALRM, over)
+    left, interval = signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    except _Over:
+        raise UsageError(f"{what} has not returned after {seconds:g} s; mend it, or allow more `seconds`") from None
+    finally:
+        # An alarm that was set before is set again.
+        signal.setitimer(signal.ITIMER_REAL, left and max(left - (time.monotonic() - began), 1e-3), interval)
+        signal.signal(signal.SIGALRM, before)

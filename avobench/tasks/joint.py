@@ -24,8 +24,7 @@ class JointTask(Task):
     def __init__(self, tasks: Mapping[str, Task], shared: Sequence[str] | None = None) -> None:
         """Share the parameters of these names, or all that several tasks have.
 
-        Raises UsageError for a single task, images, names that are not in two tasks at least, and for parameters or
-        features of one name that differ in their units, kinds or ranges.
+        Raises UsageError for a single task, images, names not in two tasks, and parameters of one name that differ.
         """
         if len(tasks) < 2:
             raise UsageError(f"joint takes two data sets at least, got {len(tasks)}")
@@ -62,7 +61,6 @@ class JointTask(Task):
         return (*self.tasks, repr(self.names), repr(self.shared))
 
     def _common(self, which: str) -> Box:
-        """What the boxes of all tasks have in common. Raises UsageError where that is nothing."""
         low, high = np.full(len(self.parameter_names), -np.inf), np.full(len(self.parameter_names), np.inf)
         for task, at in zip(self.tasks, self._theta, strict=True):
             box = getattr(task, which)
@@ -86,13 +84,8 @@ class JointTask(Task):
         each = zip(self.tasks, self.columns, strict=True)
         return np.concatenate([task.summary(x[:, at].astype(task.dtype)) for task, at in each])
 
-    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
-        """Not known: NaN."""
-        return np.nan
-
 
 def _shared(tasks: Mapping[str, Task], asked: Sequence[str] | None) -> tuple[str, ...]:
-    """The names that are shared. Raises UsageError for one that is not in two tasks at least."""
     every = [name for task in tasks.values() for name in task.parameter_names]
     several = [name for name in dict.fromkeys(every) if every.count(name) > 1]
     for name in asked or ():
@@ -102,13 +95,11 @@ def _shared(tasks: Mapping[str, Task], asked: Sequence[str] | None) -> tuple[str
 
 
 def _apart(name: str, parameter: str, tasks: Mapping[str, Task]) -> str:
-    """The name of a parameter that is not shared."""
     alone = sum(parameter in task.parameter_names for task in tasks.values()) == 1
     return parameter if alone else f"{name}: {parameter}"
 
 
 def _require_alike(name: str, one: tuple[Task, int], other: tuple[Task, int]) -> None:
-    """Raise UsageError unless two tasks mean the same by a parameter, by its unit and its kind."""
     told: list[tuple[Any, Any]] = [(t.parameter_units[k], bool(t.is_integer[k])) for t, k in (one, other)]
     if told[0][0] != told[1][0]:
         raise UsageError(f"{name} is in {told[0][0]} in one data set and in {told[1][0]} in another: convert it")

@@ -8,10 +8,7 @@ from avobench.tasks.errors import BudgetExhausted
 
 
 class Meter:
-    """Counts events, and refuses those beyond `limit`; no limit for None.
-
-    A request that would exceed the limit is refused whole, and its events are added to `refused`.
-    """
+    """Counts events, and refuses whole a request beyond `limit`, which is added to `refused`; no limit for None."""
 
     def __init__(self, limit: int | None = None, progress: Callable[[int], None] | None = None) -> None:
         self.limit, self.used, self.refused, self.progress = limit, 0, 0, progress
@@ -41,7 +38,6 @@ class Meter:
         self.tell()
 
     def tell(self) -> None:
-        """Say how many were used."""
         if self.progress is not None:
             self.progress(self.used)
 

@@ -86,7 +86,6 @@ class Law:
 
     @property
     def discrete(self) -> bool:
-        """Whether it is of whole numbers."""
         return hasattr(self._frozen, "pmf")
 
     @cached_property

@@ -20,8 +20,7 @@ LEAST = 200
 class SampleTask(Task):
     """A simulator whose events were all made before, at a few values of theta; made by `bank`.
 
-    Between those values of theta, of which each is a node, an event is one of a node around it, drawn with the weights
-    of linear interpolation; beyond them it is one of the nearest node.
+    Between these nodes an event is one of a node around it, drawn with the weights of linear interpolation.
     """
 
     source = "a sample of simulated events"
@@ -43,7 +42,6 @@ class SampleTask(Task):
         self.prior = self.support = prior
         self.num_features, self.dtype, self.feature_names = events.shape[1], events.dtype, tuple(features)
         self.nodes, which = np.unique(theta, axis=0, return_inverse=True)
-        """The values of theta (k, p)."""
         order = np.argsort(which, kind="stable")
         groups = np.split(order, np.cumsum(np.bincount(which, minlength=len(self.nodes)))[:-1])
         self.groups = [group[len(group) // ASIDE :] for group in groups]
@@ -53,7 +51,6 @@ class SampleTask(Task):
 
     @property
     def parts(self) -> tuple[object, ...]:
-        """All that decides which events there are."""
         return (self.events.tobytes().hex()[:4096], len(self.events), repr(self.nodes))
 
     def corner(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.intp]:
@@ -88,10 +85,6 @@ class SampleTask(Task):
     def summary(self, x: NDArray) -> NDArray[np.float64]:
         """Shares of the events in twenty bins of each feature that hold equal shares of the sample: (n, d) -> (k,)."""
         return np.concatenate([histogram(x[:, [j]], edges, overflow=True) for j, edges in enumerate(self._edges)])
-
-    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
-        """Not known: NaN."""
-        return np.nan
 
     def _scaled(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
         return (theta - self.prior.low) / self.prior.width
@@ -193,7 +186,6 @@ def bank(
 def _parameters(
     theta: ArrayLike | Mapping[str, ArrayLike] | None, prior: Mapping[str, tuple[float, float]] | None, n: int
 ) -> tuple[list[str], NDArray[np.float64], Box]:
-    """Names, values (n, p) and prior of the parameters at which n events were made. Raises UsageError."""
     if isinstance(theta, Mapping):
         names, columns = list(theta), numbers("theta", list(theta.values())).astype(float).T
     else:
@@ -231,7 +223,6 @@ def _drawn(weights: ArrayLike, n: int, rng: np.random.Generator) -> tuple[NDArra
 
 
 def _column(table: Any, name: str) -> NDArray:
-    """A column of a DataFrame. Raises UsageError where it is not there."""
     if name not in table.columns:
         raise UsageError(f"there is no column '{name}'; the columns are {', '.join(map(str, table.columns))}")
     return table[name].to_numpy()

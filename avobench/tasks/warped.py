@@ -16,13 +16,11 @@ SPREAD = 0.8
 NARROW = 0.5
 """Width, in units of SPREAD, of the core of a coordinate with a tail."""
 WIDE = 2.0
-"""Width of its tail. The two overlap: an event says about 40 % of what it would say about their shares if it were known
-which of them it is from."""
+"""Width of its tail. An event says 40 % of what it would if it were known which of the two it is from."""
 REACH = 12.0
 """Reach of the quadrature over the tail's density, in units of SPREAD: six standard deviations of the wide Gaussian."""
 NODES = 2001
-"""Nodes of that quadrature by the trapezoidal rule, which is exact to rounding from some 200 on, as the integrand is
-analytic."""
+"""Nodes of that quadrature by the trapezoidal rule, exact to rounding from some 200 on."""
 
 
 @dataclass(frozen=True)
@@ -85,26 +83,6 @@ class Mixed(Task):
     def unwarped(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """z / SPREAD of events: (n, d) -> (n, d)."""
         return np.arcsinh(x @ rotation(self.num_features)) / SPREAD
-
-    def log_likelihood(self, theta: NDArray[np.float64], z: NDArray[np.float64]) -> float:
-        """log p(x | theta) of events that are `unwarped`, summed, but for a constant: (p,), (n, d) -> ().
-
-        No method sees it; it says what the floor is, and a test fits with it.
-        """
-        columns, total = iter(z.T), 0.0
-        for kind, t in zip(self.kinds, theta, strict=True):
-            z = next(columns)
-            if kind == "mean":
-                total -= ((z - t) ** 2).sum() / 2
-            elif kind == "scale":
-                total -= (z**2).sum() * np.exp(-2 * t) / 2 + len(z) * t
-            elif kind == "tail":
-                share = (1 + np.tanh(t)) / 2
-                total += np.log(share * gaussian(z, WIDE) + (1 - share) * gaussian(z, NARROW)).sum()
-            else:
-                r = np.tanh(t)
-                total -= ((next(columns) - r * z) ** 2).sum() / (1 - r**2) / 2 + len(z) * np.log(1 - r**2) / 2
-        return float(total)
 
     def summary(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Share of the events in each of 30 bins of arcsinh of each feature, overflow included: (n, d) -> (32 d,)."""

@@ -4,11 +4,13 @@ import importlib
 from pathlib import Path
 
 import click
+import matplotlib
 
 from avobench.bench.store.files import require_folder
 from avobench.bench.store.store import Store
 from avobench.cli.main import main
 from avobench.cli.reports import OUT
+from avobench.reports.style import STYLE, save
 from paper.studies import contamination, detector, misspecification
 
 FOLDERS = {"weinberg": Path("results/reference"), "dimension": Path("results/dimension")}
@@ -24,7 +26,8 @@ def draw(name: str, results: Path | None, out: Path) -> list[Path]:
     """Draw one figure of FOLDERS. Raises StoreError where its records are missing."""
     folder = results or FOLDERS[name]
     records = [ONE_FILE[name](folder)] if name in ONE_FILE else Store(folder).read_all()
-    return importlib.import_module(f"paper.figures.{name}").draw(records, out)
+    with matplotlib.rc_context(STYLE):
+        return save(*importlib.import_module(f"paper.figures.{name}").drawn(records), out, name)
 
 
 @click.command()

@@ -1,26 +1,18 @@
 """The paper's Figure 3, from the study `alignment`: the offset of the detector found at theta* = 1 mm."""
 
-from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from avobench.bench.store.status import Status
-from avobench.reports.style import METHOD_COLOURS, STYLE, TRUTH, save
+from avobench.reports.style import METHOD_COLOURS, TRUTH
 from avobench.tasks.errors import StoreError
 from paper.proposals import convergence, density
 
 THETA = np.linspace(-3, 3, 301)
-
-
-def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write alignment.pdf, alignment.png and alignment.csv to `folder`; every repetition is a line of its own."""
-    with matplotlib.rc_context(STYLE):
-        return save(*_figure(chosen(records)), folder, "alignment")
 
 
 def chosen(records: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -31,7 +23,9 @@ def chosen(records: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return sorted(found, key=lambda record: record["repetition"])
 
 
-def _figure(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
+def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
+    """The figure and its numbers; every repetition is a line of its own."""
+    records = chosen(records)
     figure = Figure(figsize=(6.4, 5.2), layout="constrained")
     axes = figure.subplot_mosaic([["proposal", "proposal"], ["distance", "loss"]])
     rows = []

@@ -1,14 +1,12 @@
 """Squared errors of each method against the share of outliers: figure and table of the study `contamination`."""
 
-from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from avobench.reports.style import MARKERS, PALETTE, STYLE, panels, save
+from avobench.reports.style import MARKERS, PALETTE, panels
 from paper.studies.contamination import METHODS, SHARES, contaminated
 
 LEAST = 0.01
@@ -55,14 +53,9 @@ def compared(records: list[dict[str, Any]], value: str = "to minimiser") -> pd.D
     return wide[shown].rename_axis(columns=None).reset_index()
 
 
-def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write contamination.pdf, .png and .csv to `folder`: a panel a task."""
+def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
+    """The figure, a panel a task, and its numbers."""
     numbers = table(records)
-    with matplotlib.rc_context(STYLE):
-        return save(_figure(numbers), numbers, folder, "contamination")
-
-
-def _figure(numbers: pd.DataFrame) -> Figure:
     tasks = list(numbers["task"].unique())
     figure, axes = panels(tasks)
     for name, axis in zip(tasks, axes, strict=False):
@@ -74,4 +67,4 @@ def _figure(numbers: pd.DataFrame) -> Figure:
         axis.set_xscale("symlog", linthresh=LEAST)
         axis.set(yscale="log", xlabel="share of outliers", ylabel="squared error", xlim=(-LEAST / 5, 0.3))
     axes[0].legend(fontsize="small")
-    return figure
+    return figure, numbers

@@ -1,24 +1,14 @@
 """The paper's Figure 2, from the study `detector`: average response and single events at two offsets."""
 
-from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from avobench.reports.style import STYLE, save
 from avobench.tasks.alignment import MAX_ETA, NUM_COLUMNS, NUM_ROWS
 
 EXTENT = (0, 2 * np.pi, -MAX_ETA, MAX_ETA)
-
-
-def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write detector.pdf, detector.png and detector.csv to `folder`, from the one record of the study."""
-    (record,) = records
-    with matplotlib.rc_context({**STYLE, "axes.grid": False}):
-        return save(_figure(record), numbers(record), folder, "detector")
 
 
 def numbers(record: dict[str, Any]) -> pd.DataFrame:
@@ -34,7 +24,9 @@ def numbers(record: dict[str, Any]) -> pd.DataFrame:
     return pd.concat(frames)
 
 
-def _figure(record: dict[str, Any]) -> Figure:
+def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
+    """The figure and its numbers, of the one record of the study."""
+    (record,) = records
     table = numbers(record)
     names = ["mean", *(name for name in table if name.startswith("event_"))]
     figure = Figure(figsize=(7.2, 3.9), layout="constrained")
@@ -43,6 +35,7 @@ def _figure(record: dict[str, Any]) -> Figure:
         for axis, name in zip(row, names, strict=True):
             image = cells[name].to_numpy().reshape(NUM_ROWS, NUM_COLUMNS)
             look = {"cmap": "viridis", "vmin": 0, "vmax": table["mean"].max()} if name == "mean" else {"cmap": "Greys"}
+            axis.grid(False)
             axis.imshow(image, origin="lower", extent=EXTENT, aspect="auto", interpolation="nearest", **look)
         row[0].set_ylabel(rf"$\theta = {theta:g}$ mm,  $\eta$")
     for axis, name in zip(axes[0], names, strict=True):
@@ -51,4 +44,4 @@ def _figure(record: dict[str, Any]) -> Figure:
     bar.set_label(f"share of {record['num_events']:,} events that hit the cell".replace(",", " "))
     for axis in axes[-1]:
         axis.set(xlabel=r"$\phi$", xticks=(0, np.pi, 2 * np.pi), xticklabels=("0", "π", "2π"))
-    return figure
+    return figure, table

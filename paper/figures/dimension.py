@@ -1,9 +1,7 @@
 """Inefficiency and seconds against the number of parameters: figure and table of the experiment `dimension`."""
 
-from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -11,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from avobench.reports.quantities import labelled, task_of
-from avobench.reports.style import FLOOR, MARKERS, METHOD_ORDER, STYLE, colours, note, ordered, panels, save
+from avobench.reports.style import FLOOR, MARKERS, METHOD_ORDER, colours, legend_below, note, ordered, panels
 from avobench.tasks.errors import StoreError
 from paper.experiments import DETECTOR, DIMENSIONS, FAMILIES
 from paper.quantities import WORST_RUN, inefficiency_of
@@ -58,29 +56,22 @@ def _studied(task: str) -> bool:
     return task == DETECTOR or task.rpartition("-")[0] in FAMILIES
 
 
-def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write dimension.pdf, dimension.png and dimension.csv to `folder`: a panel a family, and one of the seconds.
+def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
+    """The figure, a panel a family and one of the seconds, and its numbers.
 
     Raises StoreError where there is no record of the study.
     """
     numbers = table(records)
     if numbers.empty:
         raise StoreError("there is no record of the tasks of this study: run `python -m paper.study dimension` first")
-    with matplotlib.rc_context(STYLE):
-        return save(_figure(numbers), numbers, folder, "dimension")
-
-
-def _figure(numbers: pd.DataFrame) -> Figure:
     methods = ordered(numbers["method"], METHOD_ORDER)
     figure, axes = panels([*(f"{family}: {WHAT[family]}" for family in FAMILIES), "seconds of a run"], columns=3)
     for axis, family in zip(axes, FAMILIES, strict=False):
         _panel(axis, numbers[numbers["family"] == family], methods, "inefficiency")
         axis.axhline(1, color=FLOOR, ls="--", lw=1.2, label="limit")
     _panel(axes[-1], numbers[numbers["family"] == FAMILIES[0]], methods, "seconds")
-    handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
-    shown = [name for name in (*methods, "limit") if name in handles]
-    figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=len(shown))
-    return figure
+    legend_below(figure, axes, (*methods, "limit"))
+    return figure, numbers
 
 
 def _panel(axis: Axes, rows: pd.DataFrame, methods: list[str], what: str) -> None:

@@ -1,17 +1,12 @@
-"""The width of AVO's proposal against a hidden effect, beside the diagnosis: figure and table.
+"""The width of AVO's proposal against a hidden effect, beside the diagnosis, of the study `misspecification`."""
 
-Both are of the record that `python -m paper.study misspecification` makes.
-"""
-
-from pathlib import Path
 from typing import Any
 
-import matplotlib
 import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from avobench.reports.style import FLOOR, MARKERS, PALETTE, STYLE, panels, save
+from avobench.reports.style import FLOOR, MARKERS, PALETTE, panels
 from paper.studies.misspecification import TASKS
 
 LEAST = 1e-300
@@ -42,15 +37,10 @@ def _place(column: pd.Series) -> pd.Series:
     return column.map(TASKS.index) if column.name == "task" else column
 
 
-def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write misspecification.pdf, .png and .csv to `folder`: widths above, p-values below, one column per task."""
+def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
+    """The figure, widths above and p-values below, one column per task, and its numbers."""
     (record,) = records
     runs = pd.DataFrame(record["runs"])
-    with matplotlib.rc_context(STYLE):
-        return save(_figure(runs), medians(record), folder, "misspecification")
-
-
-def _figure(runs: pd.DataFrame) -> Figure:
     tasks = sorted(runs["task"].unique(), key=TASKS.index)
     figure, axes = panels([f"{task}: {what}" for what in ("the proposal", "the diagnosis") for task in tasks])
     for column, task in enumerate(tasks):
@@ -79,4 +69,4 @@ def _figure(runs: pd.DataFrame) -> Figure:
         for axis in (above, below):
             axis.set_xscale("symlog", linthresh=LINEAR)
             axis.set(xlabel="hidden std / prior's std", xlim=(-LINEAR / 5, 1.5 * ends[1]))
-    return figure
+    return figure, medians(record)

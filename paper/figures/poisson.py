@@ -1,9 +1,7 @@
 """The paper's Figure 1, from the study `poisson`: an unknown Poisson mean, with and without a penalty on entropy."""
 
-from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -11,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.stats import poisson
 
 from avobench.bench.store.status import Status
-from avobench.reports.style import PALETTE, STYLE, TRUTH, save
+from avobench.reports.style import PALETTE, TRUTH
 from avobench.tasks.errors import StoreError
 from paper.proposals import convergence, density, proposal
 
@@ -21,13 +19,6 @@ GAMMAS = {
 }
 """The paper's two coefficients: label, colour, line; the two lie on each other, so one is wide and pale."""
 THETA, COUNTS = np.linspace(-1.6, 3.2, 241), np.arange(21)
-
-
-def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write poisson.pdf, poisson.png and poisson.csv to `folder`; every repetition is a line of its own."""
-    shown = {gamma: chosen(records, gamma) for gamma in GAMMAS}
-    with matplotlib.rc_context(STYLE):
-        return save(*_figure(shown), folder, "poisson")
 
 
 def chosen(records: list[dict[str, Any]], gamma: float, entropy_gradient: str = "closed_form") -> list[dict[str, Any]]:
@@ -47,7 +38,9 @@ def model(record: dict[str, Any], counts: NDArray[np.int64]) -> NDArray[np.float
     return poisson.pmf(counts[:, None], np.exp(mean + std * nodes)) @ weights / weights.sum()
 
 
-def _figure(shown: dict[float, list[dict[str, Any]]]) -> tuple[Figure, pd.DataFrame]:
+def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
+    """The figure and its numbers; every repetition is a line of its own."""
+    shown = {gamma: chosen(records, gamma) for gamma in GAMMAS}
     figure = Figure(figsize=(6.4, 5.2), layout="constrained")
     axes = figure.subplot_mosaic([["proposals", "models"], ["loss", "loss"]])
     rows = []

@@ -21,10 +21,7 @@ from paper.tables.reliability import BINS, LEAST, cases_of, names, truth
 
 
 def bins(cases: Iterable[Case]) -> pd.DataFrame:
-    """One row per bin: how many names, the mean probability told, the share that came true and its 95 % interval.
-
-    Raises UsageError where no case tells probabilities.
-    """
+    """Names in each bin, the mean probability told, and the share that came true. Raises UsageError for none told."""
     told = [
         (share, key in truth(case))
         for case in cases

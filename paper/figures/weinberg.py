@@ -1,9 +1,7 @@
 """The paper's Figure 5: on weinberg every method fits the observed density, however far its parameters are."""
 
-from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -12,7 +10,7 @@ from matplotlib.figure import Figure
 from avobench.bench.cells.streams import observe
 from avobench.bench.store.status import ESTIMATED
 from avobench.reports.quantities import comparable, labelled, task_of
-from avobench.reports.style import METHOD_ORDER, STYLE, TRUTH, colours, ordered, save
+from avobench.reports.style import METHOD_ORDER, TRUTH, colours, ordered
 from avobench.tasks.errors import StoreError
 
 NUM_ROWS = 4
@@ -20,8 +18,8 @@ NUM_ROWS = 4
 X = np.linspace(-1, 1, 101)
 
 
-def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """Write weinberg.pdf, weinberg.png and weinberg.csv to `folder`: one row per target, one column per method.
+def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
+    """The figure, one row per target and one column per method, and its numbers.
 
     The first targets that all methods have, in their first repetition. The observed events, a histogram with error bars
     of one standard deviation, are drawn again from the seed in the record. Raises StoreError without such records.
@@ -31,11 +29,6 @@ def draw(records: list[dict[str, Any]], folder: Path) -> list[Path]:
         raise StoreError("there are no records of weinberg with an estimate to draw")
     cells = labelled(shown)
     cells = comparable(cells[cells["repetition"] == 0])
-    with matplotlib.rc_context(STYLE):
-        return save(*_figure(cells), folder, "weinberg")
-
-
-def _figure(cells: pd.DataFrame) -> tuple[Figure, pd.DataFrame]:
     methods = ordered(cells["method"], METHOD_ORDER)
     targets = sorted(cells["target"].unique())[:NUM_ROWS]
     figure = Figure(figsize=(1.9 * len(methods) + 0.4, 1.5 * len(targets) + 0.4), layout="constrained")

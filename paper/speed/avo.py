@@ -1,10 +1,9 @@
 """How fast AVO's step is, beside what bounds it: `make bench-avo`.
 
 First an iteration of `avo-paper` against a plain implementation (`plain_avo.py`). Then the discriminator's update as
-`avo` makes it, by hand (`methods/fused_step.py`), against what PyTorch differentiates (`discriminator_steps.py`), for
-the networks and batches of both methods, and against what bounds it: the matrix products in it alone and the memory
-traffic of its optimiser. Everything is timed in turns, as processor time of this process with one thread, so that other
-work on the machine counts little; a number is the median over the rounds.
+`avo` makes it, by hand (`methods/fused_step.py`), against what PyTorch differentiates (`discriminator_steps.py`), the
+matrix products in it alone and the memory traffic of its optimiser. Everything is timed in turns, as processor time of
+one thread; a number is the median over the rounds.
 """
 
 import copy
@@ -57,9 +56,6 @@ class Noise(Task):
 
     def summary(self, x: NDArray) -> NDArray[np.float64]:
         return x.mean(axis=0)
-
-    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
-        return float("nan")
 
 
 def milliseconds(works: list[Callable[[], object]], rounds: int) -> list[float]:
@@ -141,8 +137,7 @@ def discriminator_update(update: Update, rounds: int) -> dict[str, float]:
 def products(step: FusedStep, n: int) -> Callable[[], None]:
     """The matrix products of one update from n observed and n simulated events, into buffers that stand.
 
-    A layer has five: events up, the chain of R1 down and up, events down (not below the first layer), and the gradient
-    from all three sets of rows.
+    A layer has five: events up, the chain of R1 down and up, events down (not below the first), and the gradient.
     """
     weights = [tensor for tensor in step.tensors if tensor.ndim == 3][:-1]
     work = []

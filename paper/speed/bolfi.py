@@ -31,10 +31,7 @@ class Run:
 
 
 def run(task: str, surrogate: str, evaluations: int, target: int, seed: int) -> Run:
-    """Carry out a cell of the benchmark with a budget of so many evaluations. Raises AvobenchError unless it is ok.
-
-    Both surrogates have the same observation and the same random streams.
-    """
+    """Carry out a cell of the benchmark with so many evaluations. Raises AvobenchError unless it is ok."""
     settings = {"surrogate": surrogate, "events_per_theta": 128}
     record = execute(Cell(task, {}, "bolfi", settings, target, 0, 128 * evaluations, 100_000, seed))
     if record["status"] != Status.OK:

@@ -1,7 +1,6 @@
 """How the time of a diagnosis grows with the measured events and with the catalogue: `make bench-diagnosis`.
 
-Measured events have one effect of the catalogue, strong enough that its name is looked for at every size. Seconds are
-processor time of one thread; exponents are slopes of straight lines through the logarithms.
+Measured events have one effect of the catalogue, strong enough that its name is looked for at every size.
 """
 
 import multiprocessing
@@ -12,7 +11,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from avobench.bench.cells.memory import peak_memory_mib, reset_peak_memory
+from avobench.bench.cells.state import peak_memory_mib, reset_peak_memory
 from avobench.bench.events import check_events
 from avobench.bench.plugins import registry
 from avobench.diagnosis.run import diagnose

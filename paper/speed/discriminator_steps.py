@@ -1,7 +1,6 @@
 """Other ways to make FusedStep's update, which PyTorch differentiates: the yardsticks of `make bench-avo`.
 
-Each is made from T networks of one shape and called with observed and simulated events, (T, n, d) and (T, m, d). Its
-result is that of FusedStep to rounding.
+Each is made from T networks and called with observed and simulated events, (T, n, d) and (T, m, d).
 """
 
 from collections.abc import Sequence
@@ -42,10 +41,7 @@ class AutogradStep:
 
 
 class StackedStep:
-    """The networks stacked along a first axis of T, with one loss that autograd differentiates, and one optimiser.
-
-    The parameters are copies, in `parameters` in the order of a network's own; the networks stay as they are.
-    """
+    """Copies of the networks, stacked along a first axis of T, with one loss that autograd differentiates."""
 
     def __init__(self, networks: Sequence[Sequential], learning_rate: float, r1: float, implementation: str) -> None:
         self.r1 = r1

@@ -1,7 +1,6 @@
 """How time and memory grow with the work, and whether memory grows with the number of cells: `make bench-scaling`.
 
-Every exponent is the slope of a straight line through the logarithms, by least squares. The settings are cheap, so that
-what is seen is the growth and not the networks: a small discriminator in large batches, and ABC-SMC as it is.
+Exponents are slopes through the logarithms. The settings are cheap, so that the growth is seen and not the networks.
 """
 
 import os
@@ -15,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.memory import peak_memory_mib, reset_peak_memory
+from avobench.bench.cells.state import peak_memory_mib, reset_peak_memory
 from avobench.bench.cells.trial import execute
 from avobench.bench.processes.local import LocalBackend
 from avobench.bench.store.status import Status, reason
@@ -66,8 +65,7 @@ def sweep(
 ) -> dict[str, float]:
     """A sweep of small cells in workers that stand ready: cells, wall seconds, memory [MiB].
 
-    Memory is the highest of the process that leads (of which so much is new), and of any worker. With one job the two
-    are one process.
+    Memory is the highest of the process that leads (with one job it is the worker), and of any worker.
     """
     store = Store(folder, create=True)
     backend = LocalBackend(jobs, store.running)

@@ -1,8 +1,7 @@
 """A plain AVO, the yardstick of `make bench-avo`: as one writes it first with PyTorch, after the authors' public code.
 
-The gradient of log q is taken by autograd, one draw of theta at a time, and baseline and gradient are summed up in
-loops over draws and parameters; the discriminator's step is autograd's and the optimiser's. The algorithm is that of
-`AvoPaper(schedule="shared")`: M simulated events serve both updates. Nothing else in this package uses it.
+The gradient of log q is autograd's, one draw of theta at a time, with loops over draws and parameters. The algorithm is
+that of `AvoPaper(schedule="shared")`: M simulated events serve both updates.
 """
 
 from collections.abc import Callable

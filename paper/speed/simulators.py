@@ -21,9 +21,8 @@ from avobench.tasks.carl import MIXING
 def pythia_rates(ways: list[tuple[int, int]], rounds: int = 5, num_events: int = 4000) -> pd.DataFrame:
     """A row for each number of processes at work at once, with the events asked for at a time.
 
-    Events per second of all processes by wall time, of the metered simulator and of a bare `nextBatch` loop with
-    the same settings; of both, how many times as many as with the first row's number of processes; and the median share
-    of the bare rate that the simulator reaches in a process, by processor time.
+    Events per second by wall time, of the metered simulator and of a bare `nextBatch` loop; of both, how many times as
+    many as in the first row; and the median share of the bare rate that the simulator reaches.
     """
     rows = []
     for processes, batch in ways:

@@ -11,15 +11,12 @@ from numpy.typing import NDArray
 from avobench.api.inference import infer
 from avobench.bench.cells.streams import stream
 from avobench.bench.plugins import registry
-from avobench.bench.store.files import write_atomically
-from avobench.bench.store.record import SCHEMA_VERSION, encode
-from avobench.bench.store.versions import versions
 from avobench.tasks import Task
 from avobench.tasks.function import task
-from paper.studies.files import read_file
+from paper.studies.files import StudyFile
 
-FILE = "agreement.json"
-"""The record's name in a results folder."""
+FILE = StudyFile("agreement")
+read = FILE.read
 NUM_SEEDS = 20
 """Fits of each case, each of other events: one doubt in twenty is what is allowed."""
 THETA = {"poisson": (2.0,), "carl": (0.5, -1.0), "normal": (0.4, -0.2)}
@@ -80,13 +77,8 @@ def made(path: Path, seed: int = 0, num_seeds: int = NUM_SEEDS) -> dict[str, Any
     `fits` holds for each the `case`, `num_events`, `budget`, the number `fit`, whether it is `sound`, and its `doubt`.
     Raises StoreError for a damaged file.
     """
-    identity = {"study": "agreement", "seed": seed}
-    fits: list[dict[str, Any]] = []
-    if path.exists():
-        record = read(path.parent)
-        fits = record["fits"] if record.get("seed") == seed else []
-    done = {(fit["case"], fit["num_events"], fit["fit"]) for fit in fits}
-    record = {"schema_version": SCHEMA_VERSION, **identity, "fits": fits, "versions": versions(("torch",))}
+    record = FILE.begun(path, "fits", seed=seed)
+    done = {(fit["case"], fit["num_events"], fit["fit"]) for fit in record["fits"]}
     for number in range(num_seeds):
         for name, case in cases().items():
             for num_events, budget in case.sizes:
@@ -95,8 +87,8 @@ def made(path: Path, seed: int = 0, num_seeds: int = NUM_SEEDS) -> dict[str, Any
                 x = case.events(num_events, stream(seed, "observed", name, num_events, number))
                 found = infer(case.task, x, case.method, budget=budget, seed=number, progress=False)
                 what = {"case": name, "num_events": num_events, "budget": budget, "fit": number}
-                fits.append({**what, "sound": case.sound, "doubt": found.estimate.doubt})
-                write_atomically(path, encode(record))
+                record["fits"].append({**what, "sound": case.sound, "doubt": found.estimate.doubt})
+                FILE.keep(path, record, "torch")
     return record
 
 
@@ -106,8 +98,3 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     fits["doubted"] = fits["doubt"] != ""
     grouped = fits.groupby(["case", "num_events", "budget", "sound"], sort=False)["doubted"]
     return grouped.agg(fits="size", doubted="sum").reset_index()
-
-
-def read(folder: Path) -> dict[str, Any]:
-    """The record of the study in a results folder. Raises StoreError when it is missing or damaged."""
-    return read_file(folder / FILE, "agreement")

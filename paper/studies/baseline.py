@@ -7,16 +7,14 @@ import numpy as np
 
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.streams import stream
-from avobench.bench.store.files import write_atomically
-from avobench.bench.store.record import SCHEMA_VERSION, encode
-from avobench.bench.store.versions import versions
 from avobench.methods.avo_paper import AvoPaper, algorithm_1, score_gradient
 from avobench.methods.proposal import TruncatedGaussian
 from paper.experiments import NUM_OBSERVATIONS, POISSON
-from paper.studies.files import read_file
+from paper.studies.files import StudyFile
 from paper.tasks import PoissonExample
 
-FILE = "baseline.json"
+FILE = StudyFile("baseline")
+read = FILE.read
 KINDS = ("none", "optimal", "as_printed")
 ITERATIONS = (100, 1000, 3000)
 """Of the example of Section 4.1: the proposal far from theta*, on its way, and at the end."""
@@ -30,15 +28,13 @@ def made(path: Path, seed: int = 0, batches: int = BATCHES) -> dict[str, Any]:
     `variances` holds for each of ITERATIONS and KINDS the variance over mini-batches of the gradient in the mean of the
     proposal and in its logarithm of the standard deviation. Raises StoreError when the file is damaged.
     """
-    identity = {"study": "baseline", "seed": seed, "batches": batches, "iterations": list(ITERATIONS)}
-    if path.exists():
-        record = read(path.parent)
-        if {name: record.get(name) for name in identity} == identity:
-            return record
+    record = FILE.begun(path, "variances", seed=seed, batches=batches, iterations=list(ITERATIONS))
+    if rows := record["variances"]:
+        return record
     task, settings, rng = PoissonExample(), AvoPaper(**POISSON), stream(seed, "study", "baseline")
     theta = np.broadcast_to(task.targets()[0], (NUM_OBSERVATIONS, task.prior.dim))
     simulate = MeteredSimulator(task, (ITERATIONS[-1] + 1) * settings.batch_size, rng)
-    problem, rows = pose(task, task.simulate(theta, rng), simulate), []
+    problem = pose(task, task.simulate(theta, rng), simulate)
     q = TruncatedGaussian(problem.prior, problem.support)
     for iteration, state in enumerate(algorithm_1(problem, q, settings, rng)):
         if iteration in ITERATIONS:
@@ -51,11 +47,5 @@ def made(path: Path, seed: int = 0, batches: int = BATCHES) -> dict[str, Any]:
             for kind in KINDS:
                 mean, log_std = np.var(gradients[kind], axis=0)
                 rows.append({"iteration": iteration, "baseline": kind, "mean": mean, "log std": log_std})
-    record = {"schema_version": SCHEMA_VERSION, **identity, "variances": rows, "versions": versions(("torch",))}
-    write_atomically(path, encode(record))
+    FILE.keep(path, record, "torch")
     return record
-
-
-def read(folder: Path) -> dict[str, Any]:
-    """The record of the study in a results folder. Raises StoreError when it is missing or damaged."""
-    return read_file(folder / FILE, "baseline")

@@ -19,18 +19,15 @@ from scipy.stats import norm, poisson
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.streams import stream
 from avobench.bench.plugins import registry
-from avobench.bench.store.files import write_atomically
-from avobench.bench.store.record import SCHEMA_VERSION, encode
-from avobench.bench.store.versions import versions
 from avobench.methods import Method
 from avobench.tasks import Task
 from avobench.tasks.function import task
 from avobench.tasks.weinberg import Weinberg
 from paper.experiments import BUDGET, NUM_OBSERVATIONS
-from paper.studies.files import read_file
+from paper.studies.files import StudyFile
 
-FILE = "contamination.json"
-"""The record's name in a results folder."""
+FILE = StudyFile("contamination")
+read = FILE.read
 SHARES = (0.0, 0.01, 0.05, 0.2)
 """Shares of the observed events that are outliers."""
 NUM_TARGETS = 1
@@ -124,21 +121,15 @@ def made(
 ) -> dict[str, Any]:
     """The record of the study at `path`, of which each run that is lacking is made and written at once.
 
-    With `tasks` only those of these tasks are made, and only those of the `rows`.
-
-    `runs` holds for each the `task`, `share`, `target`, `row` and `version` of the method, what there was to find
-    (`theta`, and `minimiser`), `estimate`, `error`, `doubt` and `seconds`. Raises StoreError for a damaged file.
+    With `tasks` only those of these tasks and of the `rows`. `runs` holds for each the `task`, `share`, `target`, `row`
+    and `version` of the method, what there was to find (`theta`, and `minimiser`), `estimate`, `error`, `doubt` and
+    `seconds`. Raises StoreError for a damaged file.
     """
-    identity = {"study": "contamination", "seed": seed, "budget": budget, "num_observations": num_events}
-    runs: list[dict[str, Any]] = []
-    if path.exists():
-        record = read(path.parent)
-        runs = record["runs"] if {name: record.get(name) for name in identity} == identity else []
+    record = FILE.begun(path, "runs", seed=seed, budget=budget, num_observations=num_events)
     methods = {
         row: registry.build("method", name, settings) for row, (name, settings) in METHODS.items() if row in rows
     }
-    done = {(run["task"], run["share"], run["target"], run["row"], run["version"]) for run in runs}
-    record = {"schema_version": SCHEMA_VERSION, **identity, "runs": runs, "versions": versions(("torch",))}
+    done = {(run["task"], run["share"], run["target"], run["row"], run["version"]) for run in record["runs"]}
     for target in range(NUM_TARGETS):
         for name, of in contaminated().items():
             for share in SHARES:
@@ -146,8 +137,8 @@ def made(
                     key = (name, share, target, row, method.version)
                     if key in done or (tasks and name not in tasks):
                         continue
-                    runs.append(one(name, of, share, target, row, method, seed, num_events, budget))
-                    write_atomically(path, encode(record))
+                    record["runs"].append(one(name, of, share, target, row, method, seed, num_events, budget))
+                    FILE.keep(path, record, "torch")
     return record
 
 
@@ -184,8 +175,3 @@ def one(
         "doubt": found.doubt,
         "seconds": time.perf_counter() - start,
     }
-
-
-def read(folder: Path) -> dict[str, Any]:
-    """The record of the study in a results folder. Raises StoreError when it is missing or damaged."""
-    return read_file(folder / FILE, "contamination")

@@ -1,10 +1,9 @@
 """Does what a diagnosis says would decide, decide? `python -m paper.studies.decide`; `paper.tables.decide` says.
 
-An effect is hidden in events of a task, in a shape of the catalogue (own) or in one that it does not have (foreign),
-and these are diagnosed with one effect at most, which is most of a diagnosis and takes half of its time. Where the 95 %
-set has the hidden family beside another one, as many events as are said to tell them apart are made anew with the same
-hidden effect, and diagnosed with these two families alone. One JSON line per data set is added to the file; those that
-it has are left alone.
+An effect is hidden in events of a task, in a shape of the catalogue (own) or another (foreign), and these are diagnosed
+with one effect at most. Where the 95 % set has the hidden family beside another one, as many events as are said to tell
+them apart are made anew and diagnosed with these two families alone. One JSON line per data set is added to the file;
+those that it has are left alone.
 """
 
 import json

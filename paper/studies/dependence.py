@@ -1,7 +1,4 @@
-"""How often the tests of a diagnosis see that features depend on one another, and how often they do where none does.
-
-`python -m paper.studies.dependence` prints both for all cases below; a name alone does so for that case.
-"""
+"""How often the tests of a diagnosis see that features depend on one another: `python -m paper.studies.dependence`."""
 
 import sys
 from collections.abc import Callable

@@ -6,13 +6,11 @@ from typing import Any
 import numpy as np
 
 from avobench.bench.cells.streams import stream
-from avobench.bench.store.files import write_atomically
-from avobench.bench.store.record import SCHEMA_VERSION, encode
-from avobench.bench.store.versions import versions
 from avobench.tasks.alignment import CHUNK, Alignment
-from paper.studies.files import read_file
+from paper.studies.files import StudyFile
 
-FILE = "detector.json"
+FILE = StudyFile("detector")
+read = FILE.read
 THETA = (0.0, 1.0)
 EVENTS = 200_000
 """Behind each average response (paper, Figure 2): a cell is then known to a few per cent."""
@@ -27,14 +25,11 @@ def made(path: Path, seed: int = 0, num_events: int = EVENTS) -> dict[str, Any]:
     them as lists of the cells that were hit. No event serves twice. Raises StoreError when the file is damaged.
     """
     task = Alignment()
-    identity = {"study": "detector", "theta": list(THETA), "num_events": num_events, "seed": seed}
-    identity |= {"task": task.name, "task_version": task.version}
-    if path.exists():
-        record = read(path.parent)
-        if {name: record[name] for name in identity} == identity:
-            return record
+    identity = {"theta": list(THETA), "num_events": num_events, "seed": seed}
+    record = FILE.begun(path, "responses", **identity, task=task.name, task_version=task.version)
+    if responses := record["responses"]:
+        return record
     rng = stream(seed, "study", "detector")
-    responses = []
     for theta in THETA:
         total, events = np.zeros(task.num_features), []
         for start in range(0, num_events, CHUNK):
@@ -43,11 +38,5 @@ def made(path: Path, seed: int = 0, num_events: int = EVENTS) -> dict[str, Any]:
             events += list(x[: SINGLE_EVENTS - len(events)])
         hits = [np.flatnonzero(event).tolist() for event in events]
         responses.append({"theta": theta, "mean": (total / num_events).tolist(), "events": hits})
-    record = {"schema_version": SCHEMA_VERSION, **identity, "responses": responses, "versions": versions()}
-    write_atomically(path, encode(record))
+    FILE.keep(path, record)
     return record
-
-
-def read(folder: Path) -> dict[str, Any]:
-    """The record of the study in a results folder. Raises StoreError when it is missing or damaged."""
-    return read_file(folder / FILE, "detector")

@@ -3,8 +3,37 @@
 from pathlib import Path
 from typing import Any
 
-from avobench.bench.store.record import decode
+from avobench.bench.store.files import write_atomically
+from avobench.bench.store.record import SCHEMA_VERSION, decode, encode
+from avobench.bench.store.versions import versions
 from avobench.tasks.errors import StoreError
+
+
+class StudyFile:
+    """The record of a study, the file `name` in a results folder."""
+
+    def __init__(self, study: str) -> None:
+        self.study, self.name = study, f"{study}.json"
+
+    def read(self, folder: Path) -> dict[str, Any]:
+        """The record in a results folder. Raises StoreError where there is no sound one."""
+        return read_file(folder / self.name, self.study)
+
+    def begun(self, path: Path, rows: str, **identity: Any) -> dict[str, Any]:
+        """The record at `path` if it is of this identity, else a new one with an empty list of `rows`.
+
+        Raises StoreError for a damaged file.
+        """
+        identity = {"study": self.study, **identity}
+        record = read_file(path, self.study) if path.exists() else {}
+        if {name: record.get(name) for name in identity} == identity:
+            return record
+        return {"schema_version": SCHEMA_VERSION, **identity, rows: []}
+
+    def keep(self, path: Path, record: dict[str, Any], *packages: str) -> None:
+        """Write a record, with the versions of what makes it."""
+        record["versions"] = versions(packages)
+        write_atomically(path, encode(record))
 
 
 def read_file(path: Path, study: str) -> dict[str, Any]:

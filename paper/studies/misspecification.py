@@ -1,8 +1,7 @@
 """What adversarial inference does where the simulator is wrong, beside what the diagnosis says of it.
 
-The paper expects the proposal to smear a simulator that is too sharp. Here the hidden effect is of that kind: the
-parameters of the observed events vary from event to event, with a standard deviation that the simulator does not have.
-A proposal of that width, averaged over, gives exactly the observed distribution.
+The paper expects the proposal to smear a simulator that is too sharp. Here the parameters of the observed events vary
+from event to event: a proposal of that width, averaged over, gives exactly the observed distribution.
 """
 
 from pathlib import Path
@@ -13,16 +12,13 @@ import numpy as np
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.streams import stream
 from avobench.bench.plugins import registry
-from avobench.bench.store.files import write_atomically
-from avobench.bench.store.record import SCHEMA_VERSION, encode
-from avobench.bench.store.versions import versions
 from avobench.diagnosis.run import diagnose
 from avobench.methods.avo import Avo
 from paper.experiments import BUDGET, NUM_OBSERVATIONS
-from paper.studies.files import read_file
+from paper.studies.files import StudyFile
 
-FILE = "misspecification.json"
-"""The record's name in a results folder."""
+FILE = StudyFile("misspecification")
+read = FILE.read
 TASKS = ("poisson", "carl")
 """One with a count for an event, one with five features."""
 STRENGTHS = (0.0, 0.01, 0.03, 0.1, 0.3)
@@ -39,19 +35,14 @@ def made(path: Path, seed: int = 0) -> dict[str, Any]:
     `runs` holds for each the `task`, `strength` and `repetition`, the `width` of the final proposal in units of the
     prior's, a number a parameter, and the p-value of the gates of a diagnosis. Raises StoreError for a damaged file.
     """
-    identity = {"study": "misspecification", "seed": seed, "budget": BUDGET, "num_observations": NUM_OBSERVATIONS}
-    identity |= {"method": METHOD.name, "method_version": METHOD.version}
-    runs: list[dict[str, Any]] = []
-    if path.exists():
-        record = read(path.parent)
-        runs = record["runs"] if {name: record.get(name) for name in identity} == identity else []
-    done = {(run["task"], run["strength"], run["repetition"]) for run in runs}
+    identity = {"seed": seed, "budget": BUDGET, "num_observations": NUM_OBSERVATIONS}
+    record = FILE.begun(path, "runs", **identity, method=METHOD.name, method_version=METHOD.version)
+    done = {(run["task"], run["strength"], run["repetition"]) for run in record["runs"]}
     wanted = [(task, strength, i) for i in range(REPETITIONS) for task in TASKS for strength in STRENGTHS]
     for task, strength, repetition in wanted:
         if (task, strength, repetition) not in done:
-            runs.append(one(task, strength, repetition, seed))
-            record = {"schema_version": SCHEMA_VERSION, **identity, "runs": runs, "versions": versions(("torch",))}
-            write_atomically(path, encode(record))
+            record["runs"].append(one(task, strength, repetition, seed))
+            FILE.keep(path, record, "torch")
     return record
 
 
@@ -75,8 +66,3 @@ def one(
         "width": (found.std / unit).tolist(),
         "p_value": float(found_by_gates.diagnosis.p_value_before),
     }
-
-
-def read(folder: Path) -> dict[str, Any]:
-    """The record of the study in a results folder. Raises StoreError when it is missing or damaged."""
-    return read_file(folder / FILE, "misspecification")

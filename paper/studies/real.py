@@ -18,7 +18,7 @@ from avobench.bench.store.files import write_atomically
 from avobench.bench.store.record import SCHEMA_VERSION, encode
 from avobench.bench.store.versions import versions
 from avobench.diagnosis.run import diagnose
-from avobench.tasks.errors import StoreError, UsageError
+from avobench.tasks.errors import StoreError, UsageError, first_fault
 from paper.studies.files import read_file
 
 EXAMPLES = Path("examples/real")
@@ -65,8 +65,7 @@ def expected(examples: Path = EXAMPLES) -> dict[str, Expected]:
     try:
         return TypeAdapter(dict[str, Expected]).validate_json(path.read_bytes())
     except ValidationError as error:
-        first = error.errors()[0]
-        raise UsageError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+        raise UsageError(f"{path}: {': '.join(first_fault(error))}") from error
 
 
 def real(folder: Path, seed: int = 0, examples: Path = EXAMPLES, jobs: int = 1) -> list[dict[str, Any]]:
@@ -115,10 +114,7 @@ def identity_of(name: str, answer: Expected, task: Any, examples: Path, seed: in
 
 
 def said(task: Any, measured: Any, seed: int, jobs: int) -> dict[str, Any]:
-    """What the diagnosis says of the measured events, and the versions that it was made with.
-
-    `processor_seconds` are those of this process, which with one job are all.
-    """
+    """What the diagnosis says of the measured events, with its versions and the seconds of this process."""
     x, remarks = check_events(task, measured)
     started = time.process_time()
     diagnosis = diagnose(task, x, seed=seed, jobs=jobs).diagnosis

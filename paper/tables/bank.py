@@ -1,7 +1,4 @@
-"""What a diagnosis costs and finds from a bank of events, beside the search before: `python -m paper.tables.bank`.
-
-It prints a table of `results/bank`, made by `python -m paper.studies.bank`. The data sets are development data.
-"""
+"""What a diagnosis of the development data in `results/bank` costs and finds: `python -m paper.tables.bank`."""
 
 import json
 from statistics import median

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import avobench
-from avobench.api.agreement import two_sample
-from avobench.api.others import left_open, mirrored
+from avobench.api.agreement import left_open, mirrored, two_sample
 from avobench.tasks.errors import SimulatorError
 
 

@@ -4,7 +4,7 @@ import pytest
 from rich.console import Console
 
 from avobench.api import progress
-from avobench.api.progress import Bar
+from avobench.api.progress import displayed
 
 
 @pytest.fixture
@@ -16,7 +16,7 @@ def clock(monkeypatch):
 
 def test_a_diagnosis_says_now_and_then_how_far_it_is_and_what_is_left(clock):
     console = Console(file=io.StringIO(), width=200)
-    with Bar(console) as shown:
+    with displayed(console) as shown:
         shown("first fit", 1, 100)
         assert console.file.getvalue() == ""
         clock[0] += 40
@@ -31,7 +31,6 @@ def test_a_diagnosis_says_now_and_then_how_far_it_is_and_what_is_left(clock):
 
 def test_on_a_terminal_it_is_a_bar():
     console = Console(file=io.StringIO(), width=100, force_terminal=True)
-    with Bar(console) as shown:
+    with displayed(console) as shown:
         shown("search for effect 1", 30, 100)
-        shown.shown.refresh()
     assert "search for effect 1" in console.file.getvalue()

@@ -17,8 +17,7 @@ from avobench.challenge.make import KINDS, make
 from avobench.challenge.records import RECORDS, read_records, records
 from avobench.challenge.score import rate, score
 from avobench.challenge.solve import read_manifest, solve
-from avobench.challenge.table import as_text
-from avobench.challenge.targets import targets
+from avobench.challenge.table import as_text, targets
 from avobench.challenge.visibility import visibility
 from avobench.cli import main as cli
 from avobench.diagnosis.schema import Verdict

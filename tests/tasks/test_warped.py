@@ -7,9 +7,27 @@ from scipy.optimize import minimize
 
 from avobench.bench.plugins import registry
 from avobench.tasks import warped
-from avobench.tasks.warped import NARROW, WIDE, Means5, Mixed, Warped5, Warped10, information, rotation
+from avobench.tasks.warped import NARROW, WIDE, Means5, Mixed, Warped5, Warped10, gaussian, information, rotation
 
 NAMES = ("warped-2", "warped-5", "warped-10", "warped-20", "means-2", "means-5", "means-10", "means-20")
+
+
+def log_likelihood(task, theta, z):
+    """log p(x | theta) of events that are `unwarped`, summed, but for a constant: it says what the floor is."""
+    columns, total = iter(z.T), 0.0
+    for kind, t in zip(task.kinds, theta, strict=True):
+        z = next(columns)
+        if kind == "mean":
+            total -= ((z - t) ** 2).sum() / 2
+        elif kind == "scale":
+            total -= (z**2).sum() * np.exp(-2 * t) / 2 + len(z) * t
+        elif kind == "tail":
+            share = (1 + np.tanh(t)) / 2
+            total += np.log(share * gaussian(z, WIDE) + (1 - share) * gaussian(z, NARROW)).sum()
+        else:
+            r = np.tanh(t)
+            total -= ((next(columns) - r * z) ** 2).sum() / (1 - r**2) / 2 + len(z) * np.log(1 - r**2) / 2
+    return float(total)
 
 
 def events(task, theta, n, seed):
@@ -62,7 +80,7 @@ def test_the_information_is_the_variance_of_the_exact_score_of_each_kind():
     z = task.unwarped(events(task, theta, 1500, 5))
     scores = []
     for axis in step * np.eye(10):
-        ends = [np.array([task.log_likelihood(theta + sign * axis, row[None]) for row in z]) for sign in (1, -1)]
+        ends = [np.array([log_likelihood(task, theta + sign * axis, row[None]) for row in z]) for sign in (1, -1)]
         scores.append((ends[0] - ends[1]) / (2 * step))
     measured = np.cov(scores)
     exact = information(task.kinds, theta)
@@ -87,7 +105,7 @@ def test_the_floor_is_the_mean_squared_error_of_maximum_likelihood():
     errors = []
     for seed in range(repetitions):
         z = task.unwarped(events(task, theta, n, 100 + seed))
-        fit = minimize(lambda at, z=z: -task.log_likelihood(at, z) / n, np.zeros(5), method="BFGS")
+        fit = minimize(lambda at, z=z: -log_likelihood(task, at, z) / n, np.zeros(5), method="BFGS")
         errors.append(((fit.x - theta) ** 2).sum())
     floor = task.floor(theta, n, None)
     assert np.mean(errors) == pytest.approx(floor, rel=0.35)

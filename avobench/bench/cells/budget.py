@@ -49,7 +49,6 @@ class MeteredSimulator:
 
     @property
     def seconds(self) -> float:
-        """The seconds spent in the simulator so far."""
         return self._seconds
 
     def __call__(self, theta: ArrayLike) -> NDArray:
@@ -69,7 +68,6 @@ class MeteredSimulator:
         return self._simulate(np.repeat(theta, n, axis=0)).reshape(len(theta), n, -1)
 
     def _simulate(self, theta: NDArray[np.float64]) -> NDArray:
-        """Charge and simulate one event per row of an array that was checked and that nobody else holds."""
         self._meter.charge(len(theta))
         start = time.perf_counter()
         try:

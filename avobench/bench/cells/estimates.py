@@ -12,7 +12,6 @@ SPREADS = ("posterior", "proposal")
 
 
 def require_recordable(estimate: object, problem: Problem, used: int) -> None:
-    """Raise InvalidEstimate unless `estimate` is one that a record can hold."""
     if not isinstance(estimate, Estimate):
         raise InvalidEstimate(f"the method returned {type(estimate).__name__} instead of an Estimate")
     p = problem.prior.dim

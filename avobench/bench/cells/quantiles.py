@@ -9,25 +9,16 @@ from avobench.methods import Estimate, TracePoint, WeightedSample
 from avobench.tasks import Box, Task
 from avobench.tasks.prior import Distributed
 
-SAME = (
-    *("name", "parameter_names", "parameter_units", "num_features", "feature_names", "feature_kinds", "feature_units"),
-    *("event_shape", "cyclic_axes", "dtype", "discriminator", "packages", "extra"),
-)
-"""What such a task has of the other one."""
-
 
 class InShares(Task):
-    """A task with a parameter in [0, 1] for each of another's: the share of the prior that lies below it.
-
-    So the prior is uniform, and what a method makes of that is right for the prior of the other.
-    """
+    """A task with a parameter in [0, 1] for each of another's: the share of the prior that lies below it."""
 
     source = "a task, by shares of its prior"
 
     def __init__(self, task: Task) -> None:
-        self.task = task
-        for name in SAME:
-            setattr(self, name, getattr(task, name))
+        self.task, self.name = task, task.name
+        self.parameter_names, self.parameter_units = task.parameter_names, task.parameter_units
+        self.copy_events_of(task)
         self.prior = self.support = Box((0.0,) * task.prior.dim, (1.0,) * task.prior.dim)
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
@@ -36,16 +27,10 @@ class InShares(Task):
         return self.task.simulate(self.task.at_whole(self.task.prior.at(theta), rng), rng)
 
     def summary(self, x: NDArray) -> NDArray[np.float64]:
-        """That of the other task."""
         return self.task.summary(x)
 
     def with_reference(self, x: NDArray) -> Task:
-        """This task with a summary that suits events like x (n, d)."""
         return InShares(self.task.with_reference(x))
-
-    def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
-        """Not known: NaN."""
-        return np.nan
 
 
 def in_shares(task: Task) -> Task:
@@ -56,8 +41,7 @@ def in_shares(task: Task) -> Task:
 def raw(estimate: Estimate, prior: Box) -> Estimate:
     """An estimate of `in_shares` in the units of the parameters; itself where the prior is uniform.
 
-    Points of a posterior are mapped one by one, and have a new mean and spread. Other errors follow the slope of the
-    quantiles over as far as they reach.
+    Points of a posterior are mapped one by one. Other errors follow the slope of the quantiles over their reach.
     """
     if not isinstance(prior, Distributed):
         return estimate

@@ -1,4 +1,4 @@
-"""The state of a process that all its cells share: what one cell changes of it is put back before the next."""
+"""The process that many cells share: what one changes of it is put back before the next, and the memory of each."""
 
 import os
 import random
@@ -6,6 +6,7 @@ import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,9 +16,8 @@ import numpy as np
 def put_back() -> Iterator[None]:
     """Put back what the code of a method or task changes of the process within the block.
 
-    This is what would change another cell's numbers or make it fail: NumPy's handling of floating-point errors, the
-    legacy random states, PyTorch's defaults, the filters of warnings, the environment and the current folder. A copy
-    of the process that the code forked off and that comes back too ends here: it would go on as a second sweep.
+    That is NumPy's floating-point error handling, legacy random states, PyTorch's defaults, filters of warnings,
+    environment and current folder. A fork that comes back as well is ended: it would go on as a second sweep.
     """
     process = os.getpid()
     folder, environment = None, dict(os.environ)
@@ -68,3 +68,18 @@ def _put_torch_back(state: dict[str, Any]) -> None:
     if state:
         torch.set_num_threads(state["threads"])
         torch.set_rng_state(state["random"])
+
+
+def reset_peak_memory() -> None:
+    """Start a new high-water mark (Linux), so that a reused worker reports each cell's own peak."""
+    with suppress(OSError):  # not Linux, or not allowed: the mark of the whole process stands
+        Path("/proc/self/clear_refs").write_text("5")
+
+
+def peak_memory_mib() -> float | None:
+    """High-water mark of resident memory in MiB since the last reset; None where the system does not tell."""
+    status = Path("/proc/self/status")
+    if not status.exists():
+        return None
+    line = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
+    return int(line.split()[1]) / 1024

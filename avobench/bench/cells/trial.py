@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.estimates import require_recordable
-from avobench.bench.cells.memory import peak_memory_mib, reset_peak_memory
 from avobench.bench.cells.quantiles import in_shares, raw
-from avobench.bench.cells.state import put_back
+from avobench.bench.cells.state import peak_memory_mib, put_back, reset_peak_memory
 from avobench.bench.cells.streams import observe, stream
 from avobench.bench.plugins import registry
 from avobench.bench.store.record import SCHEMA_VERSION, SECONDS, Record, decode_record, encode
@@ -46,10 +45,7 @@ STATUS_OF = {
 
 @lru_cache(maxsize=1)
 def _observed(task: str, settings: str, target: int, num_observations: int, seed: int) -> NDArray:
-    """The observed events of a task by name and settings, in JSON; kept, as the next cell often has the same.
-
-    No method is given this array, since it could change it: a read-only array can still be written to by PyTorch.
-    """
+    """The observed events of a task; kept, as the next cell often has the same, and never handed to a method."""
     return observe(registry.build("task", task, json.loads(settings)), target, num_observations, seed)
 
 
@@ -60,7 +56,6 @@ class Trial:
     """
 
     def __init__(self, cell: Cell, progress: Callable[[int], None] | None = None, debug: bool = False) -> None:
-        """Observe the target of the cell and pose its problem."""
         start = time.perf_counter()
         self.cell, self._debug = cell, debug
         self._started = datetime.now(UTC).isoformat(timespec="seconds")
@@ -145,10 +140,7 @@ class Trial:
 
 
 def execute(cell: Cell, progress: Callable[[int], None] | None = None, debug: bool = False) -> dict[str, Any]:
-    """Carry out a cell and return its record; whatever goes wrong becomes its status and message.
-
-    Only KeyboardInterrupt leaves this function. With `debug` the traceback of a failure goes to standard error.
-    """
+    """Carry out a cell and return its record. Only KeyboardInterrupt leaves; `debug` prints tracebacks."""
     with put_back():
         return carried_out(cell, progress, debug)
 
@@ -168,11 +160,10 @@ def carried_out(cell: Cell, progress: Callable[[int], None] | None = None, debug
 def execute_together(
     cells: Sequence[Cell], progress: Sequence[Callable[[int], None] | None], debug: bool = False
 ) -> list[dict[str, Any]]:
-    """Carry out cells of one task and method as one, by `Method.infer_together`, and return their records in order.
+    """Carry out cells of one task and method by `Method.infer_together`; their records in order.
 
-    Each record is that which `execute` makes, to floating-point reordering of the estimate, but for `method_seconds`,
-    an equal share of what all took, and a remark in `message`. A cell that cannot be observed fails alone. Whatever
-    the method raises leaves this function, and no cell has a record: it is not known whose fault it is.
+    They are those of `execute`, to floating-point reordering of the estimate, but for `method_seconds`, an equal share,
+    and a remark in `message`. A cell that cannot be observed fails alone; what the method raises leaves this function.
     """
     reset_peak_memory()
     trials = [Trial(cell, heartbeat, debug) for cell, heartbeat in zip(cells, progress, strict=True)]
@@ -236,7 +227,6 @@ def _floors(task: Task, cell: Cell) -> dict[str, float | None]:
 
 
 def _scored(estimate: Estimate, task: Task, cell: Cell) -> dict[str, Any]:
-    """The fields of a record that tell of an estimate."""
     theta_true = task.targets()[cell.target]
     return {
         "theta_hat": estimate.theta.tolist(),

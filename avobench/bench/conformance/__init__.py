@@ -24,11 +24,10 @@ class Result:
 
 
 def run(kind: str, name: str) -> Iterator[Result]:
-    """Check the task, method or effect `name`, registered or `module:Class`, by default settings; results as they come.
+    """Check the task, method or effect `name` by default settings; results as they come.
 
-    A round is tried only if all checks of the one before passed, so that one fault is told once. Whatever the checked
-    object raises is a result. Only UsageError leaves this function: there is no such object, it cannot be made with its
-    default settings, or a package that it needs is not installed.
+    A round is tried only if all checks of the one before passed, so that one fault is told once. Raises UsageError
+    alone: where there is no such object, or a package that it needs is not installed.
     """
     if kind == "effect":
         subject = effects.subjects(name)

@@ -30,9 +30,8 @@ TASKS = {
 def subjects(name: str) -> list[tuple[Task, Effect]]:
     """The effect `name` on a task of ours of each domain, its first entry in the catalogue; of a family each class.
 
-    The name of an effect, `quantisation`, of an entry point, `counts.quantisation`, or a user's module:Class. A user's
-    effect is tried on all tasks on which it runs, without those whose events it makes into others if there are more.
-    Raises UsageError if there is no such effect.
+    A user's effect is tried on all tasks on which it runs, without those whose events it makes into others if there are
+    more. Raises UsageError if there is no such effect.
     """
     found = []
     families = [] if ":" in name else registry.effect_families(name)

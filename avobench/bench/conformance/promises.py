@@ -33,7 +33,6 @@ def expect(holds: bool, why: str) -> None:
 
 
 def is_text(value: object) -> bool:
-    """Tell whether a value is a string with something to read in it."""
     return isinstance(value, str) and bool(value.strip())
 
 

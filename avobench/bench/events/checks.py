@@ -115,11 +115,7 @@ def check_events(
 
 
 def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
-    """The columns of events in the order of the features of `task`, as an array, and what is to be said of it.
-
-    Raises UsageError where a table has some of the features and lacks others, or more columns than there are features
-    and none of their names, and for a column that holds no numbers.
-    """
+    """The columns of events in the order of the features of `task`, as an array, and remarks. Raises UsageError."""
     if not isinstance(x, pd.DataFrame):
         try:
             return _counted(np.asarray(x))
@@ -192,7 +188,6 @@ def with_times(
 
 
 def _cast(task: Task, x: NDArray) -> NDArray:
-    """The events in the task's type, or a wider one where that does not hold the values."""
     dtype = np.dtype(task.dtype)
     if np.issubdtype(dtype, np.integer) and not np.iinfo(dtype).min <= x.min() <= x.max() <= np.iinfo(dtype).max:
         dtype = np.dtype(np.int64)
@@ -200,13 +195,11 @@ def _cast(task: Task, x: NDArray) -> NDArray:
 
 
 def reference(task: Task, simulate: Simulate, num_events: int) -> NDArray:
-    """Events over the prior, and as many others at its ends, (n, d), which show that the simulator keeps its contract.
+    """Events over the prior, and as many at its ends (n, d), which show that the simulator keeps its contract.
 
-    They are `num_events`, or NUM_REFERENCE where this is less; none where they were fewer than LEAST_REFERENCE.
-
-    They are made by two calls with the same parameters but for the first row, which is at either end of the prior. So
-    the rest of them may be neither the same events, as of a seed within the simulator, nor of another distribution, as
-    where one row's parameters serve all. Raises SimulatorError for these.
+    They are `num_events`, or NUM_REFERENCE where this is less; none where they were fewer than LEAST_REFERENCE. Two
+    calls have the same parameters but for the first row. Raises SimulatorError where they give the same events, as of a
+    seed within the simulator, or other distributions, as where one row's parameters serve all.
     """
     from scipy.stats import ks_2samp  # here, because SciPy's statistics take a second to load
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from avobench.bench.events.text import SUFFIXES as TEXT
 from avobench.bench.events.text import read_text
 from avobench.tasks.arguments import checked
-from avobench.tasks.errors import UsageError, installed_by
+from avobench.tasks.errors import UsageError, optional
 
 KINDS = ".npy, .npz, .csv, .tsv, .txt, .dat (also .gz), .parquet, or .root:TREE"
 """Formats that events are read from, for messages."""
@@ -30,11 +30,10 @@ def read_timed(
 ) -> tuple[NDArray | pd.DataFrame, NDArray[np.float64] | None]:
     """The events of a .npy, .npz, text or .parquet file, or of a tree `file.root:tree`: (n, d), one row an event.
 
-    What has columns with names is a table, whose names say which column is which feature; the rest is an array.
-    `columns` chooses columns, branches, or arrays of a .npz; without it all are read. A one-dimensional array is one
-    feature, and what has more than two dimensions, such as images, is flattened row by row. Also returns the column
-    `time` (n,), if one is named, which is then none of the events'. Dates become seconds since 1970. Raises UsageError
-    for what cannot be read as numbers, and for pickled content, which could run code.
+    What has columns with names is a table, the rest an array. `columns` chooses columns, branches, or arrays of a .npz;
+    without it all are read. More than two dimensions are flattened row by row. Also returns the column `time` (n,), if
+    one is named, which is then none of the events'. Raises UsageError for what cannot be read as numbers, and for
+    pickled content, which could run code.
     """
     file, _, tree = path.rpartition(":") if re.search(r"\.root:[^:]+$", path) else (path, "", "")
     if not Path(file).is_file():
@@ -90,11 +89,7 @@ def _read_parquet(file: str, tree: str, columns: list[str] | None) -> dict[str, 
 
 
 def _read_root(file: str, tree: str, columns: list[str] | None) -> dict[str, NDArray]:
-    try:
-        import uproot
-    except ModuleNotFoundError as error:
-        raise UsageError(f"ROOT files need uproot, which is not installed: {installed_by('root')}") from error
-    with uproot.open(file) as opened:
+    with optional("uproot", "a ROOT file", "root").open(file) as opened:
         trees = [
             name.partition(";")[0] for name, kind in opened.classnames().items() if kind in ("TTree", "ROOT::RNTuple")
         ]
@@ -123,7 +118,6 @@ def _chosen(file: str, names: list, columns: list[str] | None) -> list:
 
 
 def _flat(file: str, x: NDArray) -> NDArray:
-    """An array of numbers as events (n, d)."""
     if x.dtype == bool:
         x = x.astype(np.uint8)
     if x.dtype.kind not in "iuf":

@@ -26,8 +26,6 @@ NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?|[-+]?(inf|infi
 
 @dataclass(frozen=True)
 class Form:
-    """The form of the table in a text file."""
-
     separator: str
     decimal: str
     names: list[str] | None
@@ -41,10 +39,9 @@ class Form:
 def read_text(path: str) -> tuple[pd.DataFrame, bool]:
     """The table of a text file, whose index is the number of each line, and whether the file names the columns.
 
-    Columns are separated by commas, semicolons, tabs, bars or blanks, and beside all but the first a decimal comma is
-    one. Blank lines and lines that begin with # are left out, and so is a line of units below the names. Columns
-    without a name are numbered from 0. Raises UsageError, with the number of the line, for an event that has more or
-    fewer cells than there are columns, and for a first line of which it cannot be told whether it is an event.
+    Columns are separated by commas, semicolons, tabs, bars or blanks; beside all but the first a decimal comma is one.
+    Blank lines, comments (#) and a line of units below the names are left out. Raises UsageError, with the number of
+    the line, for an event with another number of cells, and for a first line that may be names or an event.
     """
     raw = Path(path).read_bytes()
     try:

@@ -1,7 +1,6 @@
 """Tasks, methods and effects by name, as `module:Class` or as `file.py:Class`, with their settings checked."""
 
 import dataclasses
-import difflib
 import importlib
 import inspect
 import os
@@ -27,7 +26,7 @@ from avobench.methods import Method
 from avobench.methods.device import require_device
 from avobench.tasks import Task
 from avobench.tasks.contract import NAME
-from avobench.tasks.errors import SimulatorError, UsageError, installed_by, raised, shown
+from avobench.tasks.errors import SimulatorError, UsageError, did_you_mean, first_fault, installed_by, raised, shown
 
 BASES = {"task": Task, "method": Method, "effect": Effect}
 GROUPS = {"task": "avobench.tasks", "method": "avobench.methods", "effect": GROUP}
@@ -53,8 +52,7 @@ class Trusted(str):
 def trusted(spec: str) -> str:
     """Mark `spec` as a file that the user trusts: reading a model then runs the code that the file names.
 
-    Without the mark a model may name installed tasks and effects only. The mark stays with the text wherever it is
-    sent, to worker processes too.
+    Without the mark a model may name installed tasks and effects only. It stays with the text, to worker processes too.
     """
     return Trusted(spec)
 
@@ -73,10 +71,7 @@ def names(kind: str) -> list[str]:
 
 
 def load(kind: str, spec: str) -> Any:
-    """Load what `spec` names: a class, or an instance that a user's module or file has ready-made.
-
-    It is a registered name, `module:Class`, `file.py:Class`, or the file of a model. Raises UsageError in one line.
-    """
+    """Load what `spec` names: a class, or an instance that a user's file has ready-made. Raises UsageError."""
     if is_model(kind, spec):
         return AugmentedTask
     found = imported(kind, spec) if ":" in spec else _registered(kind, spec)
@@ -105,7 +100,6 @@ def runs_theirs(kind: str, spec: str) -> bool:
 
 
 def is_model(kind: str, spec: str) -> bool:
-    """Tell whether `spec` is the file of a task with effects added, as `avobench diagnose` writes it."""
     return kind == "task" and spec.endswith(".json")
 
 
@@ -123,19 +117,16 @@ def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
     known = [field.name for field in _fields(found)]
     for name in settings:
         if name not in known:
-            hint = _did_you_mean(name, known) or f"it has: {', '.join(known) or 'none'}"
+            hint = did_you_mean(name, known) or f"it has: {', '.join(known) or 'none'}"
             raise UsageError(f"{kind} {found.name} has no setting '{name}'; {hint}")
     try:
         return blamed(lambda: TypeAdapter(found).validate_python(settings) if known else found(), f"{kind} '{spec}'")
     except ValidationError as error:
-        first = error.errors()[0]
-        where = f" {'.'.join(map(str, first['loc']))}" if first["loc"] else ""
-        reason = first["msg"].removeprefix("Value error, ")
-        raise UsageError(f"setting{where} of {kind} {found.name}: {reason}") from error
+        where, reason = first_fault(error)
+        raise UsageError(f"{f'setting {where}'.strip()} of {kind} {found.name}: {reason}") from error
 
 
 def task_of(given: Task | str) -> Task:
-    """The task that is given, itself or by name. Raises UsageError for what is no task."""
     if isinstance(given, str):
         return build("task", given, {})
     if not isinstance(given, Task):
@@ -159,10 +150,7 @@ def read_model(spec: str) -> AugmentedTask:
 
 
 def named_in(file: str | Path, kind: str, name: str, trust: bool) -> str:
-    """The task or effect that a file names, to be built.
-
-    Raises UsageError for what is not installed, unless the user trusts the file.
-    """
+    """The task or effect that a file names. Raises UsageError for one not installed, unless the file is trusted."""
     if ":" in name and not trust:
         raise UsageError(
             f"{file} names {kind} '{name}', and reading it would run that code: only a file that is trusted "
@@ -187,16 +175,15 @@ def effect_families(name: str) -> list[type[Effect]]:
     found = [family for point, family in points.items() if name in (point, point.rpartition(".")[2], family.name)]
     if not found:
         known = points if "." in name else {point.rpartition(".")[2] for point in points}
-        hint = _did_you_mean(name, sorted(known), n=3, cutoff=0.5)
+        hint = did_you_mean(name, sorted(known), n=3, cutoff=0.5)
         raise UsageError(f"there is no effect '{name}'; {hint}{' ' if hint else ''}`avobench list effects` shows all")
     return found
 
 
 def spec_of(kind: str, instance: Any) -> str | None:
-    """The name by which a task or effect is found again in another process; None where there is none, as in a notebook.
+    """The name by which another process finds a task or effect; None where there is none, as in a notebook.
 
-    It is that of its entry point, or what its module, or that of the function that it is made of, calls it or its
-    class.
+    It is that of its entry point, or what the module of its class or function calls it or its class.
     """
     if isinstance(instance, AugmentedTask):
         return instance.name  # its file tells all that it is made of
@@ -240,8 +227,7 @@ def _class_tells(kind: str, instance: Any) -> bool:
 def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:
     """All that determines the behaviour of a task or method: name, version, settings, and the source if it is not ours.
 
-    The source is that of the class, its bases and its `parts`, and what they use of their modules; see `source`. A
-    setting with the metadata `{"identifies": "unless default"}` is left out at its default, so one added later keeps
+    A setting with the metadata `{"identifies": "unless default"}` is left out at its default, so one added later keeps
     old results.
     """
     parts = {kind: instance.name, f"{kind}_version": instance.version, f"{kind}_settings": settings_of(instance)}
@@ -260,7 +246,6 @@ def settings_of(instance: Any) -> dict[str, Any]:
 
 
 def _fields(found: Any) -> list[dataclasses.Field]:
-    """The settings that a class, or an instance of it, takes."""
     return [field for field in dataclasses.fields(found) if field.init] if dataclasses.is_dataclass(found) else []
 
 
@@ -288,10 +273,7 @@ def require_packages(kind: str, instance: Any) -> None:
 
 
 def blamed(make: Callable[[], Any], what: str) -> Any:
-    """The value of `make()`. Raises UsageError that names the class of a user for what this class raises.
-
-    A SimulatorError, which names it already, is raised as it is.
-    """
+    """The value of `make()`; what a user's class raises becomes a UsageError that names it."""
     try:
         return make()
     except (UsageError, SimulatorError, ValidationError):
@@ -307,10 +289,9 @@ def _points(kind: str) -> tuple[EntryPoint, ...]:
 
 
 def _registered(kind: str, name: str) -> Any:
-    """The class that an entry point names."""
     known = names(kind)
     if name not in known:
-        hint = _did_you_mean(name, known, cutoff=0.4) or f"known: {', '.join(known)}, module:Class or file.py:Class"
+        hint = did_you_mean(name, known, cutoff=0.4) or f"known: {', '.join(known)}, module:Class or file.py:Class"
         raise UsageError(f"there is no {kind} named '{name}'; {hint}")
     if kind == "effect":
         return families()[name]
@@ -318,10 +299,7 @@ def _registered(kind: str, name: str) -> Any:
 
 
 def imported(kind: str, spec: str) -> Any:
-    """The object of a module or a file that `spec` names; `my_module:MyTask` is looked for beside the user first.
-
-    Raises UsageError in one line.
-    """
+    """The object of a module or file that `spec` names; a module beside the user comes first. Raises UsageError."""
     place, _, name = spec.rpartition(":")
     module_name = place
     if place.endswith(".py"):
@@ -340,7 +318,7 @@ def imported(kind: str, spec: str) -> Any:
         raise UsageError(f"{place} of {kind} '{spec}' raised {raised(error)}") from error
     if not hasattr(module, name):
         raise UsageError(
-            "; ".join(filter(None, (f"{place} has no '{name}'", _did_you_mean(name, _of_kind(kind, module)))))
+            "; ".join(filter(None, (f"{place} has no '{name}'", did_you_mean(name, _of_kind(kind, module)))))
         )
     return getattr(module, name)
 
@@ -350,9 +328,3 @@ def _of_kind(kind: str, module: ModuleType) -> list[str]:
     base, own = BASES[kind], module.__name__
     meant = {name: value for name, value in vars(module).items() if isinstance(value, base) or callable(value)}
     return [name for name, value in meant.items() if isinstance(value, base) or value.__module__ == own]
-
-
-def _did_you_mean(name: str, known: list[str], n: int = 1, cutoff: float = 0.6) -> str:
-    """A question after the known names that are spelled alike; nothing where there is none."""
-    near = difflib.get_close_matches(name, known, n, cutoff)
-    return f"did you mean {' or '.join(near)}?" if near else ""

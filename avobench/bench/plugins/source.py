@@ -1,10 +1,8 @@
 """The source of a user's class or function, with the parts of its module that it uses.
 
-Of a module only those top-level statements count that bind a name which the class uses, directly or through other
-statements. So an edit of another class in the same file changes nothing, and one of a constant or of a function that is
-used does. The hash of the whole file would take 50 lines in place of 160, but then every edit of a script or a notebook
-that makes a sweep, such as of its plots or its budget, would run all cells again. What other modules of the user's hold
-is not followed, except for base classes.
+Only those top-level statements count that bind a name which it uses, directly or not. The hash of the whole file would
+take 50 lines in place of 160, but then every edit of a script's plots or budget would run all cells again. Other
+modules of the user's are not followed, except for base classes.
 """
 
 import ast
@@ -86,7 +84,6 @@ def _is_python(cell: str) -> bool:
 
 
 def _sources(thing: Any) -> Iterator[str]:
-    """Names and texts that a class or function consists of; of other objects those of their class."""
     if isinstance(thing, str):
         yield thing
     elif isinstance(thing, functools.partial):

@@ -1,7 +1,6 @@
 """Modules of a user's own, by the path of their file: `path/to/file.py:Class` in every process that can read it.
 
-Such a module is called `avobench.bench.plugins.user_files.PATH`, with its path written so that it holds no dot.
-Whoever imports that name, as a worker process does that is sent an object of the module, finds the file by it.
+Such a module is called `avobench.bench.plugins.user_files.PATH`, so that a worker that imports it finds the file.
 """
 
 import os
@@ -41,8 +40,6 @@ class _BesideTheFile(SourceFileLoader):
 
 
 class _Finder(MetaPathFinder):
-    """Finds the file by the name of its module."""
-
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:

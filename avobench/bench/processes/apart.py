@@ -176,8 +176,6 @@ def _end_all(idle: "list[_Process]") -> None:
 
 
 class _Process:
-    """A process that carries out a call at a time."""
-
     def __init__(self) -> None:
         context = get_context("loky")
         self.pipe, theirs = context.Pipe()
@@ -241,7 +239,6 @@ class _Process:
         return None
 
     def terminate(self) -> None:
-        """Ask it to end."""
         with suppress(psutil.Error):
             psutil.Process(self._process.pid).terminate()
 

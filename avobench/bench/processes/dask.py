@@ -18,7 +18,7 @@ from avobench.bench.cells.trial import blank_record, execute
 from avobench.bench.processes.contract import ATTEMPTS, Backend, heartbeat
 from avobench.bench.store.status import Status
 from avobench.bench.store.versions import versions
-from avobench.tasks.errors import AvobenchError, UsageError, installed_by
+from avobench.tasks.errors import AvobenchError, UsageError, optional
 
 if TYPE_CHECKING:
     from distributed import Client, Future, Worker, as_completed
@@ -36,19 +36,15 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 class DaskBackend(Backend):
     """The workers that are connected to a scheduler; more may come and go while the sweep runs.
 
-    A worker needs this package, the same versions of all that a result depends on, and one thread. It tells how far its
-    cell is through the scheduler, so no folder is shared. A cell whose worker dies goes to another one; the scheduler
-    gives up on it when it has lost as many workers as its `allowed-failures` (3) and one more.
+    A worker needs the same versions of all that a result depends on, and one thread. A cell whose worker dies goes to
+    another one, until it has lost the scheduler's `allowed-failures` (3) and one more.
     """
 
     name = "dask"
 
     def __init__(self, scheduler: str, *, debug: bool = False) -> None:
         """Nothing is connected before `records` is asked for; raises UsageError when Dask is not installed."""
-        try:
-            import distributed  # noqa: F401
-        except ModuleNotFoundError as error:
-            raise UsageError(f"--backend dask needs distributed: {installed_by('cluster')}") from error
+        optional("distributed", "--backend dask", "cluster")
         self._scheduler, self._debug, self._most = scheduler, debug, 0
         self._running: dict[str, tuple[float, str]] = {}
 
@@ -115,10 +111,7 @@ class DaskBackend(Backend):
                     queue.add(submit(client, by_id[id]))
 
     def _ended(self, queue: "as_completed", client: "Client") -> Iterator[tuple["Future", Any]]:
-        """Futures with their outcomes, as they end. One whose result was on its way never ends without a scheduler.
-
-        Raises AvobenchError when the scheduler is gone.
-        """
+        """Futures with their outcomes, as they end. Raises AvobenchError when the scheduler is gone."""
         while not queue.is_empty():
             batch = queue.next_batch(block=False)
             yield from batch

@@ -28,14 +28,9 @@ Piece = tuple[Cell, ...]
 class LocalBackend(Backend):
     """Processes of this machine. Each running cell keeps a file in `marks`, with the share of its budget used.
 
-    A process that ends, hangs or takes too much memory costs its own piece only. A cell whose process ended is tried
-    once more when all else is done, by itself, since another may have left it no memory; one that exceeds a limit is
-    not.
-
-    A process is given a piece of work at a time: one cell, or, with `together`, all targets and repetitions of a task
-    and a method that gains from it, so that one batched network may train them all, on a GPU or in fewer and larger
-    matrix products on a CPU; see `Method.infer_together`. A piece that fails as a whole is begun again in halves, one
-    whose process ended in single cells, one after the other, so that only the cell to blame fails.
+    A process that ends, hangs or takes too much memory costs its own piece only: one cell, or with `together` all
+    targets and repetitions of a task and a method that gains from it. A piece that fails as a whole is begun again in
+    halves, one whose process ended in single cells; such a cell is tried once more, by itself, when all else is done.
     """
 
     def __init__(
@@ -49,10 +44,7 @@ class LocalBackend(Backend):
         in_process: bool = False,
         debug: bool = False,
     ) -> None:
-        """`limits` are those of a cell; with `in_process` cells are carried out in this process, without limits.
-
-        A piece is in memory as a whole, with the observed events of each cell: `most` limits the number of its cells.
-        """
+        """`limits` are those of a cell, `most` the cells of a piece; `in_process` has neither processes nor limits."""
         self.name = "together" if together else "local"
         self._jobs, self._marks, self._limits, self._debug = jobs, marks, limits, debug
         self._together, self._most, self._in_process = together, most, in_process
@@ -122,7 +114,6 @@ class LocalBackend(Backend):
 
 
 def label(piece: Piece) -> str:
-    """The name of a piece of work in a line to the user."""
     first, n = piece[0], len(piece)
     return first.label if n == 1 else f"{first.identity['task']} {first.identity['method']}, {n} cells together"
 

@@ -82,10 +82,7 @@ def within(folder: Path, name: str) -> Path:
 
 
 def not_plain(path: Path) -> str:
-    """Why what is at `path` is no plain file or folder; empty where it is one, or where there is nothing.
-
-    What came from elsewhere may hold a link that leads to a user's own files, or a pipe that nobody writes to.
-    """
+    """Why what is at `path` is no plain file or folder, such as a link or a pipe from elsewhere; "" where it is."""
     try:
         mode = path.lstat().st_mode
     except FileNotFoundError:

@@ -12,8 +12,6 @@ from avobench.tasks.errors import StoreError
 
 @dataclass(frozen=True)
 class Packed:
-    """The outcome of packing."""
-
     rows: int
     """Records in the table now."""
     folded: int
@@ -25,9 +23,8 @@ class Packed:
 def pack(store: Store) -> Packed:
     """Fold the records of `store` that are files into its table; a file wins over the row of the same cell.
 
-    The table is written whole, read back and put in its place before the first file is removed, so a kill at any
-    moment loses nothing, and packing again finishes what is left. Raises UsageError while a sweep writes to the store,
-    StoreError when a table cannot be read or written.
+    The table is put in its place before the first file is removed, so a kill loses nothing, and packing again goes on.
+    Raises UsageError while a sweep writes to the store, StoreError when a table cannot be read or written.
     """
     with store.lock():
         store.remove_leftovers()

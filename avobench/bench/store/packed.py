@@ -111,7 +111,6 @@ def write_rows(path: Path, rows: list[Row]) -> None:
 
 
 def _table(rows: list[Row]) -> pa.Table:
-    """The rows with the fields of their records as columns."""
     shapes = {name: shape for name, shape in Record.model_json_schema()["properties"].items() if name not in LEFT_OUT}
     types = {"file": pa.string(), **{name: _arrow_type(shape) for name, shape in shapes.items()}, "record": pa.string()}
     return pa.Table.from_pylist(

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from avobench.bench.store.status import ESTIMATED, LOST, Status
 from avobench.tasks.contract import NAME
-from avobench.tasks.errors import UsageError
+from avobench.tasks.errors import UsageError, first_fault
 
 SCHEMA_VERSION = 1
 """The version of the schema is raised when a field changes its meaning."""
@@ -48,8 +48,6 @@ PartlyKnown = list[float | None]
 
 
 class Strict(BaseModel):
-    """No field besides those listed, no value of another type, no number that is not finite."""
-
     model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
 
 
@@ -227,16 +225,12 @@ def check(record: dict[str, Any]) -> None:
     try:
         Record.model_validate(record)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        where = ".".join(map(str, first["loc"]))
-        message = first["msg"].removeprefix("Value error, ")
-        raise ValueError(f"makes no sense: {where + ': ' if where else ''}{message}") from error
+        raise ValueError(f"makes no sense: {': '.join(filter(None, first_fault(error)))}") from error
     if record["id"] != identity_hash({name: record[name] for name in IDENTITY if name in record}):
         raise ValueError("makes no sense: id is not that of the fields which it stands for")
 
 
 def identity_hash(identity: dict[str, Any]) -> str:
-    """The id of what determines a result."""
     return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:16]
 
 

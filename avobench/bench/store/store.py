@@ -28,23 +28,19 @@ NO_LOCKS = (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP)
 
 @dataclass(frozen=True)
 class Entry:
-    """The entry of one cell in a store."""
-
     path: Path
     """Its file; of a packed record, the table's path and within it the name of the file that it had."""
     content: bytes
     record: dict[str, Any] | None
     """The record; None where it is damaged."""
     fault: str = ""
-    """The fault of a damaged one."""
 
 
 class Store:
     """A folder of records: `store.json` names the schema, `records/` holds one file a cell, `records.parquet` others.
 
-    A cell has a file from when it was carried out until the store is packed; then it has a row of the table. A file
-    wins over the row of the same cell, which it was made to replace. Every record carries a checksum of its content,
-    so that a truncated or edited one is noticed. Only the process that holds `lock()` writes.
+    A cell has a file until the store is packed; then it has a row of the table. A file wins over the row of the same
+    cell, which it was made to replace. Only the process that holds `lock()` writes.
     """
 
     def __init__(self, path: Path, *, create: bool = False) -> None:
@@ -97,10 +93,7 @@ class Store:
             yield
 
     def write(self, record: dict[str, Any]) -> Path:
-        """Write one record, whole or not at all.
-
-        Raises StoreError when the disk does not take it, or no reader would, UsageError as `place`.
-        """
+        """Write one record, whole or not at all. Raises StoreError when the disk or a reader would not take it."""
         path = self.place(record)
         try:
             content = encode(record)
@@ -120,10 +113,7 @@ class Store:
         return within(self.records, file_name(record))
 
     def log_sweep(self, entry: dict[str, Any]) -> None:
-        """Add a line to `sweeps.jsonl`, which tells how the records were made: command, time taken, versions.
-
-        Raises StoreError when the disk does not take it.
-        """
+        """Add a line to `sweeps.jsonl`, which tells how the records were made. Raises StoreError."""
         path = self.path / "sweeps.jsonl"
         with store_errors(f"{path} could not be written"), path.open("a+b") as file:
             torn = file.tell() > 0 and (file.seek(-1, os.SEEK_END), file.read(1))[1] != b"\n"
@@ -220,8 +210,7 @@ class Store:
     def set_aside(self, path: Path) -> Path:
         """Keep a damaged record in `damaged/`, never over another file, and move it out of the way.
 
-        A row stays in the table, unread once its cell is made again, and goes when the store is next packed. Raises
-        StoreError when the disk does not take it.
+        A row stays in the table, unread, until the store is next packed. Raises StoreError.
         """
         folder, row = self.path / "damaged", None
         if path.parent == self.table:
@@ -237,10 +226,7 @@ class Store:
             return path.rename(target) if row is None else write_atomically(target, row)
 
     def remove_leftovers(self) -> None:
-        """Delete what a killed run left half-done: temporary files and marks of running cells. Needs the lock.
-
-        Raises StoreError when they cannot be deleted.
-        """
+        """Delete what a killed run left half-done. Needs the lock. Raises StoreError."""
         leftovers = [*self.path.glob(".*.tmp"), *self.path.glob(".writer.*"), *self.records.glob(".*.tmp")]
         with store_errors(f"{self.path} could not be tidied up"):
             for leftover in [*leftovers, *self.running.glob("*")]:

@@ -56,10 +56,7 @@ def _cell(value: Any) -> Any:
 
 
 def mean_errors(records: list[dict[str, Any]]) -> NDArray[np.float64]:
-    """The squared error of the mean of each record's posterior, in place of its estimate: (n,).
-
-    NaN where there is no posterior, or a part of its mean is not finite.
-    """
+    """The squared error of the mean of each record's posterior (n,); NaN where it is not known."""
     errors = []
     for record in records:
         known = record["spread_of"] == "posterior" and None not in record["mean"]

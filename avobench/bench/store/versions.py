@@ -13,10 +13,7 @@ RECORDED = ("avobench", "numpy", "scipy", "torch", "pyabc", "elfi", "GPy", "pyth
 
 @cache
 def versions(modules: tuple[str, ...] = ()) -> dict[str, str | None]:
-    """Versions of what a result depends on, and the commit of the source where it is a git checkout.
-
-    That is RECORDED, and the packages of these modules.
-    """
+    """Versions of RECORDED, of the packages of these modules, and the commit of the source of a git checkout."""
     found: dict[str, str | None] = {"python": platform.python_version()}
     for name in (*RECORDED, *(package for module in modules for package in _packages(module))):
         try:

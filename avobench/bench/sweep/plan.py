@@ -85,10 +85,7 @@ def on_device(methods: list[str], device: str) -> list[str]:
 
 
 def require_generator(task: Task) -> None:
-    """Raise UsageError when a user's simulator does not draw from the generator that it is given, and only from it.
-
-    A simulator that fails is left to the sweep, which records why.
-    """
+    """Raise UsageError when a user's simulator does not draw from its generator alone; one that fails is left."""
     theta = registry.blamed(partial(task.prior.sample, 200, np.random.default_rng(0)), f"task {task.name}")
     try:
         first, again, other = (checked_events(task, theta, np.random.default_rng(seed)) for seed in (1, 1, 2))

@@ -42,8 +42,7 @@ class Sweep:
     def seconds_left(self) -> tuple[float, bool]:
         """The expected time to the end, and whether every pending method has a finished cell to judge from.
 
-        A pending cell is expected to take as long as finished cells of its task and method did, else of its method;
-        one of a method that has none yet counts as nothing.
+        A pending cell is expected to take as long as finished cells of its task and method did, else of its method.
         """
         total: dict[tuple[str, str], list[float]] = {}
         for record in list(self.done.values()):
@@ -61,7 +60,6 @@ class Sweep:
 
 
 def seconds(record: dict[str, Any]) -> float:
-    """The time that a cell took, all in all."""
     return sum(record[name] for name in SECONDS)
 
 
@@ -83,10 +81,9 @@ def run(
 ) -> list[dict[str, Any]]:
     """Carry out the cells that the store lacks, in their order, and return the records of all, without their traces.
 
-    A damaged record is set aside and made again. With `retry_failed`, cells with a record that is not `ok` are made
-    again too. KeyboardInterrupt, or a backend that fails, leaves the store as it is: what was finished stays, and the
-    next run goes on from there. Raises UsageError for names that no file can have, StoreError when the table of packed
-    records is damaged, or when the disk does not give or take what it should.
+    A damaged record is set aside and made again; with `retry_failed`, so is a cell whose record is not `ok`. What was
+    finished when it is interrupted stays. Raises UsageError for names that no file can have, StoreError when the table
+    of packed records is damaged, or the disk fails.
     """
     with store.lock(), store_errors(f"the results folder {store.path} cannot be used"):
         store.remove_leftovers()

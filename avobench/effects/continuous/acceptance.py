@@ -17,8 +17,7 @@ TURN_ON = 0.05
 ANGLE_TURN_ON = 0.2
 """Width of a turn-on in the angle, of the edge's own angle."""
 FARTHEST_EDGE = 1.1
-"""How far out an edge may lie, in half ranges, where a feature has no end: a cut lies just beyond the range of all but
-one in a hundred of what is left."""
+"""How far out an edge may lie, in half ranges, where a feature has no end."""
 WIDTH_BEGUN_AT = 0.1
 """Where a fit of the width of a soft turn-on begins."""
 OUTERMOST = 0.05
@@ -67,7 +66,6 @@ class EdgeAcceptance(Acceptance):
         return shapes | ({"angle": (Parameter("angle", 0.05, 1.2, None, "rad"),)} if self.bounded else {})
 
     def within(self, low, high, column):
-        """An interval at one end is taken for what is lost, one about the middle for what is left."""
         ends = self.ranges[column].unit(np.array([low, high]))
         at_end = ends.prod() > 0
         if self.shape == "window":
@@ -238,7 +236,6 @@ class Truncation(Acceptance):
 
     @property
     def limit(self) -> float | None:
-        """The limit of this shape, if the data show it."""
         return self.limits[self.shape == "truncated_above"]
 
     def strength(self) -> Parameter:
@@ -250,11 +247,9 @@ class Truncation(Acceptance):
         return Parameter("limit", min(end, far), max(end, far), end, "of the feature")
 
     def adapted(self, x):
-        """Take the limits that the data show. The range stays, since the data do not tell what lies beyond."""
         return replace(self, limits=tuple(sharp_end(x[:, self.feature], side) for side in SIDES))
 
     def guess(self, x):
-        """There is no start where the data thin out."""
         limit = (self if self.limits != (None, None) else self.adapted(x)).limit
         return np.empty((0, 1)) if limit is None else np.array([[limit]])
 
@@ -302,13 +297,11 @@ class AnalysisWindow(Acceptance):
         return {self.shape: (Parameter("centre", left, right, None, "of the feature"),)}
 
     def adapted(self, x):
-        """Take the range of the data as the window, if an end of it is sharp."""
         column = x[:, self.feature]
         sharp = any(sharp_end(column, side) is not None for side in SIDES)
         return replace(self, window=(float(column.min()), float(column.max())) if sharp else None)
 
     def guess(self, x):
-        """There is no start where the data thin out to both sides."""
         window = (self if self.window else self.adapted(x)).window
         return np.empty((0, 2)) if window is None else np.array([[window[1] - window[0], sum(window) / 2]])
 

@@ -18,10 +18,7 @@ SOURCES = {
 
 @dataclass(frozen=True)
 class Crosstalk(Change):
-    """A part of another feature is added: of the next one, of a given one, or of the mean of all others.
-
-    Or of what a given one exceeds a level by.
-    """
+    """A part of another feature is added: of the next one, of the mean of all, of a given one, or of its excess."""
 
     shape: str = "mean"
     between = True
@@ -32,7 +29,6 @@ class Crosstalk(Change):
 
     @classmethod
     def entries(cls, site):
-        """The entries of each feature; there are none where there is but one feature."""
         return super().entries(site) if len(site.features) > 1 else []
 
     STRENGTH = Parameter("coupling", -0.5, 0.5, 0, "1")
@@ -91,8 +87,7 @@ STRETCH = 0.5
 class ConditionalResponse(FeatureEffect):
     """A feature is shifted, smeared or stretched by an amount that depends on another one.
 
-    An entry for each feature acted on; which other one acts is a matter of shape. Each has a strength and nothing else,
-    so that a look at all of them costs no more than one at a place and a width.
+    An entry for each feature acted on; which other one acts is a matter of shape.
     """
 
     on_all = False
@@ -104,7 +99,6 @@ class ConditionalResponse(FeatureEffect):
 
     @classmethod
     def entries(cls, site) -> list[Effect]:
-        """One a feature where there are several, in its first shape."""
         return [entry.shapes()[0] for entry in super().entries(site) if entry.variants()]
 
     def strength(self) -> Parameter:
@@ -144,10 +138,7 @@ class Correlation(FeatureEffect):
     """All features, or two of them, share an error; a negative one moves the second of a pair to the other side.
 
     In the shape `tilt` the error of each is in proportion to its distance from a pivot, in the order of the features,
-    as of sensors on one table.
-
-    One entry, on all features; which of them share the error is a matter of shape. Where both are smeared alike but
-    each by itself it is `resolution`.
+    as of sensors on one table. Where features are smeared each by itself it is `resolution`.
     """
 
     between = True
@@ -158,7 +149,6 @@ class Correlation(FeatureEffect):
 
     @classmethod
     def entries(cls, site) -> list[Effect]:
-        """One where there are several features."""
         return [entry.shapes()[0] for entry in super().entries(site) if entry.feature == "all"]
 
     def strength(self) -> Parameter:

@@ -21,10 +21,7 @@ ends in a step, 0.41 of it where it rises evenly from nothing, and a fifth in th
 
 
 def sharp_end(x: NDArray[np.float64], side: str) -> float | None:
-    """The outermost of values (n,) `below` or `above`, if they end there in a step.
-
-    None if they thin out, if they repeat, or if they are too few to tell.
-    """
+    """The outermost of values (n,) `below` or `above`; None unless they end there in a step, and are enough to tell."""
     sign = 1 if side == "below" else -1
     k = max(len(x) // OUTERMOST, FEWEST)
     if 2 * k >= len(x):
@@ -52,10 +49,7 @@ class Spike:
 
     @classmethod
     def shown(cls, x: NDArray[np.float64], side: str) -> Self | None:
-        """The spike of values (n,) at the end `below` or `above`, if there is one.
-
-        None where more than two values repeat: those are steps.
-        """
+        """The spike of values (n,) at the end `below` or `above`; None where more than two repeat, as steps do."""
         values, counts = np.unique(x, return_counts=True)
         repeated, others = values[counts >= REPEATED], values[counts < REPEATED]
         if len(others) == 0 or len(repeated) not in (1, 2):

@@ -28,7 +28,6 @@ class FeatureEffect(Family):
 
     domains = ("continuous",)
     on_all: ClassVar[bool] = True
-    """Whether it may act on all features alike."""
     of_positive: ClassVar[bool] = False
     """Whether it acts on features only that have no negative values."""
 

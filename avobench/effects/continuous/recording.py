@@ -29,8 +29,7 @@ ROUNDED = {"nearest": np.rint, "down": np.floor, "middle": lambda v: np.floor(v)
 class Quantisation(Change):
     """A share of the values is known only in steps, or by the bin that it falls in.
 
-    In the shape `by_size` the steps may grow with the size of a value, as of floating-point numbers of few digits: the
-    border between two is at the same share of each step, from the smaller size to the larger.
+    In the shape `by_size` the steps may grow with the size of a value, as of floating-point numbers of few digits.
     """
 
     shape: str = "nearest"
@@ -100,7 +99,6 @@ class Quantisation(Change):
         return step if step < self.half else 0.0
 
     def guess(self, x):
-        """There is no start where no values repeat."""
         if self.shape.startswith("bins") or self.shape == "by_size":
             return None
         if self.shape.startswith("blurred"):
@@ -156,8 +154,7 @@ class Quantisation(Change):
 def _chain(levels: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Borders (m - 1,) between bins whose middles are `levels` (m,): each follows from its neighbour, hence from one.
 
-    Where they are if the one at the middle is at the level below it, and how they move with it, its step being a unit.
-    From the middle, since bins at the ends of a range may be cut off.
+    Where they are if the middle one is at the level below it, and how they move with it, its step being a unit.
     """
     at_0, middle = levels[:-1].copy(), (len(levels) - 1) // 2
     for k in range(middle + 1, len(at_0)):
@@ -256,9 +253,8 @@ class Saturation(Change):
 class Censoring(Change):
     """Values beyond a limit are recorded as one value: the limit itself, or what stands for such values.
 
-    It is tried where the data have a spike, which tells the value, and, if they end sharply beside it, the limit. With
-    the spike at the limit another shape of `saturation` has a parameter less. In the shapes `two_limits` a share of the
-    events has the outer of two limits, as where two converters take turns; the data show both as spikes.
+    It is tried where the data have a spike. In the shapes `two_limits` a share of the events has the outer of two
+    limits, as where two converters take turns.
     """
 
     shape: str = "censored_below"
@@ -293,7 +289,6 @@ class Censoring(Change):
         return self.shape.endswith("above")
 
     def adapted(self, x):
-        """Take the spikes and limits that the data show. The range stays, since they do not tell what lies beyond."""
         column = x[:, self.feature]
         shown = [Spike.shown(column, side) for side in SIDES]
         middle, found = np.median(column), spikes(column)
@@ -306,7 +301,6 @@ class Censoring(Change):
         )
 
     def guess(self, x):
-        """There is no start where the data have no spike."""
         adapted = self if self.spikes != (None, None) or any(self.two) else self.adapted(x)
         if self.shape.startswith("two_limits"):
             return None

@@ -14,8 +14,7 @@ TAIL_WIDTH = 3
 WIDEST_ANGLE = 1.5
 """Largest smearing of an angle [rad]: beyond a right angle nothing of the value is left."""
 FARTHEST_OFFSET = 0.7
-"""Largest offset in half ranges, or of an angle in rad: beyond, most values would lie where the simulator makes none.
-"""
+"""Largest offset in half ranges, or of an angle in rad."""
 TAIL_INDEX = 3
 """Power by which the density of a radiative tail falls: its mean is finite, its variance is not."""
 
@@ -213,8 +212,7 @@ LOSSES = {
 }
 """Random losses (n,) in units of their mean, by shape."""
 RADIATOR = "radiator"
-"""The shape in which every value loses, as an electron does in matter: mostly next to nothing, and at times nearly all.
-"""
+"""The shape in which every value loses, as an electron does in matter."""
 
 
 @dataclass(frozen=True)

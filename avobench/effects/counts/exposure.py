@@ -24,8 +24,7 @@ def exposed(
 ) -> NDArray:
     """Events whose counts in `columns` are over g times the exposure: g (n,) -> (n, d).
 
-    Whole exposures are added, a part of one is thinned. For a Poisson count this is exactly the count at g times the
-    rate, and it asks nothing about theta's meaning.
+    Whole exposures are added, a part of one is thinned: of a Poisson count exactly that at g times the rate.
     """
     g, at = np.minimum(g, LONGEST), list(columns)
     x = simulate(theta, rng)
@@ -45,7 +44,6 @@ HIGHEST = 1.8
 FALLEN = np.geomspace(1e-3, 8, 400)
 """Lifetimes over which a source may decay: from what changes no count to one that is used up."""
 VARIANCES = FALLEN / 2 / np.tanh(FALLEN / 2) - 1
-"""Relative variances of its rate."""
 LEAST_VARIANCE = 1e-12
 """Variance at the null value: a scatter of 1e-6 of the rate, which changes no count."""
 
@@ -56,7 +54,6 @@ class Rates(NamedTuple):
     highest: float
     """The largest relative variance with which it keeps its form."""
     parameters: tuple[Parameter, ...]
-    """Parameters of the shape beside the variance."""
     drawn: Callable[[NDArray, NDArray, np.random.Generator], NDArray[np.float64]]
     """Relative variances (n,), phi (n, q) -> rates (n,)."""
 

@@ -33,7 +33,6 @@ class ZeroInflation(CountEffect):
 
 
 def _turn_on(strength, x, threshold, width):
-    """A logistic that falls through half the strength at the threshold: (n,)."""
     return strength / (1 + np.exp(np.clip((x - threshold) / width, -50, 50)))
 
 

@@ -42,10 +42,7 @@ class DeadTime(CountEffect):
 
     @property
     def overload(self) -> float:
-        """Ten times the most that a counter blind for `highest` records, and 200 at least.
-
-        What a counter does is followed pulse by pulse, and simulators may be asked for any number of these.
-        """
+        """Ten times the most that a counter blind for `highest` records, and 200 at least."""
         return max(200.0, 10 / self.highest)
 
     def adapted(self, x):

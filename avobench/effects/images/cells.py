@@ -1,6 +1,7 @@
 """Effects of faulty cells: dead, noisy or inefficient ones, random noise, and a row or column with a wrong gain."""
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +13,32 @@ from avobench.effects.images.particles import PARTICLES, ParticleEffect
 
 
 @dataclass(frozen=True)
-class DeadCells(ImageEffect):
-    """Some cells lose what they should record: those that the data point to, or, without data, a fixed scatter."""
+class FaultyCells(ImageEffect):
+    """A fault of some cells: those that the data point to, or, without data, cells in a fixed order."""
 
     cells: tuple[int, ...] | None = None
     stage = 4
+    few: ClassVar[bool]
+    """Whether they fire less than others, rather than more."""
+    where: ClassVar[str] = "{unit}, by {cell}"
+    """The unit where one cell is at fault."""
+
+    def adapted(self, x):
+        return replace(self, cells=tuple(odd_cells(x, self.grid, few=self.few).tolist()))
+
+    def unit(self, parameter, units=()):
+        cell = told(self.cells, self.grid)
+        return self.where.format(unit=parameter.unit, cell=cell) if cell else parameter.unit
+
+    def guess(self, x):
+        return np.empty((0, 1)) if self.cells == () else None
+
+
+@dataclass(frozen=True)
+class DeadCells(FaultyCells):
+    """Some cells lose what they should record: those that the data point to, or, without data, a fixed scatter."""
+
+    few, where = True, "of what {cell} records"
     name = "dead_cells"
     position = 1
     sentence = "Some cells of the detector do not record."
@@ -27,17 +49,6 @@ class DeadCells(ImageEffect):
         if self.cells is None:
             return (Parameter("fraction", 0, 0.5, 0, "of the cells"),)
         return (Parameter("lost", 0, 1, 0, "1"),)
-
-    def adapted(self, x):
-        return replace(self, cells=tuple(odd_cells(x, self.grid, few=True).tolist()))
-
-    def unit(self, parameter, units=()):
-        """The unit, and which cell is at fault where it is one."""
-        cell = told(self.cells, self.grid)
-        return f"of what {cell} records" if cell else parameter.unit
-
-    def guess(self, x):
-        return np.empty((0, 1)) if self.cells == () else None
 
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
@@ -52,27 +63,15 @@ class DeadCells(ImageEffect):
 
 
 @dataclass(frozen=True)
-class NoisyCells(ImageEffect):
+class NoisyCells(FaultyCells):
     """Some cells fire by themselves: those that the data point to, or, without data, eight of them."""
 
-    cells: tuple[int, ...] | None = None
-    stage = 4
+    few = False
     name = "noisy_cells"
     position = 2
     sentence = "Some cells of the detector fire without a particle."
     source = "W. R. Leo, Techniques for Nuclear and Particle Physics Experiments, 2nd ed. (1994), Section 14.4"
     parameters = (Parameter("rate", 0, 1, 0, "an event"),)
-
-    def adapted(self, x):
-        return replace(self, cells=tuple(odd_cells(x, self.grid, few=False).tolist()))
-
-    def unit(self, parameter, units=()):
-        """The unit, and which cell is at fault where it is one."""
-        cell = told(self.cells, self.grid)
-        return f"{parameter.unit}, by {cell}" if cell else parameter.unit
-
-    def guess(self, x):
-        return np.empty((0, 1)) if self.cells == () else None
 
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)
@@ -195,7 +194,6 @@ class Gain(ImageEffect):
         return replace(self, odd=tuple(odd_line(x, self.grid, axis) for axis in (0, 1)))
 
     def guess(self, x):
-        """There is no start where no line stands out."""
         return np.empty((0, 2)) if self.odd and self.odd[LINES.index(self.shape)] is None else None
 
     def apply(self, simulate, theta, phi, rng):

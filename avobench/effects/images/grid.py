@@ -29,7 +29,6 @@ class ImageEffect(Effect):
         return self.grid[0] * self.grid[1]
 
     def order(self) -> NDArray[np.intp]:
-        """All cells in an order that looks random and is always the same."""
         return np.random.default_rng(PATTERN).permutation(self.num_cells)
 
 

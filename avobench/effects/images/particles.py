@@ -22,7 +22,6 @@ class ParticleEffect(ImageEffect):
 
     @classmethod
     def entries(cls, site):
-        """One entry, and none where a task makes its images in one step."""
         return super().entries(site) if site.task.generates == PARTICLES else []
 
     def altered(
@@ -57,7 +56,6 @@ class TransverseOffset(ParticleEffect):
 
     @classmethod
     def entries(cls, site):
-        """One entry, with the radius of the task's tracker."""
         return [replace(effect, radius=site.task.radius) for effect in super().entries(site)]
 
     def altered(self, particles, theta, phi, rng):

@@ -24,11 +24,6 @@ MOST_CANDIDATES = 20
 """Candidates that a figure of a page's height holds; the table has all."""
 
 
-def draw(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> list[Drawn]:
-    """All figures that the diagnosis has something to show in."""
-    return [drawing() for _, drawing in drawings(task, diagnosis, pictures)]
-
-
 def drawings(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> Iterator[tuple[str, Callable[[], Drawn]]]:
     """The figures that the diagnosis has something to show in: the name of each, and what draws it."""
     available: list[tuple[str, Callable[[], Drawn]]] = []

@@ -1,7 +1,6 @@
 """Inefficiency against the number of parameters."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from avobench.bench.cells.cell import Cell
@@ -29,7 +28,7 @@ def at(record, ratio, status="ok"):
     return {**record, **own, "status": status}
 
 
-def test_a_row_has_the_numbers_of_its_family_parameters_and_method(records, tmp_path):
+def test_a_row_has_the_numbers_of_its_family_parameters_and_method(records):
     told = [at(record, 1000 if record["task"] == "warped-5" else 0.5) for record in records]
     told[0]["status"] = "doubtful"
     assert told[0]["task"] == "warped-5"
@@ -40,8 +39,7 @@ def test_a_row_has_the_numbers_of_its_family_parameters_and_method(records, tmp_
     assert rows["of these ok"].tolist() == [0, 1, 0, 0]
     assert rows.loc[("means", 2), "inefficiency"] == pytest.approx(0.5 / np.log(2), rel=0.01)  # chi2 of 2, its median
     assert rows.loc[("warped", 5), "worst run / floor"] == pytest.approx(1000)
-    paths = dimension.draw(told, tmp_path)
-    assert pd.read_csv(paths[2])["inefficiency"].to_numpy() == pytest.approx(rows["inefficiency"], rel=1e-5)
+    assert dimension.drawn(told)[1]["inefficiency"].to_numpy() == pytest.approx(rows["inefficiency"], rel=1e-5)
 
 
 def test_the_detector_with_three_parameters_has_a_row_of_its_own(records):
@@ -51,6 +49,6 @@ def test_the_detector_with_three_parameters_has_a_row_of_its_own(records):
     assert rows["worst run / floor"].tolist() == pytest.approx([2.0, 3.0])
 
 
-def test_without_a_record_of_the_study_there_is_no_figure(records, tmp_path):
+def test_without_a_record_of_the_study_there_is_no_figure(records):
     with pytest.raises(StoreError, match="study dimension"):
-        dimension.draw([{**records[0], "task": "poisson"}], tmp_path)
+        dimension.drawn([{**records[0], "task": "poisson"}])

@@ -1,7 +1,6 @@
 """The paper's figures; what they show of the committed records is compared in tests/docs/test_published.py."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from avobench.bench.cells.streams import observe
@@ -17,8 +16,8 @@ def test_the_model_of_a_proposal_has_the_mean_of_a_poisson_of_a_lognormal_rate(s
     np.testing.assert_allclose(poisson.model(record, counts) @ counts, mean, rtol=1e-4)
 
 
-def test_weinberg_draws_the_very_observation_and_the_density_at_the_estimate(benchmark, tmp_path):
-    table = pd.read_csv(weinberg.draw(benchmark, tmp_path)[2])
+def test_weinberg_draws_the_very_observation_and_the_density_at_the_estimate(benchmark):
+    _, table = weinberg.drawn(benchmark)
     panel = table[(table["target"] == 1) & (table["method"] == "bolfi")]
     x = observe(Weinberg(), 1, 2_000, 0)
     np.testing.assert_allclose(panel["observed_density"], np.histogram(x, 20, (-1, 1), density=True)[0], rtol=1e-5)
@@ -27,6 +26,6 @@ def test_weinberg_draws_the_very_observation_and_the_density_at_the_estimate(ben
 
 
 @pytest.mark.parametrize(("figure", "said"), [(poisson, "study"), (alignment, "study"), (weinberg, "weinberg")])
-def test_without_the_records_that_it_needs_a_figure_says_so(figure, said, tmp_path):
+def test_without_the_records_that_it_needs_a_figure_says_so(figure, said):
     with pytest.raises(StoreError, match=said):
-        figure.draw([], tmp_path)
+        figure.drawn([])

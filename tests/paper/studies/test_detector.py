@@ -7,7 +7,7 @@ from paper.studies import detector
 
 
 def test_the_response_is_made_once(tmp_path, monkeypatch):
-    path = tmp_path / detector.FILE
+    path = tmp_path / detector.FILE.name
     record = detector.made(path, num_events=60)
     for response in record["responses"]:
         mean = np.array(response["mean"])
