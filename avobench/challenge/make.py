@@ -39,8 +39,8 @@ def make(
 
     Returns how many events it simulated, with those that say how visible each effect is. `manifest.json` and `data/`
     are all that solving needs; `answers.json` holds what was hidden. The manifest comes last, so that a folder without
-    it is known to be incomplete. `kinds` are all of KINDS by default, of which `foreign` needs `shapes`. Raises UsageError
-    for anything that cannot be met.
+    it is known to be incomplete. `kinds` are all of KINDS by default, of which `foreign` needs `shapes`. Raises
+    UsageError for anything that cannot be met.
     """
     kinds = tuple(kind for kind in KINDS if shapes or kind != "foreign") if kinds is None else kinds
     if cases < 1 or num_events < 1 or seed < 0:
