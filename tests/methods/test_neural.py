@@ -86,7 +86,9 @@ def test_a_bent_ridge_of_a_posterior_is_covered():
 
 
 def test_an_amortised_network_is_the_same_for_every_target_and_its_records_say_so():
-    cells = [Cell("poisson", {}, "nle", {"amortised": True, "steps": 20}, target, 0, 4_000, 100, 0) for target in (0, 1)]
+    cells = [
+        Cell("poisson", {}, "nle", {"amortised": True, "steps": 20}, target, 0, 4_000, 100, 0) for target in (0, 1)
+    ]
     together = execute_together(cells, [None, None])
     alone = [execute(cell) for cell in cells]
     for one, other in zip(together, alone, strict=True):
