@@ -17,7 +17,7 @@ def test_the_proposal_widens_with_what_varies_and_only_what_is_lacking_is_made(t
         started.append(arguments)
         if len(started) == 2:
             raise KeyboardInterrupt
-        return one(*arguments, num_events=10_000, budget=16_000)
+        return one(*arguments, num_events=5_000, budget=8_000)
 
     monkeypatch.setattr(study, "one", interrupted)
     with pytest.raises(KeyboardInterrupt):
