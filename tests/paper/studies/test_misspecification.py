@@ -1,5 +1,7 @@
 """The study of a wrong simulator: its proposal takes up what varies, and an interrupted study goes on."""
 
+from dataclasses import replace
+
 import pytest
 
 from avobench.tasks.errors import StoreError
@@ -11,6 +13,7 @@ def test_the_proposal_widens_with_what_varies_and_only_what_is_lacking_is_made(t
     monkeypatch.setattr(study, "TASKS", ("poisson",))
     monkeypatch.setattr(study, "STRENGTHS", (0.0, 0.3))
     monkeypatch.setattr(study, "REPETITIONS", 1)
+    monkeypatch.setattr(study, "METHOD", replace(study.METHOD, iterations=100))
     path, started, one = tmp_path / study.FILE, [], study.one
 
     def interrupted(*arguments):
