@@ -395,7 +395,7 @@ def test_from_the_command_line(tmp_path, monkeypatch, capsys):
     folder = tmp_path / "challenge"
     made = ("challenge", "make", "--task", "poisson", "--cases", 1, "--out", folder, "--events", 1000)
     assert avobench(*made, "--kinds", "own")[0] == 0
-    code, out, error = avobench("challenge", "solve", folder, "--simulations", 40_000)
+    code, out, error = avobench("challenge", "solve", folder, "--simulations", 20_000)
     assert code == 0, error
     code, out, _ = avobench("challenge", "score", folder, "--format", "json", "--records", tmp_path / "records.jsonl")
     assert json.loads(out)["solved"] == 1
