@@ -36,11 +36,11 @@ def make(
     progress: Callable[[str], None] = lambda line: None,
 ) -> int:
     """Write `cases` data sets of the task `spec` to the folder `out`, the kinds in equal shares and random order.
+    Returns how many events it simulated, with those that say how visible each effect is.
 
-    Returns how many events it simulated, with those that say how visible each effect is. `manifest.json` and `data/`
-    are all that solving needs; `answers.json` holds what was hidden. The manifest comes last, so that a folder without
-    it is known to be incomplete. `kinds` are all of KINDS by default, of which `foreign` needs `shapes`. Raises
-    UsageError for anything that cannot be met.
+    `manifest.json` and `data/` are all that solving needs; `answers.json` holds what was hidden. The manifest comes
+    last, so that a folder without it is known to be incomplete. `kinds` are all of KINDS by default, of which `foreign`
+    needs `shapes`. Raises UsageError for anything that cannot be met.
     """
     kinds = tuple(kind for kind in KINDS if shapes or kind != "foreign") if kinds is None else kinds
     if cases < 1 or num_events < 1 or seed < 0:

@@ -28,8 +28,8 @@ def run(kind: str, name: str, meter: Meter | None = None) -> Iterator[Result]:
     """Check the task, method or effect `name`, registered or `module:Class`, by default settings; results as they come.
 
     A round is tried only if all checks of the one before passed, so that one fault is told once. Whatever the checked
-    object raises is a result. A `meter` counts the events of a task. Only UsageError leaves this function: there is no
-    such object, it cannot be made with its default settings, or a package that it needs is not installed.
+    object raises is a result. Only UsageError leaves this function: there is no such object, it cannot be made with its
+    default settings, or a package that it needs is not installed. A `meter` counts the events of a task.
     """
     if kind == "effect":
         subject = effects.subjects(name)

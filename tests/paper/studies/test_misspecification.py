@@ -10,10 +10,10 @@ from paper.studies import misspecification as study
 
 
 def test_the_proposal_widens_with_what_varies_and_only_what_is_lacking_is_made(tmp_path, monkeypatch):
+    monkeypatch.setattr(study, "METHOD", replace(study.METHOD, iterations=100))
     monkeypatch.setattr(study, "TASKS", ("poisson",))
     monkeypatch.setattr(study, "STRENGTHS", (0.0, 0.3))
     monkeypatch.setattr(study, "REPETITIONS", 1)
-    monkeypatch.setattr(study, "METHOD", replace(study.METHOD, iterations=100))
     path, started, one = tmp_path / study.FILE, [], study.one
 
     def interrupted(*arguments):
