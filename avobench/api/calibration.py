@@ -45,6 +45,11 @@ class Calibration:
     """What went wrong with those that gave no answer, a line each."""
 
     @property
+    def num_simulations(self) -> int:
+        """Simulated events of these fits, with those that stand for measured ones."""
+        return sum(fit.num_simulations + fit.num_events for fit in self.fits)
+
+    @property
     def ranks(self) -> pd.DataFrame:
         """The share of what was quoted that lies below the true value, a row a fit: uniform if the errors hold.
 
@@ -79,6 +84,7 @@ class Calibration:
         """How many fits there are, how many were doubted, and the table."""
         doubted = sum(bool(fit.estimate.doubt) for fit in self.fits)
         head = f"{len(self.fits)} fits by {self.fits[0].method}, {doubted} of them doubtful, {len(self.failed)} failed"
+        head += f"; {self.num_simulations} simulated events"
         return "\n".join([head, self.to_frame().to_string(float_format="{:.2g}".format), *self.failed[:1]])
 
     __repr__ = __str__

@@ -14,6 +14,7 @@ from avobench.challenge.hide import hide
 from avobench.challenge.shape import Shape
 from avobench.tasks.contract import stable_hash
 from avobench.tasks.errors import UsageError
+from avobench.tasks.meter import Meter, metered
 
 KINDS = ("none", "own", "foreign", "two", "withheld")
 """No effect; one in a shape of the catalogue's; one in a shape that is not; two; one that solving must do without."""
@@ -33,8 +34,9 @@ def make(
     kinds: tuple[str, ...] | None = None,
     shapes: Sequence[Shape] = (),
     progress: Callable[[str], None] = lambda line: None,
-) -> None:
+) -> int:
     """Write `cases` data sets of the task `spec` to the folder `out`, the kinds in equal shares and random order.
+    Returns how many events it simulated, with those that say how visible each effect is.
 
     `manifest.json` and `data/` are all that solving needs; `answers.json` holds what was hidden. The manifest comes
     last. `kinds` are all of KINDS by default, of which `foreign` needs `shapes`. Raises UsageError.
@@ -51,6 +53,7 @@ def make(
         raise UsageError("--kinds foreign needs --shapes: the catalogue has shapes of its own alone")
     task = registry.build("task", spec, {})
     registry.require_packages("task", task)
+    task = metered(task, meter := Meter())
     (out / "data").mkdir(parents=True, exist_ok=True)
     root = np.random.SeedSequence([stable_hash("challenge", task.name), seed])
     order = np.random.default_rng(root.spawn(1)[0]).permutation([kinds[i % len(kinds)] for i in range(cases)])
@@ -67,6 +70,7 @@ def make(
     common = {**MANIFEST, "task": spec, "num_events": num_events}
     write_atomically(out / "answers.json", _json({**common, "seed": seed, "kinds": kinds, "cases": answers}))
     write_atomically(out / "manifest.json", _json({**common, "cases": public}))
+    return meter.used
 
 
 def named_shapes(spec: str) -> list[Shape]:

@@ -48,10 +48,10 @@ def make(
 
     chosen = None if kinds is None else tuple(kinds.split(","))
     foreign = () if shapes is None else module.named_shapes(shapes)
-    module.make(
+    used = module.make(
         named(task, trust), cases, seed, out, num_events=num_events, kinds=chosen, shapes=foreign, progress=_say
     )
-    say(f"{cases} data sets in {out}; next: avobench challenge solve {out}")
+    say(f"{cases} data sets in {out}, from {used} simulated events; next: avobench challenge solve {out}")
 
 
 @challenge.command()

@@ -16,10 +16,13 @@ from avobench.tasks.errors import AvobenchError
 def check(kind: str, name: str, trust: bool) -> None:
     """Check that a task, method or effect keeps its contract. NAME is a registered name, or module:Class."""
     from avobench.bench import conformance  # here, because SciPy's statistics take a second to load
+    from avobench.tasks.meter import Meter
 
-    passed = True
-    for result in conformance.run(kind, named(name, trust)):
+    passed, meter = True, Meter()
+    for result in conformance.run(kind, named(name, trust), meter):
         passed &= result.passed
         say(f"{'pass' if result.passed else 'FAIL'}  {result.what}" + (f": {result.why}" if result.why else ""))
+    if meter.used:
+        say(f"{meter.used} simulated events")
     if not passed:
         raise AvobenchError(f"{kind} {name} does not keep the contract")

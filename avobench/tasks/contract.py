@@ -35,8 +35,9 @@ class Box:
 
     def __post_init__(self) -> None:
         low, high = np.asarray(self.low, float), np.asarray(self.high, float)
-        if low.ndim != 1 or low.shape != high.shape or not (np.isfinite(low) & np.isfinite(high) & (low < high)).all():
-            raise ValueError(f"a box needs finite low < high of one length, got low={self.low}, high={self.high}")
+        with np.errstate(all="ignore"):
+            if low.ndim != 1 or low.shape != high.shape or not (np.isfinite(high - low) & (low < high)).all():
+                raise ValueError(f"a box needs finite low < high of one length, got low={self.low}, high={self.high}")
         object.__setattr__(self, "low", tuple(low.tolist()))
         object.__setattr__(self, "high", tuple(high.tolist()))
 

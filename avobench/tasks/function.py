@@ -55,6 +55,8 @@ class FunctionTask(Task):
         self.prior = box_of(prior, [name for name, kind in said.items() if kind == "integer"])
         ends = dict(zip(prior, zip(self.prior.low, self.prior.high, strict=True), strict=True))
         self.support = Box(*zip(*(support.get(parameter, ends[parameter]) for parameter in prior), strict=True))
+        if not self.support.contains_all(np.array([self.prior.low, self.prior.high])):
+            raise ValueError(f"the support of {name} must hold its prior")
         kinds = {name: kind for name, kind in (kinds or {}).items() if name not in said}
         if "integer" in said.values():
             self.parameter_kinds = tuple(said.get(parameter, "continuous") for parameter in prior)
@@ -244,6 +246,8 @@ def task(
     label = name or re.sub(r"[^A-Za-z0-9.]+", "-", getattr(simulate, "__name__", "")).strip("-") or "task"
     if not re.fullmatch(NAME, label):
         raise UsageError(f"the name of a task must be letters, digits, dots and dashes, got '{label}'")
+    if not prior:
+        raise UsageError(f"the prior of {label} is empty; give the ends of one parameter at least")
     box_of(prior, [parameter for parameter, kind in (kinds or {}).items() if kind == "integer"])
     for given, what in ((support or {}, "support"), (units or {}, "units")):
         for parameter in given:

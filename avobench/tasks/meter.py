@@ -2,8 +2,14 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from copy import copy
+from functools import partial
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from avobench.tasks.contract import Task
 from avobench.tasks.errors import BudgetExhausted
 
 
@@ -62,3 +68,15 @@ class Meter:
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "progress": None}  # a copy in another process tells nobody
+
+
+def metered(task: Task, meter: Meter) -> Task:
+    """A twin of a task each event of which is charged to a meter, whoever asks for it."""
+    twin = copy(task)
+    object.__setattr__(twin, "simulate", partial(_simulated, task, meter))  # the task may be a frozen dataclass
+    return twin
+
+
+def _simulated(task: Task, meter: Meter, theta: NDArray[np.float64], rng: np.random.Generator, *alter: Any) -> NDArray:
+    meter.charge(len(theta))
+    return task.simulate(theta, rng, *alter)

@@ -392,14 +392,14 @@ def test_from_the_command_line(tmp_path, monkeypatch, capsys):
         return exit.value.code or 0, *capsys.readouterr()
 
     folder = tmp_path / "challenge"
-    made = ("challenge", "make", "--task", "poisson", "--cases", 2, "--out", folder, "--events", 1000)
-    assert avobench(*made, "--kinds", "none,own")[0] == 0
-    code, out, error = avobench("challenge", "solve", folder, "--simulations", 40_000)
+    made = ("challenge", "make", "--task", "poisson", "--cases", 1, "--out", folder, "--events", 1000)
+    assert avobench(*made, "--kinds", "own")[0] == 0
+    code, out, error = avobench("challenge", "solve", folder, "--simulations", 20_000)
     assert code == 0, error
     code, out, _ = avobench("challenge", "score", folder, "--format", "json", "--records", tmp_path / "records.jsonl")
-    assert json.loads(out)["solved"] == 2
+    assert json.loads(out)["solved"] == 1
     code, out, _ = avobench("challenge", "score", tmp_path / "records.jsonl")
-    assert "poisson: 2 of 2 cases solved, 0 failed, 1000 events each" in out
+    assert "poisson: 1 of 1 cases solved, 0 failed, 1000 events each" in out
     assert score(read_records(tmp_path / "records.jsonl")) == score(records(folder))
     (tmp_path / "records.jsonl").write_text("{}\n")
     with pytest.raises(UsageError, match="does not hold records"):

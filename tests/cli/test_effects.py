@@ -74,7 +74,7 @@ def test_an_effect_is_checked_by_the_name_of_its_entry_point(avobench):
 
 
 def test_draw_makes_a_picture_of_each_effect_and_keeps_its_numbers(avobench, tmp_path, monkeypatch):
-    some = catalogue(Poisson())[:4]
+    some = catalogue(Poisson())[:2]
     monkeypatch.setattr(effects, "catalogue", lambda *_: some)
     monkeypatch.setattr(effects, "NUM_EVENTS", 2000)
     code, out, err = avobench("effects", "draw", "--task", "poisson", "--out", tmp_path)
@@ -92,7 +92,7 @@ def test_draw_makes_a_picture_of_each_effect_and_keeps_its_numbers(avobench, tmp
 
 
 def test_images_are_drawn_as_images(avobench, tmp_path, monkeypatch):
-    some = [effect for effect in catalogue(Alignment()) if effect.name in ("gain", "inefficiency")]
+    some = [effect for effect in catalogue(Alignment()) if effect.name == "inefficiency"]
     monkeypatch.setattr(effects, "catalogue", lambda *_: some)
     monkeypatch.setattr(effects, "NUM_IMAGES", 200)
     code, _, err = avobench("effects", "draw", "--task", "alignment", "--out", tmp_path)
@@ -100,4 +100,4 @@ def test_images_are_drawn_as_images(avobench, tmp_path, monkeypatch):
     table = pd.read_csv(tmp_path / "alignment-inefficiency.csv")
     assert len(table) == 2 * 1024
     assert (table["with"] <= table["without"]).all()
-    assert len(list(tmp_path.glob("*.png"))) == len(some) == 2
+    assert len(list(tmp_path.glob("*.png"))) == 1

@@ -43,7 +43,7 @@ def test_nothing_is_missing_in_counts_that_are_poisson():
 def test_drivers_differ_in_how_careful_they_are():
     names = ("overdispersion", "mixture", "zero_inflation", "dead_time")
     chosen = [effect for effect in catalogue(Poisson()) if effect.name in names]
-    diagnosis = diagnose(Poisson(), counts(CLAIMS), effects=chosen, num_simulations=25_000_000).diagnosis
+    diagnosis = diagnose(Poisson(), counts(CLAIMS)[::4], effects=chosen, num_simulations=8_000_000).diagnosis
     assert diagnosis.verdict in (Verdict.NAMED, Verdict.FAMILY)  # the shape that is added need not be the closest
     (found,) = diagnosis.effects
     assert found.name == "overdispersion"
@@ -72,7 +72,7 @@ def test_angles_within_a_fiducial_cut_of_unequal_ends():
     x = task.simulate(np.tile([45.0, 1.0], (4000, 1)), rng)
     seen = x[(x[:, 0] > -0.7) & (x[:, 0] < 0.9)][:2000]
     chosen = [e for e in catalogue(task) if e.name in ("edge_acceptance", "offset", "scale", "dead_region")]
-    diagnosis = diagnose(task, seen, effects=chosen).diagnosis
+    diagnosis = diagnose(task, seen, effects=chosen, num_simulations=6_000_000).diagnosis
     (found,) = diagnosis.effects
     assert found.name == "edge_acceptance"
     ends = {name: parameter.value for name, parameter in found.parameters.items()}
@@ -181,15 +181,12 @@ def test_a_dead_region_is_found_where_it_is():
 
 
 @pytest.mark.xfail(reason="since the decision is fitted to records, flat_background or double_counting comes first")
-@pytest.mark.parametrize(("count", "events"), [(2, 1000), (4, 300)])
-def test_counts_that_are_all_alike_are_those_of_a_counter_that_is_blind_for_most_of_the_time(
-    count, events, monkeypatch
-):
+def test_counts_that_are_all_alike_are_those_of_a_counter_that_is_blind_for_most_of_the_time(monkeypatch):
     """A dead time of nearly so large a part of the window, at a high rate: all measured events are in one bin."""
     monkeypatch.setattr("avobench.diagnosis.run.effort_for", lambda *_: Effort().scaled(0.1))
     # All at one limit describes such counts as well, and so does a low rate above a threshold.
     chosen = [e for e in catalogue(Poisson()) if e.name not in ("censoring", "truncation", "threshold_loss")]
-    found = diagnose(Poisson(), np.full((events, 1), count), effects=chosen).diagnosis
+    found = diagnose(Poisson(), np.full((1000, 1), 2), effects=chosen).diagnosis
     assert found.probabilities[0].name == "dead_time"
     assert found.p_value_before < 1e-6
 
@@ -201,7 +198,7 @@ def test_pairs_of_counts_that_theta_nearly_makes_up_for_are_found():
     # A rate that scatters describes such counts exactly as well.
     names = ("double_counting", "overdispersion", "dead_time", "pile_up")
     chosen = [effect for effect in catalogue(Poisson()) if effect.name in names]
-    diagnosis = diagnose(Poisson(), x, effects=chosen, num_simulations=15_000_000).diagnosis
+    diagnosis = diagnose(Poisson(), x, effects=chosen, num_simulations=6_000_000).diagnosis
     (found,) = diagnosis.effects
     assert found.name in ("double_counting", "overdispersion")
     assert diagnosis.verdict == Verdict.NAMED

@@ -8,7 +8,7 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
-FEWER = "import avobench, functools\navobench.infer = functools.partial(avobench.infer, budget=60_000)"
+FEWER = "import avobench, functools\navobench.infer = functools.partial(avobench.infer, budget={})"
 """Before a notebook: fewer events than its inferences would take."""
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -17,9 +17,9 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 def run():
     """Executes a notebook by its name, then an expression, and gives its cells."""
 
-    def cells(name, expression):
+    def cells(name, expression, budget):
         notebook = nbformat.read(EXAMPLES / f"{name}.ipynb", as_version=4)
-        notebook.cells.insert(0, nbformat.v4.new_code_cell(FEWER))
+        notebook.cells.insert(0, nbformat.v4.new_code_cell(FEWER.format(budget)))
         notebook.cells.append(nbformat.v4.new_code_cell(expression))
         NotebookClient(notebook, timeout=None, resources={"metadata": {"path": str(EXAMPLES)}}).execute()
         return notebook.cells
@@ -34,7 +34,7 @@ def shown(cells, kind):
 
 
 def test_a_simulator_of_ones_own_is_fitted_and_shows_its_uncertainty(run):
-    cells = run("fit-your-own-simulator", "fitted.theta")
+    cells = run("fit-your-own-simulator", "fitted.theta", 52_000)
     theta = ast.literal_eval(shown(cells, "text/plain")[-1])
     assert theta["asymmetry"] == pytest.approx(0.25, abs=0.05)
     assert theta["steep"] == pytest.approx(0.4, abs=0.05)
@@ -44,7 +44,7 @@ def test_a_simulator_of_ones_own_is_fitted_and_shows_its_uncertainty(run):
 
 
 def test_the_effect_that_a_simulator_lacks_is_named_and_with_it_the_rate_is_right(run):
-    cells = run("find-what-is-missing", "{'misled': misled.theta['rate'], 'mended': mended.theta['rate']}")
+    cells = run("find-what-is-missing", "{'misled': misled.theta['rate'], 'mended': mended.theta['rate']}", 20_000)
     (text,) = [text for text in shown(cells, "text/plain") if text.startswith("missing effect named")]
     found = re.search(r"^missing: dead_time .*tau = (\S+) ± (\S+) of the window", text, re.M)
     tau, std = map(float, found.groups())

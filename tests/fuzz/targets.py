@@ -138,11 +138,11 @@ class CommandLines(Target):
     def given(self, made: tuple[list[str], bool]) -> bool:
         line, wrong = made
         self._restore()
-        tempfile.tempdir = str(self.folder)
+        before, tempfile.tempdir = tempfile.tempdir, str(self.folder)
         try:
             code, said = ended(["--in-process", *line])  # another process would be out of the guard's sight
         finally:
-            tempfile.tempdir = None
+            tempfile.tempdir = before  # None would let the next input look for a folder, which the guard sees
         assert code or not wrong or {"-h", "--help", "--version"} & set(line), f"{line} was taken: {said}"
         return code == 0
 

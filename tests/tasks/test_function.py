@@ -70,6 +70,9 @@ def test_features_are_of_the_kinds_that_are_stated():
     [
         (decay, {"prior": [(1, 4)]}, "a name to each"),
         (decay, {"prior": {"t": (4, 1)}}, "low < high"),
+        (decay, {"prior": {"t": (-1e308, 1e308)}}, "low < high"),
+        (decay, {"prior": {}}, "is empty"),
+        (decay, {"prior": {"t": (1, 4)}, "support": {"t": (2, 3)}}, "must hold its prior"),
         (decay, {"prior": {"t": (1, 4)}, "units": {"u": "s"}}, "the parameters of decay are t"),
         (decay, {"prior": {"t": (1, 4)}, "features": ["a", "b"]}, "1 features, 2 names"),
         (decay, {"prior": {"t": (1, 4)}, "name": "../x"}, "letters, digits"),

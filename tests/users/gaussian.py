@@ -44,7 +44,7 @@ class Constant(GaussianMean):
         return np.ones(1)
 
 
-def gaussian_problem(task: Task, budget: int, truth=TRUTH, seed: int = 0) -> Problem:
+def gaussian_problem(task: Task, budget: int, truth=TRUTH, seed: int = 0, num_observed: int = 10_000) -> Problem:
     rng = np.random.default_rng(seed)
-    x_observed = rng.normal(truth, 1, (10_000, task.num_features))
+    x_observed = rng.normal(truth, 1, (num_observed, task.num_features))
     return pose(task, x_observed, MeteredSimulator(task, budget, rng))

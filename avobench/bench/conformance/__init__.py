@@ -10,8 +10,9 @@ from avobench.bench.conformance import effects, methods, tasks
 from avobench.bench.conformance.promises import BrokenPromise
 from avobench.bench.plugins import registry
 from avobench.tasks.errors import SimulatorError, raised, text_of
+from avobench.tasks.meter import Meter
 
-ROUNDS = {"task": tasks.rounds, "method": methods.rounds, "effect": effects.rounds}
+ROUNDS = {"method": methods.rounds, "effect": effects.rounds}
 
 
 @dataclass(frozen=True)
@@ -23,11 +24,12 @@ class Result:
     why: str = ""
 
 
-def run(kind: str, name: str) -> Iterator[Result]:
+def run(kind: str, name: str, meter: Meter | None = None) -> Iterator[Result]:
     """Check the task, method or effect `name` by default settings; results as they come.
 
-    A round is tried only if all checks of the one before passed, so that one fault is told once. Raises UsageError
-    alone: where there is no such object, or a package that it needs is not installed.
+    A round is tried only if all checks of the one before passed, so that one fault is told once. A `meter` counts the
+    events of a task. Raises UsageError alone: where there is no such object, or a package that it needs is not
+    installed.
     """
     if kind == "effect":
         subject = effects.subjects(name)
@@ -36,7 +38,8 @@ def run(kind: str, name: str) -> Iterator[Result]:
     else:
         subject = registry.build(kind, name, {})
         registry.require_packages(kind, subject)
-    for checks in ROUNDS[kind](name, subject):
+    rounds = tasks.rounds(name, subject, meter or Meter()) if kind == "task" else ROUNDS[kind](name, subject)
+    for checks in rounds:
         passed = True
         for what, check in checks:
             result = _result(what, check)

@@ -25,6 +25,7 @@ from avobench.effects.ranges import ranges
 from avobench.tasks import Box, Discriminator, Task
 from avobench.tasks.checked import checked_events
 from avobench.tasks.contract import NUM_TARGETS, Kind
+from avobench.tasks.meter import Meter, metered
 
 NUM_ALONE = 1000
 """The number of events simulated one at a time, which cannot know of each other, at each of two theta."""
@@ -33,7 +34,8 @@ NUM_BATCHES = 5
 """The number of batches that alternate between the two theta: what is drawn once for a batch differs between them."""
 
 
-def rounds(name: str, task: Task) -> Iterator[Round]:
+def rounds(name: str, task: Task, meter: Meter) -> Iterator[Round]:
+    plain, task = task, metered(task, meter)
     yield [
         ("says what it is, in a form that a record can hold", partial(recordable, "task", name, task)),
         ("names parameters, units, prior, support and features", partial(_described, task)),
@@ -46,7 +48,7 @@ def rounds(name: str, task: Task) -> Iterator[Round]:
     statistics = _Statistics(task)
     yield [
         ("simulates every corner of its prior and its support", partial(_corners, task)),
-        ("refuses theta outside its support", partial(_outside, task)),
+        ("refuses theta outside its support", partial(_outside, plain)),
         ("leaves theta as it is", partial(_theta_unchanged, task)),
         ("repeats its events for a seed, whatever the global seeds", partial(_same_seed, task)),
         ("makes other events for another seed", partial(_other_seed, task)),
@@ -57,7 +59,7 @@ def rounds(name: str, task: Task) -> Iterator[Round]:
         ("makes neighbouring rows independent", statistics.independent_rows),
         ("summarises events whatever their number and order", partial(_summary, task)),
         ("has a floor that more events do not raise", partial(_floor, task)),
-        ("can be sent to a worker process", partial(_pickles, task)),
+        ("can be sent to a worker process", partial(_pickles, plain, meter)),
     ]
     if task.generates:
         yield [("detects what it generates, altered or not, as it simulates", partial(_generates, task))]
@@ -323,7 +325,7 @@ def _floor(task: Task) -> None:
             )
 
 
-def _pickles(task: Task) -> None:
-    events = _events(task, 1, 1)  # first, so that what it keeps of them is pickled too
-    copy = pickle.loads(pickle.dumps(task))
+def _pickles(task: Task, meter: Meter) -> None:
+    events = _events(metered(task, meter), 1, 1)  # first, so that what it keeps of them is pickled too
+    copy = metered(pickle.loads(pickle.dumps(task)), meter)
     expect(np.array_equal(events, _events(copy, 1, 1)), "a pickled copy makes other events from the same seed")

@@ -1,5 +1,7 @@
 """Faults of measured events, or of the simulator, are told before anything is inferred from them."""
 
+import re
+from collections import Counter
 from collections.abc import Callable
 from functools import partial
 
@@ -114,6 +116,18 @@ def check_events(
     return _cast(task, x), warnings
 
 
+def _as_meant(names: list[str], features: list[str]) -> list[str]:
+    """The names of columns, where one is that of a feature but for capitals, spaces or a unit in brackets."""
+
+    def plain(name: str) -> str:
+        return re.sub(r"[\s_]|[\[(][^\[(]*[\])]\s*$", "", name).casefold()
+
+    lacking = Counter(plain(name) for name in features if name not in names)
+    rest = Counter(plain(name) for name in names if name not in features)
+    alike = {plain(name): name for name in features if lacking[plain(name)] == rest[plain(name)] == 1}
+    return [name if name in features else alike.get(plain(name), name) for name in names]
+
+
 def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
     """The columns of events in the order of the features of `task`, as an array, and remarks. Raises UsageError."""
     if not isinstance(x, pd.DataFrame):
@@ -121,11 +135,12 @@ def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
             return _counted(np.asarray(x))
         except ValueError as error:
             raise UsageError("the rows of the events differ in length; each must hold all features") from error
-    names, wanted = [str(name) for name in x.columns], list(task.feature_names)
-    told = []
+    given, wanted = [str(name) for name in x.columns], list(task.feature_names)
+    names = _as_meant(given, wanted)
+    told = [f"{a} is taken as {b}" for a, b in zip(given, names, strict=True) if a != b]
     if wanted and set(wanted) <= set(names):
         extra = [name for name in names if name not in wanted]
-        told = [f"{', '.join(extra)} is no feature of {task.name} and was left out"] if extra else []
+        told += [f"{', '.join(map(repr, extra))} is no feature of {task.name} and was left out"] if extra else []
         x = x.set_axis(names, axis=1)[wanted]
     elif wanted and set(wanted) & set(names):
         missing = [name for name in wanted if name not in names]

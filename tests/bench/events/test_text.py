@@ -76,12 +76,14 @@ TIMES = avobench.task(
 """A simulator of two times with names."""
 
 
-def test_names_say_which_column_is_which_feature():
+@pytest.mark.parametrize("names", [("t1", "t2"), ("T1 [us]", "t2"), ("t1 (ns)", "T2"), ("T1", " t_2")])
+def test_names_say_which_column_is_which_feature(names):
     x = np.random.default_rng(0).exponential([5, 2], (300, 2))
-    table = pd.DataFrame({"t2": x[:, 1], "run": 7, "t1": x[:, 0]})
+    table = pd.DataFrame({names[1]: x[:, 1], "run": 7, names[0]: x[:, 0]})
     matched, told = check_events(TIMES, table)
     np.testing.assert_array_equal(matched, x)
-    assert "run" in told[0]
+    assert "run" in told[-1]
+    assert all(f"{name} is taken as" in " ".join(told) for name in names if name not in TIMES.feature_names)
 
 
 def test_other_names_are_taken_in_order_and_said_so():
@@ -92,7 +94,8 @@ def test_other_names_are_taken_in_order_and_said_so():
 
 
 @pytest.mark.parametrize(
-    ("columns", "message"), [(["t1", "u"], "have no t2"), (["a", "b", "c"], "3 columns: a, b, c"), (["t1"], "no t2")]
+    ("columns", "message"),
+    [(["t1", "u"], "have no t2"), (["a", "b", "c"], "3 columns: a, b, c"), (["t1"], "no t2"), (["T1", "u"], "no t2")],
 )
 def test_missing_features_are_named(columns, message):
     with pytest.raises(UsageError, match=message):

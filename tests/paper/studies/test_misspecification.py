@@ -1,5 +1,7 @@
 """The study of a wrong simulator: its proposal takes up what varies, and an interrupted study goes on."""
 
+from dataclasses import replace
+
 import pytest
 
 from avobench.tasks.errors import StoreError
@@ -8,6 +10,7 @@ from paper.studies import misspecification as study
 
 
 def test_the_proposal_widens_with_what_varies_and_only_what_is_lacking_is_made(tmp_path, monkeypatch):
+    monkeypatch.setattr(study, "METHOD", replace(study.METHOD, iterations=100))
     monkeypatch.setattr(study, "TASKS", ("poisson",))
     monkeypatch.setattr(study, "STRENGTHS", (0.0, 0.3))
     monkeypatch.setattr(study, "REPETITIONS", 1)
@@ -17,7 +20,7 @@ def test_the_proposal_widens_with_what_varies_and_only_what_is_lacking_is_made(t
         started.append(arguments)
         if len(started) == 2:
             raise KeyboardInterrupt
-        return one(*arguments, num_events=10_000, budget=16_000)
+        return one(*arguments, num_events=5_000, budget=8_000)
 
     monkeypatch.setattr(study, "one", interrupted)
     with pytest.raises(KeyboardInterrupt):

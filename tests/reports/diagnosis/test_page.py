@@ -1,6 +1,7 @@
 """The figures and the page of a diagnosis, the page in a real browser."""
 
 import itertools
+import shutil
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -250,13 +251,13 @@ def test_a_figure_that_cannot_be_drawn_is_a_sentence_and_the_rest_is_there(brows
 
 
 @pytest.mark.parametrize("verdict", [Verdict.NOTHING, Verdict.FAMILY], ids=lambda verdict: verdict.name.lower())
-def test_every_verdict_has_a_page_also_where_there_is_nothing_to_show(browser, tmp_path, verdict):
+def test_every_verdict_has_a_page_also_where_there_is_nothing_to_show(browser, folder, tmp_path, verdict):
     task = Images()
     row = {"feature": "row", "low": -0.5, "high": 1.5, "kind": "deficit", "z": -9.0, "p_global": 0.0005}
     regions = [row, {**row, "feature": "column"}] if verdict == Verdict.FAMILY else []
     content = diagnosis(task, verdict, regions=regions, candidates=[], identifiability=[], notes=[])
     named = content.diagnosis.theta_after is not None
-    write(Poisson(), diagnosis(Poisson()), tmp_path, "of other data, with other figures")
+    shutil.copytree(folder, tmp_path, dirs_exist_ok=True)  # of other data, with other figures
     (tmp_path / "distribution-mine.csv").write_text("not of a diagnosis")
     paths = write(task, content, tmp_path, "images")
     assert {path.name for path in paths} | {"distribution-mine.csv"} == {path.name for path in tmp_path.iterdir()}
