@@ -1,10 +1,20 @@
+import numpy as np
 import pytest
 
 from avobench.diagnosis.settings import SCORE
-from paper.tables.decision import fitted, of_challenge, of_sealed
+from paper.tables.decision import by_others, fitted, told
 
 
 def test_the_decision_is_the_fit_to_the_committed_records():
-    cases = [*of_challenge(), *of_sealed()]
+    cases = told()
     assert (len(cases), sum(case.kind == "outside" for case in cases)) == SCORE.calibrated
-    assert fitted(cases) == pytest.approx([SCORE.sharpness, SCORE.several, SCORE.others, *SCORE.outside], abs=0.01)
+    assert fitted(cases) == pytest.approx([*SCORE.decision, SCORE.outside, SCORE.others], abs=0.01)
+
+
+def test_each_case_is_told_by_a_fit_to_others():
+    """With one simulator alone nothing is left to fit, and the numbers are those of their priors."""
+    cases = told()
+    one = [case for case in cases if case.simulator == cases[0].simulator]
+    [shares] = by_others(one[:1])
+    assert shares.sum() == pytest.approx(1)
+    assert np.log(shares) == pytest.approx(np.log(shares[0]) + (one[0].marks - one[0].marks[0]) @ fitted([]))
