@@ -27,7 +27,7 @@ AS_IT_IS = "the simulator as it is"
 OTHERS = "another set of effects"
 MEANT = (
     f"These probabilities were fitted to {SCORE.calibrated[0]} data sets with a known answer, {SCORE.calibrated[1]} of "
-    "them outside the catalogue. Of measured data they are too sure."
+    "them outside the catalogue."
 )
 """What the probabilities mean."""
 CLEARLY = 1.5
