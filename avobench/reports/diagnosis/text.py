@@ -159,21 +159,18 @@ def where(region: Place) -> str:
 
 
 def _lacking(diagnosis: Diagnosis) -> str:
-    """The sentence about what is missing, by the number of effects that describe the data alike."""
-    alike = [1 + len(effect.tied_with) for effect in diagnosis.effects]
-    if max(alike) == 1:
+    """The sentence about what is missing, by the number of effects that replace each other in the 95 % set."""
+    tied = [1 + len(effect.tied_with) for effect in diagnosis.effects]
+    if max(tied) == 1:
         names = " and ".join(map(label, diagnosis.effects))
         if diagnosis.verdict == Verdict.FAMILY:
             return f"What the simulator lacks is most like {names}, but the catalogue does not have its shape."
         return f"What the simulator lacks is most probably {names}."
-    if len(alike) == 1:
-        every = alike[0] >= len(diagnosis.candidates)
-        which, tell = f"{'all ' * every}{alike[0]} effects", "but not what" if every else "but do not tell which"
-        return (
-            f"These data show that something is missing, {tell}: {which} describe them alike, and the first is added."
-        )
-    counts = " and ".join(map(str, alike))
-    return f"These data show that something is missing; of the effects that were added each is one of {counts} alike."
+    if len(tied) == 1:
+        which = f"{tied[0]} effects replace each other in the 95 % set, and the most probable is added."
+    else:
+        which = f"each effect that was added is one of {' and '.join(map(str, tied))} that replace each other."
+    return f"These data show that something is missing, but do not surely tell which: {which}"
 
 
 def _left(diagnosis: Diagnosis) -> str:
