@@ -71,6 +71,17 @@ def draw(task: Task, rng: np.random.Generator, n: int, *theta: float) -> NDArray
     return task.simulate(np.tile(np.asarray(theta, dtype=float), (n, 1)), rng)
 
 
+def plain(name: str, of: Task, n: int, *theta: float) -> Case:
+    """Return a case in which nothing is missing: n events of a task at one point."""
+
+    def events(rng: np.random.Generator) -> NDArray:
+        """Nothing is missing."""
+        return draw(of, rng, n, *theta)
+
+    events.__name__ = name
+    return case(of)(events)
+
+
 def some(rng: np.random.Generator, n: int, share: float) -> NDArray:
     """Return which of n events are hit, each with the same chance."""
     return rng.random(n) < share

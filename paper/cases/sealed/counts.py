@@ -3,7 +3,7 @@
 import numpy as np
 
 from avobench import task
-from paper.cases.case import Case, case, draw, some
+from paper.cases.case import Case, case, draw, plain, some
 
 BUBBLES = task(
     lambda theta, rng: rng.poisson(theta[:, 0]),
@@ -43,17 +43,6 @@ def _goals(theta, rng):
 
 
 GOALS = task(_goals, prior={"mean": (1.5, 6), "edge": (0, 0.3)}, features=["goals"], name="hockey-goals")
-
-
-def plain(name, of, n, *theta):
-    """A null case: events of the simulator itself."""
-
-    def events(rng):
-        """Nothing is missing."""
-        return draw(of, rng, n, *theta)
-
-    events.__name__ = name
-    return case(of)(events)
 
 
 PLAIN = [

@@ -3,7 +3,7 @@
 import numpy as np
 
 from avobench import task
-from paper.cases.case import Case, case, draw, some
+from paper.cases.case import Case, case, draw, plain, some
 
 
 def _headway(theta, rng):
@@ -65,17 +65,6 @@ AGES = task(
     feature_units={"age": "yr"},
     name="ages-at-death",
 )
-
-
-def plain(name, of, n, *theta):
-    """A null case: events of the simulator itself."""
-
-    def events(rng):
-        """Nothing is missing."""
-        return draw(of, rng, n, *theta)
-
-    events.__name__ = name
-    return case(of)(events)
 
 
 PLAIN = [

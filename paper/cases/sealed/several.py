@@ -3,7 +3,7 @@
 import numpy as np
 
 from avobench import task
-from paper.cases.case import Case, case, draw, either, some
+from paper.cases.case import Case, case, draw, either, plain, some
 
 
 def _pressure(theta, rng):
@@ -102,17 +102,6 @@ FLOODS = task(
     feature_units={"hours": "h"},
     name="floods",
 )
-
-
-def plain(name, of, n, *theta):
-    """A null case: events of the simulator itself."""
-
-    def events(rng):
-        """Nothing is missing."""
-        return draw(of, rng, n, *theta)
-
-    events.__name__ = name
-    return case(of)(events)
 
 
 PLAIN = [
