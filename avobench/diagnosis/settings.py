@@ -212,6 +212,8 @@ class SearchSettings:
     furthest: float = 0.2
     """How far, in cube coordinates, theta follows an effect's strength within a first design, so that it stays inside
     the cube."""
+    first_half: float = 0.08
+    """How far off, in cube coordinates, the shape of an effect from a grid may be: beside `locations`."""
     first_rounds: int = 3
     """Rounds of a fit that begins; enough to tell the promising ones."""
     likeness: float = 4.0

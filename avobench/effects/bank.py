@@ -1,5 +1,7 @@
 """Simulated events at the nodes of a lattice of parameters, made on demand, kept, and used again."""
 
+from collections.abc import Iterable
+
 import joblib
 import numpy as np
 from joblib.externals.loky.process_executor import TerminatedWorkerError
@@ -43,6 +45,8 @@ class Bank:
         """With room for more: the first `_size` rows are events."""
         self._nodes: dict[bytes, NDArray[np.intp]] = {}
         """Where the events of each node stand among all, by its `_key`."""
+        self._handed: dict[bytes, int] = {}
+        """The most events of each node that a session was handed out: a bank that was kept may have more."""
 
     @property
     def used(self) -> int:
@@ -81,10 +85,25 @@ class Bank:
         place[order] = np.arange(len(theta)) + np.repeat(first - np.cumsum(counts) + counts, counts)
         self._make(corners[place >= have[which]], aside)
         taken.update(zip(keys, (first + counts).tolist(), strict=True))
+        self._handed.update((key, max(taken[key], self._handed.get(key, 0))) for key in keys)
         rows = np.empty(len(theta), np.intp)
         chosen = [self._nodes[key][a : a + n] for key, a, n in zip(keys, first.tolist(), counts.tolist(), strict=True)]
         rows[order] = np.concatenate([rows[:0], *chosen])
         return self._events[rows]
+
+    def all_of(self, taken: Iterable[bytes]) -> tuple[NDArray[np.float64], NDArray] | None:
+        """All events that any session was handed out of these nodes, and the theta of each: (n, p), (n, d).
+
+        None where a session has all that there is.
+        """
+        groups = [self._nodes[key][: self._handed[key]] for key in taken]
+        nodes = np.array([np.frombuffer(key, np.int64, len(self._low)) for key in taken])
+        theta = np.repeat(self._theta(nodes), [len(group) for group in groups], axis=0)
+        return theta, self._events[np.concatenate(groups)]
+
+    def _theta(self, nodes: NDArray[np.int64]) -> NDArray[np.float64]:
+        """(n, p) -> (n, p)"""
+        return np.clip(self._low + nodes / 2.0**FINEST * (self._high - self._low), self._low, self._high)
 
     def _corners(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.int64]:
         """A random corner of the cell around each row of theta (n, p), in steps of 2^-FINEST of the range: (n, p)."""
@@ -97,8 +116,7 @@ class Bank:
     def _make(self, rows: NDArray[np.int64], aside: bool) -> None:
         if not len(rows):
             return
-        share = rows / 2.0**FINEST
-        theta = np.clip(self._low + share * (self._high - self._low), self._low, self._high)
+        theta = self._theta(rows)
         self.meter.charge(len(theta))
         seeds = np.random.SeedSequence([self._seed, self.fills]).spawn(-(-len(theta) // PIECE))
         calls = [
@@ -154,6 +172,9 @@ class Given(Bank):
             start += count
         return self.task.events[rows]
 
+    def all_of(self, taken: Iterable[bytes]) -> None:
+        """A session has all events that there are, some of them more than once."""
+
     def repeats(self, taken: dict[bytes, int]) -> float:
         """How often a session that has `taken` so many events of each node had each of them, on average."""
         have = sum(min(count, len(self.task.groups[int(np.frombuffer(k, np.intp)[0])])) for k, count in taken.items())
@@ -183,6 +204,10 @@ class Session:
         for node in self._taken.keys() | other._taken.keys():
             later._taken[node] = max(self._taken.get(node, 0), other._taken.get(node, 0))
         return later
+
+    def all_beside(self) -> tuple[NDArray[np.float64], NDArray] | None:
+        """All events of the nodes of which this session has some, whoever asked for them; see `Bank.all_of`."""
+        return self._bank.all_of(self._taken)
 
     @property
     def repeats(self) -> float:

@@ -147,7 +147,7 @@ def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int,
     centre, best = fit.point, None
     for ratio in ratios:
         more = int(ratio * num_events)
-        axes = fit.next_design(ratio=more / fit.num_events).axes
+        axes = fit.next_design(ratio=max(more / fit.num_events, 1)).axes
         make = partial(surrogate, fit.model, target, num_events=more, rng=rng)
         s = quadratic(make, Design(centre, axes), target)
         here, step = fit_at(fit.model, s, target, s.design.centre), minimise(fit.model, s, target)

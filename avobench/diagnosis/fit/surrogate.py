@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -155,7 +155,22 @@ def from_events(model: Model, vectors: Vectors, design: Design, num_events: int,
     inverse = np.linalg.pinv(normal + pairs * np.outer(constant, constant), rcond=1e-12, hermitian=True)
     coefficients = inverse @ (spread + np.outer(constant, at_centre[0]))
     bend, bend_variance = alone[0] @ spread - at_centre[0] / pairs, alone[0, 0] + 1 / pairs
-    return Surrogate(design, coefficients, num_events, again * inverse, bend, again * bend_variance)
+    s = Surrogate(design, coefficients, num_events, again * inverse, bend, again * bend_variance)
+    return with_all(s, model, vectors, source) if isinstance(source, Session) and not model.effects else s
+
+
+def with_all(s: Surrogate, model: Model, vectors: Vectors, session: Session) -> Surrogate:
+    """A surrogate of theta alone by all events of the nodes that it has some of: more tell more, and cost nothing."""
+    if (events := session.all_beside()) is None:
+        return s
+    theta, x = events
+    normal, moments = 0.0, 0.0
+    for at in range(0, len(x), model.at_once):
+        some = slice(at, at + model.at_once)
+        b = basis(s.design.to_t(model.to_cube(theta[some])))
+        normal, moments = normal + b.T @ b, moments + vectors.moments(x[some], b)
+    inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
+    return replace(s, coefficients=inverse @ moments, inverse=inverse, num_events=len(x))
 
 
 def quadratic(make: Callable[[Design], Surrogate], design: Design, target: Target) -> Surrogate:

@@ -116,14 +116,20 @@ class Candidates:
         return ranked or self.matter((Weighed.of(fit, self.like) for fit in fits), beside)[: SEARCH.most[0]]
 
     @cached_property
+    def seed(self) -> int:
+        """Of the reference."""
+        return int(self.rng.integers(2**63))
+
     def reference(self) -> ReferenceModel:
-        """What effects are added to: what it makes is the same noise for all."""
-        return self.without.reference(self.target, int(self.effort.reference * self.target.num_events), self.rng)
+        """What effects are added to: its noise is the same for all, and the less, the more was simulated by then."""
+        events, rng = int(self.effort.reference * self.target.num_events), np.random.default_rng(self.seed)
+        return self.without.reference(self.target, events, rng)
 
     def work(self, fitting: Callable[..., Fit], begun: list, *how: int) -> list[Fit | None]:
         """The fits of all, from one seed, by so many processes as were asked for; None where events end."""
         seed = int(self.rng.integers(2**63))
-        calls = [(one, self.reference, self.target, np.random.default_rng(seed), *how) for one in begun]
+        reference = self.reference()
+        calls = [(one, reference, self.target, np.random.default_rng(seed), *how) for one in begun]
         return in_processes(self.jobs, self.without.model.events, fitting, calls)
 
     def matter(self, ranked: Iterable[Weighed], beside: float) -> list[Weighed]:
@@ -146,9 +152,11 @@ def begin(start: Start, reference: ReferenceModel, target: Target, rng: np.rando
     """The first steps of a fit of theta and the effects' parameters together."""
     model = start.model
     last = model.dim - len(model.effects[-1].parameters)
-    half = np.full(model.dim, 0.08)
-    half[:last] = 0.02
-    half[last] = max(start.near, 1e-4)
+    half = np.full(model.dim, SEARCH.first_half) if start.half is None else start.half.copy()
+    if start.half is None:
+        half[:last] = 0.02
+        half[last] = start.near
+    half = np.maximum(half, 1e-4)
     design = reference.design(start.point, half)
     shear = np.zeros_like(design.axes)
     shear[:last, last] = np.clip(start.along * half[last], -SEARCH.furthest, SEARCH.furthest)

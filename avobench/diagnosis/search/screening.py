@@ -200,6 +200,8 @@ class Start:
     """How far the strength may be off, in cube coordinates."""
     along: NDArray[np.float64] | float = 0.0
     """How the fit's parameters move, in cube coordinates (P,), with that of the strength."""
+    half: NDArray[np.float64] | None = None
+    """How far off each parameter may be, in cube coordinates (P,), where that is known."""
 
 
 def starts_of(fit: Fit, look: Look) -> list[Start]:

@@ -15,7 +15,7 @@ from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.search.candidates import Candidates, Weighed, worth
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.screening import Start
-from avobench.diagnosis.settings import BUDGET, SCORE, SEARCH
+from avobench.diagnosis.settings import BUDGET, FIT, SCORE, SEARCH
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.effects.model import Model
@@ -110,10 +110,12 @@ def named(shape: Effect) -> set[int | str | None]:
 
 
 def start_without(fit: Fit, k: int) -> Start:
-    """Where to begin a fit without the k-th effect: where the others are beside it."""
-    model, columns = fit.model.minus(k), fit.model.columns(k)
-    point = np.delete(fit.point, np.arange(columns.start, columns.stop))
-    return Start(model, point, np.nan, SEARCH.rough * list(model.strengths(point).values())[-1])
+    """Where to begin a fit without the k-th effect: where the others are beside it, as far as they are known there."""
+    model, gone = fit.model.minus(k), fit.model.columns(k)
+    kept = np.delete(np.arange(fit.model.dim), np.arange(gone.start, gone.stop))
+    half = FIT.min_sigmas * np.sqrt(np.diag(fit.point_covariance))[kept]
+    point, last = fit.point[kept], model.columns(0).start
+    return Start(model, point, np.nan, half[last], half=np.minimum(half, SEARCH.first_half))
 
 
 def refined(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) -> tuple[Fit, list[str]]:

@@ -1,10 +1,9 @@
-"""Cases on which the diagnosis is developed: those of ten simulators and ten tables, and a series that was sealed."""
+"""Cases on which the diagnosis is developed: a folder for each series, all but the first once sealed."""
 
 from paper.cases.case import Case
-from paper.cases.opened import counts, measured, one_feature, several, ten_measured, ten_simulators
+from paper.cases.opened import eleventh, first, tenth
 
 CASES: dict[str, list[Case]] = {
-    "simulated": [*ten_simulators.CASES, *counts.CASES, *one_feature.CASES, *several.CASES],
-    "measured": [*ten_measured.CASES, *measured.CASES],
+    by: [case for series in (first, tenth, eleventh) for case in series.CASES[by]] for by in ("simulated", "measured")
 }
 """By what made the events."""

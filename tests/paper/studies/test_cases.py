@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from avobench.tasks.errors import StoreError
-from paper.cases.opened import ten_measured as measured
+from paper.cases.opened.first import measured
 from paper.studies import cases
 
 ALL = [case for groups in cases.CASES.values() for some in groups.values() for case in some]
