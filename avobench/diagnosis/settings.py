@@ -59,6 +59,9 @@ class FitSettings:
     cell: float = 6.0
     """Spacing of the nodes at which events are simulated, at most, in standard errors of a parameter beside the others:
     over so short a way the mean of events is linear, and neighbouring fits use the same events."""
+    spanned: float = 0.1
+    """Share of what places all over a design tell of the worst known coefficient, that the nodes must tell in order to
+    stand for them."""
     identified: float = 5.0
     """Standard errors by which a direction must change the summary across its range to count as identified."""
     dear: float = 5.0
@@ -173,14 +176,13 @@ class SearchSettings:
     """Grid points of a single shape parameter. Chosen on development cases."""
     widths: int = 3
     """Grid points of a width beside a location: narrow, middling and wide."""
-    finalists: int = 6
-    """Points of the grid that are looked at again, with more events: the first look is too noisy to choose one."""
     final_events: int = 5
     """Times the events of the first look, for the second: as many again in all, since a grid has some 100 points."""
-    closest: int = 3
-    """Finalists that are looked at beside once more: an edge must be met within a fit's first design."""
-    look_steps: tuple[float, float] = (1 / 2, 1 / 4)
-    """How far beside the best points of a look the next one looks, in steps of the grid."""
+    closer: tuple[tuple[int, float], ...] = ((6, 1 / 2), (3, 1 / 4), (2, 1 / 8))
+    """Best points of a look beside which the next one looks, and how far from them, in steps of the grid: an edge must
+    be met within a fit's first design."""
+    followed: int = 4
+    """Steps of theta and the strength to where they fit best beside an effect: the next ones move them no more."""
     gain: float = 3.0
     """How far a strength may be moved from its grid point by linearity: to about the next point of `strengths`."""
     looked_at: int = 2
@@ -202,7 +204,7 @@ class SearchSettings:
     """Places at which a fit begins that were found in this way, at most, to either side."""
     coarse_points: int = 10
     """Points of theta a parameter, in each search for it beside a strength; the last strength's theta is not far."""
-    followed: int = 2
+    stepped: int = 2
     """Linear steps of theta that follow such a search. Chosen on development cases."""
     rough: float = 0.5
     """How far a strength from a grid may be off, as a share of it: the steps of the grid are factors of three to

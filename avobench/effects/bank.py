@@ -1,7 +1,5 @@
 """Simulated events at the nodes of a lattice of parameters, made on demand, kept, and used again."""
 
-from collections.abc import Iterable
-
 import joblib
 import numpy as np
 from joblib.externals.loky.process_executor import TerminatedWorkerError
@@ -33,6 +31,9 @@ class Bank:
     Every session begins with the first events of each node, and a node makes more only where a session asks for more
     than it has. So no event comes twice within a session, and what one fit has simulated serves all others.
     """
+
+    worth = 1.0
+    """What an event tells, in those of equal weight."""
 
     def __init__(self, task: Task, meter: Meter, seed: int, jobs: int = 1) -> None:
         self.task, self.meter, self.jobs = task, meter, jobs
@@ -76,6 +77,20 @@ class Bank:
 
         They are of those kept aside, or of all others; what is lacking is simulated. Raises BudgetExhausted.
         """
+        keys, which, counts = self.draw(theta, rng, taken, aside)
+        order, rows = np.argsort(which, kind="stable"), np.empty(len(theta), np.intp)
+        ends = [taken[key] for key in keys]
+        chosen = [self._nodes[key][end - n : end] for key, end, n in zip(keys, ends, counts.tolist(), strict=True)]
+        rows[order] = np.concatenate([rows[:0], *chosen])
+        return self._events[rows]
+
+    def draw(
+        self, theta: NDArray[np.float64], rng: np.random.Generator, taken: dict[bytes, int], aside: bool = False
+    ) -> tuple[list[bytes], NDArray[np.intp], NDArray[np.intp]]:
+        """The nodes that rows of theta (n, p) have an event of: their keys, which of them each row has, and how often.
+
+        These events are then `taken`, and what is lacking is simulated. Raises BudgetExhausted.
+        """
         corners = self._corners(theta, rng)
         nodes, which, counts = distinct_rows(corners)
         keys = [_key(node, aside) for node in nodes]
@@ -86,23 +101,18 @@ class Bank:
         self._make(corners[place >= have[which]], aside)
         taken.update(zip(keys, (first + counts).tolist(), strict=True))
         self._handed.update((key, max(taken[key], self._handed.get(key, 0))) for key in keys)
-        rows = np.empty(len(theta), np.intp)
-        chosen = [self._nodes[key][a : a + n] for key, a, n in zip(keys, first.tolist(), counts.tolist(), strict=True)]
-        rows[order] = np.concatenate([rows[:0], *chosen])
-        return self._events[rows]
+        return keys, which, counts
 
-    def all_of(self, taken: Iterable[bytes]) -> tuple[NDArray[np.float64], NDArray] | None:
-        """All events that any session was handed out of these nodes, and the theta of each: (n, p), (n, d).
+    def handed(self, keys: list[bytes]) -> tuple[NDArray[np.float64], NDArray, NDArray[np.intp]]:
+        """The thetas of nodes, all their events that any session was handed out, and the node of each.
 
-        None where a session has all that there is.
+        (m, p), (n, d), (n,).
         """
-        groups = [self._nodes[key][: self._handed[key]] for key in taken]
-        nodes = np.array([np.frombuffer(key, np.int64, len(self._low)) for key in taken])
-        theta = np.repeat(self._theta(nodes), [len(group) for group in groups], axis=0)
-        return theta, self._events[np.concatenate(groups)]
+        theta = self._theta(np.array([np.frombuffer(key, np.int64) for key in keys]))
+        groups = [self._nodes[key][: self._handed[key]] for key in keys]
+        return theta, self._events[np.concatenate(groups)], np.repeat(np.arange(len(keys)), list(map(len, groups)))
 
     def _theta(self, nodes: NDArray[np.int64]) -> NDArray[np.float64]:
-        """(n, p) -> (n, p)"""
         return np.clip(self._low + nodes / 2.0**FINEST * (self._high - self._low), self._low, self._high)
 
     def _corners(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.int64]:
@@ -152,7 +162,7 @@ class Given(Bank):
     """The events of a sample, and no more; a session that asks for more gets the first ones again."""
 
     def __init__(self, task: SampleTask, meter: Meter) -> None:
-        self.task, self.meter = task, meter
+        self.task, self.meter, self.worth = task, meter, task.worth
         meter.add(len(task.events))
 
     def resolve(self, scale: NDArray[np.float64]) -> None:
@@ -162,23 +172,38 @@ class Given(Bank):
         self, theta: NDArray[np.float64], rng: np.random.Generator, taken: dict[bytes, int], aside: bool = False
     ) -> NDArray:
         """An event for each row of theta, after those of each node that are `taken`: (n, p) -> (n, d)."""
-        groups = self.task.aside if aside else self.task.groups
-        nodes, which, counts = np.unique(self.task.corner(theta, rng), return_inverse=True, return_counts=True)
-        rows, order, start = np.empty(len(theta), np.intp), np.argsort(which, kind="stable"), 0
-        for node, count in zip(nodes, counts.tolist(), strict=True):
-            group, first = groups[node], taken.get(node.tobytes(), 0)
-            rows[order[start : start + count]] = group[np.arange(first, first + count) % len(group)]
-            taken[node.tobytes()] = first + count
+        keys, which, counts = self.draw(theta, rng, taken)
+        order, rows = np.argsort(which, kind="stable"), np.empty(len(theta), np.intp)
+        groups, start = self.task.aside if aside else self.task.groups, 0
+        for key, count in zip(keys, counts.tolist(), strict=True):
+            group = groups[_number(key)]
+            rows[order[start : start + count]] = group[np.arange(taken[key] - count, taken[key]) % len(group)]
             start += count
         return self.task.events[rows]
 
-    def all_of(self, taken: Iterable[bytes]) -> None:
-        """A session has all events that there are, some of them more than once."""
+    def draw(
+        self, theta: NDArray[np.float64], rng: np.random.Generator, taken: dict[bytes, int], aside: bool = False
+    ) -> tuple[list[bytes], NDArray[np.intp], NDArray[np.intp]]:
+        """The thetas of the sample that rows of theta (n, p) have an event of, as in `Bank.draw`."""
+        nodes, which, counts = np.unique(self.task.corner(theta, rng), return_inverse=True, return_counts=True)
+        keys = [node.tobytes() for node in nodes.astype(np.intp)]
+        taken.update((key, taken.get(key, 0) + count) for key, count in zip(keys, counts.tolist(), strict=True))
+        return keys, which, counts
+
+    def handed(self, keys: list[bytes]) -> tuple[NDArray[np.float64], NDArray, NDArray[np.intp]]:
+        """Thetas of the sample, all events of these, and which each is of: (m, p), (n, d), (n,)."""
+        numbers = [_number(key) for key in keys]
+        groups = [self.task.groups[number] for number in numbers]
+        return (
+            self.task.nodes[numbers],
+            self.task.events[np.concatenate(groups)],
+            np.repeat(np.arange(len(keys)), list(map(len, groups))),
+        )
 
     def repeats(self, taken: dict[bytes, int]) -> float:
         """How often a session that has `taken` so many events of each node had each of them, on average."""
-        have = sum(min(count, len(self.task.groups[int(np.frombuffer(k, np.intp)[0])])) for k, count in taken.items())
-        return sum(taken.values()) / max(have * self.task.worth, 1) if taken else 1.0
+        have = sum(min(count, len(self.task.groups[_number(k)])) for k, count in taken.items())
+        return sum(taken.values()) / max(have * self.worth, 1) if taken else 1.0
 
 
 class Session:
@@ -205,14 +230,14 @@ class Session:
             later._taken[node] = max(self._taken.get(node, 0), other._taken.get(node, 0))
         return later
 
-    def all_beside(self) -> tuple[NDArray[np.float64], NDArray] | None:
-        """All events of the nodes of which this session has some, whoever asked for them; see `Bank.all_of`."""
-        return self._bank.all_of(self._taken)
-
     @property
     def repeats(self) -> float:
         """How often each event was handed out, on average: by that the variance of a mean is larger than it seems."""
         return self._bank.repeats(self._taken)
+
+
+def _number(key: bytes) -> int:
+    return int(np.frombuffer(key, np.intp)[0])
 
 
 def _key(node: NDArray[np.int64], aside: bool) -> bytes:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,12 +104,14 @@ def basis_slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def surrogate(model: Model, vectors: Vectors, design: Design, num_events: int, rng: np.random.Generator) -> Surrogate:
-    """The mean vector over a design.
+    """The mean vector over a design, by all means that a source of events allows.
 
     Of events of a bank the last effect is known from what it does to each, so that only what it changes adds to the
     noise; see `ReferenceModel`.
     """
-    if not (isinstance(model.events, Bank) and model.effects and model.newest_acts_last):
+    if isinstance(model.events, Bank) and not model.effects:
+        return from_bank(model, vectors, design, num_events, rng)
+    if not (isinstance(model.events, Bank) and model.newest_acts_last):
         return from_events(model, vectors, design, num_events, rng)
     before = model.minus(len(model.effects) - 1)
     p = before.dim
@@ -155,22 +157,49 @@ def from_events(model: Model, vectors: Vectors, design: Design, num_events: int,
     inverse = np.linalg.pinv(normal + pairs * np.outer(constant, constant), rcond=1e-12, hermitian=True)
     coefficients = inverse @ (spread + np.outer(constant, at_centre[0]))
     bend, bend_variance = alone[0] @ spread - at_centre[0] / pairs, alone[0, 0] + 1 / pairs
-    s = Surrogate(design, coefficients, num_events, again * inverse, bend, again * bend_variance)
-    return with_all(s, model, vectors, source) if isinstance(source, Session) and not model.effects else s
+    return Surrogate(design, coefficients, num_events, again * inverse, bend, again * bend_variance)
 
 
-def with_all(s: Surrogate, model: Model, vectors: Vectors, session: Session) -> Surrogate:
-    """A surrogate of theta alone by all events of the nodes that it has some of: more tell more, and cost nothing."""
-    if (events := session.all_beside()) is None:
-        return s
-    theta, x = events
-    normal, moments = 0.0, 0.0
+def from_bank(model: Model, vectors: Vectors, design: Design, num_events: int, rng: np.random.Generator) -> Surrogate:
+    """The mean vector of a model without effects over a design, from a bank: half of the places lie at the centre.
+
+    All events of a node, whoever asked for them, stand for those that the places near it have: they cost nothing, and
+    tell more. Between few nodes the mean is taken as linear, see `Bank`; over many the polynomial is that of the nodes.
+    """
+    bank, k, pairs = model.events, (model.dim + 1) * (model.dim + 2) // 2, max(num_events // 2, 1)
+    normal, taken = np.zeros((k, k)), {}
+    sums: dict[bytes, NDArray[np.float64]] = {}
+    left = pairs
+    while left > 0:
+        n = min(left, model.at_once)
+        u = np.concatenate([design.to_u(rng.uniform(-1, 1, (n, model.dim))), np.tile(design.centre, (n, 1))])
+        terms = np.zeros((2 * n, k + 1))  # of spread places, and their number at the centre
+        terms[:n, :k], terms[n:, k] = basis(design.to_t(u[:n])), 1
+        normal += terms[:n, :k].T @ terms[:n, :k]
+        keys, which, _ = bank.draw(model.from_cube(u), rng, taken)
+        there = np.zeros((len(keys), k + 1))
+        np.add.at(there, which, terms)
+        for key, more in zip(keys, there, strict=True):
+            sums[key] = sums.get(key, 0) + more
+        left -= n
+    theta, x, node = bank.handed(list(sums))
+    size = np.bincount(node)[:, None]
+    at_nodes = basis(design.to_t(model.to_cube(theta)))
+    weights = np.hstack([np.array(list(sums.values())) / size, at_nodes])
+    moments = 0.0
     for at in range(0, len(x), model.at_once):
         some = slice(at, at + model.at_once)
-        b = basis(s.design.to_t(model.to_cube(theta[some])))
-        normal, moments = normal + b.T @ b, moments + vectors.moments(x[some], b)
-    inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
-    return replace(s, coefficients=inverse @ moments, inverse=inverse, num_events=len(x))
+        moments = moments + vectors.moments(x[some], weights[node[some]])
+    scatter = weights.T @ (weights * size) / bank.worth
+    inverse = np.linalg.pinv(normal + pairs * np.outer(np.eye(k)[0], np.eye(k)[0]), rcond=1e-12, hermitian=True)
+    solve = np.hstack([inverse, inverse[:, :1], np.zeros((k, k))])
+    of_nodes = (at_nodes * size).T @ at_nodes
+    if np.linalg.eigvalsh(of_nodes / len(x))[0] > FIT.spanned * np.linalg.eigvalsh(normal / pairs)[0]:
+        solve = np.hstack([np.zeros((k, k + 1)), np.linalg.inv(of_nodes)])
+    bend = np.r_[np.linalg.pinv(normal, rcond=1e-12, hermitian=True)[0], -1 / pairs, np.zeros(k)]
+    return Surrogate(
+        design, solve @ moments, len(x), solve @ scatter @ solve.T, bend @ moments, float(bend @ scatter @ bend)
+    )
 
 
 def quadratic(make: Callable[[Design], Surrogate], design: Design, target: Target) -> Surrogate:

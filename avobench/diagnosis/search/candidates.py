@@ -21,7 +21,7 @@ from avobench.diagnosis.fit.descent import descend, sharpen
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.surrogate import ReferenceModel
 from avobench.diagnosis.search.evidence import Weighed
-from avobench.diagnosis.search.screening import Look, Sample, Start, closer, glance, hidden, starts_of
+from avobench.diagnosis.search.screening import Around, Look, Sample, Start, closer, glance, hidden, starts_of
 from avobench.diagnosis.settings import SCORE, SEARCH
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
@@ -53,7 +53,8 @@ class Candidates:
     @cached_property
     def sample(self) -> Sample:
         """Events from which all effects are screened."""
-        return Sample(self.without, self.target, self.effort.sample, self.rng)
+        around = Around(self.reference(), self.target)
+        return Sample(self.without, self.target, self.effort.sample, self.rng, around)
 
     def glances(self, guesses: list[tuple[Effect, NDArray[np.float64] | None]]) -> list[Look]:
         """First looks at shapes of effects, but for those that the measured events rule out by an empty guess."""
@@ -62,7 +63,7 @@ class Candidates:
 
     def promise(self, look: Look) -> float:
         """The Q that a look lets expect: lowest for what is most promising."""
-        return float(look.expected(self.without)[0].min())
+        return float(look.expected(self.sample).q.min())
 
     def screened(self, glances: list[Look]) -> list[Start]:
         """Starts, most promising first, of what looked so at first, also beside other effects, which hardly matter."""
@@ -71,7 +72,7 @@ class Candidates:
         starts, all_alone = [], not self.parent.effects and len(self.effects) <= SEARCH.of_one_feature
         for first in best_first[: SEARCH.looked_at * self.effort.starts]:
             look = closer(self.sample, first, self.rng)
-            of_shape = starts_of(self.without, look)
+            of_shape = starts_of(self.sample, look)
             if all_alone and not look.guessed and any(look.effect is effect for effect in self.effects):
                 of_shape += hidden(self.sample, of_shape[0], self.rng, self.effort)
             starts += of_shape

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.descent import scan
 from avobench.diagnosis.fit.fit import Fit
+from avobench.diagnosis.fit.surrogate import ReferenceModel, basis
 from avobench.diagnosis.goodness_of_fit.regions import spots
-from avobench.diagnosis.settings import SEARCH
+from avobench.diagnosis.settings import FIT, SEARCH
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect, Parameter
 from avobench.effects.model import Model
@@ -56,8 +57,10 @@ class Sample:
     Only what an effect changes counts, so that the events' own scatter cancels.
     """
 
-    def __init__(self, fit: Fit, target: Target, num_events: int, rng: np.random.Generator) -> None:
-        self.fit, self.target = fit, target
+    def __init__(
+        self, fit: Fit, target: Target, num_events: int, rng: np.random.Generator, around: "Around | None" = None
+    ) -> None:
+        self.fit, self.target, self.around = fit, target, around
         self.x = fit.model.simulate(np.tile(fit.params, (num_events, 1)), rng)
         self._means: dict[tuple[int, int], NDArray[np.float64]] = {}
         self._spots: dict[int | str | None, list[tuple[float, float, int]]] = {}
@@ -112,7 +115,7 @@ class Sample:
 
     def closer(self, look: "Look", most: int, share: float, events: int, rng: np.random.Generator) -> "Look":
         """A look at what looked best, beside it, and where measured events and these disagree."""
-        points = np.concatenate([look.beside(self.fit, most, share), self.places(look.effect)])
+        points = np.concatenate([look.beside(self, most, share), self.places(look.effect)])
         return self.look(look.effect, points, events, rng, look.guessed)
 
     def places(self, effect: Effect) -> NDArray[np.float64]:
@@ -144,30 +147,80 @@ class Look:
     guessed: bool
     """Whether the points were read off the data, the strength with them."""
 
-    def expected(self, fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Q of a fit with this effect added, theta following linearly, at each point: (m,).
-
-        Also by what its strength is then multiplied, to where a linear effect would fit best: (m,).
-        """
-        strength, reach = self.effect.parameters[0], fit.reach
-        moved, left = (each - (each @ reach) @ reach.T for each in (self.change, fit.residual))
-        size = np.maximum((moved**2).sum(axis=1) - self.scatter, 0.5 * (moved**2).sum(axis=1)) + 1e-9
-        along = moved @ left
-        gain = np.clip(along / size, 0, SEARCH.gain)
+    def expected(self, sample: "Sample", steps: int = 1) -> "Expected":
+        """What fits with this effect may reach from each point, theta following."""
+        strength = self.effect.parameters[0]
         reach = np.where(self.points[:, 0] > strength.null, strength.high, strength.low) - strength.null
-        gain = np.minimum(gain, reach / (self.points[:, 0] - strength.null))
-        if self.guessed:
-            gain = np.ones_like(gain)
-        return left @ left - 2 * gain * along + gain**2 * size, gain
+        most = np.minimum(SEARCH.gain, reach / (self.points[:, 0] - strength.null))
+        return sample.around.expected(self.change, self.scatter, None if self.guessed else most, steps)
 
-    def best(self, fit: Fit, most: int) -> NDArray[np.float64]:
-        """The points (k, q) that look best."""
-        return self.points[np.argsort(self.expected(fit)[0])[:most]]
-
-    def beside(self, fit: Fit, most: int, share: float) -> NDArray[np.float64]:
+    def beside(self, sample: "Sample", most: int, share: float) -> NDArray[np.float64]:
         """The best points and others beside them, by a share of the grid's step: where to look again."""
-        best = self.best(fit, most)
+        best = self.points[np.argsort(self.expected(sample, SEARCH.followed).q)[:most]]
         return best if self.guessed else between(self.effect, best, share)
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What fits with one more effect may reach, from m points of its parameters."""
+
+    q: NDArray[np.float64]
+    """Chi-squared without what simulation adds (m,)."""
+    gain: NDArray[np.float64]
+    """By what the strength is multiplied, as if an effect were linear in it (m,)."""
+    point: NDArray[np.float64]
+    """Where the parameters without the effect are then, in the unit cube (m, p)."""
+
+
+class Around:
+    """A fitted model and others around it, to which what an effect does is added."""
+
+    def __init__(self, reference: ReferenceModel, target: Target) -> None:
+        self.surrogate, self.target = reference.surrogate, target
+        p = reference.model.dim
+        terms = target.whiten(target.summary.linear(self.surrogate.coefficients))
+        self._left, self._slopes = terms[0] - target.whiten(target.mean), terms[1 : p + 1]
+        self._bends = np.zeros((p, p, terms.shape[1]))  # of the products, half for each order of the two factors
+        i, j = np.triu_indices(p)
+        self._bends[i, j] += terms[p + 1 :] / 2
+        self._bends[j, i] += terms[p + 1 :] / 2
+
+    def expected(
+        self,
+        change: NDArray[np.float64],
+        scatter: NDArray[np.float64],
+        most: NDArray[np.float64] | None,
+        steps: int,
+    ) -> Expected:
+        """By Gauss-Newton `steps` of the parameters and of the gain, up to `most` (m,), or of the parameters alone.
+
+        `change` (m, r) is of the summary, whitened, and has a square by its `scatter` (m,) that is none of the effect.
+        """
+        m, p = len(change), len(self._slopes)
+        t, gain = np.zeros((m, p)), np.ones(m)
+        scatter = np.minimum(scatter, (change**2).sum(axis=1) / 2)
+        for _ in range(steps):
+            bent = np.tensordot(t, self._bends, 1)
+            left = self._left + np.einsum("mi,mir->mr", t, self._slopes + bent) + gain[:, None] * change
+            slope = np.concatenate([self._slopes + 2 * bent, change[:, None]], axis=1)
+            down = np.einsum("mir,mr->mi", slope, left)
+            down[:, p] -= gain * scatter
+            square = slope @ slope.transpose(0, 2, 1)
+            square[:, range(p + 1), range(p + 1)] += FIT.anchor
+            square[:, p, p] -= scatter
+            if most is None:
+                square[:, p], square[:, :, p], down[:, p] = 0, 0, 0
+                square[:, p, p] = 1
+            step = np.linalg.solve(square, down[..., None])[..., 0]
+            t, gain = np.clip(t - step[:, :p], -1, 1), gain - step[:, p]
+            if most is not None:
+                gain = np.clip(gain, 0, most)
+        left = self._left + np.einsum("mi,mir->mr", t, self._slopes + np.tensordot(t, self._bends, 1))
+        left = left + gain[:, None] * change
+        terms = basis(t)
+        noise = self.target.num_events * np.einsum("mi,ij,mj->m", terms, self.surrogate.inverse, terms)
+        q = (left**2).sum(axis=1) - gain**2 * scatter - noise * self.target.rank
+        return Expected(q, gain, self.surrogate.design.to_u(t))
 
 
 def glance(
@@ -185,8 +238,9 @@ def glance(
 def closer(sample: Sample, look: Look, rng: np.random.Generator) -> Look:
     """A look with more events at what looked best at first, and beside it, and where the events disagree."""
     events = SEARCH.final_events * look.events
-    second = sample.closer(look, SEARCH.finalists, SEARCH.look_steps[0], events, rng)
-    return sample.closer(second, SEARCH.closest, SEARCH.look_steps[1], events, rng)
+    for most, share in SEARCH.closer:
+        look = sample.closer(look, most, share, events, rng)
+    return look
 
 
 @dataclass(frozen=True)
@@ -204,11 +258,11 @@ class Start:
     """How far off each parameter may be, in cube coordinates (P,), where that is known."""
 
 
-def starts_of(fit: Fit, look: Look) -> list[Start]:
+def starts_of(sample: Sample, look: Look) -> list[Start]:
     """The best one or two points of a look at an effect, to add it to a fitted model there."""
-    model, strength, points = fit.model.plus(look.effect), look.effect.parameters[0], look.points
-    expected, gain = look.expected(fit)
-    order = np.argsort(expected)
+    fit, strength, points = sample.fit, look.effect.parameters[0], look.points
+    model, expected = fit.model.plus(look.effect), look.expected(sample, SEARCH.followed)
+    order = np.argsort(expected.q)
     chosen = [order[0]]
     if points.shape[1] > 1:
         far = [i for i in order if np.abs(points[i, 1:] - points[order[0], 1:]).max() > 1e-12]
@@ -216,15 +270,12 @@ def starts_of(fit: Fit, look: Look) -> list[Start]:
     starts = []
     for i in chosen:
         phi = points[i].copy()
-        phi[0] = strength.null + max(gain[i], 0.05) * (phi[0] - strength.null)
-        shift = fit.follow(fit.residual - gain[i] * look.change[i])
-        theta = np.clip(fit.point + np.clip(shift, -0.1, 0.1), 0, 1)
-        point = np.concatenate([theta, model.to_cube(np.concatenate([fit.params, phi]))[fit.model.dim :]])
+        phi[0] = strength.null + max(expected.gain[i], 0.05) * (phi[0] - strength.null)
+        point = np.concatenate([expected.point[i], model.to_cube(np.concatenate([fit.params, phi]))[fit.model.dim :]])
         step = (points[i, 0] - strength.null) / (strength.high - strength.low)
         along = -fit.follow(look.change[i]) / step
         off = SEARCH.guessed if look.guessed else SEARCH.rough
-        noiseless = float(expected[i]) - fit.noise * fit.dof  # as is that of the fit
-        starts.append(Start(model, point, noiseless, off * model.strengths(point)[fit.model.dim], along))
+        starts.append(Start(model, point, float(expected.q[i]), off * model.strengths(point)[fit.model.dim], along))
     return starts
 
 
@@ -254,8 +305,8 @@ def hidden(sample: Sample, start: Start, rng: np.random.Generator, effort: Effor
         for values in points:
             phi = start.model.to_cube(np.concatenate([fit.params, values]))[p:]
             point, _ = scan(start.model, target, rng, fixed=phi, around=theta, size=size)
-            for _ in range(SEARCH.followed):
-                x = start.model.simulate(np.tile(start.model.from_cube(point), (effort.fit // SEARCH.followed, 1)), rng)
+            for _ in range(SEARCH.stepped):
+                x = start.model.simulate(np.tile(start.model.from_cube(point), (effort.fit // SEARCH.stepped, 1)), rng)
                 left = target.whiten(target.mean - target.summary.mean(x)[0])
                 theta = point[:p] = np.clip(point[:p] + np.clip(fit.follow(left), -0.1, 0.1), 0, 1)
             noise = target.num_events / len(x) * target.rank
