@@ -7,7 +7,7 @@ from measurements import with_effect
 from avobench.diagnosis.effort import Effort, effort_for
 from avobench.diagnosis.fit.null import fit_null
 from avobench.diagnosis.search.candidates import begin, go_on
-from avobench.diagnosis.search.screening import Sample, closer, glance, hidden, starts_of
+from avobench.diagnosis.search.screening import Around, Sample, closer, glance, hidden, starts_of
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.tasks.weinberg import Weinberg
@@ -16,10 +16,10 @@ from avobench.tasks.weinberg import Weinberg
 def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
     rng, effort = np.random.default_rng(3), Effort()
     null = counter.null
-    sample = Sample(null, counter.target, effort.sample, rng)
-    look = closer(sample, glance(sample, counter.effect, counter.effect.guess(counter.x), rng, effort), rng)
-    starts = hidden(sample, starts_of(null, look)[0], rng, effort)
     reference = null.reference(counter.target, int(effort.reference * counter.target.num_events), rng)
+    sample = Sample(null, counter.target, effort.sample, rng, Around(reference, counter.target))
+    look = closer(sample, glance(sample, counter.effect, counter.effect.guess(counter.x), rng, effort), rng)
+    starts = hidden(sample, starts_of(sample, look)[0], rng, effort)
     fits = [begin(start, reference, counter.target, rng, effort.fit) for start in starts]
     fits = [go_on(fit, reference, counter.target, rng, effort.fit, 7) for fit in fits]
     strong = min(fits, key=lambda fit: abs(fit.params[1] - counter.truth.strong[1]))
@@ -34,9 +34,10 @@ def test_a_fit_begins_where_a_gap_is_that_is_narrower_than_any_grid():
     rng, effort = np.random.default_rng(1), effort_for(task, "continuous", None, 20_000)
     base, target = fit_null(Model(task), x, rng, effort, None)
     effect = next(e for e in catalogue(task) if e.name == "dead_region")
-    sample = Sample(base, target, effort.sample, rng)
+    reference = base.reference(target, int(effort.reference * target.num_events), rng)
+    sample = Sample(base, target, effort.sample, rng, Around(reference, target))
     look = closer(sample, glance(sample, effect, effect.guess(x), rng, effort), rng)
-    (best, *_) = starts_of(base, look)
+    (best, *_) = starts_of(sample, look)
     _, centre, width = best.model.from_cube(best.point)[-3:]
     assert centre == pytest.approx(at, abs=0.03)
     assert width < 0.1
