@@ -1,9 +1,5 @@
 """Cells carried out as one piece of work: the records of single ones, and a fault costs its own cell only."""
 
-import os
-import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -154,25 +150,6 @@ def test_all_cells_of_a_piece_tell_how_far_they_are(tmp_path):
     _, view = together(tmp_path, toys("pause=0.7", targets="0-1"))
     assert len(view.shares) == 4
     assert all(0 < shares[-1] < 1 for shares in view.shares.values())
-
-
-def test_an_interrupted_piece_leaves_what_was_finished_and_the_next_run_goes_on(tmp_path):
-    command = [sys.executable, "-m", "avobench", "run", "--backend", "together", "--group", "5", "--jobs", "2"]
-    command += ["--task", "toys:Normal", "--method", "toys:Lockstep", "--budget", "400", "--observations", "100"]
-    command += ["--set", "lockstep.pause=0.3", "--repetitions", "2", "--results", str(tmp_path)]
-    process = subprocess.Popen(command, cwd=HERE, start_new_session=True, stderr=subprocess.PIPE)
-    while len(list(tmp_path.glob("records/*.json"))) < 10:
-        assert process.poll() is None
-        time.sleep(0.02)
-    os.killpg(process.pid, signal.SIGINT)
-    _, error = process.communicate(timeout=120)
-    assert process.returncode == 130
-    assert error.decode().strip().splitlines()[-1].startswith("avobench: stopped; ")
-    sound, damaged = Store(tmp_path).read()
-    assert 10 <= len(sound) < 30
-    assert not damaged
-    subprocess.run(command, cwd=HERE, capture_output=True, check=True)
-    assert len(Store(tmp_path).read_all()) == 30
 
 
 def test_the_command_takes_the_backend_and_its_limit(avobench, tmp_path):

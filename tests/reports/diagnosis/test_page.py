@@ -159,22 +159,6 @@ def test_no_window_needs_a_horizontal_scrollbar(opened, width):
         assert opened.run("return document.querySelector('main').clientWidth") > 0.95 * width
 
 
-def test_light_and_dark_show_the_same_legibly(opened):
-    light, dark = opened.in_both_schemes()
-    assert np.median(light[:300]) > 230
-    assert np.median(dark[:300]) < 60
-
-
-def test_candidates_are_sorted_by_what_a_reader_clicks(opened):
-    def effects():
-        return [cell.text for cell in opened.driver.find_elements("css selector", "#candidates td:first-child")]
-
-    assert effects() == ["zero_inflation", "dead_time", "pile_up"]  # by score
-    opened.run("document.querySelectorAll('#candidates th button')[2].click()")
-    assert effects() == ["pile_up", "dead_time", "zero_inflation"]  # by p, of which one is 0
-    assert opened.complaints() == []
-
-
 def test_the_page_says_what_the_error_of_a_size_does_not_cover(opened):
     assert "may lie many errors from the size of nature's" in opened.run(
         "return document.querySelector('#theta').textContent"
