@@ -45,18 +45,6 @@ def test_problems_solved_together_are_solved_as_each_by_itself():
         assert [point.simulations for point in b.trace] == [point.simulations for point in a.trace]
 
 
-@pytest.mark.parametrize("cross_fit", [True, False])
-def test_problems_that_are_alike_do_not_learn_from_each_other(cross_fit):
-    """The same problem and stream twice in a stack with another one: the two answers are one."""
-    method = Avo(iterations=20, hidden=(8,), statistic_steps=20, cross_fit=cross_fit)
-    means = [np.array([1.0, 12.5]), np.array([-1.0, 8.0]), np.array([1.0, 12.5])]
-    first, other, again = method.infer_together(
-        [gaussian_problem(GaussianMeans(), 2000, mean) for mean in means], [np.random.default_rng(7) for _ in means]
-    )
-    np.testing.assert_allclose(first.theta, again.theta, rtol=1e-4)
-    assert not np.allclose(first.theta, other.theta, rtol=1e-2)
-
-
 def test_estimates_are_those_that_they_were():
     """What this gave when the records of results/reference were made, to the rounding of another machine."""
     given = gaussian_problem(GaussianMeans(), 3000, np.array([1.0, 12.5]))
