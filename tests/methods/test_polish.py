@@ -84,14 +84,6 @@ def test_the_prior_decides_where_the_events_say_nothing(toward, nearest):
     assert answer.error.min() > 0.5  # of the prior's order
 
 
-def test_answer_stays_within_the_bounds():
-    rng = np.random.default_rng(4)
-    u = rng.normal(3.5, 0.4, (5000, 1)).clip(-EDGE, EDGE)
-    answer = polished(rng.normal(9, 1, (5000, 1)), rng.normal(u, 1), u, 3.5)
-    assert answer.mean == [EDGE]
-    assert answer.converged
-
-
 def test_a_parameter_on_its_bound_leaves_the_others_their_rest():
     """x ~ N(A u, 1) with an observed mean beyond the bound of the second: the best first one within the bounds."""
     rng = np.random.default_rng(9)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 
 from avobench.bench.cells.trial import execute
 from avobench.bench.processes.local import LocalBackend
@@ -163,15 +164,8 @@ def test_the_command_takes_the_backend_and_its_limit(avobench, tmp_path):
     assert Store(tmp_path / "r").sweeps()[0]["backend"] == "together"
 
 
-def cuda():
-    import torch
-
-    return torch.cuda.is_available()
-
-
+@pytest.mark.skipif(not torch.cuda.is_available(), reason="there is no CUDA device")
 def test_avo_trains_all_targets_at_once_on_a_gpu(avobench, tmp_path):
-    if not cuda():
-        pytest.skip("needs a CUDA device")
     start = ("run", "--task", "poisson", "--method", "avo", "--targets", "0-3", "--budget", 16000, "--jobs", 1)
     start += ("--observations", 20000, "--results", tmp_path / "r")
     for device in ("cpu", "cuda"):
