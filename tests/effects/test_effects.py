@@ -49,6 +49,14 @@ def test_effects_keep_their_contract(name, monkeypatch):
     assert len(results) > 5
 
 
+@pytest.mark.parametrize("effect", catalogue(Weinberg()), ids=lambda effect: effect.name)
+def test_every_shape_keeps_its_contract_on_a_cosine(effect):
+    _, checks = suite.rounds(effect.name, [(Weinberg(), effect)])
+    for what, check_one in checks:
+        if "process" not in what:
+            check_one()
+
+
 def test_the_example_that_alters_a_stage_stops_its_share(monkeypatch):
     monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "docs" / "examples"))
     effect, theta = registry.effect("absorber:Absorber"), np.zeros((400, 1))
@@ -166,6 +174,8 @@ def test_one_recorded_event_in_ten_is_waited_for_and_what_is_rarer_costs_no_more
     x = accepted(simulate, np.zeros((20_000, 1)), lambda x, rows: x[:, 0] < share, np.random.default_rng(0))
     assert sum(drawn) <= (DRAWN + 1) * len(x)
     assert ((x < share).mean() > 0.999) == (share == 0.1)
+    few = accepted(simulate, np.zeros((3, 1)), lambda x, rows: 0 * x[:, 0], np.random.default_rng(0))
+    assert few.shape == (3, 1)
 
 
 @pytest.mark.parametrize(("shape", "phi"), [("cut", [1, 0.8]), ("window", [1, -0.7, 0.9])])

@@ -59,6 +59,14 @@ def test_the_poisson_example_is_that_of_section_4_1():
     assert sorted({cell.build_method().entropy for cell in cells}) == [0, 1e-4, 1e-2, 1e-1, 1]
 
 
+def test_the_row_sums_are_those_of_the_average_image():
+    task, other = tasks.AlignmentRows(), tasks.Alignment()
+    x = np.random.default_rng(0).integers(0, 2, (5, 1024)).astype(np.uint8)
+    np.testing.assert_allclose(task.summary(x), other.summary(x).reshape(32, 32).sum(axis=1))
+    np.testing.assert_array_equal(task.targets(), other.targets())
+    assert task.floor(task.targets()[0], 10, 10) == other.floor(task.targets()[0], 10, 10)
+
+
 @pytest.mark.parametrize("task", tasks.FRESH)
 def test_fresh_targets_are_others_than_the_tasks_own_and_pose_the_same_problem(task):
     own, targets = task.of(), task().targets()
