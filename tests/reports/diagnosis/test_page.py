@@ -195,11 +195,6 @@ def test_a_narrow_region_at_the_edge_is_seen_labelled_and_enlarged():
     assert len(wide.figure.axes) == 3  # nothing to enlarge
 
 
-def test_the_axis_of_a_feature_has_its_unit():
-    figure = distribution(edge(12.0), [], "distribution-1", "GeV").figure
-    assert figure.axes[-1].get_xlabel().endswith(" [GeV]")
-
-
 def test_labels_of_near_regions_do_not_stand_on_each_other():
     near = ((0.5, 5), (0.56, 6), (0.62, 7), (0.9, 8))
     regions = [Region.model_validate({**NARROW, "low": low, "high": low + 0.05, "z": z}) for low, z in near]
