@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from measurements import with_effect
+from measurements import Own, with_effect
 
 from avobench.api.diagnosis import require_events
 from avobench.bench.plugins import registry
@@ -9,7 +9,6 @@ from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.report.model_file import describe
 from avobench.diagnosis.report.uncertainties import QuotedFit
 from avobench.diagnosis.schema import Verdict
-from avobench.effects import Effect, Parameter
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model_file import AugmentedTask
 from avobench.tasks.errors import UsageError
@@ -165,19 +164,6 @@ def test_an_effect_that_is_not_in_the_catalogue_is_not_made_up():
 def test_impossible_requests_are_refused(arguments, message):
     with pytest.raises(UsageError, match=message):
         diagnose(Poisson(), counts(RUTHERFORD_GEIGER), **arguments)
-
-
-class Own(Effect):
-    """A user's effect that does what it is told."""
-
-    name = "own"
-    parameters = (Parameter("strength", 0, 1, 0, "1"),)
-
-    def __init__(self, events):
-        self.events = events
-
-    def apply(self, simulate, theta, phi, rng):
-        return self.events(simulate(theta, rng))
 
 
 def test_an_effect_of_the_users_is_tried_before_anything_is_fitted():
