@@ -109,13 +109,11 @@ bench-store: venv  ## time and memory of the commands that read a store, up to 1
 	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.store
 
 fuzz: venv  ## a thousand hostile inputs of every kind; a line each
-	cd tests && PYTHONPATH=.:users ../$(BIN)/python -m fuzz
+	FUZZ=1000 $(BIN)/python -m pytest --quiet --capture no tests/fuzz
 
 soak: venv  ## a thousand kills, failing operations on files, several writers, a dying cluster, linked stores, dirty methods
-	for proof in kills faults writers cluster; do \
-	  (cd tests && PYTHONPATH=.:users ../$(BIN)/python -m robustness.$$proof) || exit 1; done
-	for kind in linked dirty; do \
-	  (cd tests && PYTHONPATH=.:users ../$(BIN)/python -m fuzz --only $$kind --seed 1) || exit 1; done
+	SOAK=1 $(BIN)/python -m pytest --quiet --capture no tests/robustness
+	FUZZ=1000 FUZZ_SEED=1 $(BIN)/python -m pytest --quiet --capture no tests/fuzz -k 'linked or dirty'
 
 # For every system and Python that pyproject.toml allows. GPU libraries are left to PyTorch, which pins its own.
 constraints: venv  ## renew constraints.txt with the newest versions that go together; run the tests afterwards

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -23,45 +24,29 @@ def challenge() -> None:
 @challenge.command(cls=Isolated)
 @click.option("--task", required=True, metavar="NAME", help="Task by name, or module:Class.")
 @click.option("--cases", type=int, required=True, help="Number of data sets.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Seed of all random numbers.")
+@click.option("--seed", type=int, default=0, help="Seed of all random numbers.")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="New folder for data and answers.")
-@click.option("--events", "num_events", type=int, default=50_000, show_default=True, help="Events of each data set.")
-@click.option(
-    "--kinds", default=None, metavar="A,B", help="Kinds to hide, of none, own, foreign, two, withheld.  [all]"
-)
-@click.option(
-    "--shapes", default=None, metavar="MODULE:NAME", help="Shapes for the kind foreign, such as shapes:SEEN in a clone."
-)
+@click.option("--events", "num_events", type=int, default=50_000, help="Events of each data set.")
+@click.option("--kinds", metavar="A,B", help="Kinds to hide, of none, own, foreign, two, withheld.  [all]")
+@click.option("--shapes", metavar="MODULE:NAME", help="Shapes for the kind foreign, such as shapes:SEEN in a clone.")
 @TRUST
-def make(
-    task: str,
-    cases: int,
-    seed: int,
-    out: Path,
-    num_events: int,
-    kinds: str | None,
-    shapes: str | None,
-    trust: bool,
-) -> None:
+def make(task: str, kinds: str | None, shapes: str | None, trust: bool, **asked: Any) -> None:
     """Hide random effects in data sets of a task. The answers are in answers.json, apart from the data."""
     from avobench.challenge import make as module
 
     chosen = None if kinds is None else tuple(kinds.split(","))
     foreign = () if shapes is None else module.named_shapes(shapes)
-    used = module.make(
-        named(task, trust), cases, seed, out, num_events=num_events, kinds=chosen, shapes=foreign, progress=_say
-    )
+    used = module.make(named(task, trust), kinds=chosen, shapes=foreign, progress=_say, **asked)
+    cases, out = asked["cases"], asked["out"]
     say(f"{cases} data sets in {out}, from {used} simulated events; next: avobench challenge solve {out}")
 
 
 @challenge.command()
 @FOLDER
-@click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [1]")
-@click.option("--alpha", type=float, default=None, help="Upper bound on the rate of false alarms.")
-@click.option(
-    "--simulations", "num_simulations", type=int, default=None, help="Limit on simulated events per data set."
-)
-@click.option("--fit", default=None, metavar="NAME", help="Method that fits theta first.")
+@click.option("--jobs", "-j", type=int, default=1, help="Worker processes.")
+@click.option("--alpha", type=float, help="Upper bound on the rate of false alarms.")
+@click.option("--simulations", "num_simulations", type=int, help="Limit on simulated events per data set.")
+@click.option("--fit", metavar="NAME", help="Method that fits theta first.")
 @TIME_LIMIT
 @MEMORY_LIMIT
 @TRUST
@@ -69,34 +54,26 @@ def make(
 def solve(
     state: State,
     folder: Path,
-    jobs: int | None,
-    alpha: float | None,
-    num_simulations: int | None,
-    fit: str | None,
+    jobs: int,
     time_limit: float | None,
     memory_limit: float | None,
     trust: bool,
+    **options: Any,
 ) -> None:
     """Diagnose every data set that has no result yet. The answers are not read."""
     from avobench.challenge.solve import solve as solve_all
 
-    options = {"alpha": alpha, "num_simulations": num_simulations, "fit": fit}
-    workers = Workers(
-        1 if jobs is None else jobs,
-        time_limit=time_limit,
-        memory_limit=memory_limit,
-        in_process=state.in_process,
-    )
+    workers = Workers(jobs, time_limit=time_limit, memory_limit=memory_limit, in_process=state.in_process)
     state.resumes = True
-    chosen = {name: v for name, v in options.items() if v is not None}
+    chosen = {name: value for name, value in options.items() if value is not None}
     solve_all(folder, workers=workers, options=chosen, trust=trust, progress=_say)
     say(f"results in {folder / 'results'}; next: avobench challenge score {folder}")
 
 
 @challenge.command(cls=Isolated)
 @click.argument("places", metavar="FOLDER...", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--format", "kind", type=click.Choice(["text", "json"]), default="text", show_default=True)
-@click.option("--records", type=click.Path(path_type=Path), default=None, help="File for the answers and diagnoses.")
+@click.option("--format", "kind", type=click.Choice(["text", "json"]), default="text")
+@click.option("--records", type=click.Path(path_type=Path), help="File for the answers and diagnoses.")
 @click.option("--targets", is_flag=True, help="Print the project's targets beside the results.")
 @TRUST
 def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bool, trust: bool) -> None:

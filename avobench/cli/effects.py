@@ -21,7 +21,6 @@ TASKS = ("poisson", "weinberg", "carl", "alignment")
 @click.option(
     "--task",
     "spec",
-    default=None,
     metavar="NAME",
     help="List the effects that apply to this task, with the bounds of their parameters.",
 )
@@ -46,10 +45,8 @@ def effects() -> None:
 @click.option(
     "--task", "specs", multiple=True, metavar="NAME", help=f"Task, or module:Class. Repeatable.  [{', '.join(TASKS)}]"
 )
-@click.option(
-    "--out", type=click.Path(path_type=Path), default=Path("reports/effects"), show_default=True, help="Folder."
-)
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the events.")
+@click.option("--out", type=click.Path(path_type=Path), default=Path("reports/effects"), help="Folder.")
+@click.option("--seed", type=click.IntRange(0), default=0, help="Seed of the events.")
 @TRUST
 def draw_(specs: tuple[str, ...], out: Path, seed: int, trust: bool) -> None:
     """Draw the events of a task without and with each shape of each effect, at a medium strength."""

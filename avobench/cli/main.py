@@ -44,7 +44,10 @@ class Commands(click.Group):
             formatter.write_dl([(name, COMMANDS[name][1]) for name in self.list_commands(context)])
 
 
-@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+HELP = {"help_option_names": ["-h", "--help"], "max_content_width": 110, "show_default": True}
+
+
+@click.group(cls=Commands, context_settings=HELP)
 @click.version_option(package_name="avobench")
 @click.option("--debug", is_flag=True, help="Show the traceback of an error. Accepted anywhere.")
 @click.option("--in-process", is_flag=True, help="Run your code in this process, for a debugger. Accepted anywhere.")

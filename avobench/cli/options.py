@@ -11,12 +11,9 @@ RESULTS = click.option(
     "--results",
     type=click.Path(path_type=Path),
     default=DEFAULT,
-    show_default=True,
     help="Folder of the records.",
 )
-SEED = click.option(
-    "--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Seed of all random numbers."
-)
+SEED = click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, help="Seed of all random numbers.")
 TRUST = click.option("--trust", is_flag=True, help="Allow a model.json to run code that it names.")
 DATA = click.option(
     "--data",
@@ -24,15 +21,14 @@ DATA = click.option(
     metavar="FILE",
     help="File of measured events, one row per event. For ROOT, file.root:tree.",
 )
-COLUMNS = click.option("--columns", default=None, metavar="A,B,...", help="Columns or branches to read, in this order.")
+COLUMNS = click.option("--columns", metavar="A,B,...", help="Columns or branches to read, in this order.")
 SECONDS = click.option(
     "--seconds",
     type=float,
-    default=None,
     help="End the command, and all that it started, after so many seconds.  [no limit]",
 )
 TIME_LIMIT, MEMORY_LIMIT = (
-    click.option(f"--{what}-limit", type=float, default=None, metavar=unit, help=f"Limit for {of}.  [{usual}]")
+    click.option(f"--{what}-limit", type=float, metavar=unit, help=f"Limit for {of}.  [{usual}]")
     for what, unit, of, usual in (
         ("time", "SECONDS", "each cell or data set", 21600),
         ("memory", "MIB", "the process of each", 8192),

@@ -10,9 +10,7 @@ from avobench.cli.options import RESULTS
 from avobench.cli.terminal import say
 from avobench.reports.figures import FIGURES, TRACED, draw
 
-OUT = click.option(
-    "--out", type=click.Path(path_type=Path), default=Path("reports"), show_default=True, help="Folder to write to."
-)
+OUT = click.option("--out", type=click.Path(path_type=Path), default=Path("reports"), help="Folder to write to.")
 
 
 @click.command("figure")

@@ -34,28 +34,21 @@ from avobench.reports.figures import draw
 @click.option(
     "--method", "methods", multiple=True, metavar="NAME", help="Method by name, or module:Class. Repeatable.  [all]"
 )
-@click.option("--targets", default="0-14", show_default=True, help="Targets by indices and ranges, such as 0,3,7-9.")
-@click.option("--budget", type=int, default=160_000, show_default=True, help="Simulated events that each cell may use.")
-@click.option("--observations", type=int, default=100_000, show_default=True, help="Observed events of each target.")
-@click.option("--repetitions", type=int, default=1, show_default=True, help="Repetitions of each target.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Seed of all random numbers.")
-@click.option("--jobs", "-j", type=int, default=None, help="Worker processes.  [one per core]")
+@click.option("--targets", default="0-14", help="Targets by indices and ranges, such as 0,3,7-9.")
+@click.option("--budget", type=int, default=160_000, help="Simulated events that each cell may use.")
+@click.option("--observations", type=int, default=100_000, help="Observed events of each target.")
+@click.option("--repetitions", type=int, default=1, help="Repetitions of each target.")
+@click.option("--seed", type=int, default=0, help="Seed of all random numbers.")
+@click.option("--jobs", "-j", type=int, help="Worker processes.  [one per core]")
 @click.option(
     "--backend",
     type=click.Choice(["local", "together", "dask"]),
-    default=None,
     help="local: each cell in a worker process. together: all cells of a task at once, where the method supports it. "
     "dask: a cluster.  [local; together with --device cuda]",
 )
-@click.option(
-    "--group", type=int, default=None, metavar="N", help="With --backend together, most cells at once.  [all]"
-)
-@click.option(
-    "--scheduler", default=None, metavar="ADDRESS", help="Address of the Dask scheduler, such as tcp://10.0.0.1:8786."
-)
-@click.option(
-    "--device", type=click.Choice(["cpu", "cuda"]), default="cpu", show_default=True, help="Device of the networks."
-)
+@click.option("--group", type=int, metavar="N", help="With --backend together, most cells at once.  [all]")
+@click.option("--scheduler", metavar="ADDRESS", help="Address of the Dask scheduler, such as tcp://10.0.0.1:8786.")
+@click.option("--device", type=click.Choice(["cpu", "cuda"]), default="cpu", help="Device of the networks.")
 @RESULTS
 @click.option(
     "--set",
@@ -71,7 +64,6 @@ from avobench.reports.figures import draw
 @click.option(
     "--figure",
     type=click.Path(path_type=Path),
-    default=None,
     metavar="DIR",
     help="Folder for box plots, which are drawn again after each target.",
 )

@@ -275,24 +275,13 @@ def polish_closer(
     than its own errors explain, it takes the place of the wider one's and is tested in its turn; else the wider one
     stands, as it uses more events. A closer look that does not come to rest tells nothing. Otherwise as `polish`.
     """
-    return closer(lambda mean, root: polish(folds, mean, root, *bounds, toward), mean, root, narrowing)
-
-
-def closer(
-    answer_from: Callable[[NDArray[np.float64], NDArray[np.float64]], Polished],
-    mean: NDArray[np.float64],
-    root: NDArray[np.float64],
-    narrowing: tuple[float, float],
-) -> tuple[Polished, NDArray[np.float64]]:
-    """What `polish_closer` makes of any search that begins at a mean (p,) with a root (p, p)."""
-    answer = answer_from(mean, root)
+    answer = polish(folds, mean, root, *bounds, toward)
     for _ in range(LOOKS):
         narrow = narrower(root, answer, *narrowing)
-        again = answer_from(answer.mean, narrow)
+        again = polish(folds, answer.mean, narrow, *bounds, toward)
         apart = np.linalg.norm(again.mean - answer.mean)
-        if answer.converged and not (again.converged and apart > SAME * np.linalg.norm(again.error)):
-            break
-        if again.num_steps == 0:
+        same = not (again.converged and apart > SAME * np.linalg.norm(again.error))
+        if again.num_steps == 0 or (answer.converged and same):
             break
         answer, root = again, narrow
     return answer, root

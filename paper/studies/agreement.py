@@ -1,6 +1,7 @@
 """How often a fit by `avobench.infer` is doubted where its simulator is right, and where it is not, at many sizes."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -78,18 +79,19 @@ def made(path: Path, seed: int = 0, num_seeds: int = NUM_SEEDS) -> dict[str, Any
     Raises StoreError for a damaged file.
     """
     record = FILE.begun(path, "fits", seed=seed)
-    done = {(fit["case"], fit["num_events"], fit["fit"]) for fit in record["fits"]}
-    for number in range(num_seeds):
-        for name, case in cases().items():
-            for num_events, budget in case.sizes:
-                if (name, num_events, number) in done:
-                    continue
-                x = case.events(num_events, stream(seed, "observed", name, num_events, number))
-                found = infer(case.task, x, case.method, budget=budget, seed=number, progress=False)
-                what = {"case": name, "num_events": num_events, "budget": budget, "fit": number}
-                record["fits"].append({**what, "sound": case.sound, "doubt": found.estimate.doubt})
-                FILE.keep(path, record, "torch")
-    return record
+
+    def one(name: str, case: Case, num_events: int, budget: int, number: int) -> dict[str, Any]:
+        x = case.events(num_events, stream(seed, "observed", name, num_events, number))
+        found = infer(case.task, x, case.method, budget=budget, seed=number, progress=False)
+        return {"sound": case.sound, "doubt": found.estimate.doubt}
+
+    wanted = [
+        ({"case": name, "num_events": n, "budget": budget, "fit": number}, partial(one, name, case, n, budget, number))
+        for number in range(num_seeds)
+        for name, case in cases().items()
+        for n, budget in case.sizes
+    ]
+    return FILE.completed(path, record, "fits", wanted, "torch")
 
 
 def table(records: list[dict[str, Any]]) -> pd.DataFrame:

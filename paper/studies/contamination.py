@@ -7,6 +7,8 @@ which is what the paper promises, hardly moves; one that matches means moves by 
 
 import time
 from collections.abc import Callable, Collection
+from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -129,17 +131,17 @@ def made(
     methods = {
         row: registry.build("method", name, settings) for row, (name, settings) in METHODS.items() if row in rows
     }
-    done = {(run["task"], run["share"], run["target"], run["row"], run["version"]) for run in record["runs"]}
-    for target in range(NUM_TARGETS):
-        for name, of in contaminated().items():
-            for share in SHARES:
-                for row, method in methods.items():
-                    key = (name, share, target, row, method.version)
-                    if key in done or (tasks and name not in tasks):
-                        continue
-                    record["runs"].append(one(name, of, share, target, row, method, seed, num_events, budget))
-                    FILE.keep(path, record, "torch")
-    return record
+    wanted = [
+        (
+            {"task": name, "share": share, "target": target, "row": row, "version": method.version},
+            partial(one, name, of, share, target, row, method, seed, num_events, budget),
+        )
+        for target, (name, of), share, (row, method) in product(
+            range(NUM_TARGETS), contaminated().items(), SHARES, methods.items()
+        )
+        if not tasks or name in tasks
+    ]
+    return FILE.completed(path, record, "runs", wanted, "torch")
 
 
 def one(
@@ -163,11 +165,6 @@ def one(
     start = time.perf_counter()
     found = method.infer(pose(of.task, x, simulate), stream(seed, "method", *words, row))
     return {
-        "task": name,
-        "share": share,
-        "target": target,
-        "row": row,
-        "version": method.version,
         "theta": theta.tolist(),
         "minimiser": of.minimiser(theta, share).tolist(),
         "estimate": found.theta.tolist(),

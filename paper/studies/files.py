@@ -1,5 +1,6 @@
 """Records of studies that are a file of their own and no cells."""
 
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,21 @@ class StudyFile:
         if {name: record.get(name) for name in identity} == identity:
             return record
         return {"schema_version": SCHEMA_VERSION, **identity, rows: []}
+
+    def completed(
+        self,
+        path: Path,
+        record: dict[str, Any],
+        rows: str,
+        wanted: Iterable[tuple[dict[str, Any], Callable[[], dict[str, Any]]]],
+        *packages: str,
+    ) -> dict[str, Any]:
+        """The record with a row for each key that is `wanted`: what is lacking is made, and written at once."""
+        for key, make in wanted:
+            if not any(key.items() <= row.items() for row in record[rows]):
+                record[rows].append({**key, **make()})
+                self.keep(path, record, *packages)
+        return record
 
     def keep(self, path: Path, record: dict[str, Any], *packages: str) -> None:
         """Write a record, with the versions of what makes it."""

@@ -4,6 +4,7 @@ The paper expects the proposal to smear a simulator that is too sharp. Here the 
 from event to event: a proposal of that width, averaged over, gives exactly the observed distribution.
 """
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -37,13 +38,11 @@ def made(path: Path, seed: int = 0) -> dict[str, Any]:
     """
     identity = {"seed": seed, "budget": BUDGET, "num_observations": NUM_OBSERVATIONS}
     record = FILE.begun(path, "runs", **identity, method=METHOD.name, method_version=METHOD.version)
-    done = {(run["task"], run["strength"], run["repetition"]) for run in record["runs"]}
-    wanted = [(task, strength, i) for i in range(REPETITIONS) for task in TASKS for strength in STRENGTHS]
-    for task, strength, repetition in wanted:
-        if (task, strength, repetition) not in done:
-            record["runs"].append(one(task, strength, repetition, seed))
-            FILE.keep(path, record, "torch")
-    return record
+    keys = [(task, strength, i) for i in range(REPETITIONS) for task in TASKS for strength in STRENGTHS]
+    wanted = [
+        (dict(zip(("task", "strength", "repetition"), key, strict=True)), partial(one, *key, seed)) for key in keys
+    ]
+    return FILE.completed(path, record, "runs", wanted, "torch")
 
 
 def one(
@@ -60,9 +59,6 @@ def one(
     found = METHOD.infer(pose(task, x, simulate), stream(seed, "method", *words))
     found_by_gates = diagnose(task, x, seed=seed + repetition, effects=[])
     return {
-        "task": name,
-        "strength": strength,
-        "repetition": repetition,
         "width": (found.std / unit).tolist(),
         "p_value": float(found_by_gates.diagnosis.p_value_before),
     }

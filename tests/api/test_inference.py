@@ -156,10 +156,6 @@ def test_what_cannot_be_inferred_is_said_in_a_line(task, x, options, said):
         avobench.infer(task, x, **options)
 
 
-def test_a_budget_may_be_written_as_a_power_of_ten():
-    assert avobench.infer("poisson", EVENTS, "smm", budget=4e3).num_simulations <= 4000
-
-
 def test_the_command_prints_and_keeps_the_same(avobench, tmp_path, found):
     np.save(tmp_path / "x.npy", EVENTS)
     code, out, err = avobench(

@@ -23,6 +23,11 @@ def test_a_sweep_gives_a_row_a_cell_and_the_next_one_makes_nothing_again(tmp_pat
         ({"scheduler": "tcp://nowhere:1"}, "belong together"),
         ({"group": 3}, "--group is for --backend together"),
         ({"backend": "together", "group": 0}, "--group is for --backend together, at least 1"),
+        ({"time_limit": 0}, "--time-limit must be a number above 0"),
+        ({"memory_limit": float("nan")}, "--memory-limit must be a number above 0"),
+        ({"time_limit": 5, "in_process": True}, "--time-limit is not for --in-process"),
+        ({"jobs": 2, "in_process": True}, "--in-process is one process"),
+        ({"memory_limit": 5, "backend": "dask", "scheduler": "tcp://x:1"}, "--memory-limit is not for --backend dask"),
     ],
 )
 def test_workers_that_make_no_sense_are_refused(workers, said):

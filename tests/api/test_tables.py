@@ -37,11 +37,6 @@ def test_an_effect_is_named_and_sized_from_a_histogram(found):
     assert told.gap_before.low > 1 >= told.gap_after.low
 
 
-def test_what_tables_cannot_give_is_left_out_and_said(found):
-    assert "classifier" in found.diagnosis.notes[0]
-    assert found.result.correction is None
-
-
 def test_the_figure_shows_the_table_as_it_is_published(found, counts):
     drawn = found.result.pictures.spectra[0]
     before = np.searchsorted(counts.edges, drawn.edges)
@@ -57,13 +52,6 @@ def test_it_is_saved_and_read_again(found, tmp_path):
     assert again.diagnosis == found.diagnosis
     assert "kept aside" in (tmp_path / "report.html").read_text()
     assert again.model.parameter_names[0] == "log_rate"
-
-
-def test_a_bank_is_enough_and_no_event_is_made(counts):
-    simulated = np.random.default_rng(1).poisson(7.0, 40_000)
-    found = avobench.diagnose(simulated, counts, **ZEROS)
-    assert found.effects["effect"].unique().tolist() == ["zero_inflation"]
-    assert found.diagnosis.num_simulations == 40_000
 
 
 def test_every_call_of_the_simulator_is_counted(counts):

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from avobench.bench import conformance as check
-from avobench.tasks.errors import UsageError
 
 RECORDABLE = "says what it is, in a form that a record can hold"
 DESCRIBED = "names parameters, units, prior, support and features"
@@ -142,14 +141,6 @@ def test_a_faulty_method_fails_on_what_it_breaks(name, expected, why):
     assert set(faults) == expected
     assert why in next(iter(faults.values()))
     assert all(reason and "\n" not in reason for reason in faults.values())
-
-
-@pytest.mark.parametrize(
-    ("name", "why"), [("FailsWhenMade", "ValueError: .*'no detector'"), ("NeedsAnArgument", "TypeError: .*'scale'")]
-)
-def test_a_task_that_cannot_be_made_is_named(name, why):
-    with pytest.raises(UsageError, match=rf"'faulty:{name}' cannot be used, it raised {why}"):
-        list(check.run("task", f"faulty:{name}"))
 
 
 def test_the_command_prints_every_check_and_fails_with_one_line(avobench):

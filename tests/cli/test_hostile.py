@@ -51,13 +51,6 @@ def test_a_cell_that_hangs_or_leaks_is_a_record_with_its_reason(avobench, tmp_pa
     assert found["hangs", 0]["message"] == "ended after 4 s, the limit of time"
 
 
-def test_a_method_that_ends_the_process_is_a_record_too(avobench, tmp_path):
-    start = ("run", "--task", "faulty:SoundTask", "--method", "hostile:EndsItself", "--targets", 0, "--budget", 400)
-    code, _, err = avobench(*start, "--observations", 100, "--results", tmp_path / "r", "--jobs", 1)
-    assert code == 1, err
-    assert [record["status"] for record in Store(tmp_path / "r").read_all()] == ["crashed"]
-
-
 def test_a_task_that_ends_the_process_where_its_targets_are_asked_for_is_refused_in_a_line(avobench, tmp_path):
     code, out, err = avobench("run", *CELLS, "--task", "hostile:NoTargets", "--results", tmp_path / "r")
     assert (code, out) == (2, "")
@@ -139,20 +132,6 @@ def test_a_device_that_is_not_there_is_refused_before_anything_is_simulated(avob
     for device in (("--device", "cuda"), ("--set", "on-device.device=cuda")):
         line(avobench(*start, *device, "--in-process"), 2, "PyTorch finds no CUDA device")
     assert not (tmp_path / "r").exists()
-
-
-def test_limits_are_numbers_and_not_for_every_way_of_working(avobench):
-    for arguments, said in (
-        (("--time-limit", 0), "--time-limit must be a number above 0"),
-        (("--memory-limit", "nan"), "--memory-limit must be a number above 0"),
-        (("--time-limit", 5, "--in-process"), "--time-limit is not for --in-process"),
-        (("--jobs", 2, "--in-process"), "--in-process is one process"),
-        (
-            ("--memory-limit", 5, "--backend", "dask", "--scheduler", "tcp://127.0.0.1:1"),
-            "--memory-limit is not for --backend dask, whose workers have limits of their own",
-        ),
-    ):
-        line(avobench("run", *arguments), 2, said)
 
 
 def test_cells_are_in_this_process_where_that_is_asked_for(avobench, tmp_path, monkeypatch):

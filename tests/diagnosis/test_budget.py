@@ -105,17 +105,6 @@ def test_what_was_fitted_until_the_events_ended_is_weighed_and_tested(often_off)
     assert diagnosis.outside < 0.5
 
 
-def test_a_search_with_few_events_finds_what_is_plain():
-    """Also where the fit that effects are added to is noisy: screening must not take its noise for the effects'."""
-    task, rng = Carl(), np.random.default_rng(3)
-    x = task.simulate(np.tile([[0.5, -0.5]], (3000, 1)), rng)
-    x[:, 1] *= 1.3
-    names = ("scale", "offset", "resolution", "correlation")
-    chosen = [effect for effect in catalogue(task) if effect.name in names]
-    diagnosis = diagnose(task, x, effects=chosen, num_simulations=1_500_000).diagnosis
-    assert (diagnosis.probabilities[0].name, diagnosis.probabilities[0].feature) == ("scale", "x2")
-
-
 def test_several_workers_keep_the_limit_too(often_off):
     effects = [e for e in catalogue(Poisson()) if e.name in ("zero_inflation", "overdispersion")]
     found = diagnose(Poisson(), often_off, effects=effects, num_simulations=400_000, jobs=2)

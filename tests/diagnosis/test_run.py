@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from measurements import with_effect
+from measurements import Own, with_effect
 
 from avobench.api.diagnosis import require_events
 from avobench.bench.plugins import registry
@@ -9,7 +9,6 @@ from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.report.model_file import describe
 from avobench.diagnosis.report.uncertainties import QuotedFit
 from avobench.diagnosis.schema import Verdict
-from avobench.effects import Effect, Parameter
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model_file import AugmentedTask
 from avobench.tasks.errors import UsageError
@@ -19,10 +18,6 @@ from avobench.tasks.weinberg import Weinberg
 
 RUTHERFORD_GEIGER = (57, 203, 383, 525, 532, 408, 273, 139, 45, 27, 10, 4, 0, 1, 1)
 """Intervals with 0, 1, ... alpha particles: E. Rutherford, H. Geiger, Phil. Mag. 20 (1910) 698."""
-
-
-CLAIMS = (103704, 14075, 1766, 255, 45, 6, 2)
-"""Drivers with 0, 1, ... accidents in a year: H. Buehlmann, Mathematical Methods in Risk Theory (1970)."""
 
 
 def counts(table):
@@ -38,31 +33,6 @@ def test_nothing_is_missing_in_counts_that_are_poisson():
     assert rate.value == pytest.approx(np.log(x.mean()), abs=4 * rate.std)  # fitted without a quarter of the events
     rows = [row.name for row in diagnosis.identifiability]
     assert sorted(rows) == sorted({e.name for e in catalogue(Poisson())})  # one of each family
-
-
-def test_drivers_differ_in_how_careful_they_are():
-    names = ("overdispersion", "mixture", "zero_inflation", "dead_time")
-    chosen = [effect for effect in catalogue(Poisson()) if effect.name in names]
-    diagnosis = diagnose(Poisson(), counts(CLAIMS)[::4], effects=chosen, num_simulations=8_000_000).diagnosis
-    assert diagnosis.verdict in (Verdict.NAMED, Verdict.FAMILY)  # the shape that is added need not be the closest
-    (found,) = diagnosis.effects
-    assert found.name == "overdispersion"
-    assert found.parameters["variance"].value == pytest.approx(1.0, abs=0.3)  # 1.00 by the method of moments
-
-
-def test_500_angles_behind_an_acceptance():
-    """Not in a shape of the catalogue: a logistic loss beyond |cos| = 0.85."""
-    task, rng = Weinberg(), np.random.default_rng(0)
-    x = task.simulate(np.tile([45.0, 1.0], (2000, 1)), rng)
-    seen = x[rng.random(len(x)) < 1 / (1 + np.exp((np.abs(x[:, 0]) - 0.85) / 0.03))][:500]
-    names = ("edge_acceptance", "scale", "dead_region")
-    chosen = [effect for effect in catalogue(task) if effect.name in names]
-    diagnosis = diagnose(task, seen, effects=chosen, num_simulations=6_000_000).diagnosis
-    assert diagnosis.p_value_before < 1e-6
-    (found,) = [each for each in diagnosis.probabilities if each.name == "edge_acceptance"]  # a scale does it as well
-    assert found.feature == "cos_angle"
-    assert found.probability > diagnosis.outside
-    assert all(len(model.effects) == 1 for model in diagnosis.models)
 
 
 @pytest.mark.xfail(reason="from so far a theta the fit of a sharp window does not arrive: a scale beside it wins")
@@ -171,15 +141,6 @@ def test_the_new_model_is_a_task_that_finds_nothing_missing(named, tmp_path):
     assert diagnose(task, x, effects=[]).diagnosis.verdict == Verdict.NOTHING
 
 
-def test_a_dead_region_is_found_where_it_is():
-    x = with_effect(Weinberg(), "dead_region", [45.5, 1.0], [0.8, 0.3, 0.15], 8000)
-    diagnosis = diagnose(Weinberg(), x, max_effects=1, num_simulations=7_000_000).diagnosis
-    assert diagnosis.effects[0].name == "dead_region"
-    deficit = next(region for region in diagnosis.regions if region.kind == "deficit")
-    assert deficit.low < 0.3 < deficit.high
-    assert diagnosis.effects[0].feature == "cos_angle"
-
-
 @pytest.mark.xfail(reason="since the decision is fitted to records, flat_background or double_counting comes first")
 def test_counts_that_are_all_alike_are_those_of_a_counter_that_is_blind_for_most_of_the_time(monkeypatch):
     """A dead time of nearly so large a part of the window, at a high rate: all measured events are in one bin."""
@@ -189,19 +150,6 @@ def test_counts_that_are_all_alike_are_those_of_a_counter_that_is_blind_for_most
     found = diagnose(Poisson(), np.full((1000, 1), 2), effects=chosen).diagnosis
     assert found.probabilities[0].name == "dead_time"
     assert found.p_value_before < 1e-6
-
-
-def test_pairs_of_counts_that_theta_nearly_makes_up_for_are_found():
-    rng = np.random.default_rng(1)
-    x = rng.poisson(np.exp(3.84), (10_000, 1))
-    x += rng.binomial(x, 0.23)
-    # A rate that scatters describes such counts exactly as well.
-    names = ("double_counting", "overdispersion", "dead_time", "pile_up")
-    chosen = [effect for effect in catalogue(Poisson()) if effect.name in names]
-    diagnosis = diagnose(Poisson(), x, effects=chosen, num_simulations=6_000_000).diagnosis
-    (found,) = diagnosis.effects
-    assert found.name in ("double_counting", "overdispersion")
-    assert diagnosis.verdict == Verdict.NAMED
 
 
 def test_an_effect_that_is_not_in_the_catalogue_is_not_made_up():
@@ -216,19 +164,6 @@ def test_an_effect_that_is_not_in_the_catalogue_is_not_made_up():
 def test_impossible_requests_are_refused(arguments, message):
     with pytest.raises(UsageError, match=message):
         diagnose(Poisson(), counts(RUTHERFORD_GEIGER), **arguments)
-
-
-class Own(Effect):
-    """A user's effect that does what it is told."""
-
-    name = "own"
-    parameters = (Parameter("strength", 0, 1, 0, "1"),)
-
-    def __init__(self, events):
-        self.events = events
-
-    def apply(self, simulate, theta, phi, rng):
-        return self.events(simulate(theta, rng))
 
 
 def test_an_effect_of_the_users_is_tried_before_anything_is_fitted():

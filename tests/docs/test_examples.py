@@ -13,10 +13,7 @@ import numpy as np
 import pytest
 from scipy.stats import exponnorm
 
-from avobench.bench.cells.budget import MeteredSimulator, pose
-from avobench.bench.cells.streams import observe
 from avobench.bench.plugins import registry
-from avobench.tasks.carl import Carl
 from paper.pages import executed
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -114,29 +111,3 @@ def test_decay_times_have_the_moments_and_the_distribution_of_their_density(fold
     for t in (0, 1, 5):
         expected = exponnorm.cdf(t, 2.5 / 0.7, scale=0.7)
         assert (x < t).mean() == pytest.approx(expected, abs=5 * np.sqrt(expected * (1 - expected) / len(x)))
-
-
-def test_the_floor_of_decay_times_is_what_the_score_says_and_without_resolution_the_lifetime_squared(folder):
-    theta = np.array([2.0])
-    sharp = registry.build("task", "decay_time:DecayTime", {"resolution": 0.01})
-    assert sharp.floor(theta, 100, None) == pytest.approx(2.0**2 / 100, rel=1e-3)
-    assert sharp.floor(theta, 100, 50) == pytest.approx(2.0**2 * (1 / 100 + 1 / 50), rel=1e-3)
-    blurred = registry.build("task", "decay_time:DecayTime", {"resolution": 1.0})
-    x = blurred.simulate(np.full((200_000, 1), 2.0), np.random.default_rng(0))[:, 0]
-    score = (exponnorm.logpdf(x, 2.001) - exponnorm.logpdf(x, 1.999)) / 0.002
-    assert blurred.information(2.0) == pytest.approx((score**2).mean(), rel=0.03)
-
-
-def test_the_method_keeps_the_parameters_with_the_nearest_summaries(folder):
-    task = Carl()
-    simulate = MeteredSimulator(task, 64_050, np.random.default_rng(1))
-    problem = pose(task, observe(task, 0, 10_000, 0), simulate)
-    method = registry.build("method", "nearest_summary:NearestSummary", {"share_kept": 0.02, "num_trace_points": 4})
-    estimate = method.infer(problem, np.random.default_rng(2))
-    assert simulate.used == 500 * 128
-    assert estimate.how == "mean of the 10 parameters with the nearest summaries, of 500"
-    assert [point.simulations for point in estimate.trace] == [2 * 128, 168 * 128, 334 * 128, 500 * 128]
-    assert (estimate.trace[-1].theta == estimate.theta).all()
-    prior_std = task.prior.width / np.sqrt(12)
-    assert (np.abs(estimate.theta - task.targets()[0]) < prior_std).all()
-    assert (estimate.std < prior_std).all()

@@ -70,11 +70,6 @@ def test_a_page_shows_what_its_commands_print_and_its_files_hold(page, printed_h
     assert filled(text, STEADY | {"printed": printed_here}) == text
 
 
-@pytest.mark.parametrize("page", ["docs/tables/methods.md", "docs/challenge.md", "docs/performance.md"])
-def test_a_page_of_results_has_them_printed(page):
-    assert MARK in (ROOT / page).read_text()
-
-
 def test_what_the_page_on_cost_quotes_stands_among_the_timings():
     """They depend on the machine, so they are kept as printed once: on one page all, on the other the main lines."""
     timings = (ROOT / "docs" / "tables" / "performance.md").read_text().splitlines()

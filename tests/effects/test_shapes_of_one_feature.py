@@ -209,39 +209,40 @@ def test_the_window_of_any_data_is_within_its_bounds_and_can_be_absent(low, widt
         assert at + wide.null / 2 >= max(WIDE.high, x.max())
 
 
-@pytest.mark.parametrize(("side", "sign"), [("below", -1), ("above", 1)])
-def test_a_radiative_tail_moves_a_share_to_one_side(side, sign):
-    for law, losses in (("exponential", expon()), ("power", lomax(2))):
-        x = made(shape(RadiativeTail, f"{law}_{side}"), [0.3, 1.5], lambda theta, rng: np.zeros((len(theta), 1)))
-        lost = sign * x
-        assert np.mean(lost > 0) == pytest.approx(0.3, abs=5 * np.sqrt(0.21 / N))
-        assert lost.min() == 0
-        assert kstest(lost[lost > 0] / 1.5, losses.cdf).pvalue > CHANCE
+FROM_1_TO_7 = Range(1.0, 7.0, False)
+LAWS = [  # of events that are all at one value: the share that is moved, and where to
+    (RadiativeTail, "exponential_below", WIDE, [0.3, 1.5], 0.0, 0.3, expon(scale=1.5), -1),
+    (RadiativeTail, "exponential_above", WIDE, [0.3, 1.5], 0.0, 0.3, expon(scale=1.5), 1),
+    (RadiativeTail, "power_below", WIDE, [0.3, 1.5], 0.0, 0.3, lomax(2, scale=1.5), -1),
+    (RadiativeTail, "power_above", WIDE, [0.3, 1.5], 0.0, 0.3, lomax(2, scale=1.5), 1),
+    (RadiativeTail, "radiator", WIDE, [0.2], 5.0, 1.0, beta(0.2, 1, loc=-5, scale=5), -1),  # what is lost is a power
+    (SecondExponential, "falling", FROM_1_TO_7, [0.4, 0.8], 4.0, 0.4, expon(1, 0.8), 1),  # from the end of the range
+    (SecondExponential, "rising", FROM_1_TO_7, [0.4, 0.8], 4.0, 0.4, expon(-7, 0.8), -1),
+    (PeakBackground, "tail_below", WIDE, [0.9, 3.0, 0.5], 100.0, 0.9, crystalball(1, 3, 3, 0.5), 1),
+    (PeakBackground, "tail_above", WIDE, [0.9, 3.0, 0.5], 100.0, 0.9, crystalball(1, 3, -3, 0.5), -1),
+    (FlatBackground, "domed", WIDE, [0.95], 100.0, 0.95, beta(1.5, 1.5, loc=-4, scale=16), 1),  # a semicircle
+]
 
 
-def test_behind_a_radiator_the_share_lost_is_a_power_of_an_even_number():
-    effect = shape(RadiativeTail, "radiator")
-    x = made(effect, [0.2], lambda theta, rng: np.full((len(theta), 1), 5.0))
-    assert kstest(1 - x / 5, beta(0.2, 1).cdf).pvalue > CHANCE
-    np.testing.assert_array_equal(made(effect, [0.0], lambda theta, rng: np.full((len(theta), 1), 5.0)), 5)
+@pytest.mark.parametrize(("family", "name", "span", "phi", "at", "share", "law", "sign"), LAWS)
+def test_a_share_of_the_events_is_moved_to_where_a_law_says(family, name, span, phi, at, share, law, sign):
+    x = made(shape(family, name, span), phi, lambda theta, rng: np.full((len(theta), 1), at))
+    new = x[x != at]
+    assert len(new) / N == pytest.approx(share, abs=5 * np.sqrt(share * (1 - share) / N) + 1e-3)
+    assert kstest(sign * new, law.cdf).pvalue > CHANCE
 
 
-def test_a_second_exponential_begins_at_the_end_of_the_range():
-    span = Range(1.0, 7.0, False)
-    for name, sign, end in (("falling", 1, 1.0), ("rising", -1, 7.0)):
-        x = made(shape(SecondExponential, name, span), [0.4, 0.8], lambda theta, rng: np.full((len(theta), 1), 4.0))
-        new = x[x != 4.0]
-        assert len(new) / N == pytest.approx(0.4, abs=5 * np.sqrt(0.24 / N))
-        assert kstest(sign * (new - end), expon(scale=0.8).cdf).pvalue > CHANCE
-    x = made(shape(SecondExponential, "falling", UNIT), [0.95, 2.0], uniform)
-    assert x.min() >= 0
-    assert x.max() <= 1
+def test_an_offset_of_a_part_leaves_the_others_and_one_that_creeps_has_the_mean_of_its_exponential():
+    x = made(shape(Offset, "part"), [3.0, 0.2], lambda theta, rng: np.zeros((len(theta), 1)))
+    assert set(x) == {0.0, 3.0}
+    assert (x == 3).mean() == pytest.approx(0.2, abs=five_errors(x / 3))
+    x = made(shape(Offset, "creeping"), [-3.0, 0.5], lambda theta, rng: np.zeros((len(theta), 1)))
+    assert x.mean() == pytest.approx(-3 * (1 - 0.5 * (1 - np.exp(-2))), abs=five_errors(x))
 
 
-def test_a_peak_with_a_tail_is_a_crystal_ball():
-    for name, sign in (("tail_below", 1), ("tail_above", -1)):
-        x = made(shape(PeakBackground, name), [0.9, 3.0, 0.5], lambda theta, rng: np.full((len(theta), 1), 100.0))
-        assert kstest(sign * (x[x != 100] - 3) / 0.5, crystalball(1, 3).cdf).pvalue > CHANCE
+def test_a_needle_comes_back_from_its_stop():
+    x = made(shape(Saturation, "rebound"), [1.0, 0.5, 0.1], lambda theta, rng: np.full((len(theta), 1), 11.0))
+    assert 8 - x.mean() == pytest.approx(0.1 * WIDE.half, rel=0.03)
 
 
 def test_these_act_on_one_feature_only():
@@ -306,28 +307,6 @@ def test_a_response_without_chance_is_exact_and_can_be_absent(family, name, phi,
     effect = shape(family, name)
     for values, result in ((phi, expected), ([effect.parameters[0].null, *phi[1:]], AT)):
         np.testing.assert_allclose(made(effect, values, lambda *_: AT[:, None].copy(), len(AT)), result, atol=1e-12)
-
-
-def test_a_domed_background_is_a_semicircle():
-    x = made(FlatBackground(0, (WIDE,), "domed"), [0.95], normal)
-    far = x[np.abs(x - WIDE.centre) > 0.75 * WIDE.half]
-    expected = 0.95 * 2 * beta(1.5, 1.5).sf((1 + 0.75) / 2)
-    assert len(far) / N == pytest.approx(expected, abs=5 * 0.5 / np.sqrt(N) + norm.sf(2) * 0.05)
-
-
-def test_an_offset_of_a_part_leaves_the_others_and_one_that_creeps_has_the_mean_of_its_exponential():
-    x = made(shape(Offset, "part"), [3.0, 0.2], lambda theta, rng: np.zeros((len(theta), 1)))
-    assert set(x) == {0.0, 3.0}
-    assert (x == 3).mean() == pytest.approx(0.2, abs=five_errors(x / 3))
-    x = made(shape(Offset, "creeping"), [-3.0, 0.5], lambda theta, rng: np.zeros((len(theta), 1)))
-    assert x.mean() == pytest.approx(-3 * (1 - 0.5 * (1 - np.exp(-2))), abs=five_errors(x))
-    assert -3 * (1 - np.exp(-2)) <= x.min() < x.max() <= 0
-
-
-def test_a_needle_comes_back_from_its_stop():
-    x = made(shape(Saturation, "rebound"), [1.0, 0.5, 0.1], lambda theta, rng: np.full((len(theta), 1), 11.0))
-    assert x.max() <= 8
-    assert 8 - x.mean() == pytest.approx(0.1 * WIDE.half, rel=0.03)
 
 
 def test_of_an_event_all_features_may_be_far_off_together():

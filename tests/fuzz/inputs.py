@@ -252,9 +252,7 @@ def command_lines(draw: st.DrawFn, commands: dict[str, click.Command]) -> tuple[
     options = [option for option in command.params if isinstance(option, click.Option)]
     needed = {option.opts[0] for option in options if option.required}
     for _ in range(draw(st.integers(1, 3))):
-        how = draw(
-            st.sampled_from(["value", "value", "value", "drop", "twice", "more", "more", "bare", "unknown", "number"])
-        )
+        how = draw(st.sampled_from(CHANGES))
         given = [part for part in parts if len(part) == 2]
         if how == "value" and given:
             part = draw(st.sampled_from(given))

@@ -353,16 +353,3 @@ class Events(Target):
 
 
 KINDS = (CommandLines, Records, Packed, Manifests, Results, Models)
-
-
-def targets(folder: Path, more: tuple[type[Target], ...] = ()) -> list[Target]:
-    """All kinds, each with a folder of its own, those of the answers that are known as `more`."""
-    kinds = (*KINDS, *more)
-    made = []
-    for number, kind in enumerate(kinds):
-        (folder / str(number)).mkdir()
-        made.append(kind(folder / str(number)))
-    for kind in ("npy", "npz", "csv", "parquet", "root"):
-        (folder / kind).mkdir()
-        made.append(Events(folder / kind, kind))
-    return made

@@ -15,24 +15,6 @@ def infer(budget: int = 6000, seed: int = 1, method: AbcSmc = METHOD, task: Task
     return method.infer(problem, np.random.default_rng(seed)), problem
 
 
-def test_finds_the_mean_of_a_gaussian():
-    estimate, problem = infer(16 * 1250, method=AbcSmc(population_size=100, events_per_theta=16))
-    assert estimate.theta == pytest.approx(TRUTH, abs=0.25)
-    assert estimate.mean == pytest.approx(TRUTH, abs=0.15)
-    assert 0.01 < estimate.std[0] < 0.35  # the noise of a mean of 16 events is 0.25, the prior's width 1.7
-    assert estimate.message == ""
-    assert problem.simulate.refused == 16
-
-
-@pytest.mark.parametrize("budget", [4 * 40 * 16, 7001, 12_345])
-def test_budget_is_spent_but_never_exceeded_and_every_event_is_accounted_for(budget):
-    estimate, problem = infer(budget)
-    sim = problem.simulate
-    assert budget - METHOD.events_per_theta < sim.used <= budget
-    assert estimate.trace[-1].simulations + estimate.discarded == sim.used
-    assert estimate.discarded % METHOD.events_per_theta == 0
-
-
 def test_calibration_costs_one_population_and_the_first_generation_accepts_about_half():
     """What `min_simulations` rests on: N evaluations calibrate, 2 N are expected for the first generation."""
     first = [infer(3500, seed=seed)[0].trace[0].simulations / (16 * 40) for seed in range(4)]

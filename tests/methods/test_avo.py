@@ -6,7 +6,7 @@ import pytest
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.methods.avo import Avo, regression
 from avobench.tasks.function import task
-from gaussian import GaussianMean, GaussianMeans, gaussian_problem
+from gaussian import GaussianMeans, gaussian_problem
 
 FEW = {"iterations": 250, "hidden": (32, 32), "statistic_steps": 100}
 
@@ -16,17 +16,6 @@ def test_without_the_polish_it_still_moves_to_the_observed_means():
     estimate = Avo(**FEW, polish=False).infer(given, np.random.default_rng(2))
     np.testing.assert_allclose(estimate.theta, given.x_observed.mean(axis=0), atol=0.2)
     assert estimate.how == "mean of the proposal over the last quarter"
-
-
-def test_trace_counts_every_event_and_ends_with_the_estimate():
-    given = gaussian_problem(GaussianMean(), 1001)
-    estimate = Avo(**FEW).infer(given, np.random.default_rng(3))
-    used = [point.simulations for point in estimate.trace]
-    assert used[0] == 0
-    assert used[-4:] == [300, 404, 510, 1000]  # the first polish and the local rounds; both halves get as many events
-    assert used == sorted(used)
-    np.testing.assert_array_equal(estimate.trace[-1].theta, estimate.theta)
-    assert (estimate.trace[-1].std < estimate.trace[0].std).all()
 
 
 def test_the_standard_error_is_near_that_of_all_events_at_the_right_place():
@@ -54,18 +43,6 @@ def test_problems_solved_together_are_solved_as_each_by_itself():
     for a, b in zip(alone, together, strict=True):
         np.testing.assert_allclose(b.theta, a.theta, rtol=1e-4)
         assert [point.simulations for point in b.trace] == [point.simulations for point in a.trace]
-
-
-@pytest.mark.parametrize("cross_fit", [True, False])
-def test_problems_that_are_alike_do_not_learn_from_each_other(cross_fit):
-    """The same problem and stream twice in a stack with another one: the two answers are one."""
-    method = Avo(iterations=20, hidden=(8,), statistic_steps=20, cross_fit=cross_fit)
-    means = [np.array([1.0, 12.5]), np.array([-1.0, 8.0]), np.array([1.0, 12.5])]
-    first, other, again = method.infer_together(
-        [gaussian_problem(GaussianMeans(), 2000, mean) for mean in means], [np.random.default_rng(7) for _ in means]
-    )
-    np.testing.assert_allclose(first.theta, again.theta, rtol=1e-4)
-    assert not np.allclose(first.theta, other.theta, rtol=1e-2)
 
 
 def test_estimates_are_those_that_they_were():

@@ -164,17 +164,6 @@ def test_r1_of_d_does_not_hold_a_discriminator_that_saturates(logit, holds):
     assert score_gradient(q.score(psi, u), f, settings.baseline).any() == (logit > -120)
 
 
-def test_untrained_discriminator_cannot_tell_a_sample_from_itself():
-    given = problem(10, num_observations=500)
-    discriminator = Discriminator(given, (8,), np.random.default_rng(0))
-    for parameter in discriminator.parameters():
-        torch.nn.init.zeros_(parameter)
-    x = given.x_observed[:64]
-    logit = discriminator.network(discriminator.inputs(x))
-    assert cross_entropy(logit, logit).item() == pytest.approx(np.log(2))
-    np.testing.assert_allclose(discriminator.log_one_minus_d(x), -np.log(2), rtol=1e-6)
-
-
 def test_a_device_out_of_memory_fails_its_cell_in_a_line(monkeypatch):
     def out_of_memory(*arguments):
         raise torch.OutOfMemoryError("CUDA out of memory. Tried to allocate 20.00 MiB.\nGPU 0 has 79 GiB")

@@ -37,11 +37,6 @@ def test_spends_what_steps_out_of_the_prior_have_left():
     assert problem.simulate.used > 40_000 - 128
 
 
-def test_the_trace_has_a_point_a_chain():
-    estimate, _ = infer(method=Bsl(events_per_set=2, chains=3))
-    assert len(estimate.trace) == 3
-
-
 def test_more_parameters_than_its_sets_can_tell_apart_are_refused():
     with pytest.raises(UsageError, match=r"bsl\.sets = 4 is too few for the covariance of 3 parameters"):
         Bsl(sets=4).min_simulations(3)

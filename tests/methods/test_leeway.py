@@ -74,13 +74,6 @@ def test_a_second_feature_rules_out_the_branch_that_the_first_allows():
     assert leeway.weights @ leeway.points == pytest.approx(np.array([truth, 0.0]), abs=0.05)
 
 
-def test_the_best_point_depends_on_what_the_errors_are_counted_in():
-    leeway = Leeway(product_folds(np.random.default_rng(2)))
-    v, w = in_box(leeway.best(np.array([10.0, 0.1])))
-    assert v == pytest.approx(MEAN, abs=0.03)
-    assert w == pytest.approx(S / MEAN, abs=0.05)
-
-
 def test_where_nothing_depends_on_theta_the_posterior_is_the_prior():
     rng = np.random.default_rng(3)
     u = rng.uniform(-EDGE, EDGE, (10_000, 2))

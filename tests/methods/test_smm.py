@@ -5,7 +5,6 @@ import pytest
 
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.methods.smm import Smm
-from avobench.tasks.carl import Carl
 from avobench.tasks.function import task
 
 
@@ -28,10 +27,3 @@ def test_where_means_say_nothing_it_says_that_it_does_not_know():
     scale = task(lambda theta, rng: rng.normal(0, np.exp(theta[:, 0])), prior={"scale": (-1, 1)}, name="scale")
     estimate = inferred(scale, [0.8], 1)
     assert estimate.error[0] > 0.1
-
-
-def test_two_parameters_are_found_within_the_budget():
-    carl, truth = Carl(), np.array([0.5, -1.0])
-    estimate = inferred(carl, truth, 2, budget=40_000, num_observed=40_000)
-    assert (np.abs(estimate.theta - truth) < 6 * estimate.error).all()
-    assert estimate.trace[-1].simulations == 40_000

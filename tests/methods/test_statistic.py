@@ -43,11 +43,3 @@ def test_each_half_is_told_by_what_was_learnt_on_the_other():
     statistic.learn(x, u, 300)
     odd, even = (efficiency(lambda x, half=half: statistic.of(x)[half]) for half in range(2))
     assert odd < 0.3 < 0.8 < even
-
-
-def test_few_events_are_not_learnt_by_heart():
-    x, u = of_a_scale(0)
-    statistic, updates = Statistic(1, 1, np.random.default_rng(0)), []
-    statistic.adam.register_step_post_hook(lambda *_: updates.append(1))
-    statistic.learn(x[:100], u[:100], 300)
-    assert len(updates) == 3  # 50 passes of 50 events, 1024 at a time

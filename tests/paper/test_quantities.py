@@ -5,9 +5,8 @@ import pandas as pd
 import pytest
 from scipy.stats import chi2
 
-from avobench.reports.quantities import labelled, task_of
-from avobench.tasks.weinberg import Weinberg
-from paper.quantities import ahead, asymmetry_errors, by_mean, efficient_median, ideal_errors, interval
+from avobench.reports.quantities import labelled
+from paper.quantities import ahead, by_mean, efficient_median, interval
 
 
 def test_the_median_of_one_parameter_is_that_of_chi_squared():
@@ -18,36 +17,6 @@ def test_the_median_of_one_parameter_is_that_of_chi_squared():
 def test_the_median_of_a_weighted_sum_is_that_of_draws(shares):
     z = np.random.default_rng(0).standard_normal((400_000, len(shares)))
     assert efficient_median(shares) == pytest.approx(np.median(z**2 @ np.array(shares)), abs=5e-3)
-
-
-def test_a_failed_cell_is_infinitely_far_off(make_record):
-    frame = labelled([make_record("poisson", "avo", target, offset) for target, offset in enumerate((0.1, None))])
-    assert np.isinf(frame["ratio"].iloc[1])
-    assert np.isinf(frame["squared_error"].iloc[1])
-
-
-def test_the_asymmetry_is_scored_against_its_floor(make_record):
-    record = make_record("weinberg", "avo", 0, 0.01)
-    errors, floors = asymmetry_errors(labelled([record, make_record("weinberg", "avo", 1, None)]))
-    c = Weinberg().asymmetry(np.array([record["theta_hat"], record["theta_true"]]))
-    assert errors[0] == pytest.approx((c[0] - c[1]) ** 2)
-    assert floors[0] == Weinberg().asymmetry_floor(np.array(record["theta_true"]), 2_000, 16_000)
-    assert np.isinf(errors[1])
-
-
-def test_no_method_beats_the_ideal_on_average_over_the_prior(make_record):
-    """On the 15 targets the ideal is near the mean floor, and well below guessing the centre of the prior."""
-    cells = labelled([make_record("weinberg", "avo", target, 0.0) for target in range(15)])
-    ideal = ideal_errors(cells).mean()
-    true = np.array([record["theta_true"] for record in cells["record"]])
-    assert 0.1 < ideal < ((true - Weinberg().prior.center) ** 2).sum(axis=1).mean()
-
-
-def test_a_task_of_another_version_or_of_nobody_is_not_known(make_record):
-    record = make_record("poisson", "avo", 0, 0.1)
-    assert task_of(record).name == "poisson"
-    assert task_of({**record, "task": "mine"}) is None
-    assert task_of({**record, "task_version": "0"}) is None
 
 
 def test_an_interval_of_a_mean_is_that_of_a_gaussian():

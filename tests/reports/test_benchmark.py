@@ -6,7 +6,6 @@ import pytest
 from avobench.bench.cells.trial import execute
 from avobench.bench.sweep.plan import plan
 from avobench.reports import benchmark
-from avobench.reports.figures import draw
 
 
 @pytest.fixture(scope="module")
@@ -43,11 +42,6 @@ def test_a_box_a_method_and_setting_and_a_panel_a_task_with_its_floor(records):
         assert any(np.allclose(line.get_ydata(), floor) for line in axis.lines if line.get_linestyle() == "--")
     points = np.concatenate([np.asarray(group.get_offsets())[:, 1] for group in panels[1].collections])
     np.testing.assert_allclose(np.sort(points), np.sort([record["squared_error"] for record in records[5:10]]))
-
-
-def test_nothing_but_failures_still_makes_a_figure(records, tmp_path):
-    paths = draw("benchmark", [failed(record) for record in records[:2]], tmp_path)
-    assert all(path.stat().st_size for path in paths)
 
 
 def test_only_targets_that_all_methods_have_are_compared(records):

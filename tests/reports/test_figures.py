@@ -4,9 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from avobench.bench.store.store import Store
 from avobench.reports.efficiency import errors_at
-from avobench.reports.figures import FIGURES, draw, drawn
+from avobench.reports.figures import draw, drawn
 from avobench.reports.style import METHOD_COLOURS, PALETTE, colours
 
 
@@ -54,13 +53,3 @@ def test_failures_and_a_users_task_leave_the_others_to_be_drawn(benchmark, make_
         assert pdf.read_bytes().startswith(b"%PDF")
         assert png.read_bytes().startswith(b"\x89PNG")
         assert {"mine", "poisson"} <= set(pd.read_csv(csv)["task"])
-
-
-def test_the_command_draws_several(avobench, make_record, tmp_path):
-    store = Store(tmp_path / "results", create=True)
-    store.write(make_record("poisson", "avo", 0, 0.1))
-    code, out, err = avobench("figure", "cost", "efficiency", "--results", store.path, "--out", tmp_path / "figures")
-    assert code == 0, err
-    assert len(out.splitlines()) == 6
-    code, _, err = avobench("figure", "nonsense")
-    assert (code, all(name in err for name in FIGURES)) == (2, True)

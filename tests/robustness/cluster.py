@@ -1,6 +1,6 @@
-"""A sweep on a Dask cluster whose processes die: `python -m robustness.cluster` prints what became of every cell.
+"""A sweep on a Dask cluster whose processes die.
 
-Eight workers of this machine carry out 2 000 short cells. Every few seconds one of them, drawn at random, is ended by
+Workers of this machine carry out short cells. Every few seconds one of them, drawn at random, is ended by
 SIGKILL and another one started in its place. Once, when half of the cells are finished, the scheduler is killed with
 all that it knew; the sweep then ends with a line, a new scheduler and new workers are started, and the same sweep is
 begun again, as a user would. A cell that loses two workers is recorded as crashed, and may be innocent here: such
@@ -12,8 +12,6 @@ import json
 import os
 import random
 import signal
-import sys
-import tempfile
 import threading
 import time
 from collections import Counter
@@ -21,8 +19,6 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-
-import click
 
 from robustness import warm
 
@@ -172,25 +168,3 @@ def soak(folder: Path, cells: int, workers: int, seconds: float, seed: int) -> s
             f"{len(records)} records, each made once, all ok; {len(near)} of them made here too, the same bit for bit",
         ]
     )
-
-
-@click.command()
-@click.option("--cells", default=2000, show_default=True)
-@click.option("--workers", default=8, show_default=True)
-@click.option("--seconds", default=3.0, show_default=True, help="Between two kills of a worker, on average.")
-@click.option("--rounds", default=3, show_default=True, help="Sweeps, each with moments of its own.")
-def main(cells: int, workers: int, seconds: float, rounds: int) -> None:
-    """Carry out sweeps on a cluster whose processes die, and print what became of them; exit code 1 if not all well."""
-    warm.environment()
-    os.chdir(warm.USERS)
-    for seed in range(rounds):
-        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-            try:
-                click.echo(soak(Path(folder), cells, workers, seconds, seed))
-            except AssertionError as error:
-                click.echo(f"FAILED: {error}")
-                sys.exit(1)
-
-
-if __name__ == "__main__":
-    main()

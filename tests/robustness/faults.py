@@ -1,4 +1,4 @@
-"""Failures of the file system, injected: `python -m robustness.faults` prints how often which operation failed.
+"""Failures of the file system, injected.
 
 Each write, fsync, rename and so on that a command does below its results folder is made to fail in its turn: with
 "no space left", an error of the device, or no permission; once, or from then on; a write also after half of it was
@@ -7,14 +7,12 @@ this within the process. What must hold each time is in `judge`.
 """
 
 import errno
-import json
 import os
 import re
 import shutil
 import signal
 import sys
 import tempfile
-import time
 import traceback
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -22,10 +20,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
-import click
+import pandas as pd
 
 from robustness import warm
-from robustness.preload import KINDS, MANNERS, Faults, compiled, run_with
+from robustness.preload import KINDS, MANNERS, Faults
 
 TIMED = ("observation_seconds", "simulator_seconds", "method_seconds", "harness_seconds", "peak_memory_mib", "started")
 SECONDS = 60
@@ -237,43 +235,6 @@ def campaign(place: Path, every: int = 1) -> dict[str, Any]:
 
 def table(found: dict[str, Any]) -> str:
     """A line a command and operation: how many failed, and what came of it."""
-    lines, total = [f"{'':8}{'operation':12}{'failed':>8}{'told':>8}{'harmless':>10}{'died':>8}{'wrong':>8}"], 0
-    counts = {(name, kind, outcome): n for name, kind, outcome, n in found["outcomes"]}
-    for name, kind in dict.fromkeys((name, kind) for name, kind, _ in counts):
-        row = [counts.get((name, kind, outcome), 0) for outcome in ("told", "harmless", "died", "wrong")]
-        total += sum(row)
-        lines.append(f"{name:8}{kind:12}{sum(row):8}{row[0]:8}{row[1]:10}{row[2]:8}{row[3]:8}")
-    return "\n".join([*lines, f"{total} operations failed, {len(found['wrong'])} of them with a wrong outcome"])
-
-
-@click.command()
-@click.option("--every", default=1, show_default=True, help="Only each so manieth kind of fault for each command.")
-@click.option("--place", type=click.Path(path_type=Path), default=None, hidden=True)
-def main(every: int, place: Path | None) -> None:
-    """Let operations on files fail in their turn, and print what came of it; exit code 1 if any outcome is wrong."""
-    if place is not None:  # the process in which they fail
-        warm.environment()
-        import avobench.bench.cells.trial
-        import avobench.bench.store.pack
-        import avobench.cli.records
-        import avobench.cli.run  # noqa: F401
-
-        click.echo(json.dumps(campaign(place, every)))
-        return
-    begun = time.monotonic()
-    with tempfile.TemporaryDirectory() as folder:
-        warm.environment()
-        own = ["-m", "robustness.faults", "--every", str(every), "--place", folder]
-        process = run_with(compiled(Path(folder)), own)
-    if process.returncode:
-        raise click.ClickException(process.stderr)
-    found = json.loads(process.stdout.splitlines()[-1])
-    click.echo(table(found))
-    for line in found["wrong"]:
-        click.echo(f"WRONG {' '.join(line.split())}")
-    click.echo(f"{time.monotonic() - begun:.0f} s", err=True)
-    sys.exit(1 if found["wrong"] else 0)
-
-
-if __name__ == "__main__":
-    main()
+    rows = pd.DataFrame(found["outcomes"], columns=["command", "operation", "outcome", "times"])
+    told = rows.pivot_table("times", ["command", "operation"], "outcome", "sum", 0, sort=False).to_string()
+    return f"{told}\n{rows['times'].sum()} operations failed, {len(found['wrong'])} of them with a wrong outcome"

@@ -1,4 +1,4 @@
-"""Kills at random moments: `python -m robustness.kills` prints how many fell into which phase, and what was lost.
+"""Kills at random moments, and into which phase of a command they fell.
 
 A command is started on the same folder again and again, each time ended by SIGKILL, until it is finished; then the next
 folder is begun. Half of the moments are drawn uniformly over the time that is left of an undisturbed run. The others
@@ -14,8 +14,6 @@ import os
 import random
 import shutil
 import signal
-import sys
-import tempfile
 import time
 from abc import ABC, abstractmethod
 from collections import Counter
@@ -24,7 +22,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import click
 import numpy as np
 
 from avobench.bench.store.packed import read_rows
@@ -354,29 +351,3 @@ class Campaign:
             lines.append(f"  {phase:32}{drawn + aimed:5}   {drawn:4} at drawn moments, {aimed:4} aimed at a phase")
         lines.append("  nothing lost, nothing halved, every end as the calm run's")
         return "\n".join(lines)
-
-
-@click.command()
-@click.option("--kills", type=int, default=1000, show_default=True, help="In all; shared out as 55:30:10:5.")
-@click.option("--only", type=click.Choice(list(SUBJECTS)), default=None, help="All of them of one command.")
-@click.option("--seed", type=int, default=0, show_default=True)
-def main(kills: int, only: str | None, seed: int) -> None:
-    """Kill commands at random moments, and print where the kills fell; exit code 1 if anything was lost."""
-    shares = {only: 1.0} if only else {"run": 0.55, "pack": 0.3, "solve": 0.1, "diagnose": 0.05}
-    begun, total = time.monotonic(), 0
-    with tempfile.TemporaryDirectory() as folder:
-        for name, share in shares.items():
-            campaign = Campaign(SUBJECTS[name](), Path(folder) / name, seed)
-            try:
-                campaign.go(round(share * kills))
-            except AssertionError as error:
-                click.echo(campaign.report().rpartition("\n")[0])
-                click.echo(f"  FAILED: {error}")
-                sys.exit(1)
-            click.echo(campaign.report())
-            total += campaign.total
-    click.echo(f"{total} kills in {time.monotonic() - begun:.0f} s")
-
-
-if __name__ == "__main__":
-    main()

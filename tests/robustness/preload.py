@@ -1,11 +1,13 @@
 """The shared object of faults.c in this process, and the process started anew with it."""
 
 import ctypes
+import json
 import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 SOURCE = Path(__file__).with_name("faults.c")
 KINDS = ("open", "write", "fsync", "close", "rename", "unlink", "mkdir", "rmdir", "chmod", "opendir")
@@ -26,10 +28,15 @@ def compiled(folder: Path) -> Path:
     return made
 
 
-def run_with(library: Path, arguments: list[str]) -> subprocess.CompletedProcess:
-    """A Python process with the object loaded before all others."""
+def proof(module: str, folder: Path, size: int) -> Any:
+    """What `campaign(folder, size)` of a module finds, in a process that has the object loaded before all others."""
+    library = compiled(folder)
+    code = f"import json; from pathlib import Path; from robustness import warm, {module}; warm.loaded(); "
+    code += f"print(json.dumps({module}.campaign(Path({str(folder)!r}), {size})))"
     environment = {**os.environ, "LD_PRELOAD": str(library), "FAULTS": str(library)}
-    return subprocess.run([sys.executable, *arguments], env=environment, capture_output=True, text=True, timeout=900)
+    process = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
+    assert process.returncode == 0, process.stderr
+    return json.loads(process.stdout.splitlines()[-1])
 
 
 class Faults:

@@ -13,16 +13,12 @@ from pathlib import Path
 
 TESTS = Path(__file__).parents[1]
 USERS = TESTS / "users"
+OF_STORES = ("avobench.cli.run", "avobench.cli.records", "avobench.bench.cells.trial", "avobench.bench.store.pack")
 LOADED = (
-    *("avobench.cli.run", "avobench.cli.records", "avobench.cli.diagnose", "avobench.cli.challenge"),
-    *("avobench.cli.main", "avobench.api.diagnosis", "avobench.challenge.solve", "avobench.challenge.make"),
-    *(
-        "avobench.bench.cells.trial",
-        "avobench.bench.store.pack",
-        "avobench.diagnosis.run",
-        "avobench.reports.diagnosis.page",
-    ),
-    *("avobench.reports.diagnosis.figures", "avobench.reports.page", "toys"),
+    *OF_STORES,
+    *("avobench.cli.diagnose", "avobench.cli.challenge", "avobench.cli.main", "avobench.api.diagnosis"),
+    *("avobench.challenge.solve", "avobench.challenge.make", "avobench.diagnosis.run", "avobench.reports.page"),
+    *("avobench.reports.diagnosis.page", "avobench.reports.diagnosis.figures", "toys"),
 )
 """What a command would load; no module that starts a thread may be among them, for each start is a fork."""
 
@@ -33,6 +29,13 @@ def environment() -> None:
         os.environ[variable] = "1"
     os.environ["PYTHONPATH"] = os.pathsep.join(map(str, (TESTS.parent, TESTS, USERS)))
     sys.path[:0] = [part for part in map(str, (TESTS, USERS)) if part not in sys.path]
+
+
+def loaded() -> None:
+    """Load what commands on a store would, in this process, of which each of them is a fork."""
+    environment()
+    for module in OF_STORES:
+        importlib.import_module(module)
 
 
 def start(arguments: list[str], log: Path) -> BaseProcess:

@@ -1,4 +1,4 @@
-"""Several writers of one store: `python -m robustness.writers` prints who was refused and that nothing was mixed.
+"""Several writers of one store.
 
 Two sweeps of the same cells and a `pack` are started within the time that one of them takes, on a file system whose
 locks work, one that refuses every lock (ENOLCK), one that has none (ENOSYS), and one that grants every lock and holds
@@ -7,20 +7,17 @@ order, no record may be lost, halved or doubled; a sweep afterwards must end as 
 """
 
 import errno
-import json
 import random
 import shutil
-import sys
-import tempfile
 import time
 from collections import Counter
 from pathlib import Path
 from typing import Any
 
-import click
+import pandas as pd
 
-from robustness import faults, warm
-from robustness.preload import GRANTED, Faults, compiled, run_with
+from robustness import faults
+from robustness.preload import GRANTED, Faults
 
 LOCKS = {"that work": 0, "refused": errno.ENOLCK, "not there": errno.ENOSYS, "granted, not held": GRANTED}
 """What the file system does about locks."""
@@ -67,7 +64,7 @@ def one_round(template: Path, folder: Path, locks: int, moments: random.Random, 
     return outcomes
 
 
-def campaign(place: Path, rounds: int, seed: int) -> dict[str, dict[str, int]]:
+def campaign(place: Path, rounds: int) -> dict[str, dict[str, int]]:
     template, calm = place / "template", place / "calm"
     assert faults.call([*SWEEP[:-3], "0-1", *SWEEP[-2:], *faults.in_process(), "--results", str(template)]).code == 0
     shutil.copytree(template, calm)
@@ -76,42 +73,14 @@ def campaign(place: Path, rounds: int, seed: int) -> dict[str, dict[str, int]]:
     took, expected = time.monotonic() - begun, faults.results(calm)
     found = {}
     for name, locks in LOCKS.items():
-        moments, outcomes = random.Random(seed), Counter()
+        moments, outcomes = random.Random(0), Counter()
         for _ in range(rounds):
             outcomes.update(one_round(template, place / "store", locks, moments, expected, took))
         found[name] = dict(outcomes)
     return found
 
 
-@click.command()
-@click.option("--rounds", default=25, show_default=True, help="Of two sweeps and two packs, for each kind of lock.")
-@click.option("--seed", default=0, show_default=True)
-@click.option("--place", type=click.Path(path_type=Path), default=None, hidden=True)
-def main(rounds: int, seed: int, place: Path | None) -> None:
-    """Let several commands write to one store at a time, and print what became of each."""
-    if place is not None:  # the process whose locks are as told
-        warm.environment()
-        import avobench.bench.cells.trial
-        import avobench.bench.store.pack
-        import avobench.cli.records
-        import avobench.cli.run  # noqa: F401
-
-        click.echo(json.dumps(campaign(place, rounds, seed)))
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        warm.environment()
-        own = ["--rounds", str(rounds), "--seed", str(seed), "--place", folder]
-        process = run_with(compiled(Path(folder)), ["-m", "robustness.writers", *own])
-    if process.returncode:
-        click.echo(process.stderr, err=True)
-        sys.exit(1)
-    found = json.loads(process.stdout.splitlines()[-1])
-    kinds = ("run done", "run refused", "pack done", "pack refused")
-    click.echo("".join([f"{'locks':20}", *(f"{kind:>14}" for kind in kinds)]))
-    for name, outcomes in found.items():
-        click.echo("".join([f"{name:20}", *(f"{outcomes.get(kind, 0):14}" for kind in kinds)]))
-    click.echo(f"{rounds * len(found)} rounds: nothing lost, nothing mixed")
-
-
-if __name__ == "__main__":
-    main()
+def table(found: dict[str, dict[str, int]]) -> str:
+    """What became of the sweeps and packs, a line a kind of lock."""
+    told = pd.DataFrame(found).T.fillna(0).astype(int)
+    return f"{told.to_string()}\n{told.to_numpy().sum() // 4} rounds: nothing lost, nothing mixed"

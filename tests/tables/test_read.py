@@ -114,13 +114,6 @@ def test_histograms_are_read_from_memory_and_from_root(weights, tmp_path):
             assert errors(table) == pytest.approx([0.5, 2, np.sqrt(2)])
 
 
-def test_the_tables_of_aleph_are_read(request):
-    data = request.config.rootpath / "examples" / "data" / "aleph_1998.csv"
-    table = avobench.read_table(data, "18")
-    assert len(table.values) == 26
-    assert table.values.sum() == pytest.approx(1.0006, abs=1e-4)
-
-
 @pytest.mark.parametrize(
     ("name", "text", "table", "word"),
     [

@@ -86,8 +86,6 @@ TASKS = {
         "events": lambda self, theta, rng: theta + np.outer([1, -1], halves(theta, rng)).reshape(-1, 1)[: len(theta)]
     },
     "Unpicklable": {"__init__": lambda self: setattr(self, "trick", lambda: None)},
-    "FailsWhenMade": {"__init__": lambda self: int("no detector")},
-    "NeedsAnArgument": {"__init__": lambda self, scale: None},
 }
 declare(SoundTask, TASKS)
 

@@ -102,21 +102,15 @@ class NoSpread(SoundMethod):
 class Guesses(SoundMethod):
     """Simulates nothing, and does not say why."""
 
-    name = "guesses"
+    name, message = "guesses", ""
 
     def infer(self, problem, rng):
         theta = problem.prior.center
-        return Estimate(theta, "centre", "posterior", theta, theta * 0)
+        return Estimate(theta, "centre", "posterior", theta, theta * 0, message=self.message)
 
 
 class Says(Guesses):
-    """Simulates nothing, and says why."""
-
-    name = "says"
-
-    def infer(self, problem, rng):
-        theta = problem.prior.center
-        return Estimate(theta, "centre", "posterior", theta, theta * 0, message="the prior is known to be enough")
+    name, message = "says", "the prior is known to be enough"
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ import random
 import sys
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager
 from typing import Any
 
 import joblib
@@ -47,14 +47,9 @@ def recordable(kind: str, name: str, subject: Task | Method) -> None:
         raise BrokenPromise(f"a record cannot hold the settings {identity[f'{kind}_settings']}: {error}") from error
 
 
-@contextmanager
-def global_seeds(seed: int) -> Iterator[None]:
+def global_seeds(seed: int) -> AbstractContextManager[None]:
     """Another state of every global generator inside the block; PyTorch's where it has been loaded."""
-    torch = sys.modules.get("torch")
-    with global_seed(np.random.default_rng(seed)), torch.random.fork_rng(devices=[]) if torch else nullcontext():
-        if torch:
-            torch.manual_seed(seed)
-        yield
+    return global_seed(np.random.default_rng(seed))
 
 
 @contextmanager

@@ -46,13 +46,6 @@ def test_never_above_the_budget_and_every_request_accounted_for(budget, requests
     assert simulate.remaining == budget - delivered
 
 
-def test_repeat_gives_n_events_of_each_row():
-    theta = np.array([[43.0, 2.0], [47.0, 2.0]])
-    x = metered(20_000).repeat(theta, 10_000)
-    assert x.shape == (2, 10_000, 1)
-    assert x[0].mean() < -0.2 < 0.2 < x[1].mean()  # E[x] = c / 4
-
-
 def test_repeat_needs_an_event_of_each_row():
     simulate = metered(10)
     for n in (0, -1):

@@ -62,6 +62,7 @@ def test_a_record_tells_the_versions_of_what_its_method_and_task_need():
             "the floor of normal must be a number, not negative, got -",
         ),
         ("moment.fault=exits", "method_error", "SystemExit: 0"),
+        ("moment.fault=quiet", "budget_exhausted", ""),
         ("moment.fault=usage", "method_error", "not like this"),
         ("moment.fault=cheats", "method_error", "AttributeError"),
     ],

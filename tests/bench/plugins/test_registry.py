@@ -140,13 +140,6 @@ def test_files_of_one_name_in_two_folders_are_two_modules(file, tmp_path):
     assert names == ["second", "other"]
 
 
-def test_a_file_finds_what_lies_beside_it(tmp_path):
-    (tmp_path / "beside_it.py").write_text("NAME = 'neighbour'\n")
-    path = tmp_path / "neighbour.py"
-    path.write_text("from beside_it import NAME\n" + FILE.replace('name = "second"', "name = NAME"))
-    assert registry.load("task", f"{path}:Second").name == "neighbour"
-
-
 @pytest.mark.parametrize(
     ("spec", "said"),
     [

@@ -1,14 +1,11 @@
 """Cells carried out as one piece of work: the records of single ones, and a fault costs its own cell only."""
 
-import os
-import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 
 from avobench.bench.cells.trial import execute
 from avobench.bench.processes.local import LocalBackend
@@ -156,25 +153,6 @@ def test_all_cells_of_a_piece_tell_how_far_they_are(tmp_path):
     assert all(0 < shares[-1] < 1 for shares in view.shares.values())
 
 
-def test_an_interrupted_piece_leaves_what_was_finished_and_the_next_run_goes_on(tmp_path):
-    command = [sys.executable, "-m", "avobench", "run", "--backend", "together", "--group", "5", "--jobs", "2"]
-    command += ["--task", "toys:Normal", "--method", "toys:Lockstep", "--budget", "400", "--observations", "100"]
-    command += ["--set", "lockstep.pause=0.3", "--repetitions", "2", "--results", str(tmp_path)]
-    process = subprocess.Popen(command, cwd=HERE, start_new_session=True, stderr=subprocess.PIPE)
-    while len(list(tmp_path.glob("records/*.json"))) < 10:
-        assert process.poll() is None
-        time.sleep(0.02)
-    os.killpg(process.pid, signal.SIGINT)
-    _, error = process.communicate(timeout=120)
-    assert process.returncode == 130
-    assert error.decode().strip().splitlines()[-1].startswith("avobench: stopped; ")
-    sound, damaged = Store(tmp_path).read()
-    assert 10 <= len(sound) < 30
-    assert not damaged
-    subprocess.run(command, cwd=HERE, capture_output=True, check=True)
-    assert len(Store(tmp_path).read_all()) == 30
-
-
 def test_the_command_takes_the_backend_and_its_limit(avobench, tmp_path):
     start = ("run", "--task", "toys:Normal", "--method", "toys:Lockstep", "--targets", "0-3", "--budget", 400)
     start += ("--observations", 100, "--jobs", 1, "--results", tmp_path / "r")
@@ -186,15 +164,8 @@ def test_the_command_takes_the_backend_and_its_limit(avobench, tmp_path):
     assert Store(tmp_path / "r").sweeps()[0]["backend"] == "together"
 
 
-def cuda():
-    import torch
-
-    return torch.cuda.is_available()
-
-
+@pytest.mark.skipif(not torch.cuda.is_available(), reason="there is no CUDA device")
 def test_avo_trains_all_targets_at_once_on_a_gpu(avobench, tmp_path):
-    if not cuda():
-        pytest.skip("needs a CUDA device")
     start = ("run", "--task", "poisson", "--method", "avo", "--targets", "0-3", "--budget", 16000, "--jobs", 1)
     start += ("--observations", 20000, "--results", tmp_path / "r")
     for device in ("cpu", "cuda"):

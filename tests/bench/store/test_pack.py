@@ -76,19 +76,6 @@ def test_the_committed_records_are_packed():
         assert not (folder / "records").exists()
 
 
-def test_a_packed_store_is_read_as_it_was_and_has_few_files(store):
-    before, written = store.read_all(), files(store)
-    packed = pack(store)
-    assert (packed.rows, packed.folded, packed.damaged) == (len(written), len(written), {})
-    assert Store(store.path).read_all() == before
-    assert rows(store) == written
-    left = {path.name for path in store.path.iterdir()}
-    assert left - {".lock"} == {"records.parquet", "store.json"}
-    table = store.table.read_bytes()
-    assert pack(store).folded == 0
-    assert store.table.read_bytes() == table
-
-
 def test_a_record_made_again_wins_over_its_row_and_is_folded_in(store, kept):
     written = files(store)
     pack(store)

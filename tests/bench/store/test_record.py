@@ -46,15 +46,6 @@ def test_what_a_cell_may_leave_behind_comes_back_as_it_was(record):
     assert list(decode_record(encode(record))) == list(record)
 
 
-def test_the_committed_records_make_sense():
-    folders = sorted(path.parent for path in (ROOT / "results").glob("*/store.json"))
-    assert {"reference", "ablation", "bolfi-gpy", "studies", "smm"} <= {folder.name for folder in folders}
-    for folder in folders:
-        sound, damaged = Store(folder).read()
-        assert sound
-        assert not damaged
-
-
 @patient
 @given(sound_records(), st.data())
 def test_a_field_of_another_type_or_a_missing_one_is_refused(record, data):

@@ -81,24 +81,6 @@ def test_a_failed_cell_does_not_stop_the_sweep_and_is_tried_again_only_on_reques
     assert len(view.order) == 4
 
 
-def test_a_failure_without_a_message_does_not_stop_the_sweep(avobench, tmp_path):
-    arguments = ["run", "--task", "toys:Normal", "--method", "toys:Moment", "--targets", "0-1", "--budget", 400]
-    arguments += ["--observations", 100, "--in-process", "--results", tmp_path / "r", "--set", "moment.fault=quiet"]
-    code, out, err = avobench(*arguments)
-    assert code == 1
-    assert "0 of 2 cells ok" in out
-    assert err.count("budget_exhausted: no message") == 2
-
-
-def test_a_worker_that_dies_costs_its_own_cell_only(tmp_path):
-    records, view = sweep(tmp_path, methods=("toys:Moment", "toys:Dying"), targets="0-1", jobs=2)
-    assert [record["status"] for record in records] == ["ok", "crashed"] * 2
-    assert records[1]["message"].startswith("the process was ended by SIGKILL")
-    assert records[1]["message"].endswith("(2 times)")
-    assert any(note.endswith("begun again when all else is done") for note in view.notes)
-    assert not any((tmp_path / "running").iterdir())
-
-
 def test_damaged_records_are_set_aside_and_made_again(tmp_path):
     first, _ = sweep(tmp_path)
     damaged = sorted((tmp_path / "records").iterdir())[1]

@@ -3,14 +3,12 @@ import pytest
 from measurements import LIGHT, measured
 
 import avobench
-from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.null import best_null, fit_null
 from avobench.diagnosis.goodness_of_fit.gates import summary_gate
 from avobench.effects.bank import Given
 from avobench.effects.model import Model
 from avobench.tasks.meter import Meter
 from avobench.tasks.poisson import Poisson
-from avobench.tasks.weinberg import Weinberg
 
 
 def test_poisson_fit_attains_the_fisher_information():
@@ -35,16 +33,6 @@ def test_a_sample_at_a_few_thetas_determines_theta_as_the_simulator_would():
     _, own, _ = summary_gate(fit, target, rng, LIGHT)
     assert own.std[0] == pytest.approx(1.9 / np.sqrt(3000), rel=0.6)
     assert own.params[0] == pytest.approx(1.9, abs=4 * own.std[0])
-
-
-def test_weinberg_identifies_one_direction():
-    task = Weinberg()
-    x, rng = measured(task, [46.3, 1.2], 8000, 3)
-    fit, target = fit_null(Model(task), x, rng, Effort(), None)
-    _gate, own, _ = summary_gate(fit, target, rng, Effort())
-    assert own.num_identified == 1
-    c = task.asymmetry(own.params[None])[0]
-    assert c == pytest.approx(task.asymmetry(np.array([[46.3, 1.2]]))[0], abs=5 * 2.2 / np.sqrt(8000))
 
 
 def test_a_fit_that_leaves_much_is_the_same_whatever_the_seed():

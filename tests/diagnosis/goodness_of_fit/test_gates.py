@@ -1,5 +1,6 @@
 """Tests of a fitted model: the summary, single cells, the classifier, and its weights."""
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -287,26 +288,10 @@ def test_weights_make_simulated_events_look_like_measured_ones():
     assert area(other, found.x, found.weights) == pytest.approx(0.5, abs=0.015)  # three standard errors of an area
 
 
-# The rank of each day of a leap year in the draft of 1970, a line a month: those of late days are low, as the capsules
-# were not mixed (S. E. Fienberg, Science 171 (1971) 255). The test holds them against the published correlation.
-LOTTERY = """
-305 159 251 215 101 224 306 199 194 325 329 221 318 238 17 121 235 140 58 280 186 337 118 59 52 92 355 77 349 164 211
-86 144 297 210 214 347 91 181 338 216 150 68 152 4 89 212 189 292 25 302 363 290 57 236 179 365 205 299 285
-108 29 267 275 293 139 122 213 317 323 136 300 259 354 169 166 33 332 200 239 334 265 256 258 343 170 268 223 362 217 30
-32 271 83 81 269 253 147 312 219 218 14 346 124 231 273 148 260 90 336 345 62 316 252 2 351 340 74 262 191 208
-330 298 40 276 364 155 35 321 197 65 37 133 295 178 130 55 112 278 75 183 250 326 319 31 361 357 296 308 226 103 313
-249 228 301 20 28 110 85 366 335 206 134 272 69 356 180 274 73 341 104 360 60 247 109 358 137 22 64 222 353 209
-93 350 115 279 188 327 50 13 277 284 248 15 42 331 322 120 98 190 227 187 27 153 172 23 67 303 289 88 270 287 193
-111 45 261 145 54 114 168 48 106 21 324 142 307 198 102 44 154 141 311 344 291 339 116 36 286 245 352 167 61 333 11
-225 161 49 232 82 6 8 184 263 71 158 242 175 1 113 207 255 246 177 63 204 160 119 195 149 18 233 257 151 315
-359 125 244 202 24 87 234 283 342 220 237 72 138 294 171 254 288 5 241 192 243 117 201 196 176 7 264 94 229 38 79
-19 34 348 266 310 76 51 97 80 282 46 66 126 127 131 107 143 146 203 185 156 9 182 230 132 309 47 281 99 174
-129 328 157 165 56 10 12 105 43 41 39 314 163 26 320 96 304 128 240 135 70 53 162 95 84 173 78 123 16 3 100
-"""
-
-
 def test_the_draft_lottery_of_1970_contradicts_a_fair_one():
-    days, ranks = np.arange(1, 367), np.array(LOTTERY.split(), int)
+    """The table of its ranks is held against the published correlation."""
+    table = Path(__file__).with_name("lottery.txt").read_text().splitlines()[2:]
+    days, ranks = np.arange(1, 367), np.array(" ".join(table).split(), int)
     assert sorted(ranks) == days.tolist()
     assert spearmanr(days, ranks).statistic == pytest.approx(-0.226, abs=5e-4)  # as published
     fair = task(lambda theta, rng: rng.integers(1, 367, (len(theta), 2)), prior={"none": (0, 1)}, name="fair")

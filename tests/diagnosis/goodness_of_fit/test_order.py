@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from scipy.stats import binom
 
 from avobench.diagnosis.goodness_of_fit.order import bursts, order, projections
@@ -61,20 +62,28 @@ def test_a_drift_has_its_size_in_the_features_unit(tail):
     assert found.p_value < 1e-4
 
 
-def test_counts_step_where_they_do():
-    rng = np.random.default_rng(0)
-    found = first(told(np.r_[rng.poisson(7, 1500), rng.poisson(7.6, N - 1500)]))
-    assert (found.kind, found.of, found.along) == ("change point", "level", "index")
-    assert found.at == pytest.approx(1500, abs=300)
-    assert found.size == pytest.approx(0.6, abs=5 * np.sqrt(7 * (1 / 1500 + 1 / 2500)))
+MADE = {
+    "a higher rate": lambda rng: np.r_[rng.poisson(7, 1500), rng.poisson(7.6, 2500)],
+    "a worse resolution": lambda rng: np.r_[rng.normal(0, 1, 2000), rng.normal(0, 1.3, 2000)],
+    "eight channels": lambda rng: rng.normal(size=N) + 0.5 * (np.arange(N) % 8 < 4),
+    "a memory": lambda rng: lfilter([1], [1, -0.3], rng.normal(size=N)),
+}
+KINDS = [  # the kind, of what, where, and how large, each within an error
+    ("a higher rate", "change point", "level", (1500, 300), (0.6, 5 * np.sqrt(7 * (1 / 1500 + 1 / 2500)))),
+    ("a worse resolution", "change point", "spread", (2000, 200), (0.26, 0.06)),
+    ("eight channels", "season", "level", (8, 0.01), (1 / np.pi, 5 * np.sqrt(2 / N))),
+    ("a memory", "clustering", "level", (1, 0), (0.3, 5 / np.sqrt(N))),
+]
+"""The size of a change of the spread is one of the mean of both, 0.3 of 1.15, and the first harmonic of a square wave
+of 0.5 has an amplitude of 1 / pi."""
 
 
-def test_a_worse_resolution_is_a_step_of_the_spread():
-    rng = np.random.default_rng(0)
-    found = told(np.r_[rng.normal(0, 1, 2000), rng.normal(0, 1.3, 2000)])
-    assert [(one.kind, one.of) for one in found] == [("change point", "spread")]
-    assert found[0].at == pytest.approx(2000, abs=200)
-    assert found[0].size == pytest.approx(0.3 / 1.15, abs=0.06)  # of the mean of both
+@pytest.mark.parametrize(("made", "kind", "of", "at", "size"), KINDS)
+def test_what_happens_along_the_index_is_told_where_it_is(made, kind, of, at, size):
+    found = first(told(MADE[made](np.random.default_rng(0))))
+    assert (found.kind, found.of, found.along) == (kind, of, "index")
+    assert found.at == pytest.approx(at[0], abs=at[1])
+    assert found.size == pytest.approx(size[0], abs=size[1])
 
 
 def test_a_season_along_uneven_times():
@@ -90,33 +99,12 @@ def test_a_season_along_uneven_times():
     assert all(one.of == "rate" for one in found if one is not season)  # events do come in blocks
 
 
-def test_a_season_of_readout_channels_by_the_index():
-    rng = np.random.default_rng(0)
-    found = first(told(rng.normal(size=N) + 0.5 * (np.arange(N) % 8 < 4)))
-    assert (found.kind, found.along) == ("season", "index")
-    assert found.at == pytest.approx(8, abs=0.01)
-
-
-def test_events_that_are_like_their_neighbours():
-    rng = np.random.default_rng(0)
-    x = rng.normal(size=N)
-    for i in range(1, N):
-        x[i] += 0.3 * x[i - 1]
-    (found,) = told(x)
-    assert (found.kind, found.at, found.unit) == ("clustering", 1, "correlation")
-    assert found.size == pytest.approx(0.3, abs=5 / np.sqrt(N))
-
-
-def test_times_that_come_in_bursts():
+def test_times_that_come_in_bursts_are_told_and_a_rate_that_changes_slowly_is_no_burst():
     rng = np.random.default_rng(0)
     time = np.repeat(rng.uniform(0, 1000, N // 4), 4) + rng.exponential(1e-3, N)
     found = told(rng.normal(size=N), time, "time")
     assert {(one.kind, one.of) for one in found} == {("clustering", "rate")}
     assert first(found).size == pytest.approx(3, rel=0.2)  # a compound Poisson process of four: variance 4 means
-
-
-def test_a_rate_that_changes_slowly_is_no_burst():
-    rng = np.random.default_rng(0)
     counts = rng.poisson(10 * np.linspace(0.5, 1.5, 1000)).astype(float)
     assert bursts(counts).p_value > 1e-3
 

@@ -1,5 +1,5 @@
 import numpy as np
-from measurements import LIGHT, measured, with_effect
+from measurements import LIGHT, measured
 from scipy.stats import binom
 
 from avobench.diagnosis.fit.null import fit_null
@@ -37,13 +37,6 @@ def test_a_hole_is_a_deficit_in_the_feature_where_it_is():
     strongest, *_ = found(task, x[~lost], rng, names=task.labels)
     assert (strongest.feature, strongest.kind) == (task.labels[2], "deficit")
     assert strongest.low < middle < strongest.high
-
-
-def test_counts_have_no_feature_to_name():
-    x = with_effect(Poisson(), "zero_inflation", [2.0], [0.05], 5000)
-    strongest, *_ = found(Poisson(), x, np.random.default_rng(0))
-    assert (strongest.feature, strongest.kind) == (None, "excess")
-    assert strongest.low <= 0 < strongest.high < 1
 
 
 def test_where_nothing_is_missing_a_region_stands_out_as_seldom_as_alpha_says():

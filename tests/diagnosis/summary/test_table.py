@@ -5,9 +5,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 import avobench
-from avobench.diagnosis.fit.descent import refine
 from avobench.diagnosis.summary.published import TablePart, tables_of
-from avobench.effects.model import Model
 from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson
 
@@ -99,13 +97,6 @@ def test_chi_squared_is_that_of_the_tables_and_its_noise_that_of_the_simulation(
     every = target_of(tables(), events(200_000))
     noise = [(every.whiten(every.summary.mean(events(1000, s))[0] - every.mean) ** 2).sum() for s in range(200)]
     assert np.mean(noise) == pytest.approx(every.rank * every.num_events / 1000, rel=0.15)
-
-
-def test_theta_is_fitted_to_tables_by_the_fit_of_the_diagnosis():
-    target = target_of(tables(), events(20_000, lifetime=1.2))
-    fit = refine(Model(DECAYS), target, np.array([0.6]), 0.3, np.random.default_rng(0), num_events=40_000)
-    assert abs(fit.params[0] - 1) < 4 * fit.std[0] < 0.1
-    assert fit.p_value > 0.001
 
 
 @given(st.lists(st.integers(0, 400), min_size=3, max_size=12).filter(lambda n: sum(n) > 60), st.integers(0, 99))

@@ -42,13 +42,6 @@ def test_a_row_has_the_numbers_of_its_family_parameters_and_method(records):
     assert dimension.drawn(told)[1]["inefficiency"].to_numpy() == pytest.approx(rows["inefficiency"], rel=1e-5)
 
 
-def test_the_detector_with_three_parameters_has_a_row_of_its_own(records):
-    detector = {**at(records[0], 3.0), "task": "alignment-3", "theta_true": [0.0] * 3}
-    rows = dimension.table([at(records[0], 2.0), detector])
-    assert rows[["family", "parameters"]].to_numpy().tolist() == [["warped", 5], ["alignment", 3]]
-    assert rows["worst run / floor"].tolist() == pytest.approx([2.0, 3.0])
-
-
 def test_without_a_record_of_the_study_there_is_no_figure(records):
     with pytest.raises(StoreError, match="study dimension"):
         dimension.drawn([{**records[0], "task": "poisson"}])

@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 
-from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.trial import blank_record, execute
+from avobench.bench.cells.trial import blank_record
 from avobench.bench.store.status import Status
 from paper.experiments import EXPERIMENTS, Runs
 from paper.quantities import efficient_median
 from paper.tables import experiments as tables
-from paper.tasks import FRESH, spec
 
 EFFICIENT = efficient_median((0.1, 0.9))
 """Median of an efficient estimator's squared error over the floor, for carl's two parameters."""
@@ -70,23 +68,3 @@ def test_each_answer_has_a_row_on_its_own_targets_and_a_test_on_those_in_common(
     own = rows.loc[("carl", "avo", "estimate")]
     assert rows.loc[("carl", "bolfi", "estimate"), "inefficiency"] == pytest.approx(100 * own["inefficiency"], rel=0.5)
     assert own["avo ahead"] == "-"
-
-
-def test_fresh_targets_are_scored_by_their_task_and_a_quoted_error_by_what_it_covers():
-    chosen = [task for task in FRESH if task.of.name in ("poisson", "warped-2", "weinberg")]
-    close, far, *others = [
-        execute(Cell(spec(task), {}, "smm", {}, target, 0, 4000, 2000, 0)) for task in chosen for target in range(2)
-    ]
-    for record, ratio, quoted in ((close, 0.1, 0.5), (far, 1e4, 2.0)):
-        error = np.sqrt(ratio * record["floor"])
-        record |= {"theta_hat": [record["theta_true"][0] + error], "squared_error": ratio * record["floor"]}
-        record |= {"standard_error": [error * quoted], "status": "ok"}
-    rows = tables.fresh([close, far, *others]).set_index("task")
-    assert rows.index.tolist() == ["poisson", "weinberg", "warped-2"]
-    assert rows.loc["poisson", ["astray", "ok of these"]].tolist() == [1, 1]
-    assert rows.loc["poisson", ["within 68%", "within 95%"]].tolist() == ["50%", "50%"]
-    assert rows.loc["poisson", "mean / floor"] == pytest.approx(
-        (0.1 * close["floor"] + 1e4 * far["floor"]) / (close["floor"] + far["floor"])
-    )
-    del close["standard_error"]
-    assert tables.fresh([{**close, "spread_of": "proposal"}])["within 68%"].tolist() == ["-"]

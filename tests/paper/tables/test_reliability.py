@@ -1,7 +1,5 @@
 """Probabilities of a diagnosis against what was hidden."""
 
-import json
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -9,11 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from avobench.challenge.case import Case
-from avobench.challenge.records import RECORDS
 from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson
 from paper.figures.reliability_diagram import draw
-from paper.tables.reliability import by_chance, calibration_error, cases_of, table
+from paper.tables.reliability import by_chance, calibration_error, table
 
 
 def case(probabilities, outside, hidden="dead_time", kind="foreign", series=3):
@@ -45,16 +42,6 @@ def test_of_a_withheld_effect_the_truth_is_outside():
     assert row["in the 95 % set"] == 1
 
 
-def test_of_two_effects_both_count():
-    told = case({"dead_time": 0.9, "pile_up": 0.6, "inefficiency": 0.1}, 0.0, kind="two")
-    told.answer["effects"].append({"name": "pile_up", "feature": None, "series": 3, "power": 1.0})
-    told.diagnosis["models"] = [{"effects": [{"name": name, "feature": None} for name in ("pile_up", "dead_time")]}]
-    told.diagnosis["models"][0]["probability"] = 0.96
-    row, _ = table([("two", told)]).to_dict("records")
-    assert row["most probable right"] == row["in the 95 % set"] == 1
-    assert row["P(truth)"] == 0.6
-
-
 @given(st.integers(0, 100))
 def test_probabilities_that_hold_have_next_to_no_calibration_error(seed):
     rng = np.random.default_rng(seed)
@@ -68,20 +55,6 @@ def test_of_few_cases_chance_alone_gives_a_calibration_error():
     """Ten bins of two names of 50 %: of two coins the share of heads is 0.25 from a half on average."""
     assert by_chance(np.full(20, 0.5)) == pytest.approx(0.25, abs=0.02)
     assert by_chance(np.repeat([0.0, 1.0], 50)) == 0
-
-
-def test_cases_are_told_by_the_set_of_their_shapes(tmp_path):
-    rows = [
-        {**one.answer, "set": shapes, "error": None, "diagnosis": one.diagnosis}
-        for one, shapes in (
-            (case({"dead_time": 1.0}, 0.0), "seen"),
-            (case({"dead_time": 1.0}, 0.0, kind="withheld"), "sealed"),
-        )
-    ]
-    lines = [{**RECORDS, "task": "poisson"}, *rows]
-    path = tmp_path / "records.jsonl"
-    path.write_text("\n".join(map(json.dumps, lines)))
-    assert [name for name, _ in cases_of([path])] == ["seen shapes", "withheld, sealed shapes"]
 
 
 def test_the_diagram_has_a_bin_of_what_came_true(tmp_path):

@@ -159,22 +159,6 @@ def test_no_window_needs_a_horizontal_scrollbar(opened, width):
         assert opened.run("return document.querySelector('main').clientWidth") > 0.95 * width
 
 
-def test_light_and_dark_show_the_same_legibly(opened):
-    light, dark = opened.in_both_schemes()
-    assert np.median(light[:300]) > 230
-    assert np.median(dark[:300]) < 60
-
-
-def test_candidates_are_sorted_by_what_a_reader_clicks(opened):
-    def effects():
-        return [cell.text for cell in opened.driver.find_elements("css selector", "#candidates td:first-child")]
-
-    assert effects() == ["zero_inflation", "dead_time", "pile_up"]  # by score
-    opened.run("document.querySelectorAll('#candidates th button')[2].click()")
-    assert effects() == ["pile_up", "dead_time", "zero_inflation"]  # by p, of which one is 0
-    assert opened.complaints() == []
-
-
 def test_the_page_says_what_the_error_of_a_size_does_not_cover(opened):
     assert "may lie many errors from the size of nature's" in opened.run(
         "return document.querySelector('#theta').textContent"
@@ -209,11 +193,6 @@ def test_a_narrow_region_at_the_edge_is_seen_labelled_and_enlarged():
     assert shaded(enlarged) == pytest.approx((0.995, 1))
     wide = distribution(edge(12.0), [region.model_copy(update={"low": 0.5})], "distribution-1")
     assert len(wide.figure.axes) == 3  # nothing to enlarge
-
-
-def test_the_axis_of_a_feature_has_its_unit():
-    figure = distribution(edge(12.0), [], "distribution-1", "GeV").figure
-    assert figure.axes[-1].get_xlabel().endswith(" [GeV]")
 
 
 def test_labels_of_near_regions_do_not_stand_on_each_other():

@@ -44,18 +44,6 @@ def diagnosis(verdict, ties=0, p_before=1e-9, p_after=0.4, **changes):
 AGREE = "simulation and measurement agree"
 
 
-def test_an_effect_without_a_rival_is_what_the_simulator_lacks():
-    said = meaning(diagnosis(Verdict.NAMED))
-    assert said.startswith(f"What the simulator lacks is most probably saturation on mass. With it, {AGREE} (p = 0.4")
-
-
-@pytest.mark.parametrize("ties", [1, 3])
-def test_with_ties_no_effect_is_said_to_be_what_the_simulator_lacks(ties):
-    said = meaning(diagnosis(Verdict.NAMED, ties))
-    assert "is most probably" not in said
-    assert f"{ties + 1} effects" in said
-
-
 def test_agreement_is_said_of_no_p_value_below_alpha_and_of_no_gap_above_one():
     weak = meaning(diagnosis(Verdict.NAMED, p_after=0.0259))
     assert f"too much to say that {AGREE}" in weak
