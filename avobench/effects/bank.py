@@ -2,6 +2,7 @@
 
 import joblib
 import numpy as np
+import pandas as pd
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 from numpy.typing import NDArray
 
@@ -246,11 +247,11 @@ def _key(node: NDArray[np.int64], aside: bool) -> bytes:
 
 def distinct_rows(rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.intp], NDArray[np.intp]]:
     """The distinct rows (k, p) among these (n, p), which of them each one is (n,), and how often each comes (k,)."""
-    if not len(rows):
-        return rows, np.empty(0, np.intp), np.empty(0, np.intp)
     number = np.zeros(len(rows), np.int64)
     for column in rows.T:
-        values, which = np.unique(column, return_inverse=True)
-        _, number = np.unique(number * len(values) + which, return_inverse=True)
-    _, first, which, counts = np.unique(number, return_index=True, return_inverse=True, return_counts=True)
-    return rows[first], which, counts
+        which, values = pd.factorize(column)
+        number = pd.factorize(number * len(values) + which)[0]
+    counts = np.bincount(number)
+    first = np.empty(len(counts), np.intp)
+    first[number[::-1]] = np.arange(len(rows))[::-1]
+    return rows[first], number, counts

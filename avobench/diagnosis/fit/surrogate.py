@@ -183,23 +183,19 @@ def from_bank(model: Model, vectors: Vectors, design: Design, num_events: int, r
             sums[key] = sums.get(key, 0) + more
         left -= n
     theta, x, node = bank.handed(list(sums))
-    size = np.bincount(node)[:, None]
-    at_nodes = basis(design.to_t(model.to_cube(theta)))
-    weights = np.hstack([np.array(list(sums.values())) / size, at_nodes])
-    moments = 0.0
+    size, at_nodes, one = np.bincount(node)[:, None], basis(design.to_t(model.to_cube(theta))), np.eye(k)[0]
+    weights, of_nodes = np.array(list(sums.values())) / size, (at_nodes * size).T @ at_nodes
+    inverse = np.linalg.pinv(normal + pairs * np.outer(one, one), rcond=1e-12, hermitian=True)
+    coefficients = weights[:, :k] @ inverse + np.outer(weights[:, k], inverse[0])
+    bend = weights[:, :k] @ np.linalg.pinv(normal, rcond=1e-12, hermitian=True)[0] - weights[:, k] / pairs
+    if np.linalg.eigvalsh(of_nodes / len(x))[0] > FIT.spanned * np.linalg.eigvalsh(normal / pairs)[0]:
+        coefficients = at_nodes @ np.linalg.inv(of_nodes)
+    weights, moments = np.hstack([coefficients, bend[:, None]]), 0.0
     for at in range(0, len(x), model.at_once):
         some = slice(at, at + model.at_once)
         moments = moments + vectors.moments(x[some], weights[node[some]])
     scatter = weights.T @ (weights * size) / bank.worth
-    inverse = np.linalg.pinv(normal + pairs * np.outer(np.eye(k)[0], np.eye(k)[0]), rcond=1e-12, hermitian=True)
-    solve = np.hstack([inverse, inverse[:, :1], np.zeros((k, k))])
-    of_nodes = (at_nodes * size).T @ at_nodes
-    if np.linalg.eigvalsh(of_nodes / len(x))[0] > FIT.spanned * np.linalg.eigvalsh(normal / pairs)[0]:
-        solve = np.hstack([np.zeros((k, k + 1)), np.linalg.inv(of_nodes)])
-    bend = np.r_[np.linalg.pinv(normal, rcond=1e-12, hermitian=True)[0], -1 / pairs, np.zeros(k)]
-    return Surrogate(
-        design, solve @ moments, len(x), solve @ scatter @ solve.T, bend @ moments, float(bend @ scatter @ bend)
-    )
+    return Surrogate(design, moments[:k], len(x), scatter[:k, :k], moments[k], float(scatter[k, k]))
 
 
 def quadratic(make: Callable[[Design], Surrogate], design: Design, target: Target) -> Surrogate:
