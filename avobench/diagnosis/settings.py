@@ -183,6 +183,8 @@ class SearchSettings:
     be met within a fit's first design."""
     followed: int = 4
     """Steps of theta and the strength to where they fit best beside an effect: the next ones move them no more."""
+    moved: float = 3.0
+    """Standard errors of theta from which an effect is looked at once more, with events of where theta then is."""
     gain: float = 3.0
     """How far a strength may be moved from its grid point by linearity: to about the next point of `strengths`."""
     looked_at: int = 2

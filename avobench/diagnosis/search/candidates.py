@@ -73,10 +73,18 @@ class Candidates:
         for first in best_first[: SEARCH.looked_at * self.effort.starts]:
             look = closer(self.sample, first, self.rng)
             of_shape = starts_of(self.sample, look)
+            if self.moved(of_shape[0]):  # an effect does something else to events of another theta
+                there = self.sample.elsewhere(of_shape[0].point[: self.without.model.dim], self.effort.fit, self.rng)
+                of_shape = starts_of(there, closer(there, look, self.rng))
             if all_alone and not look.guessed and any(look.effect is effect for effect in self.effects):
                 of_shape += hidden(self.sample, of_shape[0], self.rng, self.effort)
             starts += of_shape
         return sorted(starts, key=lambda start: start.expected)
+
+    def moved(self, start: Start) -> bool:
+        """Whether the parameters without the effect are far from where they were, in standard errors."""
+        away = start.point[: self.without.model.dim] - self.without.point
+        return bool(away @ self.without.information[0] @ away > SEARCH.moved**2)
 
     def hopeful(self, starts: list[Start]) -> list[Start]:
         """The best start of each shape, and one more elsewhere, where screening expects that it explains something."""

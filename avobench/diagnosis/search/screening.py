@@ -1,6 +1,7 @@
 """What effects do to the summary of a fitted model over a grid of their parameters, and where their fits begin."""
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from itertools import product
 
@@ -60,10 +61,21 @@ class Sample:
     def __init__(
         self, fit: Fit, target: Target, num_events: int, rng: np.random.Generator, around: "Around | None" = None
     ) -> None:
-        self.fit, self.target, self.around = fit, target, around
-        self.x = fit.model.simulate(np.tile(fit.params, (num_events, 1)), rng)
-        self._means: dict[tuple[int, int], NDArray[np.float64]] = {}
+        self.fit, self.target, self.around, self.point = fit, target, around, fit.point
+        self._simulate(num_events, rng)
         self._spots: dict[int | str | None, list[tuple[float, float, int]]] = {}
+
+    def _simulate(self, num_events: int, rng: np.random.Generator) -> None:
+        self.params = self.fit.model.from_cube(self.point)
+        self.x = self.fit.model.simulate(np.tile(self.params, (num_events, 1)), rng)
+        self._means: dict[tuple[int, int], NDArray[np.float64]] = {}
+
+    def elsewhere(self, point: NDArray[np.float64], num_events: int, rng: np.random.Generator) -> "Sample":
+        """Events of the same model with other parameters, a point (p,) of the unit cube."""
+        other = copy(self)
+        other.point = point
+        other._simulate(num_events, rng)
+        return other
 
     def changes(
         self, effect: Effect, points: NDArray[np.float64], events: int, rng: np.random.Generator
@@ -73,7 +85,7 @@ class Sample:
         Also the square (m,) that the scatter of its few events adds, which makes an effect look stronger than it is.
         """
         m = len(points)
-        params = np.tile(self.fit.params, (m * events, 1))
+        params = np.tile(self.params, (m * events, 1))
         phi = np.repeat(points, events, axis=0)
         model = self.fit.model.plus(effect)
         if not model.newest_acts_last:  # events from one seed are the next best
@@ -152,7 +164,7 @@ class Look:
         strength = self.effect.parameters[0]
         reach = np.where(self.points[:, 0] > strength.null, strength.high, strength.low) - strength.null
         most = np.minimum(SEARCH.gain, reach / (self.points[:, 0] - strength.null))
-        return sample.around.expected(self.change, self.scatter, None if self.guessed else most, steps)
+        return sample.around.expected(self.change, self.scatter, None if self.guessed else most, sample.point, steps)
 
     def beside(self, sample: "Sample", most: int, share: float) -> NDArray[np.float64]:
         """The best points and others beside them, by a share of the grid's step: where to look again."""
@@ -190,14 +202,15 @@ class Around:
         change: NDArray[np.float64],
         scatter: NDArray[np.float64],
         most: NDArray[np.float64] | None,
+        start: NDArray[np.float64],
         steps: int,
     ) -> Expected:
-        """By Gauss-Newton `steps` of the parameters and of the gain, up to `most` (m,), or of the parameters alone.
+        """By Gauss-Newton `steps` from `start` (p,) and of the gain, up to `most` (m,), or of the parameters alone.
 
         `change` (m, r) is of the summary, whitened, and has a square by its `scatter` (m,) that is none of the effect.
         """
         m, p = len(change), len(self._slopes)
-        t, gain = np.zeros((m, p)), np.ones(m)
+        t, gain = np.tile(np.clip(self.surrogate.design.to_t(start), -1, 1), (m, 1)), np.ones(m)
         scatter = np.minimum(scatter, (change**2).sum(axis=1) / 2)
         for _ in range(steps):
             bent = np.tensordot(t, self._bends, 1)
