@@ -29,6 +29,7 @@ from avobench.tasks.arguments import checked
 from avobench.tasks.errors import BudgetExhausted, UsageError, whole
 from avobench.tasks.function import FunctionTask
 from avobench.tasks.joint import JointTask
+from avobench.tasks.region import beside, failures
 from avobench.tasks.sample import SampleTask
 from avobench.tasks.sample import bank as sample_of
 
@@ -377,7 +378,7 @@ def diagnose(
     if sample and (simulations is not None or bank is not None):
         raise UsageError("simulated events that were made before are all there are: leave simulations and bank out")
     registry.require_packages("task", task)
-    folder = None if bank is None else Path(bank)
+    folder, before = None if bank is None else Path(bank), beside(task)
     tables, part = tables_in(x), None
     size = NUM_REFERENCE if joint or tables else _rows(x)
     checks = Checks(task, size, simulations, seed=seed, jobs=jobs, folder=folder)
@@ -412,7 +413,12 @@ def diagnose(
             bank=checks.bank,
         )
     said = result.diagnosis
-    told = {"notes": notes + remarks + said.notes, "num_simulations": calls * said.num_simulations}
+    p = len(task.parameter_names)
+    remarks += failures(task, result.fit.params[:p], result.fit.std[:p])
+    told = {
+        "notes": notes + remarks + said.notes,
+        "num_simulations": calls * said.num_simulations + beside(task) - before,
+    }
     diagnosis = said.model_copy(update=told)
     return _diagnosed(replace(result, diagnosis=diagnosis), spec, theirs, possible)
 

@@ -31,7 +31,8 @@ from avobench.reports.numbers import with_error
 from avobench.tables.table import Table, Tables
 from avobench.tasks import Task
 from avobench.tasks.arguments import checked
-from avobench.tasks.errors import UsageError, whole
+from avobench.tasks.errors import InvalidEstimate, UsageError, whole
+from avobench.tasks.region import beside, failing, failures, regions
 from avobench.tasks.sample import SampleTask
 
 if TYPE_CHECKING:
@@ -358,6 +359,8 @@ def infer(
             raise UsageError(f"tables, several data sets and a bank are fitted by smm, without settings: {why}")
         return moments(task, x, budget, seed, drop_invalid, progress, bank)
     task = registry.task_of(task)
+    if failing(task) and method == "smm" and not settings:  # whose lines through the whole prior bend at an edge
+        return moments(task, x, budget, seed, drop_invalid, progress)
     if method is None:
         method = next(name for name in DEFAULTS if registry.missing_package(registry.load("method", name)) is None)
     if isinstance(method, str):
@@ -369,7 +372,7 @@ def infer(
     least = method.min_simulations(task.prior.dim)
     if budget < least:
         raise UsageError(f"a budget of {budget} is too small for {method.name} on {task.name}: at least {least}")
-    checks = Counted(task)
+    checks, before = Counted(task), beside(task)
     made = partial(reference, task, checks, min(budget // SHARE, budget - least))
     x_observed, warnings = check_events(task, x, drop_invalid=drop_invalid, diagnosis=False, made=made)
     start = time.perf_counter()
@@ -386,13 +389,32 @@ def infer(
         problem = pose(posed, x_observed, simulate)
         estimate = method.infer(problem, stream(seed, "method", *words))
         require_recordable(estimate, problem, simulate.used)
-        estimate = raw(estimate, task.prior)
+        estimate = restricted(raw(estimate, task.prior), task)
         test = metered("agreement", task, held, checks.used + simulate.used)
         estimate, as_good = tested(task, estimate, x_observed, test, simulate.used, stream(seed, "test", *words))
     seconds = time.perf_counter() - start
-    used = checks.used + simulate.used + test.used
+    used = checks.used + simulate.used + test.used + beside(task) - before
+    warnings += failures(task, estimate.theta, estimate.std if estimate.error is None else estimate.error)
     answers = tuple(dict(zip(task.parameter_names, other.tolist(), strict=True)) for other in as_good)
     return Inference(task, method.name, estimate, len(x_observed), used, seconds, seed, tuple(warnings), answers)
+
+
+def restricted(estimate: Estimate, task: Task) -> Estimate:
+    """The estimate without what a posterior has outside of the region where the simulator of a task works.
+
+    Events were made at its edge there. Without these thetas it is the posterior of the prior within the region.
+    """
+    sample, known = estimate.sample, regions(task)
+    if sample is None or not known:
+        return estimate
+    weights = sample.weights * np.all([region.contains(sample.theta) for region in known], axis=0)
+    if not weights.sum() > 0:
+        raise InvalidEstimate(f"the posterior lies where the simulator of {task.name} fails: widen the prior")
+    weights = weights / weights.sum()
+    mean = weights @ sample.theta
+    std = np.sqrt(weights @ (sample.theta - mean) ** 2)
+    theta = estimate.theta if known[0].contains(estimate.theta[None])[0] else mean
+    return replace(estimate, theta=theta, mean=mean, std=std, sample=WeightedSample(sample.theta, weights))
 
 
 def tested(
@@ -434,13 +456,15 @@ def moments(
     from avobench.effects.model import Model
 
     start, calls = time.perf_counter(), 1
-    if isinstance(task, Joint):
-        calls, sets, task = len(task.sets), task.sets, task.task
+    joint, task = (task, task.task) if isinstance(task, Joint) else (None, registry.task_of(task))
+    before = beside(task)
+    if joint:
+        calls, sets = len(joint.sets), joint.sets
         checks = Checks(task, NUM_REFERENCE, budget // calls, seed=seed, folder=folder and Path(folder))
         part, warnings = checks.joint(sets, drop_invalid=drop_invalid)
         num_events = sum(map(len, part.sets))
     else:
-        task, tables = registry.task_of(task), tables_in(x)
+        tables = tables_in(x)
         if isinstance(task, SampleTask) and folder is not None:
             raise UsageError("simulated events that were made before are all there are: leave bank out")
         size = NUM_REFERENCE if tables or not hasattr(x, "__len__") else len(x)
@@ -461,9 +485,11 @@ def moments(
     covariance = fit.point_covariance * np.outer(width, width)
     doubt = f"the fit and what was measured disagree: p = {gate.p_value:.2g}" if gate.p_value < DOUBTED else ""
     how = f"where the means of the summaries agree, chi-squared {gate.statistic:.1f}, dof {gate.dof}"
-    trace = [TracePoint(calls * meter.used, theta, fit.std)]
+    used = calls * meter.used + beside(task) - before
+    trace = [TracePoint(used, theta, fit.std)]
+    warnings += failures(task, theta, fit.std)
     estimate = Estimate(
         theta, how, "proposal", theta, fit.std, trace, error=fit.std, covariance=covariance, doubt=doubt
     )
     seconds = time.perf_counter() - start
-    return Inference(task, "smm", estimate, num_events, calls * meter.used, seconds, seed, tuple(warnings))
+    return Inference(task, "smm", estimate, num_events, used, seconds, seed, tuple(warnings))

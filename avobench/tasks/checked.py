@@ -15,6 +15,8 @@ def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Genera
     """
     try:
         x = task.simulate(task.at_whole(theta, rng).copy(), rng)
+    except SimulatorError:
+        raise
     except (Exception, SystemExit) as error:
         raise SimulatorError(f"the simulator of {task.name} raised {raised(error)}") from error
     if not isinstance(x, np.ndarray) or x.shape != (len(theta), task.num_features):

@@ -107,6 +107,8 @@ class Task(ABC):
     parameter_kinds: ClassVar[tuple[ParameterKind, ...]] = ()
     """The kind of each parameter, where one of them is no real number. The prior and the support of an integer end at
     whole numbers; whoever simulates through `checked_events` may ask for any number between, see `at_whole`."""
+    tasks: ClassVar[tuple["Task", ...]] = ()
+    """The tasks that it is made of."""
     source: ClassVar[str]
     """The source of the simulator, such as a paper and its section."""
     prior: ClassVar[Box]
