@@ -29,6 +29,7 @@ from avobench.tasks.arguments import checked
 from avobench.tasks.errors import BudgetExhausted, UsageError, whole
 from avobench.tasks.function import FunctionTask
 from avobench.tasks.joint import JointTask
+from avobench.tasks.missing import missing_in_both
 from avobench.tasks.region import beside, failures
 from avobench.tasks.sample import SampleTask
 from avobench.tasks.sample import bank as sample_of
@@ -371,7 +372,7 @@ def diagnose(
     effects = [effects] if isinstance(effects, str) else effects
     require_measured(task, x)
     joint = task if isinstance(task, Joint) else None
-    task, spec = (joint.task, None) if joint else _named(task)
+    task, spec = (joint.task, None) if joint else _named(task, x)
     calls = len(joint.sets) if joint else 1  # of simulators, for an event of each data set
     simulations = simulations and simulations // calls
     sample = isinstance(task, SampleTask)
@@ -447,10 +448,13 @@ def _rows(x: ArrayLike | pd.DataFrame) -> int:
         return 0
 
 
-def _named(task: Task | str | ArrayLike | pd.DataFrame) -> tuple[Task, str | None]:
-    """The task that is meant, and the name by which it is loaded again; None where it has none."""
+def _named(task: Task | str | ArrayLike | pd.DataFrame, x: Any) -> tuple[Task, str | None]:
+    """The task that is meant, and the name by which it is loaded again; None where it has none.
+
+    What holds NaN in a sample and in the measured events x may be missing.
+    """
     if not isinstance(task, Task | str | type) and not callable(task):
-        task = sample_of(task)
+        task = sample_of(task, missing=[] if tables_in(x) else missing_in_both(task, x))
     if isinstance(task, SampleTask):
         return task, None
     known = registry.task_of(task)

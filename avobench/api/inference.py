@@ -359,6 +359,10 @@ def infer(
             raise UsageError(f"tables, several data sets and a bank are fitted by smm, without settings: {why}")
         return moments(task, x, budget, seed, drop_invalid, progress, bank)
     task = registry.task_of(task)
+    if task.missing:
+        if method not in (None, "smm") or settings:
+            raise UsageError("values that may be missing are fitted by smm alone, without settings: leave others out")
+        return moments(task, x, budget, seed, drop_invalid, progress)
     if failing(task) and method == "smm" and not settings:  # whose lines through the whole prior bend at an edge
         return moments(task, x, budget, seed, drop_invalid, progress)
     if method is None:

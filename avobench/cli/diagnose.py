@@ -18,6 +18,7 @@ from avobench.tables.read import read_table
 from avobench.tables.table import Table
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
+from avobench.tasks.missing import missing_in_both
 from avobench.tasks.sample import bank
 
 
@@ -105,17 +106,18 @@ def diagnose(
     if time is not None and tables:
         raise UsageError("--time is a column of --data, which is not given")
     chosen = _listed(columns)
-    task: Task | str
-    if simulated is not None:
-        task = _sample(simulated, None if tables else chosen, _listed(theta_columns), weights)
-    else:
-        task = named(spec or "", trust)
-        registry.load("task", task)  # what is wrong with the request is said before a folder is made
+    if spec is not None:
+        registry.load("task", named(spec, trust))  # what is wrong with the request is said before a folder is made
     x: Any
     if data is not None:
         x, when = read_timed(data, chosen, time)
     else:
         x, when = _tables(tables, chosen, density=density, normalised=normalised), None
+    task: Task | str
+    if simulated is not None:
+        task = _sample(simulated, None if tables else chosen, _listed(theta_columns), weights, x)
+    else:
+        task = named(spec or "", trust)
     require_folder(out)
     with shown(None, plain=True) as progress:
         found = diagnose_events(
@@ -146,10 +148,11 @@ def _tables(names: tuple[str, ...], features: list[str] | None, **settings: bool
     return found
 
 
-def _sample(file: str, columns: list[str] | None, theta: list[str] | None, weights: str | None) -> Task:
-    """A task of the events in a file. Raises UsageError."""
+def _sample(file: str, columns: list[str] | None, theta: list[str] | None, weights: str | None, x: Any) -> Task:
+    """A task of the events in a file; what holds NaN there and in events x may be missing. Raises UsageError."""
     beside = [*(theta or []), *([weights] if weights else [])]
     events = read_events(file, [*columns, *beside] if columns else None)
     if beside and not hasattr(events, "columns"):
         raise UsageError(f"{file} has no columns with names, by which theta or weights could be chosen")
-    return bank(events, theta=theta, weights=weights)
+    missing = [] if isinstance(x, list) else missing_in_both(events, x)
+    return bank(events, theta=theta, weights=weights, missing=missing)

@@ -25,8 +25,7 @@ def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Genera
         raise SimulatorError(f"the simulator of {task.name} returned {got} where an array {expected} was due")
     if x.dtype != task.dtype:
         raise SimulatorError(f"the simulator of {task.name} returned {x.dtype} where {np.dtype(task.dtype)} was due")
-    if x.dtype.kind == "f" and not np.isfinite(x).all():
-        bad = np.flatnonzero(~np.isfinite(x).all(axis=1))
+    if x.dtype.kind == "f" and len(bad := np.flatnonzero(task.broken(x))):
         raise SimulatorError(
             f"the simulator of {task.name} returned NaN or infinity in {len(bad)} of {len(x)} events, "
             f"the first at theta = {theta[bad[0]].tolist()}"

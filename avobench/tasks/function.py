@@ -51,6 +51,7 @@ class FunctionTask(Task):
         feature_units: Mapping[str, str] | None = None,
         per_theta: bool = False,
         failed: Failed = "raise",
+        missing: Sequence[str] = (),
     ) -> None:
         self.function, self.name, self.per_theta, self.failed = function, name, per_theta, failed
         self.parameter_names = tuple(prior)
@@ -72,14 +73,17 @@ class FunctionTask(Task):
             ]:
                 raise ValueError(f"{broken[0]} is an integer, so its prior and its support must end at whole numbers")
         n, p = self.prior.dim + 1, self.prior.dim  # another number of rows than of parameters, so none is taken for one
-        x = self._first(n)
+        x = self._first(n, may_lack=bool(missing))
         if x.ndim != 2 or len(x) != n:
             raise ValueError(f"theta of shape ({n}, {p}) gave events of shape {x.shape}, not ({n}, d) or ({n},)")
         self.num_features, self.dtype = x.shape[1], x.dtype
         self.feature_names = tuple(feature_names)
         if feature_names and len(feature_names) != self.num_features:
             raise ValueError(f"an event has {self.num_features} features, {len(feature_names)} names were given")
-        for given, what in ((kinds, "kinds"), (feature_units or {}, "feature_units")):
+        self.missing = tuple(self.labels.index(name) for name in missing if name in self.labels)
+        if missing and self.dtype.kind != "f":
+            raise ValueError("a value that is missing is NaN, which whole numbers do not have: return them as floats")
+        for given, what in ((kinds, "kinds"), (feature_units or {}, "feature_units"), (missing, "missing")):
             if unknown := [feature for feature in given if feature not in self.labels]:
                 raise ValueError(f"{what} names '{unknown[0]}'; the features are {', '.join(self.labels)}")
         if feature_units:
@@ -89,7 +93,8 @@ class FunctionTask(Task):
                 raise ValueError(f"a feature is one of {', '.join(get_args(Kind))}, not {wrong[0]}")
             plain = dict(zip(self.labels, self.kinds_of_features, strict=True))
             self.feature_kinds = tuple((plain | dict(kinds)).values())
-            self.dtype = np.dtype(np.int64 if set(self.feature_kinds) == {"count"} else np.float64)
+            counts = set(self.feature_kinds) == {"count"} and not missing
+            self.dtype = np.dtype(np.int64 if counts else np.float64)
             self._of_their_kinds(x)
 
     @property
@@ -104,6 +109,8 @@ class FunctionTask(Task):
             said += ("per theta",)
         if self.failed != "raise":
             said += (self.failed,)
+        if self.missing:
+            said += (f"missing {self.missing}",)
         return (self.function, repr(said))
 
     @property
@@ -120,6 +127,7 @@ class FunctionTask(Task):
         kinds = dict(zip(self.labels, self.feature_kinds, strict=bool(self.feature_kinds)))
         kinds |= dict(zip(self.parameter_names, self.parameter_kinds, strict=bool(self.parameter_kinds)))
         units = dict(zip(self.labels, self.feature_units, strict=bool(self.feature_units)))
+        said |= {"missing": tuple(self.labels[j] for j in self.missing)} if self.missing else {}
         return said | {"kinds": kinds, "feature_units": units, "per_theta": self.per_theta, "failed": self.failed}
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
@@ -153,7 +161,7 @@ class FunctionTask(Task):
         """
         return np.concatenate([histogram(x[:, [j]], edges, overflow=True) for j, edges in enumerate(self._edges)])
 
-    def _first(self, n: int) -> NDArray:
+    def _first(self, n: int, may_lack: bool) -> NDArray:
         """A few events at the centre of the prior; where they may fail, of the first theta drawn that makes some."""
         rng = np.random.default_rng(0)
         theta = np.vstack([self.prior.center, self.prior.sample(FIRST, rng)])
@@ -164,7 +172,7 @@ class FunctionTask(Task):
                 if self.failed == "raise" or k == FIRST:
                     raise
             else:
-                if self.failed == "raise" or np.isfinite(x).all():
+                if self.failed == "raise" or may_lack or np.isfinite(x).all():
                     return x
         raise ValueError(f"it made no finite events at {FIRST + 1} thetas of its prior")
 
@@ -193,8 +201,9 @@ class FunctionTask(Task):
     def _of_their_kinds(self, x: NDArray) -> NDArray:
         """Events (n, d) in the type of the task. Raises ValueError for a count that is none."""
         counts = x[:, [kind == "count" for kind in self.feature_kinds]]
-        if not ((counts >= 0) & (counts == np.rint(counts))).all():
-            wrong = counts[(counts < 0) | (counts != np.rint(counts))][0]
+        broken = ((counts < 0) | (counts != np.rint(counts))) & ~np.isnan(counts)
+        if broken.any():
+            wrong = counts[broken][0]
             raise ValueError(f"{self.name} makes {wrong:g} where its kinds promise a count")
         return x.astype(self.dtype, copy=False)
 
@@ -212,7 +221,7 @@ class FunctionTask(Task):
         x = self.reference
         if x is None:
             x = self.simulate(self.at_whole(self.prior.sample(NUM_REFERENCE, rng), rng), rng)
-        return [np.unique(np.quantile(feature, np.arange(1, NUM_BINS) / NUM_BINS)) for feature in x.T]
+        return [np.unique(np.nanquantile(feature, np.arange(1, NUM_BINS) / NUM_BINS)) for feature in x.T]
 
 
 @checked
@@ -229,6 +238,7 @@ def task(
     name: str | None = None,
     per_theta: bool = False,
     failed: Failed = "raise",
+    missing: Sequence[str] = (),
     seconds: float = 60.0,
 ) -> FunctionTask:
     """A task from a function that simulates one event for each row of parameters, or many at one theta.
@@ -271,6 +281,11 @@ def task(
         succeed, and their density is conditional on it: measured events must have been selected in the same way. What
         is tried, and what failed, is counted on top of a limit on simulated events. NaN in the row that failed is
         cheaper than an exception, after which a whole call is made again in parts.
+    missing
+        Names of features that an event may lack, as of a detector that did not fire: it holds NaN there, simulated and
+        measured. `diagnose`, and `infer` by `smm`, compare how often they are missing beside their recorded values.
+        Effects of the catalogue act on recorded values, but for `lost_value`, by which more are missing; those that
+        tie features to each other are left out.
     seconds
         The function is tried on a few events, and ended if that takes longer.
 
@@ -306,7 +321,17 @@ def task(
     try:
         with limited_to(seconds, f"the function of the task {label}, tried on {len(prior) + 1} events,"):
             made = FunctionTask(
-                simulate, label, prior, support or {}, units or {}, features, kinds, feature_units, per_theta, failed
+                simulate,
+                label,
+                prior,
+                support or {},
+                units or {},
+                features,
+                kinds,
+                feature_units,
+                per_theta,
+                failed,
+                missing,
             )
     except UsageError:
         raise

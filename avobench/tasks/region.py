@@ -169,7 +169,7 @@ class Region:
                 continue
             if made.shape != (len(rows), self._task.num_features):
                 raise SimulatorError(f"the simulator of {self._task.name} returned events of shape {made.shape}")
-            fine = np.isfinite(made).all(axis=1)
+            fine = ~self._task.broken(made)
             if x.dtype.kind == "i" and (made[fine] != np.rint(made[fine])).any():
                 raise SimulatorError(f"the simulator of {self._task.name} returned fractions where counts were due")
             x[rows[fine]], failed[rows] = made[fine], ~fine
