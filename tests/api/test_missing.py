@@ -52,7 +52,7 @@ def test_what_is_missing_as_often_is_no_disagreement_and_tells_theta():
     assert avobench.diagnose(TASK, x, progress=False).verdict == "no significant disagreement"
     fit = avobench.infer(TASK, x, progress=False)
     assert abs(fit.theta["mean"] - 2) < 4 * fit.std["mean"] < 0.3
-    with pytest.raises(UsageError, match="smm alone"):
+    with pytest.raises(UsageError, match="missing are fitted by smm"):
         avobench.infer(TASK, x, "abc-smc")
 
 
