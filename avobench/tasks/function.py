@@ -141,9 +141,9 @@ class FunctionTask(Task):
         """Where the simulator works, learnt when it is first asked for; None where it may not fail."""
         return None if self.failed == "raise" else self.region_known(None)
 
-    def region_known(self, worked: Sequence[bool] | None) -> Region:
-        """The region of a simulator that `worked` at those of all thetas that are tried, or None to try them."""
-        return Region(self, self._events, self.per_theta, worked)
+    def region_known(self, known: Mapping[str, Any] | None) -> Region:
+        """The region by what is known of it, as `Region.learnt` has it; or by trying the simulator."""
+        return Region(self, self._events, self.per_theta, known)
 
     def quoted(
         self, theta: NDArray[np.float64], error: NDArray[np.float64]

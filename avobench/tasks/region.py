@@ -1,6 +1,6 @@
 """A simulator that fails at some parameters: the region where it works is learnt, and events are made there."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from subprocess import SubprocessError
 from typing import Any, Literal
@@ -45,16 +45,16 @@ class Region:
         task: Task,
         call: Callable[[NDArray, np.random.Generator], NDArray],
         per_theta: bool,
-        worked: Sequence[bool] | None = None,
+        known: Mapping[str, Any] | None = None,
     ) -> None:
-        """Try the simulator, or take from an earlier time where it `worked`.
+        """Try the simulator, or take what is `known` of an earlier time.
 
         Raises SimulatorError where it hardly ever does.
         """
         from scipy.stats import qmc
 
         self._task, self._call, self._per_theta = task, call, per_theta
-        self.reason = "it returned NaN or infinity"
+        self.reason = known["reason"] if known else "it returned NaN or infinity"
         """Why it failed last."""
         self._raises = False
         self.counts = np.zeros(4, np.int64)
@@ -63,7 +63,9 @@ class Region:
         self._low, self._width = np.array(task.support.low), task.support.width
         theta = self._low + qmc.Sobol(len(self._low), seed=0).random(TRIED) * self._width
         theta = np.where(task.is_integer, np.rint(theta), theta)
-        self.worked = np.array(~self._attempted(theta, np.random.default_rng(0))[1] if worked is None else worked, bool)
+        self.worked = np.array(
+            ~self._attempted(theta, np.random.default_rng(0))[1] if known is None else known["worked"], bool
+        )
         """Whether it worked at each of those that were tried: (TRIED,)."""
         self._tried = (theta - self._low) / self._width
         if self.worked.mean() < LEAST:
@@ -71,6 +73,11 @@ class Region:
                 f"the simulator of {task.name} failed at {(~self.worked).sum()} of {TRIED} thetas within its support, "
                 f"such as {theta[~self.worked][0].tolist()} ({self.reason}): mend it, or narrow its prior and support"
             )
+
+    @property
+    def learnt(self) -> dict[str, Any]:
+        """What is known of it, as plain lists and texts."""
+        return {"reason": self.reason, "worked": self.worked.tolist()}
 
     @property
     def beside(self) -> int:
@@ -227,11 +234,11 @@ def regions(task: Task) -> list[Region]:
     return [one.region for one in failing(task)]
 
 
-def recall(task: Task, worked: list[list[bool]]) -> None:
-    """Tell tasks where their simulators worked when the `regions` were learnt. Raises ValueError for other lists."""
-    for one, known in zip(failing(task), worked, strict=True):
-        if len(known) != TRIED:
-            raise ValueError(f"it has {len(known)} in place of {TRIED}")
+def recall(task: Task, learnt: Sequence[Mapping[str, Any]]) -> None:
+    """Tell tasks what was `learnt` of their regions. Raises KeyError, TypeError or ValueError for what is none."""
+    for one, known in zip(failing(task), learnt, strict=True):
+        if len(known["worked"]) != TRIED:
+            raise ValueError(f"it has {len(known['worked'])} in place of {TRIED}")
         one.__dict__.setdefault("region", one.region_known(known))
 
 

@@ -86,7 +86,7 @@ def test_a_bank_remembers_where_it_works(tmp_path, jobs):
     assert told[1].num_simulations == 0
     assert told[0].theta_before == told[1].theta_before
     assert sum("failed at" in note for note in told[1].notes) == 1
-    (tmp_path / "worked.json").write_text("[[true]]")
+    (tmp_path / "worked.json").write_text('[{"reason": "", "worked": [true]}]')
     with pytest.raises(UsageError, match=r"worked\.json"):
         avobench.diagnose(avobench.task(normal, prior=PRIOR, failed="region"), x, bank=tmp_path, progress=False)
 

@@ -44,7 +44,7 @@ class KeptBank(Bank):
         self._recall()
         super().__init__(task, meter, seed, jobs)
         if known := regions(task):
-            said = [region.worked.tolist() for region in known]
+            said = [region.learnt for region in known]
             write_file(folder / WORKED, (json.dumps(said) + "\n").encode())
         for kind in (EVENTS, ASIDE):
             for path in sorted(folder.glob(f"{kind}-*.parquet")):
@@ -80,7 +80,7 @@ class KeptBank(Bank):
             return
         try:
             recall(self.task, json.loads(path.read_text()))
-        except (TypeError, ValueError) as error:
+        except (KeyError, TypeError, ValueError) as error:
             raise UsageError(f"{path} is damaged ({error}); delete it, and that is learnt again") from error
 
     def _columns(self) -> tuple[list[str], list[str], list[str]]:
@@ -103,6 +103,8 @@ class KeptBank(Bank):
 
     def _keep(self, nodes: NDArray[np.int64], theta: NDArray[np.float64], x: NDArray, aside: bool) -> None:
         columns, names, features = self._columns()
+        if (region := getattr(self.task, "region", None)) is not None:
+            theta = region.within(theta)  # where its events were made
         table = pd.DataFrame(dict(zip(columns, nodes.T, strict=True)) | dict(zip(names, theta.T, strict=True)))
         table = pd.concat([table, pd.DataFrame(x, columns=features)], axis=1)
         content = io.BytesIO()
