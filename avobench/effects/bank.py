@@ -196,13 +196,6 @@ class Session:
         return self._bank.repeats(self._taken)
 
 
-def _made(task: Task, theta: NDArray[np.float64], rng: np.random.Generator) -> tuple[NDArray, list[NDArray[np.int64]]]:
-    """Events as those of `checked_events`, and what they added to the counts of each region of the task."""
-    known = regions(task)
-    before = [region.counts.copy() for region in known]
-    return checked_events(task, theta, rng), [region.counts - old for region, old in zip(known, before, strict=True)]
-
-
 def _key(node: NDArray[np.int64], aside: bool) -> bytes:
     return node.tobytes() + b"aside" * aside
 
@@ -217,3 +210,10 @@ def distinct_rows(rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[n
         _, number = np.unique(number * len(values) + which, return_inverse=True)
     _, first, which, counts = np.unique(number, return_index=True, return_inverse=True, return_counts=True)
     return rows[first], which, counts
+
+
+def _made(task: Task, theta: NDArray[np.float64], rng: np.random.Generator) -> tuple[NDArray, list[NDArray[np.int64]]]:
+    """Events as those of `checked_events`, and what they added to the counts of each region of the task."""
+    known = regions(task)
+    before = [region.counts.copy() for region in known]
+    return checked_events(task, theta, rng), [region.counts - old for region, old in zip(known, before, strict=True)]
