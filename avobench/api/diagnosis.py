@@ -29,6 +29,8 @@ from avobench.tasks.arguments import checked
 from avobench.tasks.errors import BudgetExhausted, UsageError, whole
 from avobench.tasks.function import FunctionTask
 from avobench.tasks.joint import JointTask
+from avobench.tasks.missing import missing_in_both
+from avobench.tasks.region import beside, failures
 from avobench.tasks.sample import SampleTask
 from avobench.tasks.sample import bank as sample_of
 
@@ -370,14 +372,14 @@ def diagnose(
     effects = [effects] if isinstance(effects, str) else effects
     require_measured(task, x)
     joint = task if isinstance(task, Joint) else None
-    task, spec = (joint.task, None) if joint else _named(task)
+    task, spec = (joint.task, None) if joint else _named(task, x)
     calls = len(joint.sets) if joint else 1  # of simulators, for an event of each data set
     simulations = simulations and simulations // calls
     sample = isinstance(task, SampleTask)
     if sample and (simulations is not None or bank is not None):
         raise UsageError("simulated events that were made before are all there are: leave simulations and bank out")
     registry.require_packages("task", task)
-    folder = None if bank is None else Path(bank)
+    folder, before = None if bank is None else Path(bank), beside(task)
     tables, part = tables_in(x), None
     size = NUM_REFERENCE if joint or tables else _rows(x)
     checks = Checks(task, size, simulations, seed=seed, jobs=jobs, folder=folder)
@@ -412,7 +414,12 @@ def diagnose(
             bank=checks.bank,
         )
     said = result.diagnosis
-    told = {"notes": notes + remarks + said.notes, "num_simulations": calls * said.num_simulations}
+    p = len(task.parameter_names)
+    remarks += failures(task, result.fit.params[:p], result.fit.std[:p])
+    told = {
+        "notes": notes + remarks + said.notes,
+        "num_simulations": calls * said.num_simulations + beside(task) - before,
+    }
     diagnosis = said.model_copy(update=told)
     return _diagnosed(replace(result, diagnosis=diagnosis), spec, theirs, possible)
 
@@ -441,10 +448,13 @@ def _rows(x: ArrayLike | pd.DataFrame) -> int:
         return 0
 
 
-def _named(task: Task | str | ArrayLike | pd.DataFrame) -> tuple[Task, str | None]:
-    """The task that is meant, and the name by which it is loaded again; None where it has none."""
+def _named(task: Task | str | ArrayLike | pd.DataFrame, x: Any) -> tuple[Task, str | None]:
+    """The task that is meant, and the name by which it is loaded again; None where it has none.
+
+    What holds NaN in a sample and in the measured events x may be missing.
+    """
     if not isinstance(task, Task | str | type) and not callable(task):
-        task = sample_of(task)
+        task = sample_of(task, missing=[] if tables_in(x) else missing_in_both(task, x))
     if isinstance(task, SampleTask):
         return task, None
     known = registry.task_of(task)

@@ -4,6 +4,7 @@ import html
 import json
 import time
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path
@@ -31,12 +32,16 @@ from avobench.reports.numbers import with_error
 from avobench.tables.table import Table, Tables
 from avobench.tasks import Task
 from avobench.tasks.arguments import checked
-from avobench.tasks.errors import UsageError, whole
+from avobench.tasks.errors import InvalidEstimate, UsageError, whole
+from avobench.tasks.meter import Meter
+from avobench.tasks.region import beside, failing, failures, regions
 from avobench.tasks.sample import SampleTask
 
 if TYPE_CHECKING:
     from arviz import InferenceData
     from matplotlib.figure import Figure
+
+    from avobench.effects.bank import Bank
 
 KIND = "avobench-fit"
 """What the file of a fit says that it is."""
@@ -49,6 +54,9 @@ VECTORS = ("theta", "mean", "std", "error", "covariance")
 """The arrays of an estimate."""
 DOUBTED = 0.001
 """A p-value of the fit of tables or of several data sets below which the answer says that it is doubtful."""
+ALL_THERE_ARE = "simulated events that were made before are all there are: leave bank out"
+REPEATED = 1.1
+"""So often the events of a bank may be used on average without a word."""
 DEFAULTS = ("avo", "smm")
 """The first of these methods whose packages are installed is the default; `smm` needs none."""
 
@@ -316,7 +324,7 @@ def infer(
     x
         Observed events (N, d), or (N,) where an event is one number; or published tables. Of tables, of several data
         sets, and from events that were simulated before, theta is found by `smm`: from means of summaries, by the fit
-        with which a diagnosis begins.
+        with which a diagnosis begins. From events that were simulated before also `npe`, `nle` and `nre` find it.
     method
         A method, or its name, such as "avo", "abc-smc" or "bolfi". By default it is `avo` where PyTorch is
         installed, and otherwise `smm`, which needs no more than the base install.
@@ -337,8 +345,9 @@ def infer(
         Works in a process of its own, with one thread, and ends it after so long; the task is sent there. `progress`
         is called there too, so a notebook shows none.
     bank
-        Folder of simulated events that a diagnosis kept, which are used before any is made, and into which those that
-        are made come. Other methods than `smm` choose thetas of which it has none.
+        Folder of simulated events that a diagnosis or a fit kept, which are used before any is made, and into which
+        those that are made come. `smm`, the default then, uses all near its fit. Other methods use those at the same
+        thetas: `npe`, `nle` and `nre` draw these from the prior, the same ones for any data.
 
     Raises
     ------
@@ -351,13 +360,19 @@ def infer(
     """
     budget, seed = whole("budget", budget, 1), whole("seed", seed, 0)
     require_measured(task, x)
-    given = isinstance(task, SampleTask) or bank is not None
-    if given or isinstance(task, Joint) or tables_in(x) is not None:
-        if method not in (None, "smm") or settings:
-            why = "other methods need events at thetas of their own" if given else "leave others out"
-            raise UsageError(f"tables, several data sets and a bank are fitted by smm, without settings: {why}")
+    by_moments = method in (None, "smm") and not settings
+    task = task if isinstance(task, Joint) else registry.task_of(task)
+    sample = isinstance(task, SampleTask)
+    if isinstance(task, Joint) or tables_in(x) is not None or task.missing:
+        if not by_moments:
+            what = "tables, several data sets, and values that may be missing"
+            raise UsageError(f"{what} are fitted by smm, without settings: leave others out")
         return moments(task, x, budget, seed, drop_invalid, progress, bank)
-    task = registry.task_of(task)
+    # The lines through the whole prior, which smm has elsewhere, bend where a simulator begins to fail.
+    if by_moments and (sample or bank is not None or (failing(task) and method == "smm")):
+        return moments(task, x, budget, seed, drop_invalid, progress, bank)
+    if sample and bank is not None:
+        raise UsageError(ALL_THERE_ARE)
     if method is None:
         method = next(name for name in DEFAULTS if registry.missing_package(registry.load("method", name)) is None)
     if isinstance(method, str):
@@ -366,14 +381,41 @@ def infer(
         raise UsageError("settings are for a method given by name; give them to the class otherwise")
     for kind, subject in (("task", task), ("method", method)):
         registry.require_packages(kind, subject)
+    if sample and not method.from_prior:
+        raise UsageError(f"{method.name} needs events at thetas of its own; of a bank take smm, npe, nle or nre")
+    return by_method(task, x, method, budget, seed, drop_invalid, progress, bank)
+
+
+def by_method(
+    task: Task,
+    x: Any,
+    method: Method,
+    budget: int,
+    seed: int,
+    drop_invalid: bool,
+    progress: Progress | bool | None,
+    folder: str | Path | None = None,
+) -> Inference:
+    """Infer theta from events x by a method, with events of a `folder`, or of a sample, where there is one."""
+    sample = isinstance(task, SampleTask)
+    source: Bank | Counted = Counted(task)
+    before = beside(task)
+    if sample or folder is not None:
+        from avobench.diagnosis.checks import bank_of
+
+        source = bank_of(task, Meter(), seed, folder=folder and Path(folder))
+        budget = min(budget, sum(map(len, task.groups))) if sample else budget
     least = method.min_simulations(task.prior.dim)
     if budget < least:
         raise UsageError(f"a budget of {budget} is too small for {method.name} on {task.name}: at least {least}")
-    checks = Counted(task)
+    checks = Counted(drawing(task, source))
     made = partial(reference, task, checks, min(budget // SHARE, budget - least))
-    x_observed, warnings = check_events(task, x, drop_invalid=drop_invalid, diagnosis=False, made=made)
+    x_observed, warnings = check_events(
+        task, x, drop_invalid=drop_invalid, diagnosis=False, made=(lambda: task.events) if sample else made
+    )
     start = time.perf_counter()
-    words, posed = (task.name, method.name), in_shares(task)
+    words, drawn = (task.name, method.name), drawing(task, source)
+    posed = in_shares(drawn)
     held = min(budget // agreement.SHARE, budget - checks.used - least)
     with shown(progress) as tell:
 
@@ -386,13 +428,44 @@ def infer(
         problem = pose(posed, x_observed, simulate)
         estimate = method.infer(problem, stream(seed, "method", *words))
         require_recordable(estimate, problem, simulate.used)
-        estimate = raw(estimate, task.prior)
-        test = metered("agreement", task, held, checks.used + simulate.used)
+        estimate = restricted(raw(estimate, task.prior), task)
+        test = metered("agreement", drawing(task, source, aside=True), held, checks.used + simulate.used)
         estimate, as_good = tested(task, estimate, x_observed, test, simulate.used, stream(seed, "test", *words))
     seconds = time.perf_counter() - start
-    used = checks.used + simulate.used + test.used
+    used = checks.used + simulate.used + test.used if isinstance(source, Counted) else source.meter.used
+    used += beside(task) - before
+    if sample and (repeats := drawn.simulate.repeats) > REPEATED:
+        warnings.append(f"the events of the bank were used {repeats:.2g} times each, so that errors are too small")
+    warnings += failures(task, estimate.theta, estimate.std if estimate.error is None else estimate.error)
     answers = tuple(dict(zip(task.parameter_names, other.tolist(), strict=True)) for other in as_good)
     return Inference(task, method.name, estimate, len(x_observed), used, seconds, seed, tuple(warnings), answers)
+
+
+def drawing(task: Task, source: "Bank | Counted", aside: bool = False) -> Task:
+    """A twin of a task whose events are those of a bank, each once, or those that it keeps aside."""
+    if isinstance(source, Counted):
+        return task
+    twin = copy(task)
+    object.__setattr__(twin, "simulate", source.fresh if aside else source.session())  # it may be a frozen dataclass
+    return twin
+
+
+def restricted(estimate: Estimate, task: Task) -> Estimate:
+    """The estimate without what a posterior has outside of the region where the simulator of a task works.
+
+    Events were made at its edge there. Without these thetas it is the posterior of the prior within the region.
+    """
+    sample, known = estimate.sample, regions(task)
+    if sample is None or not known:
+        return estimate
+    weights = sample.weights * np.all([region.contains(sample.theta) for region in known], axis=0)
+    if not weights.sum() > 0:
+        raise InvalidEstimate(f"the posterior lies where the simulator of {task.name} fails: widen the prior")
+    weights = weights / weights.sum()
+    mean = weights @ sample.theta
+    std = np.sqrt(weights @ (sample.theta - mean) ** 2)
+    theta = estimate.theta if known[0].contains(estimate.theta[None])[0] else mean
+    return replace(estimate, theta=theta, mean=mean, std=std, sample=WeightedSample(sample.theta, weights))
 
 
 def tested(
@@ -434,15 +507,17 @@ def moments(
     from avobench.effects.model import Model
 
     start, calls = time.perf_counter(), 1
-    if isinstance(task, Joint):
-        calls, sets, task = len(task.sets), task.sets, task.task
+    joint, task = (task, task.task) if isinstance(task, Joint) else (None, registry.task_of(task))
+    before = beside(task)
+    if joint:
+        calls, sets = len(joint.sets), joint.sets
         checks = Checks(task, NUM_REFERENCE, budget // calls, seed=seed, folder=folder and Path(folder))
         part, warnings = checks.joint(sets, drop_invalid=drop_invalid)
         num_events = sum(map(len, part.sets))
     else:
-        task, tables = registry.task_of(task), tables_in(x)
+        tables = tables_in(x)
         if isinstance(task, SampleTask) and folder is not None:
-            raise UsageError("simulated events that were made before are all there are: leave bank out")
+            raise UsageError(ALL_THERE_ARE)
         size = NUM_REFERENCE if tables or not hasattr(x, "__len__") else len(x)
         limit = None if isinstance(task, SampleTask) else budget
         checks = Checks(task, size, limit, seed=seed, folder=folder and Path(folder))
@@ -461,9 +536,11 @@ def moments(
     covariance = fit.point_covariance * np.outer(width, width)
     doubt = f"the fit and what was measured disagree: p = {gate.p_value:.2g}" if gate.p_value < DOUBTED else ""
     how = f"where the means of the summaries agree, chi-squared {gate.statistic:.1f}, dof {gate.dof}"
-    trace = [TracePoint(calls * meter.used, theta, fit.std)]
+    used = calls * meter.used + beside(task) - before
+    trace = [TracePoint(used, theta, fit.std)]
+    warnings += failures(task, theta, fit.std)
     estimate = Estimate(
         theta, how, "proposal", theta, fit.std, trace, error=fit.std, covariance=covariance, doubt=doubt
     )
     seconds = time.perf_counter() - start
-    return Inference(task, "smm", estimate, num_events, calls * meter.used, seconds, seed, tuple(warnings))
+    return Inference(task, "smm", estimate, num_events, used, seconds, seed, tuple(warnings))

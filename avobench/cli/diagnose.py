@@ -1,6 +1,5 @@
 """`avobench diagnose`: from a file of measured events to what the simulator lacks."""
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +11,12 @@ from avobench.bench.events import read_events, read_timed
 from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder
 from avobench.cli.isolated import Isolated
-from avobench.cli.options import COLUMNS, DROP_INVALID, SECONDS, SEED, TRUST, named
+from avobench.cli.measured import read_joint, tables_of
+from avobench.cli.options import COLUMNS, DROP_INVALID, JOINT, SECONDS, SEED, TRUST, named, require_alone
 from avobench.cli.terminal import say
-from avobench.tables.read import read_table
-from avobench.tables.table import Table
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
+from avobench.tasks.missing import missing_in_both
 from avobench.tasks.sample import bank
 
 
@@ -36,6 +35,7 @@ from avobench.tasks.sample import bank
 )
 @click.option("--density", is_flag=True, help="Values of --table are divided by the widths of their bins.")
 @click.option("--normalised", is_flag=True, help="Only the shape of each --table is compared, as always of counts.")
+@JOINT
 @click.option("--out", required=True, type=click.Path(path_type=Path), metavar="DIR", help="Folder of the results.")
 @COLUMNS
 @DROP_INVALID
@@ -81,6 +81,7 @@ def diagnose(
     tables: tuple[str, ...],
     density: bool,
     normalised: bool,
+    sets: str | None,
     out: Path,
     columns: str | None,
     trust: bool,
@@ -94,6 +95,11 @@ def diagnose(
     simulator with the effect, which every command accepts as a task). If the disagreement remains, correction.npz
     holds weights that make simulated events look like the measured ones.
     """
+    if sets is not None:
+        given = {"task": spec, "simulated": simulated, "data": data, "table": tables, "columns": columns, "time": time}
+        require_alone(given | {"density": density, "normalised": normalised})
+        _carry_out(read_joint(sets, trust), None, out, Path(sets).name, effects=_listed(effects), **asked)
+        return
     if (spec is None) == (simulated is None):
         raise UsageError("give a simulator by --task, or events that it made by --simulated: one of the two")
     if (theta_columns or weights) and simulated is None:
@@ -105,29 +111,29 @@ def diagnose(
     if time is not None and tables:
         raise UsageError("--time is a column of --data, which is not given")
     chosen = _listed(columns)
-    task: Task | str
-    if simulated is not None:
-        task = _sample(simulated, None if tables else chosen, _listed(theta_columns), weights)
-    else:
-        task = named(spec or "", trust)
-        registry.load("task", task)  # what is wrong with the request is said before a folder is made
+    if spec is not None:
+        registry.load("task", named(spec, trust))  # what is wrong with the request is said before a folder is made
     x: Any
     if data is not None:
         x, when = read_timed(data, chosen, time)
     else:
-        x, when = _tables(tables, chosen, density=density, normalised=normalised), None
+        x, when = tables_of(tables, chosen, density=density, normalised=normalised), None
+    task: Task | str
+    if simulated is not None:
+        task = _sample(simulated, None if tables else chosen, _listed(theta_columns), weights, x)
+    else:
+        task = named(spec or "", trust)
+    measured = ", ".join(Path(name).name for name in ([data] if data else tables))
+    title = f"{measured} against {spec or Path(simulated or '').name}"
+    _carry_out(task, x, out, title, effects=_listed(effects), time=when, **asked)
+
+
+def _carry_out(task: Any, x: Any, out: Path, title: str, **asked: Any) -> None:
+    """Diagnose, write the folder, and print what was found."""
     require_folder(out)
     with shown(None, plain=True) as progress:
-        found = diagnose_events(
-            task,
-            x,
-            effects=_listed(effects),
-            time=when,
-            progress=progress,
-            **asked,
-        )
-    measured = ", ".join(Path(name).name for name in ([data] if data else tables))
-    found.save(out, f"{measured} against {spec or Path(simulated or '').name}")
+        found = diagnose_events(task, x, progress=progress, **asked)
+    found.save(out, title)
     say(found.details())
 
 
@@ -135,21 +141,11 @@ def _listed(names: str | None) -> list[str] | None:
     return None if names is None else [name.strip() for name in names.split(",")]
 
 
-def _tables(names: tuple[str, ...], features: list[str] | None, **settings: bool) -> list[Table]:
-    """The tables of files, each by its feature. Raises UsageError."""
-    if features is not None and len(features) != len(names):
-        raise UsageError(f"--columns names the feature of each table: {len(features)} for {len(names)} tables")
-    found = []
-    for k, name in enumerate(names):
-        file, _, chosen = name.rpartition(":") if re.search(r"\.(csv|yaml|yml):[^:]+$", name) else (name, "", None)
-        found.append(read_table(file, chosen, feature=features[k] if features else 0, **settings))
-    return found
-
-
-def _sample(file: str, columns: list[str] | None, theta: list[str] | None, weights: str | None) -> Task:
-    """A task of the events in a file. Raises UsageError."""
+def _sample(file: str, columns: list[str] | None, theta: list[str] | None, weights: str | None, x: Any) -> Task:
+    """A task of the events in a file; what holds NaN there and in events x may be missing. Raises UsageError."""
     beside = [*(theta or []), *([weights] if weights else [])]
     events = read_events(file, [*columns, *beside] if columns else None)
     if beside and not hasattr(events, "columns"):
         raise UsageError(f"{file} has no columns with names, by which theta or weights could be chosen")
-    return bank(events, theta=theta, weights=weights)
+    missing = [] if isinstance(x, list) else missing_in_both(events, x)
+    return bank(events, theta=theta, weights=weights, missing=missing)

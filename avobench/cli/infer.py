@@ -1,6 +1,7 @@
 """`avobench infer`: from a file of measured events to the parameters of a simulator."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -11,13 +12,16 @@ from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder
 from avobench.bench.sweep.plan import parse_settings
 from avobench.cli.isolated import Isolated
-from avobench.cli.options import COLUMNS, DATA, DROP_INVALID, SECONDS, SEED, TRUST, named
+from avobench.cli.measured import read_joint
+from avobench.cli.options import COLUMNS, DROP_INVALID, JOINT, SECONDS, SEED, TRUST, named, require_alone
 from avobench.cli.terminal import say
+from avobench.tasks.errors import UsageError
 
 
 @click.command(cls=Isolated)
-@click.option("--task", "spec", required=True, metavar="NAME", help="Task, file.py:Class, or a model.json.")
-@DATA
+@click.option("--task", "spec", default=None, metavar="NAME", help="Task, file.py:Class, or a model.json.")
+@click.option("--data", default=None, metavar="FILE", help="File of measured events. For ROOT, file.root:tree.")
+@JOINT
 @click.option("--method", default=None, metavar="NAME", help="Method, or file.py:Class.  [avo, or smm without PyTorch]")
 @click.option("--budget", type=int, default=160_000, show_default=True, help="Simulated events, at most.")
 @SEED
@@ -34,8 +38,9 @@ from avobench.cli.terminal import say
 @SECONDS
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="JSON file to write the result to.")
 def infer(
-    spec: str,
-    data: str,
+    spec: str | None,
+    data: str | None,
+    sets: str | None,
     method: str | None,
     budget: int,
     seed: int,
@@ -48,10 +53,21 @@ def infer(
     """Infer the parameters of a simulator from measured events."""
     if out is not None:
         require_folder(out.parent, make=False)
-    spec = named(spec, trust)
-    chosen = parse_settings(list(settings), {"task": [spec], "method": [method] if method else []})
-    task = registry.build("task", spec, chosen[spec])
-    x = read_events(data, [c.strip() for c in columns.split(",")] if columns else None)
+    specs: dict[str, list[str]] = {"task": [], "method": [method] if method else []}
+    if sets is not None:
+        require_alone({"task": spec, "data": data, "columns": columns})
+    elif spec is None or data is None:
+        raise UsageError("give a simulator by --task and measured events by --data, or several data sets by --joint")
+    else:
+        specs["task"] = [named(spec, trust)]
+    chosen = parse_settings(list(settings), specs)
+    task: Any
+    x: Any = None
+    if sets is not None:
+        task = read_joint(sets, trust)
+    else:
+        task = registry.build("task", *specs["task"], chosen[specs["task"][0]])
+        x = read_events(data, [c.strip() for c in columns.split(",")] if columns else None)
     with shown(None, plain=True) as progress:
         found = infer_events(
             task,

@@ -40,6 +40,8 @@ def _theirs(params: dict[str, Any]) -> Iterator[str]:
     """Values that name code of a user's. A file of data may be taken for one, which costs a second and no more."""
     if params.get("trust"):
         yield "a file that is trusted"
+    if params.get("sets"):
+        yield params["sets"]
     for value in params.values():
         for each in value if isinstance(value, tuple | list) else (value,):
             if isinstance(each, str) and any(registry.runs_theirs(kind, each) for kind in registry.GROUPS):

@@ -1,11 +1,14 @@
 """Options that several commands share."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import click
 
 from avobench.api.sweep import RESULTS as DEFAULT
 from avobench.bench.plugins import registry
+from avobench.tasks.errors import UsageError
 
 RESULTS = click.option(
     "--results",
@@ -15,11 +18,12 @@ RESULTS = click.option(
 )
 SEED = click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, help="Seed of all random numbers.")
 TRUST = click.option("--trust", is_flag=True, help="Allow a model.json to run code that it names.")
-DATA = click.option(
-    "--data",
-    required=True,
-    metavar="FILE",
-    help="File of measured events, one row per event. For ROOT, file.root:tree.",
+JOINT = click.option(
+    "--joint",
+    "sets",
+    default=None,
+    metavar="FILE.toml",
+    help="Several data sets with one theta, a section each, in place of a task and data.",
 )
 COLUMNS = click.option("--columns", metavar="A,B,...", help="Columns or branches to read, in this order.")
 SECONDS = click.option(
@@ -35,6 +39,12 @@ TIME_LIMIT, MEMORY_LIMIT = (
     )
 )
 DROP_INVALID = click.option("--drop-invalid", is_flag=True, help="Leave out rows with NaN or infinite values.")
+
+
+def require_alone(others: Mapping[str, Any]) -> None:
+    """Raise UsageError where another option than --joint says what was measured, or by what it is simulated."""
+    if given := [f"--{name}" for name, value in others.items() if value]:
+        raise UsageError(f"the file of --joint says this of each data set: leave {', '.join(given)} out")
 
 
 def named(spec: str, trust: bool) -> str:

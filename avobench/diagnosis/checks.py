@@ -63,9 +63,13 @@ class Checks:
         return self.bank.session() if isinstance(self.bank, Bank) else self.bank
 
     def entries(self) -> list[Effect]:
-        """The entries of the catalogue for the task; of a joint one, but for those that tie features to each other."""
+        """The entries of the catalogue for the task.
+
+        Those that tie features to each other are left out of a joint task, and where values may be missing.
+        """
         entries = catalogue(self.task, None, self._over_prior)
-        return [each for each in entries if not (each.between and isinstance(self.task, JointTask))]
+        alone = isinstance(self.task, JointTask) or self.task.missing
+        return [each for each in entries if not (each.between and alone)]
 
     def events(self, x: ArrayLike, *, drop_invalid: bool = False) -> tuple[NDArray, list[str]]:
         """The events (n, d) as `check_events` gives them, and warnings."""

@@ -36,6 +36,7 @@ from avobench.effects.pool import Counted, Pool
 from avobench.tasks import Task
 from avobench.tasks.errors import BudgetExhausted, UsageError
 from avobench.tasks.meter import Meter
+from avobench.tasks.missing import filled
 
 OF_TABLES = (
     "Of tables, and of several data sets, what needs single events is left out: the classifier, what events look like, "
@@ -84,7 +85,7 @@ def diagnose(
         x, position, notes = sampled(x, time, seed)
         num_events = len(x)
         if ordered or time is not None:
-            order = exchangeability(task, x, position, "index" if time is None else "time", alpha, seed)
+            order = exchangeability(task, filled(x), position, "index" if time is None else "time", alpha, seed)
         shuffled = rng.permutation(len(x))
         cut = len(x) - int(TEST.held_out_share * len(x))
         fitted, aside = x[shuffled[:cut]], x[shuffled[cut:]]
@@ -221,6 +222,8 @@ class Run:
         if len(features) < x.shape[1]:
             names = ", ".join(self.task.labels[j] for j in features)
             self.notes.append(f"Effects on single features were looked for where most disagrees, on {names}.")
+        if self.task.missing:
+            x, experience = filled(x), False
         search = Search(target, x, self.effects, max_effects, rng, effort, self.jobs, self.phases, experience, features)
         extended = None
         with meter.keeping(self.later):

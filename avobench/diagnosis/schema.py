@@ -104,7 +104,7 @@ class Place(Strict):
     feature: Feature
     """That of a dependence is "a and b" for two features, and "all" for what all have in common."""
     low: float | None
-    """None for a dependence, as `high` is."""
+    """None, as `high` is, for a dependence, and for events that lack the feature."""
     high: float | None
     kind: Literal["excess", "deficit", "dependence"]
     unit: str = "1"

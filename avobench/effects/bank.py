@@ -10,6 +10,7 @@ from avobench.tasks import Task
 from avobench.tasks.checked import checked_events
 from avobench.tasks.errors import ProcessEnded
 from avobench.tasks.meter import Meter
+from avobench.tasks.region import regions
 from avobench.tasks.sample import SampleTask
 
 COARSEST = 4
@@ -39,6 +40,7 @@ class Bank:
     def __init__(self, task: Task, meter: Meter, seed: int, jobs: int = 1) -> None:
         self.task, self.meter, self.jobs = task, meter, jobs
         self._seed, self._size = seed, 0
+        regions(task)  # where it works is learnt here, and not by each process that simulates
         self.fills = 0
         """How often events came into the bank."""
         self._low, self._high = np.array(task.support.low), np.array(task.support.high)
@@ -131,13 +133,17 @@ class Bank:
         self.meter.charge(len(theta))
         seeds = np.random.SeedSequence([self._seed, self.fills]).spawn(-(-len(theta) // PIECE))
         calls = [
-            joblib.delayed(checked_events)(self.task, theta[k * PIECE : (k + 1) * PIECE], np.random.default_rng(seed))
+            joblib.delayed(_made)(self.task, theta[k * PIECE : (k + 1) * PIECE], np.random.default_rng(seed))
             for k, seed in enumerate(seeds)
         ]
+        known = regions(self.task)
+        counts = [region.counts.copy() for region in known]
         try:
-            made = joblib.Parallel(n_jobs=min(self.jobs, len(calls)))(calls)
+            made, more = zip(*joblib.Parallel(n_jobs=min(self.jobs, len(calls)))(calls), strict=True)
         except TerminatedWorkerError as error:
             raise ProcessEnded("crashed", "a worker process was ended (killed, or out of memory)") from error
+        for k, region in enumerate(known):  # other processes have counted in copies
+            region.counts = counts[k] + sum(each[k] for each in more)
         self._keep(rows, theta, np.concatenate(made), aside)
 
     def _keep(self, nodes: NDArray[np.int64], theta: NDArray[np.float64], x: NDArray, aside: bool) -> None:
@@ -255,3 +261,10 @@ def distinct_rows(rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[n
     first = np.empty(len(counts), np.intp)
     first[number[::-1]] = np.arange(len(rows))[::-1]
     return rows[first], number, counts
+
+
+def _made(task: Task, theta: NDArray[np.float64], rng: np.random.Generator) -> tuple[NDArray, list[NDArray[np.int64]]]:
+    """Events as those of `checked_events`, and what they added to the counts of each region of the task."""
+    known = regions(task)
+    before = [region.counts.copy() for region in known]
+    return checked_events(task, theta, rng), [region.counts - old for region, old in zip(known, before, strict=True)]

@@ -6,6 +6,7 @@ from importlib.metadata import entry_points
 
 from numpy.typing import NDArray
 
+from avobench.effects.continuous.lost_value import LostValue
 from avobench.effects.contract import Effect
 from avobench.effects.site import Domain, Site, domain
 from avobench.tasks import Task
@@ -48,7 +49,8 @@ def catalogue(task: Task, x: NDArray | None = None, made: Callable[[], NDArray] 
     (N, d) show, or those of simulated events (n, d) over the prior, which `made` gives.
     """
     site = Site(task, x, made)
-    return [entry for family in of_domain(*site.domains) for entry in family.entries(site)]
+    found = [*of_domain(*site.domains), *([LostValue] if task.missing else [])]
+    return [entry for family in found for entry in family.entries(site)]
 
 
 def chosen(effects: Iterable[Effect], names: Iterable[str], task: str) -> list[Effect]:

@@ -129,6 +129,15 @@ class Model:
         u[..., columns] = np.log(params[..., columns] / low) / np.log(high / low)
         return u
 
+    def allowed(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The nearest points of the unit cube at which the simulator works: (P,) or (n, P), the same shape back."""
+        u, p, region = np.clip(u, 0, 1), self.num_theta, getattr(self.task, "region", None)
+        if region is not None:
+            low, width = self.low[:p], self.high[:p] - self.low[:p]
+            theta = low + u[..., :p] * width
+            u[..., :p] = (region.within(theta.reshape(-1, p)).reshape(theta.shape) - low) / width
+        return u
+
     def source(self) -> Source:
         return self.events.session() if isinstance(self.events, Bank) else self.events or self.task.simulate
 

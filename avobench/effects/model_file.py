@@ -116,7 +116,7 @@ class AugmentedTask(Task):
         if len(content.parameters) != model.dim:
             raise UsageError(f"{path} gives {len(content.parameters)} parameters to a model of {model.dim}")
         task.copy_events_of(base)
-        task.content, task.model, task.name = content, model, content.name
+        task.content, task.model, task.name, task.tasks = content, model, content.name, (base,)
         task.parameter_names = tuple(p.name for p in content.parameters)
         task.parameter_units = tuple(p.unit for p in content.parameters)
         try:

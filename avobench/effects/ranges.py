@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from avobench.tasks import Task
 from avobench.tasks.checked import checked_events
+from avobench.tasks.missing import filled
 
 REFERENCE_EVENTS = 20_000
 """Events over the prior, from which the range of each feature is read: enough that its ends are seen."""
@@ -94,7 +95,7 @@ def ranges(task: Task, x: NDArray | None = None) -> tuple[Range, ...]:
     if x is None:
         rng = np.random.default_rng(0)
         x = checked_events(task, task.prior.sample(REFERENCE_EVENTS, rng), rng)
-    found = []
+    x, found = filled(x), []
     units = task.feature_units or ("",) * task.num_features
     for column, kind, unit in zip(x.T.astype(float), task.kinds_of_features, units, strict=True):
         low, high = column.min(), column.max()

@@ -23,13 +23,17 @@ def accepted(
 ) -> NDArray:
     """Events that a detector records: drawn anew, row by row, until recorded: theta (n, p) -> (n, d).
 
-    `keep(x, rows)` is the chance that the events x, of these rows of theta, are recorded. What a detector never records
-    cannot be waited for: the event of the last round stays, recorded or not.
+    `keep(x, rows)` is the chance that the events x, of these rows of theta, are recorded. Where a value is missing,
+    and it is NaN, it is that of the others on average: a selection does not change how often values are missing. What a
+    detector never records cannot be waited for: the event of the last round stays, recorded or not.
     """
     x = simulate(theta, rng)
     rows, left = np.arange(len(theta)), DRAWN * max(len(theta), FEW)
     for _ in range(MAX_ROUNDS):
-        rows = rows[rng.random(len(rows)) >= keep(x[rows], rows)]
+        chance = keep(x[rows], rows)
+        if (missing := np.isnan(chance)).any():
+            chance = np.where(missing, chance[~missing].mean() if not missing.all() else 1.0, chance)
+        rows = rows[rng.random(len(rows)) >= chance]
         left -= len(rows)
         if len(rows) == 0 or left < 0:
             break

@@ -93,6 +93,11 @@ class Method(ABC):
     together: ClassVar[bool] = False
     """True if `infer_together` takes less time than one problem after the other."""
 
+    @property
+    def from_prior(self) -> bool:
+        """Whether all its thetas are drawn from the prior, whatever was observed."""
+        return False
+
     @abstractmethod
     def min_simulations(self, num_parameters: int) -> int:
         """The smallest budget, in events, from which this method can make an estimate.

@@ -77,6 +77,10 @@ class Neural(Method):
     def together(self) -> bool:
         return self.amortised
 
+    @property
+    def from_prior(self) -> bool:
+        return self.rounds == 1
+
     def min_simulations(self, num_parameters: int) -> int:
         return 1000 * self.rounds
 

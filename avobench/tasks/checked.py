@@ -15,6 +15,8 @@ def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Genera
     """
     try:
         x = task.simulate(task.at_whole(theta, rng).copy(), rng)
+    except SimulatorError:
+        raise
     except (Exception, SystemExit) as error:
         raise SimulatorError(f"the simulator of {task.name} raised {raised(error)}") from error
     if not isinstance(x, np.ndarray) or x.shape != (len(theta), task.num_features):
@@ -23,8 +25,7 @@ def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Genera
         raise SimulatorError(f"the simulator of {task.name} returned {got} where an array {expected} was due")
     if x.dtype != task.dtype:
         raise SimulatorError(f"the simulator of {task.name} returned {x.dtype} where {np.dtype(task.dtype)} was due")
-    if x.dtype.kind == "f" and not np.isfinite(x).all():
-        bad = np.flatnonzero(~np.isfinite(x).all(axis=1))
+    if x.dtype.kind == "f" and len(bad := np.flatnonzero(task.broken(x))):
         raise SimulatorError(
             f"the simulator of {task.name} returned NaN or infinity in {len(bad)} of {len(x)} events, "
             f"the first at theta = {theta[bad[0]].tolist()}"

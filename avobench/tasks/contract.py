@@ -20,7 +20,7 @@ ParameterKind = Literal["integer", "continuous"]
 """The kind of a parameter: a whole number, or any real one."""
 
 OF_EVENTS = (
-    *("num_features", "feature_names", "feature_kinds", "feature_units", "event_shape", "cyclic_axes"),
+    *("num_features", "feature_names", "feature_kinds", "feature_units", "missing", "event_shape", "cyclic_axes"),
     *("dtype", "discriminator", "packages", "extra"),
 )
 """What a task says of its events, and what they need."""
@@ -107,6 +107,8 @@ class Task(ABC):
     parameter_kinds: ClassVar[tuple[ParameterKind, ...]] = ()
     """The kind of each parameter, where one of them is no real number. The prior and the support of an integer end at
     whole numbers; whoever simulates through `checked_events` may ask for any number between, see `at_whole`."""
+    tasks: ClassVar[tuple["Task", ...]] = ()
+    """The tasks that it is made of."""
     source: ClassVar[str]
     """The source of the simulator, such as a paper and its section."""
     prior: ClassVar[Box]
@@ -121,6 +123,8 @@ class Task(ABC):
     an image, which is declared by `event_shape`, have none."""
     feature_units: ClassVar[tuple[str, ...]] = ()
     """One a feature, where they have units; that of a pure number is "1"."""
+    missing: ClassVar[tuple[int, ...]] = ()
+    """The columns of features that an event may lack, as of a detector that did not fire; it holds NaN there."""
     event_shape: ClassVar[tuple[int, ...]] = ()
     """Shape of an event whose features form an image, row by row, e.g. (32, 32); () where they are a plain list."""
     cyclic_axes: ClassVar[tuple[int, ...]] = ()
@@ -196,6 +200,13 @@ class Task(ABC):
     def identifiable_scale(self) -> NDArray[np.float64]:
         """The units (k,) of differences of `identifiable` when several are averaged: the prior's widths."""
         return self.prior.width
+
+    def broken(self, x: NDArray) -> NDArray[np.bool_]:
+        """The rows of events (n, d) with a value that is not finite, other than what may be missing: (n,)."""
+        bad = ~np.isfinite(x)
+        columns = list(self.missing)
+        bad[:, columns] = np.isinf(x[:, columns])
+        return bad.any(axis=1)
 
     def copy_events_of(self, task: "Task") -> None:
         """Take over what another task says of its events, and what they need."""

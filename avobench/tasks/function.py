@@ -17,14 +17,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from avobench.tasks.arguments import box_of, checked
 from avobench.tasks.contract import NAME, Box, Kind, ParameterKind, Task, histogram
-from avobench.tasks.errors import UsageError, raised, text_of
+from avobench.tasks.errors import UsageError, raised, shown, text_of
 from avobench.tasks.prior import Distributed, Ends
+from avobench.tasks.region import FAILURES, Failed, Region
 
 Simulate = Callable[[NDArray[np.float64], np.random.Generator], ArrayLike]
 """theta (n, p), a generator -> one event per row: (n, d), or (n,) where an event is one number."""
 
 NUM_BINS = 20
 """Bins of each feature in the summary, as many as the benchmark's weinberg task has."""
+FIRST = 50
+"""So often a simulator that may fail is tried until it makes its first events."""
 NUM_REFERENCE = 4000
 """Events over the prior from which the bins of the summary are taken: 200 a bin."""
 
@@ -47,8 +50,10 @@ class FunctionTask(Task):
         kinds: Mapping[str, Kind | ParameterKind] | None = None,
         feature_units: Mapping[str, str] | None = None,
         per_theta: bool = False,
+        failed: Failed = "raise",
+        missing: Sequence[str] = (),
     ) -> None:
-        self.function, self.name, self.per_theta = function, name, per_theta
+        self.function, self.name, self.per_theta, self.failed = function, name, per_theta, failed
         self.parameter_names = tuple(prior)
         self.parameter_units = tuple(units.get(parameter, "1") for parameter in prior)
         said = {name: kind for name, kind in (kinds or {}).items() if name in prior and kind in get_args(ParameterKind)}
@@ -67,16 +72,18 @@ class FunctionTask(Task):
                 if not fine and said.get(name) == "integer"
             ]:
                 raise ValueError(f"{broken[0]} is an integer, so its prior and its support must end at whole numbers")
-        centre = self.quoted(self.prior.center, np.zeros(self.prior.dim))[0]
         n, p = self.prior.dim + 1, self.prior.dim  # another number of rows than of parameters, so none is taken for one
-        x = self._events(np.tile(centre, (n, 1)), np.random.default_rng(0))
+        x = self._first(n, may_lack=bool(missing))
         if x.ndim != 2 or len(x) != n:
             raise ValueError(f"theta of shape ({n}, {p}) gave events of shape {x.shape}, not ({n}, d) or ({n},)")
         self.num_features, self.dtype = x.shape[1], x.dtype
         self.feature_names = tuple(feature_names)
         if feature_names and len(feature_names) != self.num_features:
             raise ValueError(f"an event has {self.num_features} features, {len(feature_names)} names were given")
-        for given, what in ((kinds, "kinds"), (feature_units or {}, "feature_units")):
+        self.missing = tuple(self.labels.index(name) for name in missing if name in self.labels)
+        if missing and self.dtype.kind != "f":
+            raise ValueError("a value that is missing is NaN, which whole numbers do not have: return them as floats")
+        for given, what in ((kinds, "kinds"), (feature_units or {}, "feature_units"), (missing, "missing")):
             if unknown := [feature for feature in given if feature not in self.labels]:
                 raise ValueError(f"{what} names '{unknown[0]}'; the features are {', '.join(self.labels)}")
         if feature_units:
@@ -86,7 +93,8 @@ class FunctionTask(Task):
                 raise ValueError(f"a feature is one of {', '.join(get_args(Kind))}, not {wrong[0]}")
             plain = dict(zip(self.labels, self.kinds_of_features, strict=True))
             self.feature_kinds = tuple((plain | dict(kinds)).values())
-            self.dtype = np.dtype(np.int64 if set(self.feature_kinds) == {"count"} else np.float64)
+            counts = set(self.feature_kinds) == {"count"} and not missing
+            self.dtype = np.dtype(np.int64 if counts else np.float64)
             self._of_their_kinds(x)
 
     @property
@@ -99,6 +107,10 @@ class FunctionTask(Task):
             said += (self.parameter_kinds,)
         if self.per_theta:
             said += ("per theta",)
+        if self.failed != "raise":
+            said += (self.failed,)
+        if self.missing:
+            said += (f"missing {self.missing}",)
         return (self.function, repr(said))
 
     @property
@@ -115,13 +127,32 @@ class FunctionTask(Task):
         kinds = dict(zip(self.labels, self.feature_kinds, strict=bool(self.feature_kinds)))
         kinds |= dict(zip(self.parameter_names, self.parameter_kinds, strict=bool(self.parameter_kinds)))
         units = dict(zip(self.labels, self.feature_units, strict=bool(self.feature_units)))
-        return said | {"kinds": kinds, "feature_units": units, "per_theta": self.per_theta}
+        said |= {"missing": tuple(self.labels[j] for j in self.missing)} if self.missing else {}
+        return said | {"kinds": kinds, "feature_units": units, "per_theta": self.per_theta, "failed": self.failed}
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """One event per row: theta (n, p) -> (n, d). Raises ValueError outside the support."""
         self.require_support(theta)
-        x = self._events(theta, rng)
+        x = self._events(theta, rng) if self.region is None else self.region.simulate(theta, rng)
         return self._of_their_kinds(x) if self.feature_kinds else x
+
+    @cached_property
+    def region(self) -> Region | None:
+        """Where the simulator works, learnt when it is first asked for; None where it may not fail."""
+        return None if self.failed == "raise" else self.region_known(None)
+
+    def region_known(self, known: Mapping[str, Any] | None) -> Region:
+        """The region by what is known of it, as `Region.learnt` has it; or by trying the simulator."""
+        return Region(self, self._events, self.per_theta, known)
+
+    def quoted(
+        self, theta: NDArray[np.float64], error: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """As of any task; and theta outside of the region is quoted at its edge, where its events were made."""
+        if self.region is not None:
+            within = self.region.within(np.atleast_2d(theta)).reshape(theta.shape)
+            theta, error = within, np.hypot(error, theta - within)
+        return super().quoted(theta, error)
 
     def summary(self, x: NDArray) -> NDArray[np.float64]:
         """Shares of the events in bins of each feature: (n, d) -> (k,).
@@ -129,6 +160,21 @@ class FunctionTask(Task):
         The bins hold equal shares of the reference events, or over the prior where there are none.
         """
         return np.concatenate([histogram(x[:, [j]], edges, overflow=True) for j, edges in enumerate(self._edges)])
+
+    def _first(self, n: int, may_lack: bool) -> NDArray:
+        """A few events at the centre of the prior; where they may fail, of the first theta drawn that makes some."""
+        rng = np.random.default_rng(0)
+        theta = np.vstack([self.prior.center, self.prior.sample(FIRST, rng)])
+        for k, one in enumerate(super().quoted(theta, np.zeros_like(theta))[0]):
+            try:
+                x = self._events(np.tile(one, (n, 1)), rng)
+            except FAILURES:
+                if self.failed == "raise" or k == FIRST:
+                    raise
+            else:
+                if self.failed == "raise" or may_lack or np.isfinite(x).all():
+                    return x
+        raise ValueError(f"it made no finite events at {FIRST + 1} thetas of its prior")
 
     def _events(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         if self.per_theta:
@@ -155,8 +201,9 @@ class FunctionTask(Task):
     def _of_their_kinds(self, x: NDArray) -> NDArray:
         """Events (n, d) in the type of the task. Raises ValueError for a count that is none."""
         counts = x[:, [kind == "count" for kind in self.feature_kinds]]
-        if not ((counts >= 0) & (counts == np.rint(counts))).all():
-            wrong = counts[(counts < 0) | (counts != np.rint(counts))][0]
+        broken = ((counts < 0) | (counts != np.rint(counts))) & ~np.isnan(counts)
+        if broken.any():
+            wrong = counts[broken][0]
             raise ValueError(f"{self.name} makes {wrong:g} where its kinds promise a count")
         return x.astype(self.dtype, copy=False)
 
@@ -174,7 +221,7 @@ class FunctionTask(Task):
         x = self.reference
         if x is None:
             x = self.simulate(self.at_whole(self.prior.sample(NUM_REFERENCE, rng), rng), rng)
-        return [np.unique(np.quantile(feature, np.arange(1, NUM_BINS) / NUM_BINS)) for feature in x.T]
+        return [np.unique(np.nanquantile(feature, np.arange(1, NUM_BINS) / NUM_BINS)) for feature in x.T]
 
 
 @checked
@@ -190,6 +237,8 @@ def task(
     feature_units: Mapping[str, str] | None = None,
     name: str | None = None,
     per_theta: bool = False,
+    failed: Failed = "raise",
+    missing: Sequence[str] = (),
     seconds: float = 60.0,
 ) -> FunctionTask:
     """A task from a function that simulates one event for each row of parameters, or many at one theta.
@@ -223,6 +272,20 @@ def task(
         `simulate` takes one theta (p,), a number n of events and a generator, as a program that is started for each
         theta does. A diagnosis, and `infer` with a `bank`, start it for few thetas; methods that draw a theta for each
         event start it for each.
+    failed
+        What is done where the simulator fails: returns NaN or infinity, or raises ValueError, ArithmeticError,
+        RuntimeError, TimeoutError or an error of `subprocess`. "raise" ends what was asked with a line. "region" tries
+        it at 512 thetas of its support first, learns where it mostly works, and keeps to that region: what is asked
+        for outside is made at its edge, and answers say how often it failed, where, and which share of the prior
+        works. An event that fails at a theta that works is made again at that theta. So events are those that
+        succeed, and their density is conditional on it: measured events must have been selected in the same way. What
+        is tried, and what failed, is counted on top of a limit on simulated events. NaN in the row that failed is
+        cheaper than an exception, after which a whole call is made again in parts.
+    missing
+        Names of features that an event may lack, as of a detector that did not fire: it holds NaN there, simulated and
+        measured. `diagnose`, and `infer` by `smm`, compare how often they are missing beside their recorded values.
+        Effects of the catalogue act on recorded values, but for `lost_value`, by which more are missing; those that
+        tie features to each other are left out.
     seconds
         The function is tried on a few events, and ended if that takes longer.
 
@@ -253,10 +316,22 @@ def task(
         for parameter in given:
             if parameter not in prior:
                 raise UsageError(f"{what} names '{parameter}'; the parameters of {label} are {', '.join(prior)}")
+    if failed not in get_args(Failed):
+        raise UsageError(f"failed must be one of {', '.join(get_args(Failed))}, got {shown(failed)}")
     try:
         with limited_to(seconds, f"the function of the task {label}, tried on {len(prior) + 1} events,"):
             made = FunctionTask(
-                simulate, label, prior, support or {}, units or {}, features, kinds, feature_units, per_theta
+                simulate,
+                label,
+                prior,
+                support or {},
+                units or {},
+                features,
+                kinds,
+                feature_units,
+                per_theta,
+                failed,
+                missing,
             )
     except UsageError:
         raise

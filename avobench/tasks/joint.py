@@ -54,6 +54,8 @@ class JointTask(Task):
         self.feature_kinds = tuple(kind for task in self.tasks for kind in task.kinds_of_features)
         units = [task.feature_units or ("1",) * task.num_features for task in self.tasks]
         self.feature_units = tuple(unit for each in units for unit in each)
+        each = zip(self.columns, self.tasks, strict=True)
+        self.missing = tuple(at.start + j for at, task in each for j in task.missing)
         self.dtype = np.result_type(*(np.dtype(task.dtype) for task in self.tasks))
 
     @property

@@ -35,12 +35,14 @@ class SampleTask(Task):
         prior: Box,
         worth: float,
         name: str,
+        missing: Sequence[str] = (),
     ) -> None:
         """Events (M, d) without weights, in random order, at theta (M, p). Weighted ones were `worth` so many each."""
         self.name, self.events, self.worth = name, events, worth
         self.parameter_names, self.parameter_units = tuple(parameters), ("1",) * len(parameters)
         self.prior = self.support = prior
         self.num_features, self.dtype, self.feature_names = events.shape[1], events.dtype, tuple(features)
+        self.missing = tuple(self.labels.index(one) for one in missing)
         self.nodes, which = np.unique(theta, axis=0, return_inverse=True)
         order = np.argsort(which, kind="stable")
         groups = np.split(order, np.cumsum(np.bincount(which, minlength=len(self.nodes)))[:-1])
@@ -112,7 +114,7 @@ class SampleTask(Task):
 
     @cached_property
     def _edges(self) -> list[NDArray[np.float64]]:
-        return [np.unique(np.quantile(feature, np.arange(1, 20) / 20)) for feature in self.events.T]
+        return [np.unique(np.nanquantile(feature, np.arange(1, 20) / 20)) for feature in self.events.T]
 
 
 @checked
@@ -124,6 +126,7 @@ def bank(
     prior: Mapping[str, tuple[float, float]] | None = None,
     features: Sequence[str] = (),
     name: str = "sample",
+    missing: Sequence[str] = (),
     seed: int = 0,
 ) -> SampleTask:
     """A task from events that were simulated before, wherever that was done.
@@ -144,6 +147,8 @@ def bank(
         A name for each of the d numbers of an event; of a DataFrame its columns.
     name
         What pages call the task.
+    missing
+        Names of features (x1, x2, ... where they have none) that an event may lack: it holds NaN there.
     seed
         Of the order of the events, and of the draw by weights.
 
@@ -168,14 +173,20 @@ def bank(
             theta = {column: _column(events, column) for column in theta}
             events = events.drop(columns=list(theta))
         features = features or [str(column) for column in events.columns]
-    x = numbers("the simulated events", events)
+    x = np.asarray(events, float) if missing else numbers("the simulated events", events)
     x = x[:, None] if x.ndim == 1 else x
     x = x.astype(np.int64) if x.dtype.kind in "bui" else x.astype(np.float64)
     if x.ndim != 2 or (features and len(features) != x.shape[1]):
         raise UsageError(f"simulated events must be (M, d) with d = {len(features) or 'features'}, got {x.shape}")
+    labels = list(features or [f"x{j + 1}" for j in range(x.shape[1])])
+    if unknown := [one for one in missing if one not in labels]:
+        raise UsageError(f"missing names '{unknown[0]}'; the features are {', '.join(labels)}")
+    numbers("the simulated events", x[:, [one not in missing for one in labels]])
+    if np.isinf(x).any():
+        raise UsageError("the simulated events hold infinite values: mend or drop them")
     names, columns, box = _parameters(theta, prior, len(x))
     rows, worth = (rng.permutation(len(x)), 1.0) if weights is None else _drawn(weights, len(x), rng)
-    made = SampleTask(x[rows], columns[rows], names, features, box, worth, name)
+    made = SampleTask(x[rows], columns[rows], names, features, box, worth, name, missing)
     least = min(range(len(made.groups)), key=lambda k: len(made.groups[k]))
     if (few := len(made.groups[least]) + len(made.aside[least])) < LEAST:
         where = f" at theta = {made.nodes[least].tolist()}" if names else ""

@@ -3,7 +3,7 @@
 import json
 import sys
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,6 +11,7 @@ import pytest
 
 import avobench
 from avobench.bench.plugins import registry
+from avobench.methods import Estimate, Method
 from avobench.tasks.errors import ProcessEnded, UsageError
 
 RNG = np.random.default_rng(5)
@@ -200,8 +201,42 @@ def test_events_that_were_simulated_before_are_enough_for_smm_and_their_noise_co
     assert abs(found.theta["rate"] - EVENTS.mean()) < 3 * found.std["rate"]
     assert np.sqrt(7 / 4000) < found.std["rate"] < 3 * np.sqrt(7 / 4000)
     assert found.num_simulations == 20_000
-    with pytest.raises(UsageError, match="fitted by smm"):
+    with pytest.raises(UsageError, match="of a bank take smm, npe"):
         avobench.infer(bank, EVENTS, "abc-smc")
+    line = avobench.infer(bank, EVENTS, Line(), progress=False)
+    assert abs(line.theta["rate"] - EVENTS.mean()) < 4 * line.std["rate"] < 0.3
+    assert line.num_simulations == 20_000
+    assert not any("were used" in note for note in line.warnings)
+
+
+@dataclass(frozen=True)
+class Line(Method):
+    """A straight line through all events, at thetas of the prior."""
+
+    name = "line"
+    source = "a test"
+    from_prior = True
+
+    def min_simulations(self, num_parameters):
+        return 100
+
+    def infer(self, problem, rng):
+        theta = problem.prior.sample(problem.simulate.remaining, rng)
+        slope, start = np.polyfit(theta[:, 0], problem.simulate(theta)[:, 0], 1)
+        found = (problem.x_observed.mean(keepdims=True)[0] - start) / slope
+        return Estimate(found, "a line", "proposal", found, np.array([0.05]))
+
+
+def test_other_data_find_what_a_method_drew_from_the_prior(tmp_path):
+    rng = np.random.default_rng(1)
+    task = avobench.task(lambda theta, rng: rng.poisson(theta[:, 0]), name="p", prior={"rate": (4, 10)})
+    cost = []
+    for rate in (6.0, 8.0):
+        found = avobench.infer(task, rng.poisson(rate, 2000), Line(), budget=20_000, bank=tmp_path, progress=False)
+        assert abs(found.theta["rate"] - rate) < 0.25
+        cost.append(found.num_simulations)
+    assert cost[0] > 19_000
+    assert cost[1] <= 20_000 // 10  # fresh events at the new estimate are compared with those that were observed
 
 
 @pytest.mark.xfail(reason="the second fit makes 11 043 events where the first made 42 057")

@@ -16,7 +16,7 @@ class InShares(Task):
     source = "a task, by shares of its prior"
 
     def __init__(self, task: Task) -> None:
-        self.task, self.name = task, task.name
+        self.task, self.name, self.tasks = task, task.name, (task,)
         self.parameter_names, self.parameter_units = task.parameter_names, task.parameter_units
         self.copy_events_of(task)
         self.prior = self.support = Box((0.0,) * task.prior.dim, (1.0,) * task.prior.dim)

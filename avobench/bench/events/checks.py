@@ -78,22 +78,24 @@ def check_events(
     if len(x) and void.any() and not task.event_shape:
         names = ", ".join(name for name, each in zip(task.labels, void, strict=True) if each)
         raise UsageError(f"all values of {names} are NaN or infinite; choose a column that holds it, by --columns")
-    finite = np.isfinite(x).all(axis=1)
+    finite = ~task.broken(x)
     if not finite.all():
         count = f"{(~finite).sum()} of {len(x)} rows hold NaN or infinite values"
         if not drop_invalid:
-            raise UsageError(f"{count}; mend them, or drop them with --drop-invalid")
+            raise UsageError(
+                f"{count}; mend them, drop them with --drop-invalid, or say which features may be `missing`"
+            )
         warnings.append(f"{count} and were dropped")
         x = x[finite]
     least = MIN_EVENTS if diagnosis else 1
     if len(x) < least:
         raise UsageError(f"{len(x)} events are too few, at least {least} are needed; a row is an event, not a bin")
-    if x.max() > LARGEST or x.min() < -LARGEST:
-        largest = x.max() if x.max() > LARGEST else x.min()
+    largest = max(np.nanmax(x), np.nanmin(x), key=abs)
+    if abs(largest) > LARGEST:
         raise UsageError(f"the data reach to {largest:.3g}, beyond 2^53 numbers are not exact; give another unit")
     whole = np.issubdtype(np.dtype(task.dtype), np.integer)
     counts = np.array([whole or kind == "count" for kind in task.kinds_of_features])
-    fractions = counts & (x != np.rint(x))
+    fractions = counts & (x != np.rint(x)) & ~np.isnan(x)
     if broken := int(fractions.any(axis=1).sum()):
         names = [name for name, some in zip(task.labels, fractions.any(axis=0), strict=True) if some]
         what = "" if counts.all() else f" of {', '.join(names)}"
@@ -240,7 +242,8 @@ def reference(task: Task, simulate: Simulate, num_events: int) -> NDArray:
             "that it is given"
         )
     pairs = [(one.sum(axis=1), other.sum(axis=1))] if task.event_shape else zip(one.T, other.T, strict=True)
-    if any(ks_2samp(a, b, method="asymp").pvalue < CERTAIN for a, b in pairs):
+    recorded = [[each[~np.isnan(each)] for each in pair] for pair in pairs]
+    if any(len(a) and len(b) and ks_2samp(a, b, method="asymp").pvalue < CERTAIN for a, b in recorded):
         raise SimulatorError(
             f"the events of {task.name} depend on the parameters of the first row; each row of theta must make its own "
             "event"
@@ -259,6 +262,13 @@ def _outside(task: Task, x: NDArray, simulated: NDArray, diagnosis: bool = True)
     else:
         features = list(zip(task.labels, simulated.T, x.T, strict=True))
     sentences = []
+    for j in task.missing:
+        name, lacking = task.labels[j], [np.isnan(each[:, j]) for each in (x, simulated)]
+        shares = [f"{100 * each.mean():.3g} %" for each in lacking]
+        sentences.append(f"{name} is missing in {shares[0]} of the events, and in {shares[1]} of simulated ones")
+        if lacking[1].all():
+            raise UsageError(f"the simulator never makes a value of {name}, which it says may be missing")
+    features = [(name, *(each[~np.isnan(each)] for each in both)) for name, *both in features]
     for name, made, values in features:
         low, high = float(made.min()), float(made.max())
         width = high - low

@@ -15,11 +15,14 @@ from avobench.effects.bank import Bank
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 from avobench.tasks.meter import Meter
+from avobench.tasks.region import recall, regions
 
 SCHEMA = "avobench-bank"
 """The kind that bank.json gives of its folder."""
 VERSION = 1
 """Of the format of the folder."""
+WORKED = "worked.json"
+"""The file that says, of simulators that fail at some parameters, at which of those that were tried they worked."""
 EVENTS, ASIDE = "events", "aside"
 """What files of events are called, and those of events that are kept aside."""
 NODE = "node of "
@@ -35,10 +38,14 @@ class KeptBank(Bank):
 
     def __init__(self, task: Task, meter: Meter, seed: int, jobs: int, folder: Path) -> None:
         """Raises UsageError where the folder cannot be used, or holds events of another simulator."""
-        super().__init__(task, meter, seed, jobs)
-        self.folder = folder
         require_folder(folder)
+        self.folder, self.task = folder, task
         self._claim()
+        self._recall()
+        super().__init__(task, meter, seed, jobs)
+        if known := regions(task):
+            said = [region.learnt for region in known]
+            write_file(folder / WORKED, (json.dumps(said) + "\n").encode())
         for kind in (EVENTS, ASIDE):
             for path in sorted(folder.glob(f"{kind}-*.parquet")):
                 self._read(path, kind == ASIDE)
@@ -66,6 +73,16 @@ class KeptBank(Bank):
                 f"{', '.join(differ) or 'bank.json'} differs); choose another folder"
             )
 
+    def _recall(self) -> None:
+        """Tell the task where its simulators worked when this was learnt. Raises UsageError."""
+        path = self.folder / WORKED
+        if not path.exists():
+            return
+        try:
+            recall(self.task, json.loads(path.read_text()))
+        except (KeyError, TypeError, ValueError) as error:
+            raise UsageError(f"{path} is damaged ({error}); delete it, and that is learnt again") from error
+
     def _columns(self) -> tuple[list[str], list[str], list[str]]:
         names = list(self.task.parameter_names)
         return [NODE + name for name in names], names, [f"event: {label}" for label in self.task.labels]
@@ -86,6 +103,8 @@ class KeptBank(Bank):
 
     def _keep(self, nodes: NDArray[np.int64], theta: NDArray[np.float64], x: NDArray, aside: bool) -> None:
         columns, names, features = self._columns()
+        if (region := getattr(self.task, "region", None)) is not None:
+            theta = region.within(theta)  # where its events were made
         table = pd.DataFrame(dict(zip(columns, nodes.T, strict=True)) | dict(zip(names, theta.T, strict=True)))
         table = pd.concat([table, pd.DataFrame(x, columns=features)], axis=1)
         content = io.BytesIO()

@@ -99,7 +99,7 @@ def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
 
     def outside(t: NDArray[np.float64]) -> NDArray[np.float64]:
         u = centre + axes @ t
-        return u - np.clip(u, 0, 1)
+        return u - model.allowed(u)
 
     bends = np.zeros((p, p, terms.shape[1]))  # of the products of t, half for each order of the two factors
     i, j = np.triu_indices(p)
@@ -194,6 +194,7 @@ def scan(
     centre, half = (np.full(p, 0.5), np.full(p, 0.5)) if around is None else (around, np.full(p, FIT.searched))
     for _ in range(3):
         u = rng.uniform(np.maximum(centre - half, 0), np.minimum(centre + half, 1), (points, p))
+        u = model.allowed(np.hstack([u, np.tile(fixed, (points, 1))]))[:, :p]
         q, error = distances(u, max(events // FIT.hopeless_events, 1))
         u = u[q - q.min() <= FIT.clear * error]
         q, error = distances(u, events)

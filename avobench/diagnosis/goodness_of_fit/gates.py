@@ -119,7 +119,8 @@ def features_of(target: Target) -> Features:
     """What a classifier sees of events: their features, of images the parts of their summary."""
     if isinstance(target.summary, Pixels):
         return target.summary.vectors
-    spread = [np.ptp(edges) if len(edges) > 1 else 1.0 for edges in target.summary.edges]
+    inner = [edges[np.isfinite(edges)] for edges in target.summary.edges]
+    spread = [np.ptp(edges) if len(edges) > 1 else 1.0 for edges in inner]
     return partial(rounded, grain=TEST.grain * np.array(spread))
 
 

@@ -120,7 +120,7 @@ def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> li
     spans = [
         span
         for span in target.summary.view(x).spans
-        if isinstance(span.feature, int) and feature in ("all", None, span.feature)
+        if isinstance(span.feature, int) and feature in ("all", None, span.feature) and not span.of_missing
     ]
     if not spans:
         return []
@@ -189,4 +189,6 @@ def placed(region: Interval | Together, z: float, names: tuple[str, ...]) -> Pla
     feature, (low, high) = region.span.feature, region.ends
     name = region.span.name or (feature if isinstance(feature, str) else names[feature] if names else None)
     kind = "excess" if z > 0 else "deficit"
+    if region.span.of_missing:
+        return Place(feature=name, low=None, high=None, kind=kind)
     return Place(feature=name, low=low, high=high, kind=kind, unit=region.span.unit or "1")

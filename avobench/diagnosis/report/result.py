@@ -72,7 +72,7 @@ def pictures(view: View, target: Target, before: Fit, after: Fit | None, names: 
             None if fit is None else _cells(fit, target.num_events).reshape(view.cells.shape) for fit in (before, after)
         ]
         maps = Maps(view.cells, view.cell_errors, cells[0], cells[1])
-    spans = [span for span in view.spans if maps is None or span.feature == "hits"]
+    spans = [span for span in view.spans if (maps is None or span.feature == "hits") and not span.of_missing]
     return Pictures(tuple(_spectrum(view, span, target, before, after, names) for span in spans), maps)
 
 

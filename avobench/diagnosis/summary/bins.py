@@ -33,6 +33,11 @@ class Span:
     unit: str = ""
     """Of its edges."""
 
+    @property
+    def of_missing(self) -> bool:
+        """Whether it is the one bin of events that lack the feature, whose ends are NaN."""
+        return bool(np.isnan(self.ends[0]))
+
 
 class Shown(NamedTuple):
     """What a figure shows of the measurement in place of the shares of bins that were fitted."""
@@ -114,7 +119,8 @@ class Summary(ABC):
 class Bins(Summary):
     """Which bin of each feature, and of some pairs of features, an event falls in, and how its features go together.
 
-    `edges` are inner edges, one array a feature: k of them make k + 1 bins, open at both ends. `coarse` are those of
+    `edges` are inner edges, one array a feature: k of them make k + 1 bins, open at both ends. The last edge of a
+    feature that may be missing is infinite: NaN, which is sorted behind it, has a bin of its own. `coarse` are those of
     the `pairs`. Each bin of a feature has a score, its rank in units of their standard deviation. The mean product of
     two features' scores is their rank correlation (C. Spearman, Am. J. Psychol. 15 (1904) 72); those of the pairs in
     `products` follow the bins. With three features or more two numbers are last that tell what all have in common: the
@@ -286,7 +292,13 @@ class Bins(Summary):
         return csr_array((np.ones(indices.size), indices.ravel(), pointers), shape=(len(indices), self.num_bins))
 
     def view(self, x: NDArray) -> View:
-        return View(spans_of([(j, closed(inner, x[:, j])) for j, inner in enumerate(self.edges)]))
+        ends: list[tuple[int | str, NDArray[np.float64]]] = []
+        for j, edges in enumerate(self.edges):
+            inner = edges[np.isfinite(edges)]
+            ends.append((j, closed(inner, x[~np.isnan(x[:, j]), j])))
+            if len(inner) < len(edges):
+                ends.append((j, np.full(2, np.nan)))
+        return View(spans_of(ends))
 
 
 def _parts(edges: NDArray[np.float64], merged: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -371,10 +383,13 @@ def inner_edges(
     """Inner edges of at most `most` bins for one feature, from a mixture of both sets in equal parts.
 
     From the `least` events at both ends, each bin makes what lies outside at most `growth` times as much: what lies
-    beyond the bulk tells effects apart though it is rare.
+    beyond the bulk tells effects apart though it is rare. A last edge at infinity sets apart what is missing.
     """
+    if np.isnan(x).any() or np.isnan(simulated).any():
+        recorded = [each[~np.isnan(each)] for each in (x, simulated)]
+        return np.append(inner_edges(*recorded, most, growth=growth, least=least), np.inf)
     values = np.concatenate([x, simulated]).astype(float)
-    weights = np.concatenate([np.full(len(x), 0.5), np.full(len(simulated), 0.5 * len(x) / len(simulated))])
+    weights = np.concatenate([np.full(len(x), 0.5), np.full(len(simulated), 0.5 * len(x) / max(len(simulated), 1))])
     unique, inverse = np.unique(values, return_inverse=True)
     cumulated = np.cumsum(np.bincount(inverse, weights))
     total = cumulated[-1]

@@ -44,7 +44,8 @@ def distribution(spectrum: Spectrum, regions: Sequence[Region], name: str, unit:
     models: list[Model] = [("before", BEFORE, "--", spectrum.before)]
     if spectrum.after is not None:
         models.append(("after", AFTER, "-", spectrum.after))
-    near = sorted((each for each in regions if each.feature in (spectrum.feature, None)), key=lambda each: -abs(each.z))
+    near = [each for each in regions if each.feature in (spectrum.feature, None) and each.low is not None]
+    near.sort(key=lambda each: -abs(each.z))
     axis_range = (spectrum.edges[0], spectrum.edges[-1])
     enlarged = _enlarged(near, *axis_range)
     figure = Figure(figsize=(6.4 + 1.7 * len(enlarged), 3.4 + 1.1 * len(models)), layout="constrained")

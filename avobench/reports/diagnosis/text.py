@@ -154,6 +154,8 @@ def where(region: Place) -> str:
     """A region in words."""
     if region.kind == "dependence":
         return "what all features have in common" if region.feature == "all" else f"the dependence of {region.feature}"
+    if region.low is None:
+        return f"{region.kind} of events that lack {region.feature}"
     of = f"{region.feature} " if region.feature else ""
     return f"{region.kind} at {of}{region.low:.4g} to {region.high:.4g}{in_unit(region.unit)}"
 

@@ -1,0 +1,115 @@
+"""Values that may be missing are a state of their own: compared, told, and named where they are missing too often."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import avobench
+from avobench.diagnosis.summary.bins import bins_of
+from avobench.effects.rejection import accepted
+from avobench.tasks.errors import SimulatorError, UsageError
+from avobench.tasks.missing import filled
+
+
+def detector(theta, rng, lost=0.2):
+    """The energy is missing more often where it is low."""
+    energy = rng.exponential(theta[:, 0])
+    angle = rng.normal(0.3 * energy, 1)
+    energy[rng.random(len(energy)) < lost * np.exp(-energy / 4)] = np.nan
+    return np.column_stack([energy, angle])
+
+
+SAID = {"prior": {"mean": (1, 4)}, "features": ["energy", "angle"]}
+TASK = avobench.task(detector, missing=["energy"], **SAID)
+THETA = np.full((4000, 1), 2.0)
+
+
+@pytest.fixture(scope="module")
+def too_often():
+    x = detector(THETA, np.random.default_rng(1), 0.35)
+    return x, avobench.diagnose(TASK, x, progress=False)
+
+
+def test_a_share_that_is_missing_too_often_is_seen_placed_and_named(too_often):
+    x, found = too_often
+    first = found.diagnosis.regions[0]
+    assert (first.kind, first.feature, first.low) == ("excess", "energy", None)
+    assert found.diagnosis.effects[0].name == "lost_value"
+    assert f"missing in {100 * np.isnan(x[:, 0]).mean():.3g} %" in found.details()
+    assert "excess of events that lack energy" in found.details()
+
+
+def test_it_is_saved_with_its_figures_and_model(too_often, tmp_path):
+    too_often[1].save(tmp_path)
+    model = avobench.load(tmp_path, trust=True).model
+    x = model.simulate(np.tile(model.prior.center, (4000, 1)), np.random.default_rng(0))
+    assert np.isnan(x[:, 0]).mean() > 0.2
+    assert np.isfinite(x[:, 1]).all()
+
+
+def test_what_is_missing_as_often_is_no_disagreement_and_tells_theta():
+    x = detector(THETA, np.random.default_rng(2))
+    assert avobench.diagnose(TASK, x, progress=False).verdict == "no significant disagreement"
+    fit = avobench.infer(TASK, x, progress=False)
+    assert abs(fit.theta["mean"] - 2) < 4 * fit.std["mean"] < 0.3
+    with pytest.raises(UsageError, match="missing are fitted by smm"):
+        avobench.infer(TASK, x, "abc-smc")
+
+
+def test_two_samples_that_both_lack_a_value_need_no_word():
+    rng = np.random.default_rng(3)
+    a, b = (
+        pd.DataFrame(detector(np.full((n, 1), 2.0), rng, p), columns=["e", "a"])
+        for n, p in ((40_000, 0.2), (4000, 0.4))
+    )
+    found = avobench.diagnose(a, b, effects=["lost_value", "scale"], progress=False)
+    assert set(zip(found.effects["effect"], found.effects["feature"], strict=True)) == {("lost_value", "e")}
+
+
+def test_it_has_a_bin_of_its_own_and_the_others_are_as_without():
+    rng = np.random.default_rng(4)
+    x, simulated = (detector(np.full((n, 1), 2.0), rng) for n in (3000, 9000))
+    bins = bins_of(x, simulated)
+    own = len(bins.edges[0])
+    assert bins.mean(x)[0, own] == np.isnan(x[:, 0]).mean()
+    spans = bins.view(x).spans
+    assert [span.of_missing for span in spans] == [False, True, False]
+    assert np.isfinite(spans[0].ends).all()
+    assert bins.mean(x)[0, : own + 1].sum() == pytest.approx(1)
+
+
+def test_a_selection_does_not_change_how_often_values_are_missing():
+    rng = np.random.default_rng(5)
+    x = accepted(detector, np.full((20_000, 1), 2.0), lambda x, rows: 1.0 * (x[:, 0] > 2) + 0 * x[:, 0], rng)
+    assert abs(np.isnan(x[:, 0]).mean() - 0.2 / 1.5) < 0.02
+    assert np.nanmin(x[:, 0]) > 2
+
+
+def test_what_is_filled_in_is_recorded_and_hardly_repeats():
+    x = detector(THETA, np.random.default_rng(6))
+    full = filled(x)
+    assert np.isin(full, x[~np.isnan(x)]).all()
+    assert np.unique(full[:, 0], return_counts=True)[1].max() == 2
+
+
+def test_other_values_that_are_not_finite_are_faults():
+    rng = np.random.default_rng(7)
+    with pytest.raises(SimulatorError, match="NaN or infinity"):
+        avobench.diagnose(
+            avobench.task(lambda theta, rng: detector(theta, rng)[:, ::-1], missing=["energy"], **SAID),
+            np.ones((300, 2)) + rng.random((300, 2)),
+        )
+    x = detector(THETA, rng)
+    with pytest.raises(UsageError, match="which features may be `missing`"):
+        avobench.diagnose(avobench.task(lambda theta, rng: filled(detector(theta, rng)), **SAID), x)
+    x[0, 0] = np.inf
+    with pytest.raises(UsageError, match="1 of 4000 rows"):
+        avobench.diagnose(TASK, x)
+    with pytest.raises(UsageError, match="never makes a value of energy"):
+        avobench.diagnose(
+            avobench.task(lambda theta, rng: detector(theta, rng) * [np.nan, 1], missing=["energy"], **SAID), x[1:]
+        )
+    with pytest.raises(UsageError, match="missing names 'x'"):
+        avobench.task(detector, missing=["x"], **SAID)
+    with pytest.raises(UsageError, match="missing names 'x'"):
+        avobench.bank(x, missing=["x"])

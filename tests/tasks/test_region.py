@@ -1,0 +1,110 @@
+"""A simulator that fails somewhere is kept to where it works, every call is counted, and what failed is told."""
+
+import numpy as np
+import pytest
+
+import avobench
+from avobench.api.inference import restricted
+from avobench.methods import Estimate, WeightedSample
+from avobench.tasks.errors import SimulatorError, UsageError
+
+PRIOR = {"mean": (-2, 3), "width": (0.5, 3)}
+SHARE = 0.64
+"""Share of the prior in which mean + width < 3, to two digits: 8 of 12.5."""
+calls = 0
+
+
+def normal(theta, rng):
+    """It fails where mean + width > 3, and for one event in twenty wherever it is."""
+    global calls
+    calls += len(theta)
+    x = rng.normal(theta[:, 0], theta[:, 1])
+    x[(theta.sum(axis=1) > 3) | (rng.random(len(x)) < 0.05)] = np.nan
+    return x
+
+
+def raising(theta, rng):
+    global calls
+    calls += len(theta)
+    if (theta.sum(axis=1) > 3).any():
+        raise ArithmeticError("no solution")
+    return rng.poisson(np.column_stack([np.exp(theta[:, 0]), 10 * theta[:, 1]]))
+
+
+def program(theta, n, rng):
+    if theta.sum() > 3:
+        raise TimeoutError
+    return rng.normal(theta[0], theta[1], n)
+
+
+@pytest.mark.parametrize(("function", "per_theta"), [(normal, False), (raising, False), (program, True)])
+def test_its_region_is_learnt_and_events_are_made_within(function, per_theta):
+    task = avobench.task(function, prior=PRIOR, failed="region", per_theta=per_theta)
+    rng = np.random.default_rng(1)
+    theta = task.prior.sample(5000, rng)
+    x = task.simulate(theta, rng)
+    assert np.isfinite(x).all()
+    assert x.dtype == (np.int64 if function is raising else np.float64)
+    assert (task.region.contains(theta) == (theta.sum(axis=1) < 3)).mean() > 0.97
+    within = task.region.within(theta)
+    assert (within.sum(axis=1) < 3).mean() > 0.99
+    np.testing.assert_array_equal(within[task.region.contains(theta)], theta[task.region.contains(theta)])
+
+
+@pytest.mark.parametrize("function", [normal, raising])
+def test_a_fit_finds_what_is_near_the_edge_and_tells_every_call(function):
+    global calls
+    task, rng = avobench.task(function, prior=PRIOR, failed="region"), np.random.default_rng(2)
+    x = rng.normal(1.2, 1.2, 3000) if function is normal else rng.poisson([np.exp(1.2), 12], (3000, 2))
+    calls = 0
+    found = avobench.infer(task, x, "smm", budget=60_000, progress=False)
+    assert found.num_simulations == calls
+    assert abs(found.theta["mean"] - 1.2) < 4 * found.std["mean"] < 0.2
+    assert not found.estimate.doubt
+    assert any(f"{100 * SHARE:.0f}"[0] in note and "% of the prior" in note for note in found.warnings)
+
+
+def test_a_posterior_ends_at_the_edge():
+    task = avobench.task(normal, prior=PRIOR, failed="region")
+    points, one = task.prior.sample(2000, np.random.default_rng(3)), np.ones(2)
+    estimate = Estimate(
+        np.array([3.0, 3.0]), "", "posterior", one, one, [], sample=WeightedSample(points, one[0] + 0 * points[:, 0])
+    )
+    kept = restricted(estimate, task)
+    inside = points[task.region.contains(points)]
+    np.testing.assert_allclose(kept.mean, inside.mean(axis=0))
+    np.testing.assert_allclose(kept.std, inside.std(axis=0))
+    assert task.region.contains(kept.theta[None]).all()
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_bank_remembers_where_it_works(tmp_path, jobs):
+    x, told = np.random.default_rng(4).normal(0, 1, 300), []
+    for _ in range(2):
+        task = avobench.task(normal, prior=PRIOR, failed="region")
+        told.append(avobench.diagnose(task, x, effects=["offset"], bank=tmp_path, jobs=jobs, progress=False).diagnosis)
+    assert told[1].num_simulations == 0
+    assert told[0].theta_before == told[1].theta_before
+    assert sum("failed at" in note for note in told[1].notes) == 1
+    (tmp_path / "worked.json").write_text('[{"reason": "", "worked": [true]}]')
+    with pytest.raises(UsageError, match=r"worked\.json"):
+        avobench.diagnose(avobench.task(normal, prior=PRIOR, failed="region"), x, bank=tmp_path, progress=False)
+
+
+def test_one_that_hardly_works_is_no_simulator():
+    task = avobench.task(
+        program,
+        prior={"a": (-3, 2), "b": (0.5, 1)},
+        support={"a": (-3, 60), "b": (0.5, 60)},
+        failed="region",
+        per_theta=True,
+    )
+    with pytest.raises(SimulatorError, match=r"failed at 5.. of 512 thetas.*TimeoutError"):
+        task.simulate(np.array([[1.0, 0.6]]), np.random.default_rng(0))
+
+
+def test_what_never_works_or_is_no_policy_is_said_at_once():
+    with pytest.raises(UsageError, match="no finite events"):
+        avobench.task(lambda theta, rng: np.nan * theta[:, 0], prior={"a": (0, 1)}, failed="region")
+    with pytest.raises(UsageError, match="failed must be one of raise, region"):
+        avobench.task(normal, prior=PRIOR, failed="drop")
