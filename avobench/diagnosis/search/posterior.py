@@ -48,7 +48,7 @@ class Posterior:
                 best[each] = one
         fits = {each: sorted(best.values(), key=lambda one: -one.evidence.at_least) for each, best in shapes.items()}
         marks = marks_of(fits, Prior.of(catalogue))
-        weights = {names: float(np.exp(each @ SCORE.decision)) for names, each in marks.items()}
+        weights = {names: float(np.exp(each @ SCORE.decision + of_families(names))) for names, each in marks.items()}
         return cls(_most_first(weights), fits, marks, like[OUTSIDE])
 
     @property
@@ -166,6 +166,11 @@ def marks_of(fits: dict[Names, list[Weighed]], prior: "Prior") -> dict[Names, ND
             told = -deficit, log, np.mean(looks or [0.0]), 0, 0
         marks[names] = np.array(told, dtype=float)
     return marks
+
+
+def of_families(names: Names) -> float:
+    """Log weight of what is missing more often, or seldom, than others; effects of a user's have none."""
+    return sum(SCORE.families.get(name, 0.0) for name, _ in names)
 
 
 def _most_first(weights: dict[Names, float]) -> dict[Names, float]:
