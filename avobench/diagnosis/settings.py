@@ -248,7 +248,7 @@ class ScoreSettings:
     credible: float = 0.95
     """Probability of the smallest set of models that is told, among those that were weighed."""
     decision: tuple[float, ...] = (0.551, 0.265, 1.146, -0.543, 0.097)
-    """Weights of what a set of effects is told by, see `posterior.marks_of`. This, and the three below, are a conditional
+    """Weights of what a set of effects is told by, see `posterior.marks_of`. This and the three below are a conditional
     logit of what was missing in data sets with a known answer, by `python -m paper.tables.decision`."""
     families: dict[str, float] = field(
         default_factory=lambda: {

@@ -94,25 +94,20 @@ def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
     The noise of the coefficients adds to the distance, the more the further from the centre. That is left in: where the
     slopes stand out of it, as `next_design` sees to, it hardly matters, and where they do not, nothing should move.
     """
-    terms, wanted = target.whiten(target.summary.linear(s.coefficients)), target.whiten(target.mean)
     axes, centre, p = s.design.axes, s.design.centre, model.dim
+    here, slopes, bends = s.residual(target)
 
     def outside(t: NDArray[np.float64]) -> NDArray[np.float64]:
         u = centre + axes @ t
         return u - model.allowed(u)
 
-    bends = np.zeros((p, p, terms.shape[1]))  # of the products of t, half for each order of the two factors
-    i, j = np.triu_indices(p)
-    bends[i, j] += terms[p + 1 :] / 2
-    bends[j, i] += terms[p + 1 :] / 2
-
     def residual(t: NDArray[np.float64]) -> NDArray[np.float64]:
-        left = terms[0] - wanted + t @ (terms[1 : p + 1] + np.tensordot(t, bends, 1))
+        left = here + t @ (slopes + np.tensordot(t, bends, 1))
         return np.concatenate([left, np.sqrt(FIT.anchor) * t, FIT.wall * outside(t)])
 
     def slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
         wall = FIT.wall * (outside(t) != 0)[:, None] * axes
-        steps = terms[1 : p + 1] + 2 * np.tensordot(t, bends, 1)
+        steps = slopes + 2 * np.tensordot(t, bends, 1)
         return np.concatenate([steps.T, np.sqrt(FIT.anchor) * np.eye(p), wall])
 
     t = least_squares(residual, np.zeros(p), slope, bounds=(-1, 1), method="dogbox", max_nfev=60).x

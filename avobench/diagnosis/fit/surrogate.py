@@ -64,6 +64,24 @@ class Surrogate:
         lack, error = self.lack(target)
         return lack > max(FIT.clear * error, FIT.bent * self.noiseless_q_at_centre(target)[0])
 
+    def residual(self, target: Target) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Simulated minus measured mean, whitened, as a polynomial in t: (r,), (P, r), and (P, P, r) for t_i t_j.
+
+        The last is symmetric, so that it holds half of what a product of two different ones is multiplied by.
+        """
+        constant, slopes, products = np.split(
+            target.whiten(target.summary.linear(self.coefficients)), [1, self.dim + 1]
+        )
+        bends = np.zeros((self.dim, self.dim, constant.shape[1]))
+        i, j = np.triu_indices(self.dim)
+        bends[i, j] += products / 2
+        bends[j, i] += products / 2
+        return constant[0] - target.whiten(target.mean), slopes, bends
+
+    @property
+    def dim(self) -> int:
+        return len(self.design.centre)
+
     def at(self, u: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Mean summary at u (P,) and its derivative: (K,), (P, K)."""
         t = self.design.to_t(u)

@@ -189,13 +189,7 @@ class Around:
 
     def __init__(self, reference: ReferenceModel, target: Target) -> None:
         self.surrogate, self.target = reference.surrogate, target
-        p = reference.model.dim
-        terms = target.whiten(target.summary.linear(self.surrogate.coefficients))
-        self._left, self._slopes = terms[0] - target.whiten(target.mean), terms[1 : p + 1]
-        self._bends = np.zeros((p, p, terms.shape[1]))  # of the products, half for each order of the two factors
-        i, j = np.triu_indices(p)
-        self._bends[i, j] += terms[p + 1 :] / 2
-        self._bends[j, i] += terms[p + 1 :] / 2
+        self._left, self._slopes, self._bends = self.surrogate.residual(target)
 
     def expected(
         self,
