@@ -178,13 +178,15 @@ class SearchSettings:
     """Grid points of a width beside a location: narrow, middling and wide."""
     final_events: int = 5
     """Times the events of the first look, for the second: as many again in all, since a grid has some 100 points."""
-    closer: tuple[tuple[int, float], ...] = ((6, 1 / 2), (3, 1 / 4), (2, 1 / 8))
+    closer: tuple[tuple[int, float], ...] = ((6, 1 / 2), (3, 1 / 4))
     """Best points of a look beside which the next one looks, and how far from them, in steps of the grid: an edge must
     be met within a fit's first design."""
     followed: int = 4
     """Steps of theta and the strength to where they fit best beside an effect: the next ones move them no more."""
     moved: float = 3.0
     """Standard errors of theta from which an effect is looked at once more, with events of where theta then is."""
+    again: int = 8
+    """Shapes, the most promising ones, that are looked at once more for that: as many as are left of all fits."""
     gain: float = 3.0
     """How far a strength may be moved from its grid point by linearity: to about the next point of `strengths`."""
     looked_at: int = 2

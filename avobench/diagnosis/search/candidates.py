@@ -69,22 +69,28 @@ class Candidates:
         """Starts, most promising first, of what looked so at first, also beside other effects, which hardly matter."""
         free = {effect.key for effect in self.effects}
         best_first = sorted((look for look in glances if look.effect.key in free), key=self.promise)
-        starts, all_alone = [], not self.parent.effects and len(self.effects) <= SEARCH.of_one_feature
-        for first in best_first[: SEARCH.looked_at * self.effort.starts]:
-            look = closer(self.sample, first, self.rng)
-            of_shape = starts_of(self.sample, look)
-            if self.moved(of_shape[0]):  # an effect does something else to events of another theta
-                there = self.sample.elsewhere(of_shape[0].point[: self.without.model.dim], self.effort.fit, self.rng)
-                of_shape = starts_of(there, closer(there, look, self.rng))
+        looks = [closer(self.sample, first, self.rng) for first in best_first[: SEARCH.looked_at * self.effort.starts]]
+        begun = sorted(((starts_of(self.sample, look), look) for look in looks), key=lambda one: one[0][0].expected)
+        all_alone = not self.parent.effects and len(self.effects) <= SEARCH.of_one_feature
+        starts, again = [], 0
+        for of_shape, look in begun:
+            first = of_shape[0]
+            if again < SEARCH.again and self.moved(first):  # an effect does something else to events of another theta
+                there = self.sample.elsewhere(first.point[: self.without.model.dim], self.effort.fit, self.rng)
+                of_shape, again = starts_of(there, closer(there, look, self.rng)), again + 1
             if all_alone and not look.guessed and any(look.effect is effect for effect in self.effects):
-                of_shape += hidden(self.sample, of_shape[0], self.rng, self.effort)
+                of_shape += hidden(self.sample, first, self.rng, self.effort)
             starts += of_shape
         return sorted(starts, key=lambda start: start.expected)
 
     def moved(self, start: Start) -> bool:
-        """Whether the parameters without the effect are far from where they were, in standard errors."""
+        """Whether theta is far from where it was, in standard errors, and the effect acts on events that are finished.
+
+        One that does not would have all events simulated anew.
+        """
         away = start.point[: self.without.model.dim] - self.without.point
-        return bool(away @ self.without.information[0] @ away > SEARCH.moved**2)
+        far = away @ self.without.information[0] @ away > SEARCH.moved**2
+        return bool(far) and start.model.newest_acts_last
 
     def hopeful(self, starts: list[Start]) -> list[Start]:
         """The best start of each shape, and one more elsewhere, where screening expects that it explains something."""
