@@ -29,7 +29,10 @@ def missing_in_both(simulated: ArrayLike, measured: ArrayLike) -> list[str]:
 def _lacking(x: ArrayLike) -> list[str]:
     if hasattr(x, "columns"):
         return [str(name) for name, column in x.items() if column.isna().any()]
-    x = np.asarray(x)
+    try:
+        x = np.asarray(x)
+    except ValueError:  # rows of different lengths are refused where they are read
+        return []
     if x.dtype.kind != "f" or x.ndim not in (1, 2):
         return []
     return [f"x{j + 1}" for j in np.flatnonzero(np.isnan(x.reshape(len(x), -1)).any(axis=0))]
