@@ -239,7 +239,6 @@ def test_other_data_find_what_a_method_drew_from_the_prior(tmp_path):
     assert cost[1] <= 20_000 // 10  # fresh events at the new estimate are compared with those that were observed
 
 
-@pytest.mark.xfail(reason="the second fit makes 11 043 events where the first made 42 057")
 def test_what_was_simulated_for_a_fit_is_used_again(tmp_path):
     first, again = (avobench.infer("poisson", EVENTS, "smm", bank=tmp_path) for _ in range(2))
     assert abs(first.theta["log_rate"] - np.log(7)) < 4 * first.std["log_rate"] < 0.05

@@ -141,7 +141,6 @@ def test_the_new_model_is_a_task_that_finds_nothing_missing(named, tmp_path):
     assert diagnose(task, x, effects=[]).diagnosis.verdict == Verdict.NOTHING
 
 
-@pytest.mark.xfail(reason="since the decision is fitted to records, flat_background or double_counting comes first")
 def test_counts_that_are_all_alike_are_those_of_a_counter_that_is_blind_for_most_of_the_time(monkeypatch):
     """A dead time of nearly so large a part of the window, at a high rate: all measured events are in one bin."""
     monkeypatch.setattr("avobench.diagnosis.run.effort_for", lambda *_: Effort().scaled(0.1))
