@@ -90,7 +90,8 @@ class Candidates:
         """
         away = start.point[: self.without.model.dim] - self.without.point
         far = away @ self.without.information[0] @ away > SEARCH.moved**2
-        return bool(far) and start.model.newest_acts_last
+        known = self.sample.around.holds(start.point[: self.without.model.dim])
+        return bool(far) and known and start.model.newest_acts_last
 
     def hopeful(self, starts: list[Start]) -> list[Start]:
         """The best start of each shape, and one more elsewhere, where screening expects that it explains something."""

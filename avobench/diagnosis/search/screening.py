@@ -191,6 +191,10 @@ class Around:
         self.surrogate, self.target = reference.surrogate, target
         self._left, self._slopes, self._bends = self.surrogate.residual(target)
 
+    def holds(self, point: NDArray[np.float64]) -> bool:
+        """Whether a point (p,) of the unit cube lies within where the model is known; theta may be far beyond."""
+        return bool(np.abs(self.surrogate.design.to_t(point)).max(initial=0) < FIT.inside)
+
     def expected(
         self,
         change: NDArray[np.float64],
@@ -278,7 +282,11 @@ def starts_of(sample: Sample, look: Look) -> list[Start]:
     for i in chosen:
         phi = points[i].copy()
         phi[0] = strength.null + max(expected.gain[i], 0.05) * (phi[0] - strength.null)
-        point = np.concatenate([expected.point[i], model.to_cube(np.concatenate([fit.params, phi]))[fit.model.dim :]])
+        theta = expected.point[i]
+        if not sample.around.holds(theta):
+            shift = fit.follow(fit.residual - expected.gain[i] * look.change[i])
+            theta = np.clip(fit.point + np.clip(shift, -0.1, 0.1), 0, 1)
+        point = np.concatenate([theta, model.to_cube(np.concatenate([fit.params, phi]))[fit.model.dim :]])
         step = (points[i, 0] - strength.null) / (strength.high - strength.low)
         along = -fit.follow(look.change[i]) / step
         off = SEARCH.guessed if look.guessed else SEARCH.rough
