@@ -8,9 +8,11 @@ from avobench.diagnosis.fit.descent import refine
 from avobench.diagnosis.fit.surrogate import Design, quadratic, surrogate
 from avobench.diagnosis.summary.bins import bins_of
 from avobench.diagnosis.summary.target import target_of
+from avobench.effects.bank import Bank
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.effects.pool import Pool
+from avobench.tasks.meter import Meter
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
 
@@ -30,6 +32,28 @@ def test_twins_of_one_seed_make_slopes_precise():
     shares = summary.mean(x)[0]
     expected = np.sqrt(s.inverse[1, 1] * (shares * (1 - shares)).mean())
     assert np.sqrt(np.var(fits, axis=0).mean()) == pytest.approx(expected, rel=0.5)
+
+
+@pytest.mark.parametrize("half", [0.002, 0.016], ids=["within a cell", "over some nodes"])
+def test_events_that_others_had_of_the_same_nodes_make_a_surrogate_precise_and_cost_nothing(half):
+    """The mean of a Poisson count is its rate, and that of the summary is the distribution of such counts."""
+    task, meter = Poisson(), Meter()
+    bank = Bank(task, meter, 0)
+    bank.resolve(np.array([0.02]))
+    model = Model(task, events=bank)
+    theta = np.array([1.9])
+    x, rng = measured(task, theta, 2000, 2)
+    target = target_of(x, bins_of(x, x), x)
+    design = Design.box(model.to_cube(theta), np.array([half]))
+    alone = surrogate(model, target, design, 2000, np.random.default_rng(1))
+    surrogate(model, target, design, 100_000, rng)
+    made = meter.used
+    shared = surrogate(model, target, design, 2000, np.random.default_rng(1))
+    assert meter.used == made
+    assert shared.inverse[0, 0] < alone.inverse[0, 0] / 10
+    truth = target.summary.mean(task.simulate(np.tile(theta, (400_000, 1)), rng))[0]
+    off = target.whiten(shared.at(model.to_cube(theta))[0] - truth)
+    assert off @ off < target.num_events * target.rank * (shared.inverse[0, 0] + 1 / 400_000) * 4
 
 
 def test_all_events_of_a_pool_come_once_before_any_comes_again():
