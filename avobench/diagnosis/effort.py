@@ -124,7 +124,7 @@ IMAGES = Effort(
     begun=6,
 )
 """The effort for images, which are slow to simulate and to summarise."""
-MANY = Effort(rounds_of_search=((1, 6), (3, 2), (8, 1)), screen=8000, starts=20, begun=8)
+MANY = Effort(rounds_of_search=((1, 6), (3, 2), (8, 1)), screen=8000, starts=20, begun=12)
 """The effort for several features, each of which has its entries in the catalogue."""
 
 

@@ -48,8 +48,8 @@ def ambiguity(
         )
 
     def mean(fit: Fit) -> NDArray[np.float64]:
-        params = np.concatenate([fit.params[:p], chosen.params[p:]])
-        x = model.simulate(np.tile(params, (REPORT.compared_events, 1)), np.random.default_rng(seed))
+        params, n = np.concatenate([fit.params[:p], chosen.params[p:]]), REPORT.compared * target.num_events
+        x = model.simulate(np.tile(params, (min(n, REPORT.compared_events), 1)), np.random.default_rng(seed))
         return target.whiten(target.summary.mean(x)[0])
 
     def back(fit: Fit) -> NDArray[np.float64]:

@@ -5,11 +5,12 @@ beside the best.
 """
 
 import os
+from collections import Counter
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import joblib
 import numpy as np
@@ -26,9 +27,12 @@ from avobench.diagnosis.settings import SCORE, SEARCH
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.effects.bank import Bank
+from avobench.effects.model import Model
 from avobench.effects.pool import Pool
 from avobench.tasks.errors import BudgetExhausted, ProcessEnded
 from avobench.tasks.meter import Meter
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -102,6 +106,7 @@ class Candidates:
             if start.expected < self.without.noiseless_q and len(of_shape) < 2:
                 of_shape.append(start)
         first, second = ([of_shape[k] for of_shape in kept.values() if len(of_shape) > k] for k in (0, 1))
+        first = varied(first, lambda start: start.expected / 2, lambda start: start.model)
         return [*first[: self.effort.starts], *second[: self.effort.starts // 4]]
 
     def weighed(self, glances: list[Look], beside: float) -> list[Weighed]:
@@ -117,7 +122,8 @@ class Candidates:
         meter = self.without.model.events.meter if self.without.model.events is not None else Meter()
         with meter.keeping(max(meter.remaining or 0, 0) // 2):
             begun = [fit for fit in self.work(begin, starts, self.effort.fit) if fit is not None]
-        fits = distinct(sorted(begun, key=lambda fit: fit.noiseless_q))[: self.effort.begun]
+        begun = distinct(sorted(begun, key=lambda fit: fit.noiseless_q))
+        fits = varied(begun, lambda fit: fit.noiseless_q / 2, lambda fit: fit.model)[: self.effort.begun]
         ranked: list[Weighed] = []
         for (ratio, rounds), most in zip(self.effort.rounds_of_search, SEARCH.most, strict=True):
             events = int(ratio * max(self.target.num_events, self.effort.few))
@@ -127,7 +133,7 @@ class Candidates:
             settled = bool(ranked)  # a first fit may have far to go: the best of them stay, however far
             fits = [fit or before for fit, before in zip(more, fits, strict=True)]  # where events end, as it was
             ranked = sorted((Weighed.of(fit, self.like) for fit in fits), key=worth)
-            ranked = (self.matter(ranked, beside) if settled else ranked)[:most]
+            ranked = varied(self.matter(ranked, beside) if settled else ranked, worth, lambda one: one.fit.model)[:most]
             fits = [one.fit for one in ranked]
         return ranked or self.matter((Weighed.of(fit, self.like) for fit in fits), beside)[: SEARCH.most[0]]
 
@@ -139,7 +145,7 @@ class Candidates:
     def reference(self) -> ReferenceModel:
         """What effects are added to: its noise is the same for all, and the less, the more was simulated by then."""
         events, rng = int(self.effort.reference * self.target.num_events), np.random.default_rng(self.seed)
-        return self.without.reference(self.target, events, rng)
+        return replace(self.without.reference(self.target, events, rng), sparing=True)
 
     def work(self, fitting: Callable[..., Fit], begun: list, *how: int) -> list[Fit | None]:
         """The fits of all, from one seed, by so many processes as were asked for; None where events end."""
@@ -162,6 +168,20 @@ class Candidates:
 def worth(one: Weighed) -> float:
     """Lowest for what is worth most: whether it is known well, further events tell."""
     return -one.evidence.value - SEARCH.likeness * one.resemblance
+
+
+def varied(some: list[T], cost: Callable[[T], float], model: Callable[[T], Model]) -> list[T]:
+    """Starts or fits by their cost in log evidence, lowest first, where each further shape of an effect costs more.
+
+    What is to be told is which effect is missing: shapes of one must not crowd out others.
+    """
+    places: Counter[tuple] = Counter()
+    costs = []
+    for one in sorted(some, key=cost):
+        effects = tuple(effect.key for effect in model(one).effects)
+        costs.append((cost(one) + SEARCH.alike * places[effects], one))
+        places[effects] += 1
+    return [one for _, one in sorted(costs, key=lambda each: each[0])]
 
 
 def begin(start: Start, reference: ReferenceModel, target: Target, rng: np.random.Generator, num_events: int) -> Fit:

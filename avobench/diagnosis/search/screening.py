@@ -242,13 +242,14 @@ def glance(
     It is at the points (m, q) that are a `guess` by the measured events, or over a grid.
     """
     guessed, points = guess is not None, grid(effect) if guess is None else guess
-    events = max(effort.screen // len(points), effort.screen // 50)
+    events = effort.screen // int(np.clip(len(points), *SEARCH.points))
     return sample.look(effect, np.concatenate([points, sample.places(effect)]), events, rng, guessed)
 
 
 def closer(sample: Sample, look: Look, rng: np.random.Generator) -> Look:
     """A look with more events at what looked best at first, and beside it, and where the events disagree."""
-    events = SEARCH.final_events * look.events
+    finished = sample.fit.model.plus(look.effect).newest_acts_last
+    events = (SEARCH.final_events if finished else SEARCH.dear_events) * look.events
     for most, share in SEARCH.closer:
         look = sample.closer(look, most, share, events, rng)
     return look
