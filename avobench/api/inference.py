@@ -35,7 +35,7 @@ from avobench.tasks.arguments import checked
 from avobench.tasks.errors import InvalidEstimate, UsageError, whole
 from avobench.tasks.meter import Meter
 from avobench.tasks.region import beside, failing, failures, regions
-from avobench.tasks.sample import SampleTask
+from avobench.tasks.sample import SampleTask, require_enough
 
 if TYPE_CHECKING:
     from arviz import InferenceData
@@ -55,6 +55,8 @@ VECTORS = ("theta", "mean", "std", "error", "covariance")
 DOUBTED = 0.001
 """A p-value of the fit of tables or of several data sets below which the answer says that it is doubtful."""
 ALL_THERE_ARE = "simulated events that were made before are all there are: leave bank out"
+UNDECIDED = "too few simulated events to tell how well theta is known: errors may be far too large"
+"""What is said of a fit whose slopes do not stand out of the noise of simulation."""
 REPEATED = 1.1
 """So often the events of a bank may be used on average without a word."""
 DEFAULTS = ("avo", "smm")
@@ -532,9 +534,11 @@ def moments(
         source = checks.bank if isinstance(checks.bank, Bank) else Bank(task, meter, seed)
         fit, target = fit_null(Model(task, events=source), part, rng, effort, None)
         gate, fit, _ = summary_gate(fit, target, rng, effort)
+    require_enough(task, fit.params, num_events)
     theta, width = fit.params, task.support.width
     covariance = fit.point_covariance * np.outer(width, width)
     doubt = f"the fit and what was measured disagree: p = {gate.p_value:.2g}" if gate.p_value < DOUBTED else ""
+    doubt = doubt or (UNDECIDED if fit.undecided else "")
     how = f"where the means of the summaries agree, chi-squared {gate.statistic:.1f}, dof {gate.dof}"
     used = calls * meter.used + beside(task) - before
     trace = [TracePoint(used, theta, fit.std)]

@@ -35,4 +35,5 @@ def _lacking(x: ArrayLike) -> list[str]:
         return []
     if x.dtype.kind != "f" or x.ndim not in (1, 2):
         return []
-    return [f"x{j + 1}" for j in np.flatnonzero(np.isnan(x.reshape(len(x), -1)).any(axis=0))]
+    x = x[:, None] if x.ndim == 1 else x
+    return [f"x{j + 1}" for j in np.flatnonzero(np.isnan(x).any(axis=0))]
