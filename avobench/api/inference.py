@@ -34,12 +34,14 @@ from avobench.tasks import Task
 from avobench.tasks.arguments import checked
 from avobench.tasks.errors import InvalidEstimate, UsageError, whole
 from avobench.tasks.meter import Meter
+from avobench.tasks.prior import STEPS
 from avobench.tasks.region import beside, failing, failures, regions
 from avobench.tasks.sample import SampleTask, require_enough
 
 if TYPE_CHECKING:
     from arviz import InferenceData
     from matplotlib.figure import Figure
+    from scipy.stats import rv_histogram
 
     from avobench.effects.bank import Bank
 
@@ -47,6 +49,8 @@ KIND = "avobench-fit"
 """What the file of a fit says that it is."""
 TRIES = 1000
 """So many times more draws than asked for are made of a Gaussian, of which those within the support count."""
+AS_PRIOR = 20_000
+"""Draws of which a prior is made."""
 PAIRED = 2000
 """Draws that the figure of pairs shows."""
 
@@ -236,6 +240,25 @@ class Inference:
             if len(draws) >= n:
                 return draws[:n]
         raise UsageError(f"less than one in {TRIES} draws of {self.samples_of} lies within the support")
+
+    def as_prior(self, seed: int = 0) -> dict[str, "rv_histogram"]:
+        """What is known of each parameter now, as the prior of a task that new events are fitted with.
+
+        It is what `samples` draws from, smoothed where a method has few points of it; correlations are left out. Raises
+        UsageError as `samples` does, and for integers, whose prior must be one of whole numbers.
+        """
+        from scipy.stats import rv_histogram
+
+        if self.task.is_integer.any():
+            raise UsageError("as_prior is of real numbers; give an integer a prior such as scipy.stats.randint")
+        draws, sample = self.samples(AS_PRIOR, seed).to_numpy(), self.estimate.sample
+        if sample is not None:  # a kernel density by Scott's rule
+            width = (sample.weights.sum() ** 2 / (sample.weights**2).sum()) ** (-1 / (draws.shape[1] + 4))
+            draws = draws + width * draws.std(axis=0) * np.random.default_rng(seed).normal(size=draws.shape)
+            draws = draws[self.task.support.contains(draws)]
+        shares = np.linspace(0, 1, STEPS + 1)
+        of_each = zip(self.task.parameter_names, np.quantile(draws, shares, axis=0).T, strict=True)
+        return {name: rv_histogram((np.ones(STEPS), edges), density=False) for name, edges in of_each}
 
     def to_inference_data(self, n: int = 4000, seed: int = 0) -> "InferenceData":
         """The draws of `samples` as one chain of ArviZ's InferenceData, whose attribute `samples_of` says of what.
