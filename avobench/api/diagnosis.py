@@ -428,7 +428,7 @@ def diagnose(
     remarks += failures(task, result.fit.params[:p], result.fit.std[:p])
     told = {
         "notes": notes + remarks + said.notes,
-        "num_simulations": calls * said.num_simulations + beside(task) - before,
+        "num_simulations": calls * (said.num_simulations - checks.bank.meter.failed) + beside(task) - before,
     }
     diagnosis = said.model_copy(update=told)
     return _diagnosed(replace(result, diagnosis=diagnosis), spec, theirs, possible)

@@ -457,7 +457,10 @@ def by_method(
         test = metered("agreement", drawing(task, source, aside=True), held, checks.used + simulate.used)
         estimate, as_good = tested(task, estimate, x_observed, test, simulate.used, stream(seed, "test", *words))
     seconds = time.perf_counter() - start
-    used = checks.used + simulate.used + test.used if isinstance(source, Counted) else source.meter.used
+    if isinstance(source, Counted):
+        used = sum(each.used - each.failed for each in (checks.meter, simulate, test))
+    else:
+        used = source.meter.used - source.meter.failed
     used += beside(task) - before
     if sample and (repeats := drawn.simulate.repeats) > REPEATED:
         warnings.append(f"the events of the bank were used {repeats:.2g} times each, so that errors are too small")
@@ -563,7 +566,7 @@ def moments(
     doubt = f"the fit and what was measured disagree: p = {gate.p_value:.2g}" if gate.p_value < DOUBTED else ""
     doubt = doubt or (UNDECIDED if fit.undecided else "")
     how = f"where the means of the summaries agree, chi-squared {gate.statistic:.1f}, dof {gate.dof}"
-    used = calls * meter.used + beside(task) - before
+    used = calls * (meter.used - meter.failed) + beside(task) - before
     trace = [TracePoint(used, theta, fit.std)]
     warnings += failures(task, theta, fit.std)
     estimate = Estimate(

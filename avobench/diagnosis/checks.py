@@ -96,7 +96,7 @@ class Checks:
                 events, more = checks.events(x, drop_invalid=drop_invalid)
                 parts.append(events)
                 warnings += [f"{name}: {each}" for each in more]
-            beside += checks.bank.meter.used
+            beside += checks.bank.meter.used - checks.bank.meter.failed
         self.bank.meter.charge(-(-beside // len(sets)))
         return JointPart(self.task, tuple(parts)), warnings
 
