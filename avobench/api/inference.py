@@ -4,7 +4,7 @@ import html
 import json
 import time
 from collections.abc import Mapping, Sequence
-from copy import copy
+from copy import copy, deepcopy
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path
@@ -32,7 +32,7 @@ from avobench.reports.numbers import with_error
 from avobench.tables.table import Table, Tables
 from avobench.tasks import Task
 from avobench.tasks.arguments import checked
-from avobench.tasks.errors import InvalidEstimate, UsageError, whole
+from avobench.tasks.errors import BudgetExhausted, InvalidEstimate, UsageError, whole
 from avobench.tasks.meter import Meter
 from avobench.tasks.prior import STEPS
 from avobench.tasks.region import beside, failing, failures, regions
@@ -43,7 +43,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from scipy.stats import rv_histogram
 
+    from avobench.diagnosis.fit.fit import Fit
+    from avobench.diagnosis.schema import GateResult
     from avobench.effects.bank import Bank
+    from avobench.effects.model import Model
 
 KIND = "avobench-fit"
 """What the file of a fit says that it is."""
@@ -59,6 +62,10 @@ VECTORS = ("theta", "mean", "std", "error", "covariance")
 DOUBTED = 0.001
 """A p-value of the fit of tables or of several data sets below which the answer says that it is doubtful."""
 ALL_THERE_ARE = "simulated events that were made before are all there are: leave bank out"
+MORE = (8, 4, 2, 1)
+"""The efforts of a fit by moments are those of a diagnosis with so many times its limit, until one suffices."""
+KEPT = 5
+"""One in so many events of the limit is left for the last of them."""
 UNDECIDED = "too few simulated events to tell how well theta is known: errors may be far too large"
 """What is said of a fit whose slopes do not stand out of the noise of simulation."""
 REPEATED = 1.1
@@ -516,6 +523,30 @@ def tested(
     return estimate, agreement.as_good(task, theta, error, x_observed, simulate, simulate.remaining, num_fitted, rng)
 
 
+def by_effort(model: "Model", part: Any, meter: Meter, rng: np.random.Generator) -> tuple["GateResult", "Fit"]:
+    """The test and the fit of a model to what was measured, with as much effort as the meter allows.
+
+    That of a diagnosis leaves room for a search, which is not asked for here. So those of some times the limit are
+    tried first, and what one has simulated the next one uses. Raises UsageError where no effort is low enough.
+    """
+    from avobench.diagnosis.effort import effort_for
+    from avobench.diagnosis.fit.null import fit_null
+    from avobench.diagnosis.goodness_of_fit.gates import summary_gate
+    from avobench.effects.catalogue import domain
+
+    spent, task = meter.used, model.task
+    for more in MORE:
+        limit, again = meter.limit and more * meter.limit, deepcopy(rng)
+        effort = effort_for(task, domain(task), limit, len(part), spent)
+        try:
+            with meter.keeping(0 if more == 1 or limit is None else meter.limit // KEPT):
+                fit, target = fit_null(model, part, again, effort, None)
+                return summary_gate(fit, target, again, effort)[:2]
+        except BudgetExhausted:
+            continue
+    raise UsageError(f"{meter.limit} simulated events did not suffice for a fit; allow {2 * meter.limit}")
+
+
 def moments(
     task: Task | str | Joint,
     x: Any,
@@ -527,11 +558,7 @@ def moments(
 ) -> Inference:
     """Infer theta from events or tables x, or several data sets, by the means of their summaries. Raises UsageError."""
     from avobench.diagnosis.checks import Checks
-    from avobench.diagnosis.effort import effort_for
-    from avobench.diagnosis.fit.null import fit_null
-    from avobench.diagnosis.goodness_of_fit.gates import summary_gate
     from avobench.effects.bank import Bank
-    from avobench.effects.catalogue import domain
     from avobench.effects.model import Model
 
     start, calls = time.perf_counter(), 1
@@ -551,15 +578,11 @@ def moments(
         checks = Checks(task, size, limit, seed=seed, folder=folder and Path(folder))
         part, warnings = (checks.tables(tables), []) if tables else checks.events(x, drop_invalid=drop_invalid)
         num_events = len(part)
-    rng = stream(seed, "method", task.name, "smm")
     meter = checks.bank.meter
-    limit = meter.limit
-    effort = effort_for(task, domain(task), limit, len(part), meter.used)
     with shown(progress) as tell:
         meter.progress = lambda used: tell("smm", calls * used, budget)
         source = checks.bank if isinstance(checks.bank, Bank) else Bank(task, meter, seed)
-        fit, target = fit_null(Model(task, events=source), part, rng, effort, None)
-        gate, fit, _ = summary_gate(fit, target, rng, effort)
+        gate, fit = by_effort(Model(task, events=source), part, meter, stream(seed, "method", task.name, "smm"))
     require_enough(task, fit.params, num_events)
     theta, width = fit.params, task.support.width
     covariance = fit.point_covariance * np.outer(width, width)
