@@ -34,6 +34,7 @@ from avobench.tasks import Task
 from avobench.tasks.arguments import checked
 from avobench.tasks.errors import BudgetExhausted, InvalidEstimate, UsageError, whole
 from avobench.tasks.meter import Meter
+from avobench.tasks.missing import Recorded
 from avobench.tasks.prior import STEPS
 from avobench.tasks.region import beside, failing, failures, regions
 from avobench.tasks.sample import SampleTask, require_enough
@@ -395,9 +396,9 @@ def infer(
     by_moments = method in (None, "smm") and not settings
     task = task if isinstance(task, Joint) else registry.task_of(task)
     sample = isinstance(task, SampleTask)
-    if isinstance(task, Joint) or tables_in(x) is not None or task.missing:
+    if isinstance(task, Joint) or tables_in(x) is not None or (task.missing and by_moments):
         if not by_moments:
-            what = "tables, several data sets, and values that may be missing"
+            what = "tables and several data sets"
             raise UsageError(f"{what} are fitted by smm, without settings: leave others out")
         return moments(task, x, budget, seed, drop_invalid, progress, bank)
     # The lines through the whole prior, which smm has elsewhere, bend where a simulator begins to fail.
@@ -447,7 +448,9 @@ def by_method(
     )
     start = time.perf_counter()
     words, drawn = (task.name, method.name), drawing(task, source)
-    posed = in_shares(drawn)
+    known = Recorded(task, x_observed).task if task.missing else lambda twin: twin
+    x_observed = Recorded(task, x_observed).events(x_observed) if task.missing else x_observed
+    posed = in_shares(known(drawn))
     held = min(budget // agreement.SHARE, budget - checks.used - least)
     with shown(progress) as tell:
 
@@ -461,8 +464,8 @@ def by_method(
         estimate = method.infer(problem, stream(seed, "method", *words))
         require_recordable(estimate, problem, simulate.used)
         estimate = restricted(raw(estimate, task.prior), task)
-        test = metered("agreement", drawing(task, source, aside=True), held, checks.used + simulate.used)
-        estimate, as_good = tested(task, estimate, x_observed, test, simulate.used, stream(seed, "test", *words))
+        test = metered("agreement", known(drawing(task, source, aside=True)), held, checks.used + simulate.used)
+        estimate, as_good = tested(known(task), estimate, x_observed, test, simulate.used, stream(seed, "test", *words))
     seconds = time.perf_counter() - start
     if isinstance(source, Counted):
         used = sum(each.used - each.failed for each in (checks.meter, simulate, test))

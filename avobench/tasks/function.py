@@ -283,7 +283,7 @@ def task(
         failed is cheaper than an exception, after which a whole call is made again in parts.
     missing
         Names of features that an event may lack, as of a detector that did not fire: it holds NaN there, simulated and
-        measured. `diagnose`, and `infer` by `smm`, compare how often they are missing beside their recorded values.
+        measured. `diagnose` and `infer` compare how often they are missing beside their recorded values.
         Effects of the catalogue act on recorded values, but for `lost_value`, by which more are missing; those that
         tie features to each other are left out.
     seconds
