@@ -20,6 +20,7 @@ from .tasks.contract import Box, Task
 from .tasks.errors import AvobenchError, SimulatorError, UsageError
 from .tasks.function import task
 from .tasks.sample import bank
+from .tasks.weights import unweighted
 
 __version__: str
 
@@ -59,4 +60,5 @@ __all__ = [
     "records",
     "run",
     "task",
+    "unweighted",
 ]

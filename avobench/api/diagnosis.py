@@ -31,7 +31,7 @@ from avobench.tasks.function import FunctionTask
 from avobench.tasks.joint import JointTask
 from avobench.tasks.missing import missing_in_both
 from avobench.tasks.region import beside, failures
-from avobench.tasks.sample import SampleTask
+from avobench.tasks.sample import SampleTask, require_enough
 from avobench.tasks.sample import bank as sample_of
 
 if TYPE_CHECKING:
@@ -42,6 +42,8 @@ if TYPE_CHECKING:
 
 TRIED = 50
 """Events on which an effect of the user's is tried before anything is fitted."""
+WEIGHT = "avobench weight"
+"""The column of simulated.parquet that holds the weight of each event."""
 HERE = "__main__:"
 """The prefix of an effect of a script or a notebook, which another process does not find by its name."""
 
@@ -181,10 +183,14 @@ class Diagnosed:
         return [*paths, write_atomically(folder / "diagnosis.json", f"{said}\n".encode())]
 
     def _simulated(self) -> bytes:
-        """The content of a Parquet file: as many events as the sample has, with the effects that were added."""
+        """The content of a Parquet file: as many events as the sample has, with the effects that were added.
+
+        Their weights are alike, and add up to those of the sample.
+        """
         fit, content = self.result.fit, io.BytesIO()
         x = fit.model.simulate(np.tile(fit.params, (len(self.task.events), 1)), np.random.default_rng(0))
-        pd.DataFrame(x, columns=list(self.task.labels)).to_parquet(content, index=False)
+        table = pd.DataFrame(x, columns=list(self.task.labels))
+        table.assign(**{WEIGHT: self.task.total / len(x)}).to_parquet(content, index=False)
         return content.getvalue()
 
     @classmethod
@@ -395,13 +401,16 @@ def diagnose(
         part, remarks = checks.joint(joint.sets, drop_invalid=drop_invalid) if joint else (checks.tables(tables), [])
     else:
         x, remarks = checks.events(x, drop_invalid=drop_invalid)
+    measured: Any = x if part is None else part
+    if not task.parameter_names:
+        require_enough(task, np.empty(0), len(measured))
     tried_on = checks.simulate(task.prior.sample(TRIED, rng := np.random.default_rng(0)), rng) if part and theirs else x
     for each in theirs.values():  # what no file can keep would else show when all is done
         registry.blamed(partial(_keepable, each, tried_on, task), f"effect {each.effect.name}")
     with shown(progress) as tell:
         result = diagnosed(
             task,
-            x if part is None else part,
+            measured,
             seed=seed,
             alpha=alpha,
             max_effects=max_effects,
@@ -415,10 +424,11 @@ def diagnose(
         )
     said = result.diagnosis
     p = len(task.parameter_names)
+    require_enough(task, result.fit.params[:p], len(measured))
     remarks += failures(task, result.fit.params[:p], result.fit.std[:p])
     told = {
         "notes": notes + remarks + said.notes,
-        "num_simulations": calls * said.num_simulations + beside(task) - before,
+        "num_simulations": calls * (said.num_simulations - checks.bank.meter.failed) + beside(task) - before,
     }
     diagnosis = said.model_copy(update=told)
     return _diagnosed(replace(result, diagnosis=diagnosis), spec, theirs, possible)

@@ -4,7 +4,7 @@ import html
 import json
 import time
 from collections.abc import Mapping, Sequence
-from copy import copy
+from copy import copy, deepcopy
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path
@@ -32,21 +32,29 @@ from avobench.reports.numbers import with_error
 from avobench.tables.table import Table, Tables
 from avobench.tasks import Task
 from avobench.tasks.arguments import checked
-from avobench.tasks.errors import InvalidEstimate, UsageError, whole
+from avobench.tasks.errors import BudgetExhausted, InvalidEstimate, UsageError, whole
 from avobench.tasks.meter import Meter
+from avobench.tasks.missing import Recorded
+from avobench.tasks.prior import STEPS
 from avobench.tasks.region import beside, failing, failures, regions
-from avobench.tasks.sample import SampleTask
+from avobench.tasks.sample import SampleTask, require_enough
 
 if TYPE_CHECKING:
     from arviz import InferenceData
     from matplotlib.figure import Figure
+    from scipy.stats import rv_histogram
 
+    from avobench.diagnosis.fit.fit import Fit
+    from avobench.diagnosis.schema import GateResult
     from avobench.effects.bank import Bank
+    from avobench.effects.model import Model
 
 KIND = "avobench-fit"
 """What the file of a fit says that it is."""
 TRIES = 1000
 """So many times more draws than asked for are made of a Gaussian, of which those within the support count."""
+AS_PRIOR = 20_000
+"""Draws of which a prior is made."""
 PAIRED = 2000
 """Draws that the figure of pairs shows."""
 
@@ -55,6 +63,12 @@ VECTORS = ("theta", "mean", "std", "error", "covariance")
 DOUBTED = 0.001
 """A p-value of the fit of tables or of several data sets below which the answer says that it is doubtful."""
 ALL_THERE_ARE = "simulated events that were made before are all there are: leave bank out"
+MORE = (8, 4, 2, 1)
+"""The efforts of a fit by moments are those of a diagnosis with so many times its limit, until one suffices."""
+KEPT = 5
+"""One in so many events of the limit is left for the last of them."""
+UNDECIDED = "too few simulated events to tell how well theta is known: errors may be far too large"
+"""What is said of a fit whose slopes do not stand out of the noise of simulation."""
 REPEATED = 1.1
 """So often the events of a bank may be used on average without a word."""
 DEFAULTS = ("avo", "smm")
@@ -235,6 +249,25 @@ class Inference:
                 return draws[:n]
         raise UsageError(f"less than one in {TRIES} draws of {self.samples_of} lies within the support")
 
+    def as_prior(self, seed: int = 0) -> dict[str, "rv_histogram"]:
+        """What is known of each parameter now, as the prior of a task that new events are fitted with.
+
+        It is what `samples` draws from, smoothed where a method has few points of it; correlations are left out. Raises
+        UsageError as `samples` does, and for integers, whose prior must be one of whole numbers.
+        """
+        from scipy.stats import rv_histogram
+
+        if self.task.is_integer.any():
+            raise UsageError("as_prior is of real numbers; give an integer a prior such as scipy.stats.randint")
+        draws, sample = self.samples(AS_PRIOR, seed).to_numpy(), self.estimate.sample
+        if sample is not None:  # a kernel density by Scott's rule
+            width = (sample.weights.sum() ** 2 / (sample.weights**2).sum()) ** (-1 / (draws.shape[1] + 4))
+            draws = draws + width * draws.std(axis=0) * np.random.default_rng(seed).normal(size=draws.shape)
+            draws = draws[self.task.support.contains(draws)]
+        shares = np.linspace(0, 1, STEPS + 1)
+        of_each = zip(self.task.parameter_names, np.quantile(draws, shares, axis=0).T, strict=True)
+        return {name: rv_histogram((np.ones(STEPS), edges), density=False) for name, edges in of_each}
+
     def to_inference_data(self, n: int = 4000, seed: int = 0) -> "InferenceData":
         """The draws of `samples` as one chain of ArviZ's InferenceData, whose attribute `samples_of` says of what.
 
@@ -363,9 +396,9 @@ def infer(
     by_moments = method in (None, "smm") and not settings
     task = task if isinstance(task, Joint) else registry.task_of(task)
     sample = isinstance(task, SampleTask)
-    if isinstance(task, Joint) or tables_in(x) is not None or task.missing:
+    if isinstance(task, Joint) or tables_in(x) is not None or (task.missing and by_moments):
         if not by_moments:
-            what = "tables, several data sets, and values that may be missing"
+            what = "tables and several data sets"
             raise UsageError(f"{what} are fitted by smm, without settings: leave others out")
         return moments(task, x, budget, seed, drop_invalid, progress, bank)
     # The lines through the whole prior, which smm has elsewhere, bend where a simulator begins to fail.
@@ -415,7 +448,9 @@ def by_method(
     )
     start = time.perf_counter()
     words, drawn = (task.name, method.name), drawing(task, source)
-    posed = in_shares(drawn)
+    known = Recorded(task, x_observed).task if task.missing else lambda twin: twin
+    x_observed = Recorded(task, x_observed).events(x_observed) if task.missing else x_observed
+    posed = in_shares(known(drawn))
     held = min(budget // agreement.SHARE, budget - checks.used - least)
     with shown(progress) as tell:
 
@@ -429,10 +464,13 @@ def by_method(
         estimate = method.infer(problem, stream(seed, "method", *words))
         require_recordable(estimate, problem, simulate.used)
         estimate = restricted(raw(estimate, task.prior), task)
-        test = metered("agreement", drawing(task, source, aside=True), held, checks.used + simulate.used)
-        estimate, as_good = tested(task, estimate, x_observed, test, simulate.used, stream(seed, "test", *words))
+        test = metered("agreement", known(drawing(task, source, aside=True)), held, checks.used + simulate.used)
+        estimate, as_good = tested(known(task), estimate, x_observed, test, simulate.used, stream(seed, "test", *words))
     seconds = time.perf_counter() - start
-    used = checks.used + simulate.used + test.used if isinstance(source, Counted) else source.meter.used
+    if isinstance(source, Counted):
+        used = sum(each.used - each.failed for each in (checks.meter, simulate, test))
+    else:
+        used = source.meter.used - source.meter.failed
     used += beside(task) - before
     if sample and (repeats := drawn.simulate.repeats) > REPEATED:
         warnings.append(f"the events of the bank were used {repeats:.2g} times each, so that errors are too small")
@@ -488,6 +526,30 @@ def tested(
     return estimate, agreement.as_good(task, theta, error, x_observed, simulate, simulate.remaining, num_fitted, rng)
 
 
+def by_effort(model: "Model", part: Any, meter: Meter, rng: np.random.Generator) -> tuple["GateResult", "Fit"]:
+    """The test and the fit of a model to what was measured, with as much effort as the meter allows.
+
+    That of a diagnosis leaves room for a search, which is not asked for here. So those of some times the limit are
+    tried first, and what one has simulated the next one uses. Raises UsageError where no effort is low enough.
+    """
+    from avobench.diagnosis.effort import effort_for
+    from avobench.diagnosis.fit.null import fit_null
+    from avobench.diagnosis.goodness_of_fit.gates import summary_gate
+    from avobench.effects.catalogue import domain
+
+    spent, task = meter.used, model.task
+    for more in MORE:
+        limit, again = meter.limit and more * meter.limit, deepcopy(rng)
+        effort = effort_for(task, domain(task), limit, len(part), spent)
+        try:
+            with meter.keeping(0 if more == 1 or limit is None else meter.limit // KEPT):
+                fit, target = fit_null(model, part, again, effort, None)
+                return summary_gate(fit, target, again, effort)[:2]
+        except BudgetExhausted:
+            continue
+    raise UsageError(f"{meter.limit} simulated events did not suffice for a fit; allow {2 * meter.limit}")
+
+
 def moments(
     task: Task | str | Joint,
     x: Any,
@@ -499,11 +561,7 @@ def moments(
 ) -> Inference:
     """Infer theta from events or tables x, or several data sets, by the means of their summaries. Raises UsageError."""
     from avobench.diagnosis.checks import Checks
-    from avobench.diagnosis.effort import effort_for
-    from avobench.diagnosis.fit.null import fit_null
-    from avobench.diagnosis.goodness_of_fit.gates import summary_gate
     from avobench.effects.bank import Bank
-    from avobench.effects.catalogue import domain
     from avobench.effects.model import Model
 
     start, calls = time.perf_counter(), 1
@@ -523,20 +581,18 @@ def moments(
         checks = Checks(task, size, limit, seed=seed, folder=folder and Path(folder))
         part, warnings = (checks.tables(tables), []) if tables else checks.events(x, drop_invalid=drop_invalid)
         num_events = len(part)
-    rng = stream(seed, "method", task.name, "smm")
     meter = checks.bank.meter
-    limit = meter.limit
-    effort = effort_for(task, domain(task), limit, len(part), meter.used)
     with shown(progress) as tell:
         meter.progress = lambda used: tell("smm", calls * used, budget)
         source = checks.bank if isinstance(checks.bank, Bank) else Bank(task, meter, seed)
-        fit, target = fit_null(Model(task, events=source), part, rng, effort, None)
-        gate, fit, _ = summary_gate(fit, target, rng, effort)
+        gate, fit = by_effort(Model(task, events=source), part, meter, stream(seed, "method", task.name, "smm"))
+    require_enough(task, fit.params, num_events)
     theta, width = fit.params, task.support.width
     covariance = fit.point_covariance * np.outer(width, width)
     doubt = f"the fit and what was measured disagree: p = {gate.p_value:.2g}" if gate.p_value < DOUBTED else ""
+    doubt = doubt or (UNDECIDED if fit.undecided else "")
     how = f"where the means of the summaries agree, chi-squared {gate.statistic:.1f}, dof {gate.dof}"
-    used = calls * meter.used + beside(task) - before
+    used = calls * (meter.used - meter.failed) + beside(task) - before
     trace = [TracePoint(used, theta, fit.std)]
     warnings += failures(task, theta, fit.std)
     estimate = Estimate(

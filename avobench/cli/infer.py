@@ -7,21 +7,16 @@ import click
 
 from avobench.api.inference import infer as infer_events
 from avobench.api.progress import shown
-from avobench.bench.events import read_events
-from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder
 from avobench.bench.sweep.plan import parse_settings
 from avobench.cli.isolated import Isolated
-from avobench.cli.measured import read_joint
-from avobench.cli.options import COLUMNS, DROP_INVALID, JOINT, SECONDS, SEED, TRUST, named, require_alone
+from avobench.cli.measured import Asked, of_measurement
+from avobench.cli.options import DROP_INVALID, SECONDS, SEED, named
 from avobench.cli.terminal import say
-from avobench.tasks.errors import UsageError
 
 
 @click.command(cls=Isolated)
-@click.option("--task", "spec", default=None, metavar="NAME", help="Task, file.py:Class, or a model.json.")
-@click.option("--data", default=None, metavar="FILE", help="File of measured events. For ROOT, file.root:tree.")
-@JOINT
+@of_measurement
 @click.option("--method", default=None, metavar="NAME", help="Method, or file.py:Class.  [avo, or smm without PyTorch]")
 @click.option("--budget", type=int, default=160_000, show_default=True, help="Simulated events, at most.")
 @SEED
@@ -32,42 +27,27 @@ from avobench.tasks.errors import UsageError
     metavar="METHOD.PARAM=VALUE",
     help="Value of a setting of the method or task. Repeatable.",
 )
-@COLUMNS
 @DROP_INVALID
-@TRUST
 @SECONDS
+@click.option("--bank", type=click.Path(path_type=Path), default=None, help="Folder that keeps simulated events.")
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="JSON file to write the result to.")
 def infer(
-    spec: str | None,
-    data: str | None,
-    sets: str | None,
     method: str | None,
     budget: int,
     seed: int,
     settings: tuple[str, ...],
-    columns: str | None,
     drop_invalid: bool,
-    trust: bool,
+    bank: Path | None,
     out: Path | None,
+    **options: Any,
 ) -> None:
     """Infer the parameters of a simulator from measured events."""
     if out is not None:
         require_folder(out.parent, make=False)
-    specs: dict[str, list[str]] = {"task": [], "method": [method] if method else []}
-    if sets is not None:
-        require_alone({"task": spec, "data": data, "columns": columns})
-    elif spec is None or data is None:
-        raise UsageError("give a simulator by --task and measured events by --data, or several data sets by --joint")
-    else:
-        specs["task"] = [named(spec, trust)]
-    chosen = parse_settings(list(settings), specs)
-    task: Any
-    x: Any = None
-    if sets is not None:
-        task = read_joint(sets, trust)
-    else:
-        task = registry.build("task", *specs["task"], chosen[specs["task"][0]])
-        x = read_events(data, [c.strip() for c in columns.split(",")] if columns else None)
+    asked = Asked.of(options)
+    spec = asked.spec and named(asked.spec, asked.trust)
+    chosen = parse_settings(list(settings), {"task": [spec] if spec else [], "method": [method] if method else []})
+    task, x, _ = asked.read(chosen.get(spec))
     with shown(None, plain=True) as progress:
         found = infer_events(
             task,
@@ -78,6 +58,7 @@ def infer(
             settings=chosen[method] if method else None,
             drop_invalid=drop_invalid,
             progress=progress,
+            bank=bank,
         )
     if out is not None:
         found.save(out)

@@ -1,21 +1,151 @@
-"""What was measured, as files say it: published tables, and several data sets with their simulators."""
+"""What was measured, and by what it is simulated, as options and files say it."""
 
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import click
+
 from avobench.api.joint import Joint, joint
-from avobench.bench.events import read_events
+from avobench.bench.events import read_events, read_timed
 from avobench.bench.plugins import registry
-from avobench.cli.options import named
+from avobench.cli.options import COLUMNS, JOINT, TRUST, named, require_alone
 from avobench.tables.read import read_table
 from avobench.tables.table import Table
+from avobench.tasks import Task
 from avobench.tasks.errors import UsageError, did_you_mean
+from avobench.tasks.missing import missing_in_both
+from avobench.tasks.sample import bank
+from avobench.tasks.weights import unweighted
 
-KEYS = {"task": str, "data": str, "table": (str, list), "columns": list, "density": bool, "normalised": bool}
+KEYS = {
+    **{"task": str, "data": str, "table": (str, list), "columns": list},
+    **{"density": bool, "normalised": bool, "weights": str},
+}
 """What a file says of each data set."""
+OPTIONS = (
+    click.option("--task", "spec", default=None, metavar="NAME", help="Task, file.py:Class, or a model.json."),
+    click.option("--simulated", default=None, metavar="FILE", help="Simulated events, in place of a task."),
+    click.option(
+        "--theta-columns", default=None, metavar="A,B,...", help="Columns of --simulated that are parameters."
+    ),
+    click.option("--weights", default=None, metavar="COLUMN", help="Column of --simulated with weights."),
+    click.option("--data", default=None, metavar="FILE", help="File of measured events. For ROOT, file.root:tree."),
+    click.option("--data-weights", default=None, metavar="COLUMN", help="Column of --data with weights."),
+    click.option(
+        "--table",
+        "tables",
+        multiple=True,
+        metavar="FILE[:NAME]",
+        help="Published table or histogram, in place of --data. Repeatable; --columns names the feature of each.",
+    ),
+    click.option("--density", is_flag=True, help="Values of --table are divided by the widths of their bins."),
+    click.option("--normalised", is_flag=True, help="Only the shape of each --table is compared, as always of counts."),
+    JOINT,
+    COLUMNS,
+    TRUST,
+)
+"""The options of commands that fit or test a simulator."""
+
+
+def of_measurement(command: Callable[..., Any]) -> Callable[..., Any]:
+    """A command with these options, which it hands to `Asked`."""
+    for option in reversed(OPTIONS):
+        command = option(command)
+    return command
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What was measured, and by what it is simulated, as options say it."""
+
+    spec: str | None
+    simulated: str | None
+    theta_columns: str | None
+    weights: str | None
+    data: str | None
+    data_weights: str | None
+    tables: tuple[str, ...]
+    density: bool
+    normalised: bool
+    sets: str | None
+    columns: str | None
+    trust: bool
+
+    @classmethod
+    def of(cls, options: dict[str, Any], time: str | None = None) -> "Asked":
+        """These, taken out of all options of a command but `time`. Raises UsageError where they do not go together."""
+        asked = cls(**{name: options.pop(name) for name in cls.__dataclass_fields__})
+        asked._require_sound(time)
+        return asked
+
+    def _require_sound(self, time: str | None) -> None:
+        if self.sets is not None:
+            given = {"task": self.spec, "simulated": self.simulated, "data": self.data, "table": self.tables}
+            given |= {"columns": self.columns, "density": self.density, "normalised": self.normalised, "time": time}
+            require_alone(given | {"data-weights": self.data_weights})
+        elif (self.spec is None) == (self.simulated is None):
+            raise UsageError("give a simulator by --task, or events that it made by --simulated: one of the two")
+        elif (self.data is None) == (not self.tables):
+            raise UsageError("give measured events by --data, or published tables by --table: one of the two")
+        if (self.theta_columns or self.weights) and self.simulated is None:
+            raise UsageError("--theta-columns and --weights are columns of --simulated, which is not given")
+        if (self.density or self.normalised) and not self.tables:
+            raise UsageError("--density and --normalised are of --table, which is not given")
+        if (time or self.data_weights) and self.data is None:
+            raise UsageError("--time and --data-weights are columns of --data, which is not given")
+        if time and self.data_weights:
+            raise UsageError("events with weights are thinned at random: leave --time or --data-weights out")
+
+    @property
+    def title(self) -> str:
+        """A title of what comes of it."""
+        if self.sets is not None:
+            return Path(self.sets).name
+        measured = ", ".join(Path(name).name for name in ([self.data] if self.data else self.tables))
+        return f"{measured} against {self.spec or Path(self.simulated or '').name}"
+
+    def read(self, settings: Mapping[str, Any] | None = None, time: str | None = None) -> tuple[Any, Any, Any]:
+        """The task with `settings`, what was measured, and the column `time` of it; or several data sets alone."""
+        if self.sets is not None:
+            return read_joint(self.sets, self.trust), None, None
+        task: Task | str = "" if self.spec is None else named(self.spec, self.trust)
+        if self.spec is not None:  # what is wrong with the task is said before anything is read
+            registry.load("task", task)
+            task = registry.build("task", task, settings) if settings else task
+        x, when, chosen = None, None, listed(self.columns)
+        if self.data is not None:
+            x, when = _events(self.data, chosen, self.data_weights, time)
+        else:
+            x = tables_of(self.tables, chosen, density=self.density, normalised=self.normalised)
+        if self.simulated is not None:
+            columns = None if self.tables else chosen
+            task = _sample(self.simulated, columns, listed(self.theta_columns), self.weights, x)
+        return task, x, when
+
+
+def listed(names: str | None) -> list[str] | None:
+    """The names that an option separates by commas."""
+    return None if names is None else [name.strip() for name in names.split(",")]
+
+
+def _events(file: str, columns: list[str] | None, weights: str | None, time: str | None = None) -> tuple[Any, Any]:
+    """Measured events of a file, without the column of `weights` by which they are thinned, and the column `time`."""
+    x, when = read_timed(file, [*columns, *([weights] if weights else [])] if columns else None, time)
+    return (unweighted(x, weights) if weights else x), when
+
+
+def _sample(file: str, columns: list[str] | None, theta: list[str] | None, weights: str | None, x: Any) -> Task:
+    """A task of the events in a file; what holds NaN there and in events x may be missing. Raises UsageError."""
+    beside = [*(theta or []), *([weights] if weights else [])]
+    events = read_events(file, [*columns, *beside] if columns else None)
+    if beside and not hasattr(events, "columns"):
+        raise UsageError(f"{file} has no columns with names, by which theta or weights could be chosen")
+    missing = [] if isinstance(x, list) else missing_in_both(events, x)
+    return bank(events, theta=theta, weights=weights, missing=missing)
 
 
 def tables_of(names: Sequence[str], features: Sequence[str] | None, **settings: bool) -> list[Table]:
@@ -62,9 +192,11 @@ def _set(where: str, said: Any, folder: Path, trust: bool) -> tuple[Any, Any]:
     of_tables = {key: said[key] for key in ("density", "normalised") if key in said}
     if of_tables and not tables:
         raise UsageError(f"{where}: {', '.join(of_tables)} is of a table, which is not given")
+    if "weights" in said and tables:
+        raise UsageError(f"{where}: weights are of data, which is not given")
     columns, spec = said.get("columns"), said["task"]
     beside = re.search(r"\.py:[^:]+$|\.json$", spec)
     task = registry.build("task", named(str(folder / spec) if beside else spec, trust), {})
     if tables:
         return task, tables_of([str(folder / table) for table in tables], columns, **of_tables)
-    return task, read_events(str(folder / said["data"]), columns)
+    return task, _events(str(folder / said["data"]), columns, said.get("weights"))[0]

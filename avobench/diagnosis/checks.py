@@ -25,10 +25,13 @@ from avobench.tasks.sample import SampleTask
 def bank_of(task: Task, meter: Meter, seed: int = 0, jobs: int = 1, folder: Path | None = None) -> Bank | Counted:
     """What a diagnosis has simulated events of a task from; they are kept in a `folder`, if there is one.
 
-    Where the task generates something first that is used again, that is enough, and its events are only counted.
+    Where the task generates something first that is used again, that is enough, and its events are only counted: a
+    folder for them is refused by UsageError.
     """
     if isinstance(task, SampleTask):
         return Given(task, meter)
+    if task.generates and folder is not None:
+        raise UsageError(f"{task.name} generates {task.generates} first, which no folder keeps: leave bank out")
     if task.generates:
         return Counted(task, meter)
     return Bank(task, meter, seed, jobs) if folder is None else KeptBank(task, meter, seed, jobs, folder)
@@ -93,7 +96,7 @@ class Checks:
                 events, more = checks.events(x, drop_invalid=drop_invalid)
                 parts.append(events)
                 warnings += [f"{name}: {each}" for each in more]
-            beside += checks.bank.meter.used
+            beside += checks.bank.meter.used - checks.bank.meter.failed
         self.bank.meter.charge(-(-beside // len(sets)))
         return JointPart(self.task, tuple(parts)), warnings
 

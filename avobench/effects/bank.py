@@ -101,7 +101,8 @@ class Bank:
         have = np.array([len(self._nodes.get(key, ())) for key in keys], np.intp)
         order, place = np.argsort(which, kind="stable"), np.empty(len(theta), np.intp)
         place[order] = np.arange(len(theta)) + np.repeat(first - np.cumsum(counts) + counts, counts)
-        self._make(corners[place >= have[which]], aside)
+        with self.meter.paying(self.task):
+            self._make(corners[place >= have[which]], aside)
         taken.update(zip(keys, (first + counts).tolist(), strict=True))
         self._handed.update((key, max(taken[key], self._handed.get(key, 0))) for key in keys)
         return keys, which, counts

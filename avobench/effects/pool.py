@@ -37,7 +37,8 @@ class Counted:
     def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """theta (n, p) -> (n, d). Raises SimulatorError for other events than the task declares."""
         self.meter.charge(len(theta))
-        return checked_events(self.task, theta, rng)
+        with self.meter.paying(self.task):
+            return checked_events(self.task, theta, rng)
 
 
 class Pool:

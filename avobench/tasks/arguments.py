@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.tasks.contract import Box, Task
-from avobench.tasks.errors import UsageError, shown
+from avobench.tasks.errors import UsageError, if_uneven, shown
 from avobench.tasks.prior import Distributed, Distribution, Ends, Law
 
 WORDS = {
@@ -78,9 +78,10 @@ def numbers(what: str, values: ArrayLike) -> NDArray:
     try:
         array = np.asarray(values)
     except (TypeError, ValueError) as error:
-        raise UsageError(f"{what} must be an array of numbers, all rows of one length, got {shown(values)}") from error
+        hint = if_uneven(values) or f", got {shown(values)}"
+        raise UsageError(f"{what} must be an array of numbers, all rows of one length{hint}") from error
     if array.dtype.kind not in "biuf":
-        raise UsageError(f"{what} must be real numbers, got {array.dtype}")
+        raise UsageError(f"{what} must be real numbers, got {array.dtype}{if_uneven(array.ravel())}")
     if not np.isfinite(array).all():
         raise UsageError(f"{what} hold NaN or infinite values: mend or drop them")
     return array

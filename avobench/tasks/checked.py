@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.tasks.contract import Task
-from avobench.tasks.errors import SimulatorError, raised
+from avobench.tasks.errors import BudgetExhausted, SimulatorError, raised
 
 
 def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
@@ -15,7 +15,7 @@ def checked_events(task: Task, theta: NDArray[np.float64], rng: np.random.Genera
     """
     try:
         x = task.simulate(task.at_whole(theta, rng).copy(), rng)
-    except SimulatorError:
+    except (SimulatorError, BudgetExhausted):
         raise
     except (Exception, SystemExit) as error:
         raise SimulatorError(f"the simulator of {task.name} raised {raised(error)}") from error

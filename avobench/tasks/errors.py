@@ -76,6 +76,20 @@ def shown(value: object) -> str:
         return type(value).__name__
 
 
+def if_uneven(values: object) -> str:
+    """What is to be done with events that hold different numbers of values, as of particles; "" for plain numbers.
+
+    `values` are the cells of a column, or the rows of what is no array.
+    """
+    first = next(iter(values), None) if isinstance(values, Iterable) else None
+    if isinstance(first, str) or not isinstance(first, Iterable):
+        return ""
+    return (
+        "; reduce events with different numbers of values to the same ones each, such as `[(len(e), sum(e)) for e in "
+        "events]`, or compare the spectrum of all values by the `of` of avobench.Table"
+    )
+
+
 def optional(module: str, what: str, extra: str) -> ModuleType:
     """A module that not every installation has. Raises UsageError, which says `what` needs it and how to install it."""
     try:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from avobench.tasks.contract import Task
 from avobench.tasks.errors import BudgetExhausted
+from avobench.tasks.region import regions
 
 
 class Meter:
@@ -18,6 +19,8 @@ class Meter:
 
     def __init__(self, limit: int | None = None, progress: Callable[[int], None] | None = None) -> None:
         self.limit, self.used, self.refused, self.progress = limit, 0, 0, progress
+        self.failed = 0
+        """Events among those used that were made in place of failed ones."""
         self.kept = 0
         """Events among those that remain which are kept for what follows."""
 
@@ -37,6 +40,33 @@ class Meter:
     def share(self, num_events: int) -> None:
         """Allow so many more events and no others: this is the copy of another process."""
         self.limit, self.kept = self.used + num_events, 0
+
+    @contextmanager
+    def paying(self, task: Task) -> Iterator[None]:
+        """Meanwhile events that simulators are asked for in place of failed ones are charged here, and where they were.
+
+        An event of several data sets has one of each: a part of it counts as its share. To learn where a simulator
+        works is not charged: that happens once, and the same seed is to give the same answer whenever it is asked.
+        """
+        known, calls = regions(task), max(len(task.tasks), 1)
+        before = [region.charge for region in known]
+
+        def pay(also: Callable[[int], None] | None, num_events: int) -> None:
+            if also is not None:
+                also(num_events)
+            self.charge(-(-num_events // calls))
+            self.failed += -(-num_events // calls)
+
+        for region, also in zip(known, before, strict=True):
+            region.charge, _ = partial(pay, also), region.uncharged()
+        try:
+            yield
+        finally:
+            for region, also in zip(known, before, strict=True):
+                region.charge = also
+        if other := sum(region.uncharged() for region in known):  # of other processes
+            self.add(-(-other // calls))
+            self.failed += -(-other // calls)
 
     def add(self, num_events: int) -> None:
         """Count events that were simulated in another process, under a limit that this one gave it."""
@@ -79,4 +109,5 @@ def metered(task: Task, meter: Meter) -> Task:
 
 def _simulated(task: Task, meter: Meter, theta: NDArray[np.float64], rng: np.random.Generator, *alter: Any) -> NDArray:
     meter.charge(len(theta))
-    return task.simulate(theta, rng, *alter)
+    with meter.paying(task):
+        return task.simulate(theta, rng, *alter)

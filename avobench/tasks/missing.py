@@ -1,7 +1,11 @@
 """Values that an event lacks, such as those of a detector that did not fire: NaN in features that may be missing."""
 
+from copy import copy
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from avobench.tasks.contract import Task
 
 
 def filled(x: NDArray, seed: int = 0) -> NDArray:
@@ -20,6 +24,47 @@ def filled(x: NDArray, seed: int = 0) -> NDArray:
     return x
 
 
+class Recorded:
+    """A task without NaN, for methods that know none: each feature that may be missing has one more, 1 where it is.
+
+    There the feature itself is the median of what was measured. So the joint distribution is kept, with how often
+    and beside what a value is missing.
+    """
+
+    def __init__(self, task: Task, x: NDArray) -> None:
+        """The features that `task` says may be missing, as they are in measured events x (n, d)."""
+        self._columns = list(task.missing)
+        self._fill = np.nanmedian(x, axis=0)
+
+    def events(self, x: NDArray) -> NDArray:
+        """Events (n, d) with NaN -> (n, d + k) without."""
+        lacking = np.isnan(x[:, self._columns])
+        return np.hstack([np.where(np.isnan(x), self._fill, x), lacking])
+
+    def bare(self, x: NDArray) -> NDArray:
+        """The inverse of `events`."""
+        k, x = len(self._columns), x.copy()
+        x[:, self._columns] = np.where(x[:, -k:] == 1, np.nan, x[:, self._columns])
+        return x[:, :-k]
+
+    def task(self, task: Task) -> Task:
+        """A twin of the task that makes such events."""
+        twin, more = copy(task), tuple(f"{task.labels[j]} is missing" for j in self._columns)
+        said = {
+            "num_features": task.num_features + len(more),
+            "feature_names": (*task.labels, *more),
+            "feature_kinds": (*task.kinds_of_features, *["continuous"] * len(more)),
+            "feature_units": task.feature_units and (*task.feature_units, *["1"] * len(more)),
+            "missing": (),
+            "simulate": lambda theta, rng: self.events(task.simulate(theta, rng)),
+            "summary": lambda x: np.r_[task.summary(self.bare(x)), x[:, task.num_features :].mean(axis=0)],
+            "with_reference": lambda x: self.task(task.with_reference(self.bare(x))),
+        }
+        for name, value in said.items():
+            object.__setattr__(twin, name, value)  # it may be a frozen dataclass
+        return twin
+
+
 def missing_in_both(simulated: ArrayLike, measured: ArrayLike) -> list[str]:
     """The features of two samples that hold NaN in both, by the names of columns or as x1, x2, ..."""
     a, b = (_lacking(x) for x in (simulated, measured))
@@ -35,4 +80,5 @@ def _lacking(x: ArrayLike) -> list[str]:
         return []
     if x.dtype.kind != "f" or x.ndim not in (1, 2):
         return []
-    return [f"x{j + 1}" for j in np.flatnonzero(np.isnan(x.reshape(len(x), -1)).any(axis=0))]
+    x = x[:, None] if x.ndim == 1 else x
+    return [f"x{j + 1}" for j in np.flatnonzero(np.isnan(x).any(axis=0))]

@@ -8,10 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.tasks.contract import Box
-from avobench.tasks.errors import UsageError, shown
+from avobench.tasks.errors import UsageError, raised, shown
 
 TAIL = 1e-4
 """A prior that goes on for ever ends where so much is left at either side: a normal one 3.7 deviations out."""
+TABULATED = "quantiles"
+"""The name of a law that is none of SciPy's by name: its arguments are the quantiles of equal shares."""
+STEPS = 100
+"""So many shares it has."""
 MOST_VALUES = 100_000
 """Whole numbers of a prior, at most: all are looked at for a share of it."""
 
@@ -29,7 +33,8 @@ class Distribution(Protocol):
 class Law:
     """A distribution of SciPy's by its name and arguments, so that a file can hold it.
 
-    Of whole numbers it is made continuous: the share below one is that of all smaller ones and half of its own.
+    Of whole numbers it is made continuous: the share below one is that of all smaller ones and half of its own. Others
+    that can tell their quantiles, such as `scipy.stats.rv_histogram`, are kept as TABULATED.
     """
 
     name: str
@@ -48,9 +53,9 @@ class Law:
         if isinstance(given, stats.rv_continuous | stats.rv_discrete) and hasattr(stats, given.name or ""):
             raise UsageError(f"{what} lacks its parameters: write it as scipy.stats.norm(0, 1) is written")
         if known is None or type(known) is not type(getattr(stats, known.name or "", None)):
-            raise UsageError(
-                f"{what} must be a distribution of scipy.stats by name, with its parameters, got {shown(given)}"
-            )
+            if integer:
+                raise UsageError(f"{what} must be one of scipy.stats by name, since {parameter} is an integer")
+            return cls.tabulated(what, given)
         try:
             law = cls(known.name, tuple(map(float, args)), tuple((k, float(v)) for k, v in given.kwds.items()))
         except TypeError as error:
@@ -63,9 +68,24 @@ class Law:
             raise UsageError(f"{parameter} is an integer: its prior must be of whole numbers, as scipy's randint is")
         return law
 
+    @classmethod
+    def tabulated(cls, what: str, given: Distribution) -> "Law":
+        """The law by the quantiles of any distribution. Raises UsageError, which names `what`, where it has none."""
+        try:
+            edges = np.array(given.ppf(np.linspace(0, 1, STEPS + 1)), float)
+            ends = np.array(given.ppf([TAIL, 1 - TAIL]), float)
+            edges[[0, -1]] = np.where(np.isfinite(edges[[0, -1]]), edges[[0, -1]], ends)
+        except Exception as error:  # of a user's class
+            raise UsageError(f"{what} cannot be used: {raised(error)}") from error
+        if edges.shape != (STEPS + 1,) or not (np.diff(edges) > 0).all():
+            raise UsageError(f"{what} must be a continuous distribution of one number, got {shown(given)}")
+        return cls(TABULATED, tuple(edges.tolist()))
+
     def __post_init__(self) -> None:
         from scipy import stats
 
+        if self.name == TABULATED:
+            return
         if not isinstance(getattr(stats, self.name, None), stats.rv_continuous | stats.rv_discrete):
             raise ValueError(f"scipy.stats has no distribution {self.name}")
         low, high = self.ends
@@ -75,6 +95,8 @@ class Law:
             raise ValueError(f"{self!r} has more than {MOST_VALUES} values")
 
     def __repr__(self) -> str:
+        if self.name == TABULATED:
+            return f"scipy.stats.rv_histogram(([1] * {len(self.args) - 1}, {list(self.args)}), density=False)"
         told = [*map(repr, self.args), *(f"{name}={value!r}" for name, value in self.kwds)]
         return f"scipy.stats.{self.name}({', '.join(told)})"
 
@@ -82,6 +104,8 @@ class Law:
     def _frozen(self) -> Any:
         from scipy import stats
 
+        if self.name == TABULATED:
+            return stats.rv_histogram((np.ones(len(self.args) - 1), np.array(self.args)), density=False)
         return getattr(stats, self.name)(*self.args, **dict(self.kwds))
 
     @property

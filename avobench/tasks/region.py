@@ -57,6 +57,9 @@ class Region:
         self.reason = known["reason"] if known else "it returned NaN or infinity"
         """Why it failed last."""
         self._raises = False
+        self.charge: Callable[[int], None] | None = None
+        """What is told of events before they are made in place of failed ones, see `Meter.paying`."""
+        self._charged = 0
         self.counts = np.zeros(4, np.int64)
         """Events that were asked of the simulator, that it was asked for, that were made again after one had failed,
         and those made at other parameters since theirs failed every time."""
@@ -83,6 +86,22 @@ class Region:
     def beside(self) -> int:
         """Events that were asked of the simulator beside those that it was asked for."""
         return int(self.counts[CALLS] - self.counts[MADE])
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "charge": None}  # a copy in another process only counts
+
+    def uncharged(self) -> int:
+        """Events beside those that it was asked for which nobody was told of."""
+        more, self._charged = self.beside - self._charged, self.beside
+        return max(more, 0)
+
+    def _count(self, num_events: int) -> None:
+        """Count events that are about to be asked of the simulator. Raises BudgetExhausted as `charge` does."""
+        more = self.beside + num_events - self._charged
+        if more > 0 and self.charge is not None:
+            self.charge(more)
+        self._charged += max(more, 0)
+        self.counts[CALLS] += num_events
 
     @cached_property
     def _machine(self) -> Any:
@@ -136,6 +155,7 @@ class Region:
         Raises SimulatorError where it fails again and again.
         """
         theta = self.within(theta).copy()
+        self._charged = self.beside
         self.counts[MADE] += len(theta)
         x, failed = self._attempted(theta, rng)
         for k in range(MOST):
@@ -165,7 +185,7 @@ class Region:
             calls = np.split(np.argsort(which, kind="stable"), np.cumsum(counts)[:-1])
         while calls:
             rows = calls.pop()
-            self.counts[CALLS] += len(rows)
+            self._count(len(rows))
             try:
                 made = self._call(theta[rows], rng)
             except FAILURES as error:

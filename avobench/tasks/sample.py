@@ -10,9 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 from avobench.tasks.arguments import box_of, checked, numbers
 from avobench.tasks.contract import Box, Task, histogram
 from avobench.tasks.errors import UsageError, whole
+from avobench.tasks.weights import drawn, effective, weights_of, without_negative
 
 ASIDE = 5
 """One in so many events of each theta is kept aside, for whoever needs events that nothing has learned from."""
+DRAWS = 1000
+"""Draws that tell of which nodes events at one theta are."""
 LEAST = 200
 """Events at each theta, at least: fewer fill no bins."""
 
@@ -34,11 +37,15 @@ class SampleTask(Task):
         features: Sequence[str],
         prior: Box,
         worth: float,
+        total: float,
         name: str,
         missing: Sequence[str] = (),
     ) -> None:
-        """Events (M, d) without weights, in random order, at theta (M, p). Weighted ones were `worth` so many each."""
-        self.name, self.events, self.worth = name, events, worth
+        """Events (M, d) without weights, in random order, at theta (M, p).
+
+        Weighted ones were `worth` so many each, and their weights added up to a `total`.
+        """
+        self.name, self.events, self.worth, self.total = name, events, worth, total
         self.parameter_names, self.parameter_units = tuple(parameters), ("1",) * len(parameters)
         self.prior = self.support = prior
         self.num_features, self.dtype, self.feature_names = events.shape[1], events.dtype, tuple(features)
@@ -139,8 +146,8 @@ def bank(
         Parameters at which each event was made: an array (M, p), columns by name of the parameter, or, of a DataFrame,
         the names of its columns. None where all were made at the same, unknown or fixed parameters.
     weights
-        Weights of the events (M,), or the name of their column; not negative. Events are drawn by them once; what
-        that costs in precision is taken into account.
+        Weights of the events (M,), or the name of their column. Events are drawn by them once; what that costs in
+        precision is taken into account. Negative ones are first balanced by those of the nearest events.
     prior
         Ends of each parameter by its name; those of theta where None.
     features
@@ -155,8 +162,8 @@ def bank(
     Raises
     ------
     UsageError
-        For events that are no finite numbers, weights that are negative, none or not finite, thetas outside the prior,
-        and fewer than 200 events at one theta.
+        For events that are no finite numbers, weights that are not finite or do not add up to a positive number, thetas
+        outside the prior, and at one theta fewer events, or weighted ones that are worth fewer, than 200.
 
     Examples
     --------
@@ -185,13 +192,36 @@ def bank(
     if np.isinf(x).any():
         raise UsageError("the simulated events hold infinite values: mend or drop them")
     names, columns, box = _parameters(theta, prior, len(x))
-    rows, worth = (rng.permutation(len(x)), 1.0) if weights is None else _drawn(weights, len(x), rng)
-    made = SampleTask(x[rows], columns[rows], names, features, box, worth, name, missing)
+    if weights is None:
+        rows, worth, total = rng.permutation(len(x)), 1.0, float(len(x))
+    else:
+        rows, worth, total = _drawn(x, columns, weights, rng)
+    made = SampleTask(x[rows], columns[rows], names, features, box, worth, total, name, missing)
     least = min(range(len(made.groups)), key=lambda k: len(made.groups[k]))
     if (few := len(made.groups[least]) + len(made.aside[least])) < LEAST:
         where = f" at theta = {made.nodes[least].tolist()}" if names else ""
         raise UsageError(f"{few} simulated events{where} are too few, at least {LEAST} are needed at each theta")
     return made
+
+
+def require_enough(task: Task, theta: NDArray[np.float64], num_measured: int) -> None:
+    """Raise UsageError where a sample has fewer events near theta (p,) than half of so many measured ones.
+
+    The scatter of so few is not known well enough, so that tests reject what is right.
+    """
+    if not isinstance(task, SampleTask):
+        return
+    corner = task.corner(np.tile(theta, (DRAWS, 1)), np.random.default_rng(0))
+    needed = num_measured / 2 * np.bincount(corner, minlength=len(task.nodes)) / DRAWS
+    used, aside = (np.array([len(group) for group in groups]) for groups in (task.groups, task.aside))
+    k = int(np.argmax(needed - task.worth * used))
+    if needed[k] > task.worth * used[k]:
+        at = [f"{n} = {value:.4g}" for n, value in zip(task.parameter_names, task.nodes[k], strict=True)]
+        where = f" at {', '.join(at)}, near the fit," if at else ""
+        raise UsageError(
+            f"{used[k] + aside[k]} simulated events{where} are too few for {num_measured} measured ones: "
+            f"at least {np.ceil(needed[k] / task.worth / used[k] * (used[k] + aside[k])):.0f} are needed"
+        )
 
 
 def _parameters(
@@ -217,20 +247,27 @@ def _parameters(
     return names, columns, box
 
 
-def _drawn(weights: ArrayLike, n: int, rng: np.random.Generator) -> tuple[NDArray[np.intp], float]:
-    """The rows of n events that their weights draw, in random order, and what a row is worth. Raises UsageError."""
-    w = numbers("weights", weights).astype(float)
-    if w.shape != (n,):
-        raise UsageError(f"{n} events need as many weights, got {w.shape}")
-    if (w < 0).any():
-        raise UsageError(
-            f"{(w < 0).sum()} weights are negative; add up positive and negative events that lie close together"
-        )
-    if not w.sum() > 0:
-        raise UsageError("all weights are zero")
-    steps = (np.arange(n) + rng.random()) / n
-    rows = np.searchsorted(np.cumsum(w) / w.sum(), steps)
-    return rng.permutation(np.minimum(rows, n - 1)), float(w.sum() ** 2 / (w**2).sum() / n)
+def _drawn(
+    x: NDArray, theta: NDArray[np.float64], weights: ArrayLike, rng: np.random.Generator
+) -> tuple[NDArray[np.intp], float, float]:
+    """The rows of events x (n, d) that their weights draw, what a row is worth, and the sum of weights.
+
+    At each theta as many are drawn as there are. Raises UsageError.
+    """
+    w, rows, worth = weights_of("simulated events", weights, len(x)), [], 0.0
+    nodes, which = np.unique(theta, axis=0, return_inverse=True)
+    for k, node in enumerate(nodes):
+        own = np.flatnonzero(which.ravel() == k)
+        where = f" at theta = {node.tolist()}" if node.size else ""
+        if not w[own].sum() > 0:
+            raise UsageError(f"the weights of simulated events{where} do not add up to a positive number")
+        if (tell := effective(w[own])) < LEAST:
+            raise UsageError(
+                f"{len(own)} weighted events{where} are worth {tell:.1f} of equal weight; at least {LEAST} are needed"
+            )
+        rows.append(own[drawn(without_negative(x[own], w[own]), rng)])
+        worth += tell / len(x)
+    return rng.permutation(np.concatenate(rows)), worth, float(w.sum())
 
 
 def _column(table: Any, name: str) -> NDArray:

@@ -67,6 +67,7 @@ def sound(tmp_path_factory):
         "records": {"results": folder / "results"},
         "run": sweep,
         "task": {"simulate": simulate, "prior": {"mean": (-1, 1)}},
+        "unweighted": {"events": x, "weights": np.ones(300)},
     }
 
 

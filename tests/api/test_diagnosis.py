@@ -154,7 +154,9 @@ def test_two_samples_are_compared_and_the_sample_with_the_effect_is_written(tmp_
     assert found.effects.set_index("parameter").loc["fraction", "value"] == pytest.approx(200 / 2200, abs=0.03)
     assert found.diagnosis.num_simulations == 30_000
     found.save(tmp_path)
-    after = pd.read_parquet(tmp_path / "simulated.parquet")["time"]
+    written = pd.read_parquet(tmp_path / "simulated.parquet")
+    assert written["avobench weight"].sum() == pytest.approx(30_000)
+    after = written["time"]
     share = ((after > 5.7) & (after < 6.3)).mean()
     assert share == pytest.approx(((measured["time"] > 5.7) & (measured["time"] < 6.3)).mean(), abs=0.02)
     assert not (tmp_path / "model.json").exists()

@@ -244,3 +244,16 @@ def test_what_was_simulated_for_a_fit_is_used_again(tmp_path):
     assert abs(first.theta["log_rate"] - np.log(7)) < 4 * first.std["log_rate"] < 0.05
     assert abs(again.theta["log_rate"] - first.theta["log_rate"]) < first.std["log_rate"]
     assert again.num_simulations < first.num_simulations / 5
+
+
+def test_a_small_budget_is_used_to_know_theta_and_its_error(tmp_path):
+    task, away = avobench.task(lambda theta, rng: rng.exponential(theta[:, 0]), prior={"life": (1, 4)}, name="own"), []
+    for seed in range(6):
+        x = np.random.default_rng(seed).exponential(2.0, 2000)
+        fit = avobench.infer(task, x, bank=tmp_path / str(seed), budget=40_000, progress=False)
+        assert fit.num_simulations <= 40_000
+        assert fit.std["life"] < 0.1
+        away.append((fit.theta["life"] - 2) / fit.std["life"])
+    assert np.sqrt(np.mean(np.square(away))) < 2
+    with pytest.raises(avobench.UsageError, match="too few"):
+        avobench.infer(task, x, bank=tmp_path / "other", budget=20_000, progress=False)

@@ -8,7 +8,7 @@ import avobench
 from avobench.diagnosis.summary.bins import bins_of
 from avobench.effects.rejection import accepted
 from avobench.tasks.errors import SimulatorError, UsageError
-from avobench.tasks.missing import filled
+from avobench.tasks.missing import Recorded, filled
 
 
 def detector(theta, rng, lost=0.2):
@@ -55,8 +55,25 @@ def test_what_is_missing_as_often_is_no_disagreement_and_tells_theta():
     assert avobench.diagnose(TASK, x, progress=False).verdict == "no significant disagreement"
     fit = avobench.infer(TASK, x, progress=False)
     assert abs(fit.theta["mean"] - 2) < 4 * fit.std["mean"] < 0.3
-    with pytest.raises(UsageError, match="missing are fitted by smm"):
-        avobench.infer(TASK, x, "abc-smc")
+
+
+def test_other_methods_see_it_as_a_feature_of_its_own():
+    x = detector(THETA, np.random.default_rng(2))
+    known = Recorded(TASK, x)
+    full, twin = known.events(x), known.task(TASK).with_reference(known.events(x))
+    np.testing.assert_array_equal(known.bare(full), x)
+    np.testing.assert_array_equal(full[:, 2], np.isnan(x[:, 0]))
+    made = twin.simulate(THETA, np.random.default_rng(3))
+    assert made.shape == (4000, twin.num_features)
+    assert np.isfinite(made).all()
+    assert twin.summary(made)[-1] == made[:, 2].mean()
+    settings = {"population_size": 20}
+    fit, other = (
+        avobench.infer(TASK, each, "abc-smc", budget=30_000, settings=settings, progress=False)
+        for each in (x, detector(THETA, np.random.default_rng(2), 0.6))
+    )
+    assert abs(fit.theta["mean"] - 2) < 4 * fit.std["mean"]
+    assert other.estimate.doubt
 
 
 def test_two_samples_that_both_lack_a_value_need_no_word():

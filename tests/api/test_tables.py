@@ -112,7 +112,7 @@ def test_the_command_takes_tables_from_files(counts, tmp_path, avobench):
         ([], "published tables by --table"),
         (["--data", "x", "--density"], "are of --table"),
         (["--table", tmp_path / "a.csv", "--columns", "a,b"], "2 for 1 tables"),
-        (["--table", tmp_path / "a.csv", "--time", "t"], "--time is a column"),
+        (["--table", tmp_path / "a.csv", "--time", "t"], "columns of --data"),
     ]:
         status, _, told = avobench(*command, *wrong)
         assert (status, told.count("\n"), word in told) == (2, 1, True)

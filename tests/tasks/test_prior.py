@@ -23,6 +23,21 @@ def made(prior, **more):
     return avobench.task(simulate, prior=prior, name="prior", **more)
 
 
+class Atoms:
+    """Half of it is at zero."""
+
+    def ppf(self, q):
+        return np.maximum(np.asarray(q) - 0.5, 0)
+
+    def cdf(self, x):
+        return np.clip(x + 0.5, 0, 1)
+
+
+class Broken(Atoms):
+    def ppf(self, q):
+        raise KeyError("q")
+
+
 MIXED = made({**LAWS, "flat": (2, 4)}, kinds={"n": "integer"}).prior
 
 
@@ -48,7 +63,9 @@ def test_draws_are_of_the_distribution():
         (stats.multivariate_normal([0, 0]), None, "a distribution of one number such as"),
         (stats.norm([0, 1], 1), None, "distribution of one number"),
         (stats.norm(0, -1), None, "no finite width"),
-        (stats.rv_histogram(np.histogram([1, 2, 3])), None, "by name"),
+        (stats.rv_histogram(np.histogram([1, 2, 3])), "integer", "by name"),
+        (Atoms(), None, "must be a continuous distribution"),
+        (Broken(), None, "cannot be used: KeyError"),
         (stats.poisson(3), None, "kinds={'a': 'integer'}"),
         (stats.norm(0, 1), "integer", "of whole numbers"),
         (stats.randint(0, 10**9), "integer", "more than"),
@@ -93,3 +110,25 @@ def test_a_fit_and_its_model_keep_the_prior(tmp_path):
 def test_a_law_of_a_file_names_a_distribution_alone():
     with pytest.raises(ValueError, match="no distribution"):
         Law("os", ())
+
+
+def test_a_histogram_is_a_prior_and_is_kept_as_text():
+    counts, edges = [1, 3, 4], [0.0, 1.0, 2.0, 5.0]
+    prior = made({"a": stats.rv_histogram((counts, edges), density=False)}).prior
+    np.testing.assert_allclose(prior.shares(np.array([[1.0], [2.0]])).ravel(), [1 / 8, 1 / 2], atol=0.01)
+    again = made({"a": eval(repr(prior.laws[0]), {"scipy": __import__("scipy")})}).prior
+    share = np.linspace(0, 1, 11)[:, None]
+    np.testing.assert_allclose(again.at(share), prior.at(share), atol=1e-9)
+
+
+@pytest.mark.parametrize("method", ["abc-smc", "smm"])
+def test_what_was_learned_is_the_prior_of_the_next_fit(method):
+    task = made({"mu": stats.norm(1, 0.5), "b": (0, 1)})
+    x = np.random.default_rng(0).normal(1.3, 1, 2000)
+    fit = avobench.infer(task, x, method, budget=60_000, progress=False)
+    later = made(fit.as_prior()).prior
+    draws = later.sample(20_000, np.random.default_rng(1))
+    known = fit.samples(20_000)
+    np.testing.assert_allclose(draws.mean(axis=0), known.mean(), atol=0.1 * known.std().max())
+    assert (draws.std(axis=0) > 0.9 * known.std()).all()
+    assert task.support.contains(draws).all()

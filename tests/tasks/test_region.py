@@ -5,8 +5,9 @@ import pytest
 
 import avobench
 from avobench.api.inference import restricted
+from avobench.bench.cells.budget import MeteredSimulator
 from avobench.methods import Estimate, WeightedSample
-from avobench.tasks.errors import SimulatorError, UsageError
+from avobench.tasks.errors import BudgetExhausted, SimulatorError, UsageError
 
 PRIOR = {"mean": (-2, 3), "width": (0.5, 3)}
 SHARE = 0.64
@@ -62,6 +63,34 @@ def test_a_fit_finds_what_is_near_the_edge_and_tells_every_call(function):
     assert abs(found.theta["mean"] - 1.2) < 4 * found.std["mean"] < 0.2
     assert not found.estimate.doubt
     assert any(f"{100 * SHARE:.0f}"[0] in note and "% of the prior" in note for note in found.warnings)
+
+
+@pytest.mark.parametrize(("function", "method"), [(normal, "smm"), (raising, "abc-smc")])
+def test_what_failed_counts_within_the_limit(function, method):
+    global calls
+    budget = 20_000
+    task = avobench.task(function, prior=PRIOR, failed="region")
+    rng, x = np.random.default_rng(5), None
+    x = rng.normal(0, 1.2, 1000) if function is normal else rng.poisson([1.0, 12], (1000, 2))
+    learnt, calls = task.region.beside, 0
+    settings = {"population_size": 20} if method == "abc-smc" else None
+    told = [avobench.infer(task, x, method, budget=budget, settings=settings, progress=False) for _ in range(2)]
+    assert told[0].theta == told[1].theta
+    assert sum(fit.num_simulations for fit in told) == calls
+    assert told[0].num_simulations <= budget < learnt + budget
+
+
+def test_a_metered_simulator_refuses_what_failures_would_take_beyond_its_budget():
+    global calls
+    task = avobench.task(normal, prior=PRIOR, failed="region")
+    task.region, calls = task.region, 0
+    simulate = MeteredSimulator(task, 1000, np.random.default_rng(6))
+    with pytest.raises(BudgetExhausted):
+        simulate(np.tile([0.0, 1.0], (999, 1)))
+    assert 999 <= simulate.used == calls <= 1000
+    simulate = MeteredSimulator(task, 1100, np.random.default_rng(6))
+    assert np.isfinite(simulate(np.tile([0.0, 1.0], (1000, 1)))).all()
+    assert simulate.used == 1000 + simulate.failed > 1030
 
 
 def test_a_posterior_ends_at_the_edge():

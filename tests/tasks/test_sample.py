@@ -40,8 +40,8 @@ def test_weights_are_those_of_the_events():
         ({"events": np.full(300, np.nan)}, "NaN"),
         ({"events": ["a"] * 300}, "real numbers"),
         ({"events": np.zeros(100)}, "too few"),
-        ({"weights": -np.ones(300)}, "negative"),
-        ({"weights": np.zeros(300)}, "all weights are zero"),
+        ({"weights": -np.ones(300)}, "do not add up to a positive number"),
+        ({"weights": np.zeros(300)}, "are zero"),
         ({"weights": np.ones(7)}, "as many weights"),
         ({"theta": np.ones(300)}, "leave it out"),
         ({"theta": {"a": np.arange(300.0)}}, "too few"),
@@ -54,3 +54,21 @@ def test_wrong_input_is_one_line(what, said):
     with pytest.raises(UsageError, match=said) as error:
         avobench.bank(**{"events": np.arange(300.0)} | what)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("theta", [None, np.repeat([1.0, 2.0, 3.0], [3000, 400, 3000])])
+@pytest.mark.parametrize("ask", [avobench.diagnose, avobench.infer])
+def test_fewer_simulated_events_near_the_fit_than_half_of_the_measured_ones_are_refused(theta, ask):
+    if theta is None and ask is avobench.infer:
+        return
+    rng = np.random.default_rng(0)
+    few = np.full(400, 2.0) if theta is None else theta
+    sample = avobench.bank(rng.exponential(few), theta=None if theta is None else {"a": theta})
+    with pytest.raises(UsageError, match=r"400 simulated events( at a = 2, near the fit,)? are too few for 2000"):
+        ask(sample, rng.exponential(2.0, 2000), progress=False)
+
+
+@pytest.mark.parametrize("events", [[[1, 2], [3]] * 200, pd.DataFrame({"a": [np.arange(k % 3) for k in range(400)]})])
+def test_events_of_different_lengths_are_to_be_reduced(events):
+    with pytest.raises(UsageError, match=r"reduce events .* `\[\(len\(e\), sum\(e\)\) for e in events\]`"):
+        avobench.diagnose(events, events)

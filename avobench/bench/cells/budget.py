@@ -36,6 +36,11 @@ class MeteredSimulator:
         return self._meter.used
 
     @property
+    def failed(self) -> int:
+        """Those of them that were made in place of failed ones."""
+        return self._meter.failed
+
+    @property
     def refused(self) -> int:
         return self._meter.refused
 
@@ -71,7 +76,8 @@ class MeteredSimulator:
         self._meter.charge(len(theta))
         start = time.perf_counter()
         try:
-            x = checked_events(self._task, theta, self._rng)
+            with self._meter.paying(self._task):
+                x = checked_events(self._task, theta, self._rng)
         finally:
             self._seconds += time.perf_counter() - start
         if self._progress is not None:

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from avobench.bench.events.files import seconds
 from avobench.tasks import Task
 from avobench.tasks.checked import checked_events
-from avobench.tasks.errors import SimulatorError, UsageError
+from avobench.tasks.errors import SimulatorError, UsageError, if_uneven
+from avobench.tasks.sample import SampleTask
 
 MIN_EVENTS = 200
 """A diagnosis needs so many: fewer fill no bins in which an effect could be told from another."""
@@ -108,6 +109,9 @@ def check_events(
             f"the events were not compared with what the simulator makes: {SHARE * LEAST_REFERENCE} simulated events "
             "would allow it"
         )
+    if isinstance(task, SampleTask) and task.worth < 1:
+        n = len(task.events)
+        warnings.append(f"{n} simulated events with weights are worth {n * task.worth:.0f} of equal weight")
     if task.event_shape or set(task.kinds_of_features) != {"count"}:
         repeated = num_repeated(x)
         if repeated > MANY_REPEATS * len(x):
@@ -136,7 +140,7 @@ def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
         try:
             return _counted(np.asarray(x))
         except ValueError as error:
-            raise UsageError("the rows of the events differ in length; each must hold all features") from error
+            raise UsageError(f"the rows of the events differ in length{if_uneven(x)}") from error
     given, wanted = [str(name) for name in x.columns], list(task.feature_names)
     names = _as_meant(given, wanted)
     told = [f"{a} is taken as {b}" for a, b in zip(given, names, strict=True) if a != b]
@@ -156,7 +160,7 @@ def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
         told = [f"the columns {', '.join(names)} are taken as {', '.join(wanted)}, in this order"]
     for name, column in x.items():
         if not pd.api.types.is_numeric_dtype(column) or pd.api.types.is_complex_dtype(column):
-            raise UsageError(f"the column {name} holds {column.dtype} instead of real numbers")
+            raise UsageError(f"the column {name} holds {column.dtype} instead of real numbers{if_uneven(column)}")
     truth = [name for name, column in x.items() if pd.api.types.is_bool_dtype(column)]
     if truth and len(truth) < len(x.columns):
         told.append(f"{', '.join(truth)}: {TRUTH}")

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from avobench.bench.events.text import SUFFIXES as TEXT
 from avobench.bench.events.text import read_text
 from avobench.tasks.arguments import checked
-from avobench.tasks.errors import UsageError, optional
+from avobench.tasks.errors import UsageError, if_uneven, optional
 
 KINDS = ".npy, .npz, .csv, .tsv, .txt, .dat (also .gz), .parquet, or .root:TREE"
 """Formats that events are read from, for messages."""
@@ -131,7 +131,9 @@ def _table(file: str, arrays: dict[str, NDArray | pd.Series]) -> pd.DataFrame:
     """Columns of numbers side by side: (n, d). Raises UsageError for another column, and names the first wrong cell."""
     for name, values in arrays.items():
         if values.ndim != 1 or values.dtype.kind not in "biuf":
-            raise UsageError(f"{file}: '{name}' does not hold one real number an event{_first_text(values)}")
+            raise UsageError(
+                f"{file}: '{name}' does not hold one real number an event{_first_text(values) or if_uneven(values)}"
+            )
     if len({len(values) for values in arrays.values()}) > 1:
         raise UsageError(f"{file}: the columns differ in length")
     return pd.DataFrame(arrays).reset_index(drop=True)

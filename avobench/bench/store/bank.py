@@ -25,15 +25,18 @@ WORKED = "worked.json"
 """The file that says, of simulators that fail at some parameters, at which of those that were tried they worked."""
 EVENTS, ASIDE = "events", "aside"
 """What files of events are called, and those of events that are kept aside."""
+MERGED = 64
+"""So many files of one kind become one: a method that asks for each theta apart would write thousands."""
 NODE = "node of "
 """The columns of a node's coordinates begin with this; those of theta and of the features have their own names."""
 
 
 class KeptBank(Bank):
-    """A bank whose events are also Parquet files of a folder: one for each time that events were simulated.
+    """A bank whose events are also Parquet files of a folder: one for each time that events were made, or several.
 
     Events of the folder are handed out before any is simulated, and are not counted by the meter. A file is written
-    whole before its events are used, so what ends the process loses what was being simulated and no more.
+    whole before its events are used, so what ends the process loses what was being simulated and no more. A file is
+    named by the number of its time, or by the first and the last of those that it was merged from.
     """
 
     def __init__(self, task: Task, meter: Meter, seed: int, jobs: int, folder: Path) -> None:
@@ -46,11 +49,20 @@ class KeptBank(Bank):
         if known := regions(task):
             said = [region.learnt for region in known]
             write_file(folder / WORKED, (json.dumps(said) + "\n").encode())
-        for kind in (EVENTS, ASIDE):
-            for path in sorted(folder.glob(f"{kind}-*.parquet")):
+        self._single: dict[str, list[Path]] = {EVENTS: [], ASIDE: []}
+        """The files that were not merged yet."""
+        for kind, single in self._single.items():
+            files = sorted(folder.glob(f"{kind}-*.parquet"))
+            merged = [_numbers(path) for path in files if len(set(_numbers(path))) > 1]
+            for path in files:
+                first, last = _numbers(path)
+                if first == last and any(a <= first <= b for a, b in merged):
+                    path.unlink()  # what merged it was ended before this
+                    continue
                 self._read(path, kind == ASIDE)
+                single += [path] if first == last else []
         # Where a damaged file was deleted there are fewer than their numbers say, and none may be written again.
-        self.fills = max((int(path.stem.split("-")[-1]) + 1 for path in folder.glob("*-*.parquet")), default=0)
+        self.fills = max((_numbers(path)[1] + 1 for path in folder.glob("*-*.parquet")), default=0)
 
     def _claim(self) -> None:
         """Write whose events the folder holds, or raise UsageError if they are another simulator's."""
@@ -107,10 +119,32 @@ class KeptBank(Bank):
             theta = region.within(theta)  # where its events were made
         table = pd.DataFrame(dict(zip(columns, nodes.T, strict=True)) | dict(zip(names, theta.T, strict=True)))
         table = pd.concat([table, pd.DataFrame(x, columns=features)], axis=1)
-        content = io.BytesIO()
-        table.to_parquet(content, index=False)
-        write_file(self.folder / f"{ASIDE if aside else EVENTS}-{self.fills:06d}.parquet", content.getvalue())
+        kind = ASIDE if aside else EVENTS
+        path = self.folder / f"{kind}-{self.fills:06d}.parquet"
+        _write(path, table)
         super()._keep(nodes, theta, x, aside)
+        self._single[kind].append(path)
+        if len(single := self._single[kind]) >= MERGED:
+            whole = self.folder / f"{kind}-{_numbers(single[0])[0]:06d}-{_numbers(single[-1])[1]:06d}.parquet"
+            _write(whole, pd.concat([pd.read_parquet(each) for each in single]))
+            for each in single:
+                each.unlink()
+            self._single[kind] = []
+
+
+def _write(path: Path, table: pd.DataFrame) -> None:
+    content = io.BytesIO()
+    table.to_parquet(content, index=False)
+    write_file(path, content.getvalue())
+
+
+def _numbers(path: Path) -> tuple[int, int]:
+    """The first and the last time that the events of a file were simulated. Raises UsageError for other names."""
+    try:
+        numbers = [int(number) for number in path.stem.split("-")[1:]]
+    except ValueError as error:
+        raise UsageError(f"{path} is none of the files of this folder: move it elsewhere") from error
+    return numbers[0], numbers[-1]
 
 
 def _identity(task: Task) -> dict[str, Any]:

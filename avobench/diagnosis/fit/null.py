@@ -45,7 +45,7 @@ class Inferred:
         posed = in_shares(task)
         simulate = MeteredSimulator(posed, num_events, rng.spawn(1)[0])
         estimate = method.infer(pose(posed, x, simulate), rng.spawn(1)[0])
-        return cls(name, task, raw(estimate, task.prior), simulate.used)
+        return cls(name, task, raw(estimate, task.prior), simulate.used - simulate.failed)
 
     def centre(self, model: Model) -> NDArray[np.float64]:
         """The estimate in the unit cube of the task's own model (p,)."""

@@ -40,7 +40,29 @@ def test_no_file_is_written_over_where_another_was_deleted(tmp_path):
     assert len(list(tmp_path.glob("events-*.parquet"))) == 3
 
 
-@pytest.mark.parametrize("how", ["cut", "link", "lost"])
+def test_many_files_become_few_and_an_end_in_between_loses_and_doubles_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr("avobench.bench.store.bank.MERGED", 4)
+    rates = np.linspace(0.5, 3, 10)
+
+    def filled():
+        bank = KeptBank(Poisson(), meter := Meter(), 0, 1, tmp_path)
+        return [bank.session()(np.tile(rate, (50, 1)), np.random.default_rng(0)) for rate in rates], meter.used
+
+    def interrupted(path):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as ending:
+        ending.setattr("pathlib.Path.unlink", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            filled()
+    assert len(list(tmp_path.glob("events-*.parquet"))) == 5
+    (first, cost), (again, later) = filled(), filled()
+    assert (cost, later) == (300, 0)
+    assert len(list(tmp_path.glob("events-*.parquet"))) == 4  # two merged, and two that are fewer than four
+    np.testing.assert_array_equal(first, again)
+
+
+@pytest.mark.parametrize("how", ["cut", "link", "lost", "other"])
 def test_a_damaged_bank_is_named(tmp_path, how):
     folder = tmp_path / "bank"
     taken(folder)
@@ -50,6 +72,8 @@ def test_a_damaged_bank_is_named(tmp_path, how):
     elif how == "link":
         file.rename(tmp_path / "elsewhere")
         file.symlink_to(tmp_path / "elsewhere")
+    elif how == "other":
+        file = file.rename(folder / "events-mine.parquet")
     else:
         file = folder / "bank.json"
         file.unlink()
