@@ -35,6 +35,7 @@ from avobench.tasks.errors import UsageError
 @COLUMNS
 @DROP_INVALID
 @TRUST
+@click.option("--jobs", "-j", type=click.IntRange(1), help="Processes that make events.  [none beside the method's]")
 @SECONDS
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="JSON file to write the result to.")
 def infer(
@@ -48,6 +49,7 @@ def infer(
     columns: str | None,
     drop_invalid: bool,
     trust: bool,
+    jobs: int | None,
     out: Path | None,
 ) -> None:
     """Infer the parameters of a simulator from measured events."""
@@ -78,6 +80,7 @@ def infer(
             settings=chosen[method] if method else None,
             drop_invalid=drop_invalid,
             progress=progress,
+            jobs=jobs,
         )
     if out is not None:
         found.save(out)
