@@ -69,17 +69,16 @@ class Contrast:
 
         self.phi, self.psi, self.training, self.u, self.training_u = phi, psi, training, u, training_u
         self.model = LogisticRegression(solver="newton-cholesky", warm_start=True)
-        self.whitening: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+        self.whitened = False
         self.divergence, self.is_minimum = np.inf, False
 
     def score(self, mean: NDArray[np.float64], kernel: NDArray[np.float64]) -> Score:
-        """What stands for the score near `mean` (p,). Raises TooFewEvents."""
-        near = Neighbours(self.u, mean, kernel)
-        phi, u = self.phi[1][near.rows].astype(float), self.u[near.rows]
+        """What stands for the score at `mean` (p,). Raises TooFewEvents."""
+        near, p = Neighbours(self.u, mean, SHARP * kernel), len(mean)
+        phi = self.phi[1][near.rows].astype(float)
         precision = np.linalg.pinv(near.covariance(phi, phi), hermitian=True)
-        weights = precision @ near.covariance(phi, u)
-        rest = u - phi @ weights
-        return Score(weights, precision, near.covariance(rest, rest) * near.share)
+        slope, noise = near.fit(phi)[1 : 1 + p], near.spread[1 : 1 + p, 1 : 1 + p]
+        return Score(precision @ slope.T @ near.unit, precision, near.unit.T @ noise @ near.unit)
 
     def response(self, score: Score, mean: NDArray[np.float64], kernel: NDArray[np.float64]) -> Response:
         """How the two sides of the equation differ at `mean` (p,), and how that depends on theta. Raises TooFewEvents.
@@ -120,20 +119,28 @@ class Contrast:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The logit of d at `mean` (p,), of the observed events (N,) and of the judged ones (n,)."""
         near = Neighbours(self.training_u, mean, SHARP * kernel)
-        simulated, n = self.training[1][near.rows], len(self.training[0])
-        x = np.concatenate([clipped(self.training[0], simulated), simulated]).astype(float)
-        if self.whitening is None:
-            scale = x.std(axis=0)
-            scale[scale == 0] = 1
-            variance, axes = np.linalg.eigh(np.cov(x / scale, rowvar=False))
-            kept = variance > INDEPENDENT
-            self.whitening = x.mean(axis=0), axes[:, kept] / np.sqrt(variance[kept]) / scale[:, None]
-        shift, whitening = self.whitening
+        if not self.whitened:
+            self._whiten(near.rows)
+        (real, made), n = self.training, len(self.training[0])
         weights = np.concatenate([np.ones(n), near.weights * n / near.weights.sum()])
-        self.model.fit((x - shift) @ whitening, np.arange(len(x)) < n, weights)
-        judge = (clipped(self.psi[0], simulated), clipped(self.psi[1][judged.rows], simulated))
-        observed, made = (self.model.decision_function((x - shift) @ whitening) for x in judge)
-        return observed, made
+        self.model.fit(np.concatenate([real, made[near.rows]]), np.arange(len(weights)) < n, weights)
+        observed, simulated = self.psi[0], self.psi[1][judged.rows]
+        return tuple(self.model.decision_function(x).astype(float) for x in (observed, simulated))
+
+    def _whiten(self, rows: NDArray[np.intp]) -> None:
+        """Decorrelate what the discriminator sees, within the range of the simulated events of these rows."""
+        simulated = self.training[1][rows]
+        x = np.concatenate([clipped(self.training[0], simulated), simulated]).astype(float)
+        shift, scale = x.mean(axis=0), x.std(axis=0)
+        scale[scale == 0] = 1
+        variance, axes = np.linalg.eigh(np.cov(x / scale, rowvar=False))
+        kept = variance > INDEPENDENT
+        turn = (axes[:, kept] / np.sqrt(variance[kept]) / scale[:, None]).astype(np.float32)
+        self.training, self.psi = (
+            tuple((clipped(x, simulated) - shift.astype(np.float32)) @ turn for x in pair)
+            for pair in (self.training, self.psi)
+        )
+        self.whitened = True
 
 
 def clipped(x: NDArray[np.float32], simulated: NDArray) -> NDArray:
@@ -147,19 +154,16 @@ class Minimum(NamedTuple):
     answer: Polished
     divergence: float
     """The Jensen-Shannon divergence there, in nats."""
-    scores: list[Score]
-    """The score that each contrast was solved with."""
 
 
 def minimise(
     contrasts: Sequence[Contrast],
-    scores: list[Score],
     mean: NDArray[np.float64],
     root: NDArray[np.float64],
     bounds: tuple[NDArray[np.float64], NDArray[np.float64]],
     toward: NDArray[np.float64] | float,
 ) -> Minimum:
-    """Solve the equation from `mean` (p,), with the scores that are known or, if there are none, with those there.
+    """Solve the equation from `mean` (p,), with the scores there.
 
     The other arguments are those of `polish`. At a solution that is no minimum the answer has not converged.
     """
@@ -169,10 +173,10 @@ def minimise(
         return [one.response(score, mean, kernel) for one, score in zip(contrasts, scores, strict=True)]
 
     try:
-        scores = scores or [one.score(mean, kernel) for one in contrasts]
+        scores = [one.score(mean, kernel) for one in contrasts]
     except TooFewEvents:
-        return Minimum(Polished(mean, root @ root.T, 0, converged=False), np.inf, [])
+        return Minimum(Polished(mean, root @ root.T, 0, converged=False), np.inf)
     answer = descend(responses, mean, root, bounds, toward, MOST_STEPS, STANDS_STILL)
     if not is_open(answer) and not all(one.is_minimum for one in contrasts):
         answer = replace(answer, converged=False)
-    return Minimum(answer, float(np.mean([one.divergence for one in contrasts])), scores)
+    return Minimum(answer, float(np.mean([one.divergence for one in contrasts])))

@@ -30,7 +30,7 @@ def solved(real, seed, around=0.0, start=0.1, n=40_000):
     contrasts = [
         Contrast(half(lambda x: x, i), half(splines, i), half(splines, 1 - i), u[i::2], u[1 - i :: 2]) for i in range(2)
     ]
-    return minimise(contrasts, [], np.array([around + start]), np.array([[0.1]]), BOUNDS, 0.0)
+    return minimise(contrasts, np.array([around + start]), np.array([[0.1]]), BOUNDS, 0.0)
 
 
 def outliers(rng, n, share, at):
