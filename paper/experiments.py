@@ -276,7 +276,11 @@ EXPERIMENTS = {
     "alignment": Experiment(
         "the example of Section 4.2",
         Path("results/studies"),
-        (Runs("", "avo-paper", {"schedule": "shared"}, (tasks.spec(tasks.AlignmentExample),), 1, 2, budget=5000 * 32),),
+        (
+            Runs(
+                "", "avo-paper", {"schedule": "shared"}, (tasks.spec(tasks.AlignmentExample),), 1, 10, budget=5000 * 32
+            ),
+        ),
     ),
     "summary": Experiment(
         "the rivals on alignment with a better summary statistic",
