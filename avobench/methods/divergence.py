@@ -11,8 +11,8 @@ error of the discriminator counts squared only (Chernozhukov et al., Econometric
 event moves the solution by its score times 1 - d = p / (p + r): one that the simulator does not make moves nothing.
 Where the simulator is right d = 1/2, and this is the match of the mean of s.
 
-Any p independent combinations of the score have the same solution. So s is the regression of theta on the learnt
-statistic and the inputs over the simulated events nearby, which is about the score times the covariance of theta there.
+For any feature g the mean of the simulated events moves with theta as E_p[s g]. So the combination of features that
+stands for the score has the coefficients C^-1 dE[g]/dtheta, with C the covariance of the features: its projection.
 `docs/robust.md` has the derivation, and what was measured.
 """
 
@@ -34,7 +34,7 @@ STANDS_STILL = 0.1
 SHARP = 0.3
 """Width of the kernel that stands for "simulated at theta", in units of that of the polish. A quadratic in theta takes
 what the width adds out of the mean of a statistic, but nothing takes it out of the density that the discriminator
-sees."""
+sees. The score needs it too: features that are nearly combinations of each other enlarge what a wide fit has wrong."""
 INDEPENDENT = 1e-5
 """Least variance of a combination of the discriminator's features, each of unit variance, that is made use of."""
 
@@ -44,14 +44,14 @@ Pair = tuple[NDArray[np.float32], NDArray[np.float32]]
 
 @dataclass(frozen=True)
 class Score:
-    """p combinations of features that stand for the score: their regression of theta."""
+    """The projection of the score on features, p combinations of them."""
 
     weights: NDArray[np.float64]
     """(k, p)"""
     precision: NDArray[np.float64]
     """Inverse of the covariance of the features (k, k)."""
     noise: NDArray[np.float64]
-    """Covariance of what the features leave of theta, over the number of events (p, p)."""
+    """Covariance (p, p) of the weights of a feature of unit variance that does not move with theta."""
 
 
 class Contrast:

@@ -88,11 +88,6 @@ class Neighbours:
         """Covariance (m, m) of the coefficients where the values have unit variance."""
         return self._inverse @ (self._weighted.T @ self._weighted) @ self._inverse
 
-    @property
-    def share(self) -> float:
-        """The variance of a weighted mean over these events, where that of an event is 1."""
-        return float((self.weights**2).sum() / self.weights.sum() ** 2)
-
     def covariance(self, a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
         """The weighted covariance (k, m) of values a (n, k) and b (n, m) of these events."""
         a, b = (x - np.average(x, axis=0, weights=self.weights) for x in (a, b))

@@ -33,6 +33,19 @@ def solved(real, seed, around=0.0, start=0.1, n=40_000):
     return minimise(contrasts, np.array([around + start]), np.array([[0.1]]), BOUNDS, 0.0)
 
 
+def test_the_score_of_a_gaussian_is_found_among_features_that_saturate():
+    """For x ~ N(u1, exp(u2)) at u = 0 it is (x, x^2 - 1), however far around the events were simulated."""
+    rng = np.random.default_rng(0)
+    u = rng.normal(0, 0.3, (100_000, 2))
+    x = rng.normal(u[:, 0], np.exp(u[:, 1]))[:, None]
+    phi = np.hstack([x, x**2, np.tanh(x), np.tanh(x**2 / 3)]).astype(np.float32)
+    score = Contrast((phi, phi), (phi, phi), (phi, phi), u, u).score(np.zeros(2), 0.3 * np.eye(2))
+    noise = np.sqrt(np.outer(np.diag(score.precision), np.diag(score.noise)))
+    exact = np.array([[1, 0], [0, 1], [0, 0], [0, 0]])
+    assert (np.abs(score.weights - exact) < 4 * noise).all()
+    assert (noise < 0.7).all()  # the regression of u on phi has 0.2 and 1.1, 0.2 and 2.0 in place of the ones
+
+
 def outliers(rng, n, share, at):
     return np.where(rng.random((n, 1)) < share, rng.normal(at, 0.5, (n, 1)), rng.normal(size=(n, 1)))
 
