@@ -21,7 +21,8 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     """
     tasks = {name: of.task for name, of in contaminated().items()}
     rows = []
-    for run in records[0]["runs"]:
+    latest = {tuple(run[name] for name in ("task", "share", "target", "row")): run for run in records[0]["runs"]}
+    for run in latest.values():  # of a method that changed the last one counts
         estimate, clean, minimiser = (np.array(run[name])[None] for name in ("estimate", "theta", "minimiser"))
         known = tasks[run["task"]].identifiable
         pulls = np.abs(estimate - minimiser)[0] / run["error"] if run["error"] else np.array([np.nan])
