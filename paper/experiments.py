@@ -95,7 +95,7 @@ ABLATIONS: dict[str, tuple[Settings, tuple[str, ...]]] = {
     "without polish and local phase": ({"polish": False}, ABLATION_TASKS),
     "means of last layers matched": ({"matched": "layers"}, ABLATION_TASKS),
     "means of inputs matched": ({"matched": "inputs"}, ABLATION_TASKS),
-    "no adversary: one iteration": ({"iterations": 1}, ABLATION_TASKS),
+    "learnt-moments: one iteration": ({"iterations": 1}, ABLATION_TASKS),
     "all events from the proposal": ({"wide_share": 0.0}, (*CHEAP, *BEYOND_MEANS)),
     "each d used on its own events": ({"cross_fit": False}, (*CHEAP, "alignment")),
     "images not summed": ({"symmetric": False}, ("alignment",)),
@@ -276,7 +276,11 @@ EXPERIMENTS = {
     "alignment": Experiment(
         "the example of Section 4.2",
         Path("results/studies"),
-        (Runs("", "avo-paper", {"schedule": "shared"}, (tasks.spec(tasks.AlignmentExample),), 1, 2, budget=5000 * 32),),
+        (
+            Runs(
+                "", "avo-paper", {"schedule": "shared"}, (tasks.spec(tasks.AlignmentExample),), 1, 10, budget=5000 * 32
+            ),
+        ),
     ),
     "summary": Experiment(
         "the rivals on alignment with a better summary statistic",

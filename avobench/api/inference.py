@@ -35,6 +35,7 @@ from avobench.tasks.arguments import checked
 from avobench.tasks.errors import BudgetExhausted, InvalidEstimate, UsageError, whole
 from avobench.tasks.meter import Meter
 from avobench.tasks.missing import Recorded
+from avobench.tasks.pieces import spread
 from avobench.tasks.prior import STEPS
 from avobench.tasks.region import beside, failing, failures, regions
 from avobench.tasks.sample import SampleTask, require_enough
@@ -345,6 +346,7 @@ def infer(
     drop_invalid: bool = False,
     progress: Progress | bool | None = None,
     bank: str | Path | None = None,
+    jobs: int | None = None,
     seconds: float | None = None,
 ) -> Inference:
     """Infer the parameters of a task behind observed events, in this process unless `seconds` is given.
@@ -374,6 +376,10 @@ def infer(
     progress
         Is told now and then the method, the simulated events so far, and the budget. By default a bar on a terminal, or
         a line in a notebook, shows them; False shows nothing.
+    jobs
+        Processes that make events, for a simulator that takes its time; the method itself works in one. By default the
+        simulator runs in this process. With `jobs` each piece of a request has a random stream of its own: the estimate
+        is another one then, and the same for any number of them.
     seconds
         Works in a process of its own, with one thread, and ends it after so long; the task is sent there. `progress`
         is called there too, so a notebook shows none.
@@ -392,6 +398,7 @@ def infer(
         If the process took longer than `seconds`, or was ended by what it ran.
     """
     budget, seed = whole("budget", budget, 1), whole("seed", seed, 0)
+    jobs = None if jobs is None else whole("jobs", jobs, 1)
     require_measured(task, x)
     by_moments = method in (None, "smm") and not settings
     task = task if isinstance(task, Joint) else registry.task_of(task)
@@ -400,10 +407,10 @@ def infer(
         if not by_moments:
             what = "tables and several data sets"
             raise UsageError(f"{what} are fitted by smm, without settings: leave others out")
-        return moments(task, x, budget, seed, drop_invalid, progress, bank)
+        return moments(task, x, budget, seed, drop_invalid, progress, bank, jobs)
     # The lines through the whole prior, which smm has elsewhere, bend where a simulator begins to fail.
     if by_moments and (sample or bank is not None or (failing(task) and method == "smm")):
-        return moments(task, x, budget, seed, drop_invalid, progress, bank)
+        return moments(task, x, budget, seed, drop_invalid, progress, bank, jobs)
     if sample and bank is not None:
         raise UsageError(ALL_THERE_ARE)
     if method is None:
@@ -416,7 +423,7 @@ def infer(
         registry.require_packages(kind, subject)
     if sample and not method.from_prior:
         raise UsageError(f"{method.name} needs events at thetas of its own; of a bank take smm, npe, nle or nre")
-    return by_method(task, x, method, budget, seed, drop_invalid, progress, bank)
+    return by_method(task, x, method, budget, seed, drop_invalid, progress, bank, jobs)
 
 
 def by_method(
@@ -428,15 +435,16 @@ def by_method(
     drop_invalid: bool,
     progress: Progress | bool | None,
     folder: str | Path | None = None,
+    jobs: int | None = None,
 ) -> Inference:
     """Infer theta from events x by a method, with events of a `folder`, or of a sample, where there is one."""
     sample = isinstance(task, SampleTask)
-    source: Bank | Counted = Counted(task)
     before = beside(task)
+    source: Bank | Counted = Counted(task if sample else spread(task, jobs))
     if sample or folder is not None:
         from avobench.diagnosis.checks import bank_of
 
-        source = bank_of(task, Meter(), seed, folder=folder and Path(folder))
+        source = bank_of(task, Meter(), seed, jobs or 1, folder and Path(folder))
         budget = min(budget, sum(map(len, task.groups))) if sample else budget
     least = method.min_simulations(task.prior.dim)
     if budget < least:
@@ -480,9 +488,9 @@ def by_method(
 
 
 def drawing(task: Task, source: "Bank | Counted", aside: bool = False) -> Task:
-    """A twin of a task whose events are those of a bank, each once, or those that it keeps aside."""
+    """A twin of a task whose events are those of its source: of a bank each once, or those that it keeps aside."""
     if isinstance(source, Counted):
-        return task
+        return source.task
     twin = copy(task)
     object.__setattr__(twin, "simulate", source.fresh if aside else source.session())  # it may be a frozen dataclass
     return twin
@@ -558,6 +566,7 @@ def moments(
     drop_invalid: bool,
     progress: Progress | bool | None,
     folder: str | Path | None = None,
+    jobs: int | None = None,
 ) -> Inference:
     """Infer theta from events or tables x, or several data sets, by the means of their summaries. Raises UsageError."""
     from avobench.diagnosis.checks import Checks
@@ -569,7 +578,7 @@ def moments(
     before = beside(task)
     if joint:
         calls, sets = len(joint.sets), joint.sets
-        checks = Checks(task, NUM_REFERENCE, budget // calls, seed=seed, folder=folder and Path(folder))
+        checks = Checks(task, NUM_REFERENCE, budget // calls, seed=seed, jobs=jobs or 1, folder=folder and Path(folder))
         part, warnings = checks.joint(sets, drop_invalid=drop_invalid)
         num_events = sum(map(len, part.sets))
     else:
@@ -578,7 +587,7 @@ def moments(
             raise UsageError(ALL_THERE_ARE)
         size = NUM_REFERENCE if tables or not hasattr(x, "__len__") else len(x)
         limit = None if isinstance(task, SampleTask) else budget
-        checks = Checks(task, size, limit, seed=seed, folder=folder and Path(folder))
+        checks = Checks(task, size, limit, seed=seed, jobs=jobs or 1, folder=folder and Path(folder))
         part, warnings = (checks.tables(tables), []) if tables else checks.events(x, drop_invalid=drop_invalid)
         num_events = len(part)
     meter = checks.bank.meter

@@ -28,6 +28,7 @@ from avobench.cli.terminal import say
     help="Value of a setting of the method or task. Repeatable.",
 )
 @DROP_INVALID
+@click.option("--jobs", "-j", type=click.IntRange(1), help="Processes that make events.  [none beside the method's]")
 @SECONDS
 @click.option("--bank", type=click.Path(path_type=Path), default=None, help="Folder that keeps simulated events.")
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="JSON file to write the result to.")
@@ -38,6 +39,7 @@ def infer(
     settings: tuple[str, ...],
     drop_invalid: bool,
     bank: Path | None,
+    jobs: int | None,
     out: Path | None,
     **options: Any,
 ) -> None:
@@ -59,6 +61,7 @@ def infer(
             drop_invalid=drop_invalid,
             progress=progress,
             bank=bank,
+            jobs=jobs,
         )
     if out is not None:
         found.save(out)

@@ -1,15 +1,12 @@
 """Simulated events at the nodes of a lattice of parameters, made on demand, kept, and used again."""
 
-import joblib
 import numpy as np
 import pandas as pd
-from joblib.externals.loky.process_executor import TerminatedWorkerError
 from numpy.typing import NDArray
 
 from avobench.tasks import Task
-from avobench.tasks.checked import checked_events
-from avobench.tasks.errors import ProcessEnded
 from avobench.tasks.meter import Meter
+from avobench.tasks.pieces import in_pieces
 from avobench.tasks.region import regions
 from avobench.tasks.sample import SampleTask
 
@@ -133,19 +130,8 @@ class Bank:
         theta = self._theta(rows)
         self.meter.charge(len(theta))
         seeds = np.random.SeedSequence([self._seed, self.fills]).spawn(-(-len(theta) // PIECE))
-        calls = [
-            joblib.delayed(_made)(self.task, theta[k * PIECE : (k + 1) * PIECE], np.random.default_rng(seed))
-            for k, seed in enumerate(seeds)
-        ]
-        known = regions(self.task)
-        counts = [region.counts.copy() for region in known]
-        try:
-            made, more = zip(*joblib.Parallel(n_jobs=min(self.jobs, len(calls)))(calls), strict=True)
-        except TerminatedWorkerError as error:
-            raise ProcessEnded("crashed", "a worker process was ended (killed, or out of memory)") from error
-        for k, region in enumerate(known):  # other processes have counted in copies
-            region.counts = counts[k] + sum(each[k] for each in more)
-        self._keep(rows, theta, np.concatenate(made), aside)
+        pieces = [theta[k * PIECE : (k + 1) * PIECE] for k in range(len(seeds))]
+        self._keep(rows, theta, in_pieces(self.task, pieces, seeds, self.jobs), aside)
 
     def _keep(self, nodes: NDArray[np.int64], theta: NDArray[np.float64], x: NDArray, aside: bool) -> None:
         self.add(nodes, x, aside)
@@ -262,10 +248,3 @@ def distinct_rows(rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[n
     first = np.empty(len(counts), np.intp)
     first[number[::-1]] = np.arange(len(rows))[::-1]
     return rows[first], number, counts
-
-
-def _made(task: Task, theta: NDArray[np.float64], rng: np.random.Generator) -> tuple[NDArray, list[NDArray[np.int64]]]:
-    """Events as those of `checked_events`, and what they added to the counts of each region of the task."""
-    known = regions(task)
-    before = [region.counts.copy() for region in known]
-    return checked_events(task, theta, rng), [region.counts - old for region, old in zip(known, before, strict=True)]

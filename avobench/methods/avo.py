@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from avobench.methods.avo_paper import TRACE_POINTS, baseline
 from avobench.methods.contract import LATER, Estimate, Method, TracePoint
 from avobench.methods.device import require_device
-from avobench.methods.divergence import Contrast, Score, minimise
+from avobench.methods.divergence import Contrast, minimise
 from avobench.methods.inputs import Inputs
 from avobench.methods.leeway import Leeway, is_open, leaves_open
 from avobench.methods.polish import Fold, Polished, TooFewEvents, narrower, polish_closer
@@ -47,7 +47,7 @@ MOST_INPUTS = 32
 theta is mostly noise, so then one weighted sum a parameter is matched."""
 
 FEW = 8
-"""Largest number of features whose squares stand beside them where the score is learnt from them."""
+"""With at most so many, statistic and inputs, the squares of the inputs stand beside them where the score is learnt."""
 
 
 class Inference:
@@ -76,7 +76,6 @@ class Inference:
             (self.num_events, self.real.shape[1]), np.float32
         )  # their events, as the networks see them
         self.statistic: Statistic | None = None
-        self.scores: list[Score] = []
         self.divergence = np.nan  # of Jensen and Shannon, from the observed events, where it was minimised
         self.linear: list[NDArray[np.float32]] = []  # of many inputs, the sums (k, p) that tell theta, a half each
         # what is noted on the way
@@ -208,13 +207,13 @@ class Inference:
         if self.settings.matched != "divergence":
             return polish_closer(self.matched(), mean, root, bounds, narrowing, toward)
         begin = [mean]
-        if not self.scores:  # where the simulator is wrong the adversary is nearer than the moments
+        if np.isnan(self.divergence):  # where the simulator is wrong the adversary begins nearer than the moments
             answer, root = polish_closer(self.matched(), mean, root, bounds, narrowing, toward)
             root, begin = narrower(root, answer, *narrowing), [answer.mean, self.averaged_mean]
-        contrasts, scores = self.contrasts(), [] if learn else self.scores
-        found = [minimise(contrasts, scores, start, root, bounds, toward) for start in begin]
+        contrasts = self.contrasts()
+        found = [minimise(contrasts, start, root, bounds, toward) for start in begin]
         best = min(found, key=lambda each: (not each.answer.converged, each.divergence))
-        self.scores, self.divergence = best.scores, best.divergence
+        self.divergence = best.divergence
         return best.answer, root
 
     def matched(self) -> list[Fold]:
@@ -238,7 +237,8 @@ class Inference:
 
         def features(x: NDArray[np.float32]) -> list[tuple[NDArray[np.float32], NDArray[np.float32]]]:
             """What the score and what the discriminator is made of, for the half on which each network is used."""
-            learnt = [np.hstack([phi, phi**2]) if phi.shape[1] <= FEW else phi for phi in self.learnt(x)]
+            p = self.problem.prior.dim
+            learnt = [np.hstack([phi, phi[:, p:] ** 2]) if phi.shape[1] <= FEW else phi for phi in self.learnt(x)]
             return [(phi, np.hstack([last, phi])) for phi, last in zip(learnt, self.layers(x), strict=True)]
 
         observed, simulated = self.real, self.seen[: len(self.u)]
@@ -447,8 +447,10 @@ class Avo(Method):
             raise ValueError("r1 and entropy must not be negative")
         if not 0 <= self.local_share < 1:
             raise ValueError("local_share must be at least 0 and below 1")
-        if self.matched == "divergence" and not self.cross_fit:
-            raise ValueError("matched=divergence needs cross_fit=true")
+        if self.matched == "divergence":
+            if not self.cross_fit:
+                raise ValueError("matched=divergence needs cross_fit=true")
+            object.__setattr__(self, "version", "4")  # the score is another one since, which no other setting uses
         require_device(self.device)
 
     @property

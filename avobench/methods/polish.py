@@ -63,35 +63,37 @@ class TooFewEvents(Exception):
 class Neighbours:
     """The simulated events near a point (p,), with weights of a Gaussian kernel of covariance kernel @ kernel.T (p, p).
 
-    Raises TooFewEvents where no quadratic in z = unit (u - point) can be fitted to them.
+    What is fitted to them is a quadratic in z = unit (u - point), or other `terms` that begin with 1 and z. Raises
+    TooFewEvents where there are too few for it.
     """
 
-    def __init__(self, u: NDArray[np.float64], point: NDArray[np.float64], kernel: NDArray[np.float64]) -> None:
+    def __init__(
+        self,
+        u: NDArray[np.float64],
+        point: NDArray[np.float64],
+        kernel: NDArray[np.float64],
+        terms: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None,
+    ) -> None:
         self.unit = np.linalg.inv(kernel)
         z = (u - point) @ self.unit.T
         distance = (z**2).sum(axis=1)
         self.rows = np.flatnonzero(distance < REACH**2 + len(point))
         self.z = z[self.rows]
-        terms = quadratic(self.z)
-        if len(self.rows) < FEWEST * terms.shape[1]:
+        fitted = (terms or quadratic)(self.z)
+        if len(self.rows) < FEWEST * fitted.shape[1]:
             raise TooFewEvents
         self.weights = np.exp(-distance[self.rows] / 2)
-        self._weighted = terms * self.weights[:, None]
-        self._inverse = np.linalg.pinv(terms.T @ self._weighted, hermitian=True)
+        self._weighted = fitted * self.weights[:, None]
+        self._inverse = np.linalg.pinv(fitted.T @ self._weighted, hermitian=True)
 
     def fit(self, values: NDArray) -> NDArray:
-        """Coefficients (m, k) of the quadratic that describes values (n, k) of the events near by."""
+        """Coefficients (m, k) of what describes values (n, k) of the events near by."""
         return self._inverse @ (self._weighted.astype(values.dtype).T @ values)
 
     @property
     def spread(self) -> NDArray[np.float64]:
         """Covariance (m, m) of the coefficients where the values have unit variance."""
         return self._inverse @ (self._weighted.T @ self._weighted) @ self._inverse
-
-    @property
-    def share(self) -> float:
-        """The variance of a weighted mean over these events, where that of an event is 1."""
-        return float((self.weights**2).sum() / self.weights.sum() ** 2)
 
     def covariance(self, a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
         """The weighted covariance (k, m) of values a (n, k) and b (n, m) of these events."""

@@ -21,7 +21,8 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     """
     tasks = {name: of.task for name, of in contaminated().items()}
     rows = []
-    for run in records[0]["runs"]:
+    latest = {tuple(run[name] for name in ("task", "share", "target", "row")): run for run in records[0]["runs"]}
+    for run in latest.values():  # of a method that changed the last one counts
         estimate, clean, minimiser = (np.array(run[name])[None] for name in ("estimate", "theta", "minimiser"))
         known = tasks[run["task"]].identifiable
         pulls = np.abs(estimate - minimiser)[0] / run["error"] if run["error"] else np.array([np.nan])
@@ -38,7 +39,8 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     numbers = grouped.agg({**medians, "worst pull": "max", "doubtful": "sum"})
     numbers.insert(0, "targets", grouped.size())
     numbers = numbers.reset_index().rename(columns={"row": "method"})
-    orders = {"task": list(tasks), "share": list(SHARES), "method": list(METHODS)}
+    shares = sorted({run["share"] for run in records[0]["runs"]})
+    orders = {"task": list(tasks), "share": shares, "method": list(METHODS)}
     return numbers.sort_values(
         list(orders), key=lambda column: column.map(orders[str(column.name)].index), ignore_index=True
     )
@@ -56,7 +58,7 @@ def compared(records: list[dict[str, Any]], value: str = "to minimiser") -> pd.D
 def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
     """The figure, a panel a task, and its numbers."""
     numbers = table(records)
-    tasks = list(numbers["task"].unique())
+    tasks = [name for name, of in contaminated().items() if of.shares == SHARES and (numbers["task"] == name).any()]
     figure, axes = panels(tasks)
     for name, axis in zip(tasks, axes, strict=False):
         for i, method in enumerate(METHODS):

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import rel_entr
 from scipy.stats import norm, poisson
+from scipy.stats import t as student
 
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.streams import stream
@@ -68,6 +69,7 @@ class Contaminated(NamedTuple):
     density: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]] | None = None
     """That of the simulator at points (m,) and theta (p,)."""
     density_of_outliers: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None
+    shares: tuple[float, ...] = SHARES
 
     def minimiser(self, theta: NDArray[np.float64], share: float) -> NDArray[np.float64]:
         """Where the Jensen-Shannon divergence to the observed density is least (p,), by a sum over the points.
@@ -88,10 +90,20 @@ class Contaminated(NamedTuple):
         return minimize(divergence, theta, method="Nelder-Mead", options={"xatol": 1e-6, "fatol": 1e-13}).x
 
 
+def gaussian_of_a_width(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+    """x ~ N(mean, exp(log_width)): (n, 2) -> (n, 1)."""
+    return rng.normal(theta[:, :1], np.exp(theta[:, 1:]))
+
+
 def contaminated() -> dict[str, Contaminated]:
-    """The tasks by name. Outliers of weinberg lie where it makes events as well, for it makes them everywhere."""
+    """The tasks by name. Outliers of weinberg lie where it makes events as well, for it makes them everywhere.
+
+    In `tails` all events are Student's, with 2.5 degrees of freedom, and the simulator is a Gaussian: it is wrong
+    wherever it makes events.
+    """
     shift = task(gaussian, prior={"theta": (-2, 2)}, features=["x"], name="normal")
     carl, weinberg = registry.build("task", "carl", {}), Weinberg()
+    width = task(gaussian_of_a_width, prior={"mean": (-2, 2), "log_width": (-1, 1)}, features=["x"], name="tails")
     line, angle, counts = np.linspace(-10, 12, 20_001), np.linspace(-1, 1, 4001)[1:-1], np.arange(400.0)
     return {
         "normal": Contaminated(
@@ -109,6 +121,14 @@ def contaminated() -> dict[str, Contaminated]:
             weinberg,
             lambda n, rng: rng.uniform(0.85, 0.95, (n, 1)),
             *(angle, weinberg.density, lambda x: np.where((x > 0.85) & (x < 0.95), 10.0, 0.0)),
+        ),
+        "tails": Contaminated(
+            width,
+            lambda n, rng: 0.4 + rng.standard_t(2.5, (n, 1)),
+            np.linspace(-60, 60, 40_001),
+            lambda x, theta: norm.pdf(x, theta[0], np.exp(theta[1])),
+            lambda x: student.pdf(x - 0.4, 2.5),
+            (0.0, 1.0),
         ),
     }
 
@@ -136,9 +156,8 @@ def made(
             {"task": name, "share": share, "target": target, "row": row, "version": method.version},
             partial(one, name, of, share, target, row, method, seed, num_events, budget),
         )
-        for target, (name, of), share, (row, method) in product(
-            range(NUM_TARGETS), contaminated().items(), SHARES, methods.items()
-        )
+        for target, (name, of), (row, method) in product(range(NUM_TARGETS), contaminated().items(), methods.items())
+        for share in of.shares
         if not tasks or name in tasks
     ]
     return FILE.completed(path, record, "runs", wanted, "torch")

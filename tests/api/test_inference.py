@@ -1,6 +1,7 @@
 """One inference on a user's own events."""
 
 import json
+import os
 import sys
 import time
 from dataclasses import dataclass, replace
@@ -191,6 +192,27 @@ def test_a_limit_of_time_ends_a_simulator_of_a_script_and_changes_no_answer():
             ask(task, x, seconds=0.5)
         with pytest.raises(UsageError, match="seconds must be a number above 0"):
             ask(task, x, seconds=-1)
+
+
+def test_other_processes_make_the_events_and_their_number_changes_no_answer(tmp_path):
+    def simulate(theta, rng):
+        with (tmp_path / "calls").open("a") as file:
+            file.write(f"{os.getpid()} {len(theta)}\n")
+        if len(theta) > 200:
+            raise RuntimeError("no memory")
+        return rng.normal(theta[:, 0])
+
+    task, x = avobench.task(simulate, prior={"mean": (-1, 1)}, name="own"), RNG.normal(0.3, 1, 500)
+    found = []
+    for jobs in (1, 2):
+        (tmp_path / "calls").unlink()
+        found.append(avobench.infer(task, x, "smm", budget=1000, jobs=jobs))
+        calls = np.loadtxt(tmp_path / "calls", int)
+        assert calls[:, 1].sum() == found[-1].num_simulations
+        assert (os.getpid() in calls[:, 0]) == (jobs == 1)
+    assert found[0].theta == found[1].theta
+    with pytest.raises(avobench.SimulatorError, match="own raised RuntimeError: no memory"):
+        avobench.infer(task, x, "smm", budget=100_000, jobs=2)
 
 
 def test_events_that_were_simulated_before_are_enough_for_smm_and_their_noise_counts():

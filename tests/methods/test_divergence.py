@@ -30,7 +30,20 @@ def solved(real, seed, around=0.0, start=0.1, n=40_000):
     contrasts = [
         Contrast(half(lambda x: x, i), half(splines, i), half(splines, 1 - i), u[i::2], u[1 - i :: 2]) for i in range(2)
     ]
-    return minimise(contrasts, [], np.array([around + start]), np.array([[0.1]]), BOUNDS, 0.0)
+    return minimise(contrasts, np.array([around + start]), np.array([[0.1]]), BOUNDS, 0.0)
+
+
+def test_the_score_of_a_gaussian_is_found_among_features_that_saturate():
+    """For x ~ N(u1, exp(u2)) at u = 0 it is (x, x^2 - 1), however far around the events were simulated."""
+    rng = np.random.default_rng(0)
+    u = rng.normal(0, 0.3, (100_000, 2))
+    x = rng.normal(u[:, 0], np.exp(u[:, 1]))[:, None]
+    phi = np.hstack([x, x**2, np.tanh(x), np.tanh(x**2 / 3)]).astype(np.float32)
+    weights = Contrast((phi, phi), (phi, phi), (phi, phi), u, u).score(np.zeros(2), 0.3 * np.eye(2)).weights
+    at = np.random.default_rng(1).standard_normal(len(x))
+    found = np.stack([at, at**2, np.tanh(at), np.tanh(at**2 / 3)], axis=1) @ weights
+    for of, exact in zip(found.T, (at, at**2 - 1), strict=True):
+        assert np.corrcoef(of, exact)[0, 1] > 0.98  # the regression of u on phi has 0.97
 
 
 def outliers(rng, n, share, at):
