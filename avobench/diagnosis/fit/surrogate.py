@@ -273,7 +273,7 @@ class ReferenceModel:
         num_centre, change_there = 0, 0.0
         done, source = 0, self.model.source()
         wanted = max(int(FIT.first_piece * num_events), 2 * k) if self.sparing else num_events
-        while done < wanted:
+        while not done or wanted - done >= k:  # fewer events than terms tell nothing
             n = min(wanted - done, model.at_once)
             u = design.to_u(rng.uniform(-1, 1, (n, model.dim)))
             u[: n // 2] = design.centre
