@@ -13,6 +13,7 @@ import torch
 from dirty import LOST, WAYS, Speechless
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from steady import without_clocks
 from written_tables import FORMS, VALUES, written
 
 import avobench
@@ -237,8 +238,7 @@ class Methods(Target):
         return plan(["toys:Normal"], [method], "0", 1, 400, 100, 0, list(settings))[0]
 
     def numbers(self, record: dict[str, Any]) -> dict[str, Any]:
-        changing = ("started", "versions", "peak_memory_mib")
-        return {name: value for name, value in record.items() if not (name in changing or name.endswith("seconds"))}
+        return without_clocks({name: value for name, value in record.items() if name != "versions"})
 
     def inputs(self) -> st.SearchStrategy:
         return st.lists(st.sampled_from(sorted(WAYS)), min_size=1, max_size=4)

@@ -23,9 +23,9 @@ from typing import Any, NoReturn
 import pandas as pd
 
 from robustness import warm
+from robustness.kills import finished_records, steady_records
 from robustness.preload import KINDS, MANNERS, Faults
 
-TIMED = ("observation_seconds", "simulator_seconds", "method_seconds", "harness_seconds", "peak_memory_mib", "started")
 SECONDS = 60
 """After which a command that hangs on a fault is ended by the system."""
 
@@ -102,7 +102,6 @@ def _be(arguments: list[str], place: Path, set_up: Callable[[], None], faults: F
         os.dup2(os.open(place / name, os.O_WRONLY | os.O_CREAT, 0o600), stream)
     os.chdir(warm.USERS)
     sys.argv = ["avobench", *arguments]
-    warm.workers_by_fork()
     set_up()
     from avobench.cli import main as cli
 
@@ -139,26 +138,6 @@ def call(arguments: list[str], set_up: Callable[[], None] = lambda: None, faults
     return end(start(arguments, set_up, faults))
 
 
-def kept(folder: Path) -> dict[str, bytes]:
-    """Every record that reads as finished, by name; raises ValueError for a half one."""
-    from avobench.bench.store.packed import read_rows
-    from avobench.bench.store.record import decode_record
-
-    found = {row.file: row.text.encode() for row in read_rows(folder / "records.parquet")}
-    found |= {path.name: path.read_bytes() for path in folder.glob("records/[!.]*")}
-    for content in found.values():
-        decode_record(content)
-    return found
-
-
-def results(folder: Path) -> list[dict[str, Any]]:
-    from avobench.bench.store.store import Store
-
-    records, damaged = Store(folder).read()
-    assert not damaged, damaged
-    return [{name: value for name, value in record.items() if name not in TIMED} for record in records]
-
-
 def prepare(folder: Path) -> None:
     """A store with a packed record and two files; `run` lacks a fourth."""
     for arguments in ([*RUN[:-1], "0"], ["pack"], [*RUN[:-1], "1-2"]):
@@ -173,12 +152,12 @@ def judge(ended: Ended, before: dict[str, bytes], folder: Path, arguments: list[
     an exit code that is not 0 and a line that says why, and no traceback; and the same command, when the fault is over,
     ends as an undisturbed one.
     """
-    found = kept(folder)
+    found = finished_records(folder)
     lost = [name for name, content in before.items() if found.get(name) != content]
     assert not lost, f"lost {lost}"
     if ended.code == 0:
         assert not ended.err or "cells ok" in ended.out, ended.err
-        assert arguments[0] == "export" or results(folder) == calm, "exit code 0, and not all was done"
+        assert arguments[0] == "export" or steady_records(folder) == calm, "exit code 0, and not all was done"
     elif ended.code != 137:
         assert ended.code in (1, 2), f"exit code {ended.code}: {ended.err}"
         last = ended.err.strip().splitlines()[-1]
@@ -188,7 +167,7 @@ def judge(ended: Ended, before: dict[str, bytes], folder: Path, arguments: list[
         assert sum(line.startswith("avobench: ") for line in ended.err.splitlines()) == 1, ended.err
     again = call(arguments)
     assert again.code == 0, f"afterwards: {again.err}"
-    assert results(folder) == calm, "afterwards: not as an undisturbed run"
+    assert steady_records(folder) == calm, "afterwards: not as an undisturbed run"
     left = [path.name for path in folder.glob("**/.*.tmp")]
     assert arguments[0] == "export" or not left, f"afterwards: {left} left"
     return "harmless" if ended.code == 0 else "died" if ended.code == 137 else "told"
@@ -221,7 +200,7 @@ def campaign(place: Path, every: int = 1) -> dict[str, Any]:
     for number, name in enumerate(COMMANDS):
         shutil.copytree(template, place / f"calm-{name}")
         assert call(COMMANDS[name](place / f"calm-{name}")).code == 0
-        calm, before = results(place / f"calm-{name}"), kept(template)
+        calm, before = steady_records(place / f"calm-{name}"), finished_records(template)
         for fault in FAULTS[number % every :: every]:
             for turn, (ended, arguments) in enumerate(turns(faults, name, fault, template, place / "store")):
                 try:

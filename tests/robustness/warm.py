@@ -6,8 +6,8 @@ The command runs in a process group of its own, with the same code and arguments
 import importlib
 import multiprocessing
 import os
+import signal
 import sys
-import time
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
@@ -21,6 +21,9 @@ LOADED = (
     *("avobench.reports.diagnosis.page", "avobench.reports.diagnosis.figures", "toys"),
 )
 """What a command would load; no module that starts a thread may be among them, for each start is a fork."""
+
+OPERATIONS = ("open", "tempfile.mkstemp", "os.chmod", "os.mkdir", "os.rename", "os.remove", "os.rmdir")
+"""What Python tells an audit hook just before it does it."""
 
 
 def environment() -> None:
@@ -38,44 +41,49 @@ def loaded() -> None:
         importlib.import_module(module)
 
 
-def start(arguments: list[str], log: Path) -> BaseProcess:
-    """Start `avobench ARGUMENTS`, its standard output and error in `log`."""
+def start(arguments: list[str], log: Path, kill: tuple[Path, int] | None = None) -> BaseProcess:
+    """Start `avobench ARGUMENTS`, its standard output and error in `log`; `kill` as `kill_before` takes it."""
     environment()
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(list(LOADED))
-    process = context.Process(target=command, args=(arguments, log))
+    process = context.Process(target=command, args=(arguments, log, kill))
     process.start()
-    while process.exitcode is None and os.getpgid(process.pid) != process.pid:
-        time.sleep(0.001)  # until it has a group of its own, which signals are sent to
     return process
 
 
-def command(arguments: list[str], log: Path | None = None) -> None:
-    """Be the command `avobench`, in this process."""
-    os.setsid()
-    os.chdir(USERS)
-    if log is not None:
-        with log.open("ab", buffering=0) as file:
-            for stream in (1, 2):
-                os.dup2(file.fileno(), stream)
+def calmly(arguments: list[str], log: Path) -> None:
+    """Let a command end by itself, and well."""
+    process = start(arguments, log)
+    process.join()
+    assert process.exitcode == 0, f"exit code {process.exitcode}: {log.read_text()[-2000:]}"
+
+
+def command(arguments: list[str], log: Path, kill: tuple[Path, int] | None = None) -> None:
+    """Be the command `avobench`, in this process and a group of its own."""
+    _settled(log)
     sys.argv = ["avobench", *arguments]
-    workers_by_fork()
+    if kill is not None:
+        kill_before(*kill)
     from avobench.cli import main as cli
 
-    try:
-        cli.main()
-    except SystemExit as end:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        # Here a fork would wait for its workers, which a command that was started by itself ends on its way out.
-        os._exit(end.code if isinstance(end.code, int) else 0)
+    cli.main()
 
 
-def workers_by_fork() -> None:
-    """Let joblib fork its workers from here: an interpreter of its own for each takes a second of a core."""
-    from joblib.externals.loky.backend import context
+def kill_before(folder: Path, number: int) -> None:
+    """Kill this process just before its operation `number`, from 0, on files below a folder; each second its group."""
+    seen = 0
 
-    context.set_start_method("fork", force=True)
+    def hook(event: str, arguments: tuple) -> None:
+        nonlocal seen
+        if event not in OPERATIONS or not str(arguments[0]).startswith(str(folder)):
+            return
+        if event == "open" and not arguments[2] & os.O_ACCMODE:  # which only reads
+            return
+        if seen == number:
+            os.kill(0 if number % 2 else os.getpid(), signal.SIGKILL)
+        seen += 1
+
+    sys.addaudithook(hook)
 
 
 def dask(kind: str, arguments: list[str], log: Path) -> BaseProcess:
@@ -89,9 +97,14 @@ def dask(kind: str, arguments: list[str], log: Path) -> BaseProcess:
 
 
 def _dask(kind: str, arguments: list[str], log: Path) -> None:
+    _settled(log)
+    importlib.import_module(f"distributed.cli.dask_{kind}").main(["--no-dashboard", *arguments])
+
+
+def _settled(log: Path) -> None:
+    """Have a process group of its own, the folder of the user's modules, and the log as output."""
     os.setsid()
     os.chdir(USERS)
     with log.open("ab", buffering=0) as file:
         for stream in (1, 2):
             os.dup2(file.fileno(), stream)
-    importlib.import_module(f"distributed.cli.dask_{kind}").main(["--no-dashboard", *arguments])

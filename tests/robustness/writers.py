@@ -17,6 +17,7 @@ from typing import Any
 import pandas as pd
 
 from robustness import faults
+from robustness.kills import finished_records, steady_records
 from robustness.preload import GRANTED, Faults
 
 LOCKS = {"that work": 0, "refused": errno.ENOLCK, "not there": errno.ENOSYS, "granted, not held": GRANTED}
@@ -29,7 +30,7 @@ def one_round(template: Path, folder: Path, locks: int, moments: random.Random, 
     """What became of the two sweeps and the `pack`. Raises AssertionError for anything else than done or refused."""
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(template, folder)
-    before = faults.kept(folder)
+    before = finished_records(folder)
     switch = Faults()
 
     def set_up() -> None:
@@ -53,12 +54,12 @@ def one_round(template: Path, folder: Path, locks: int, moments: random.Random, 
         assert ended.err.count("\n") == 1, ended.err
         assert "another avobench run" in ended.err, ended.err
         outcomes.append(f"{name} refused")
-    found = faults.kept(folder)
+    found = finished_records(folder)
     lost = [name for name, content in before.items() if found.get(name) != content]
     assert not lost, f"lost {lost}"
     assert faults.call(sweep).code == 0
     assert faults.call(["pack", "--results", str(folder)]).code == 0
-    assert faults.results(folder) == calm, "not as an undisturbed sweep"
+    assert steady_records(folder) == calm, "not as an undisturbed sweep"
     left = [path.name for path in folder.glob("**/.*.tmp")]
     assert not left, f"{left} left"
     return outcomes
@@ -70,7 +71,7 @@ def campaign(place: Path, rounds: int) -> dict[str, dict[str, int]]:
     shutil.copytree(template, calm)
     begun = time.monotonic()
     assert faults.call([*SWEEP, *faults.in_process(), "--results", str(calm)]).code == 0
-    took, expected = time.monotonic() - begun, faults.results(calm)
+    took, expected = time.monotonic() - begun, steady_records(calm)
     found = {}
     for name, locks in LOCKS.items():
         moments, outcomes = random.Random(0), Counter()

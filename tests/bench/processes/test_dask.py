@@ -12,11 +12,12 @@ from pathlib import Path
 
 import pytest
 from distributed import Client
+from watch import Watch
 
 from avobench.bench.processes.dask import DaskBackend
 from avobench.bench.store.store import Store
 from avobench.bench.sweep.plan import plan
-from avobench.bench.sweep.runner import View, run
+from avobench.bench.sweep.runner import run
 from avobench.tasks.errors import AvobenchError, UsageError
 
 HERE = Path(__file__).parents[2] / "users"
@@ -67,21 +68,6 @@ def cluster(tmp_path, monkeypatch):
     cluster.stop()
 
 
-class Watch(View):
-    """Notes what is said, and calls `act` after the first cell."""
-
-    def __init__(self, act=lambda: None):
-        self.act, self.notes, self.order = act, [], []
-
-    def note(self, line):
-        self.notes.append(line)
-
-    def finished(self, sweep, cell, record):
-        self.order.append(cell)
-        if len(self.order) == 1:
-            self.act()
-
-
 def toys(targets="0-4", method="toys:Moment", pause=0.1, repetitions=1):
     return plan(["toys:Normal"], [method], targets, repetitions, 400, 100, 0, [f"{method[5:].lower()}.pause={pause}"])
 
@@ -106,8 +92,7 @@ def test_a_cell_that_kills_its_workers_is_recorded_as_crashed_and_no_other_is(cl
     cluster.worker("--nthreads", "1")  # its nanny starts it again
     cluster.wait_for(1)
     cells = toys("0", "toys:Dying") + toys("0-2")
-    view = Watch()
-    records = far(cells, cluster, Store(tmp_path / "r", create=True), view)
+    records = far(cells, cluster, Store(tmp_path / "r", create=True))
     assert [record["status"] for record in records] == ["crashed", "ok", "ok", "ok"]
     assert records[0]["message"] == "the worker process died at least 2 times (killed, or out of memory)"
 

@@ -1,30 +1,26 @@
-"""Packing: every record comes back as it was, readers see no difference, and no kill loses or halves anything."""
+"""Packing: every record comes back as it was, and readers see no difference. Kills: tests/robustness."""
 
 import json
-import multiprocessing
-import shutil
 from pathlib import Path
 
 import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from kills import pack_calmly, pack_killed_at
 from sound_records import sound_records
 
 from avobench.bench.processes.local import LocalBackend
 from avobench.bench.store import packed
 from avobench.bench.store.pack import pack
 from avobench.bench.store.packed import ROWS_A_GROUP, Row, read_rows, write_rows
-from avobench.bench.store.record import IDENTITY, decode_record, file_name, identity_hash
+from avobench.bench.store.record import IDENTITY, file_name, identity_hash
 from avobench.bench.store.store import DamagedRecord, Store
 from avobench.bench.sweep.plan import plan
 from avobench.bench.sweep.runner import View, run
 from avobench.tasks.errors import StoreError
+from robustness.warm import start
 
 REFERENCE = Store(Path(__file__).parents[3] / "results" / "reference")
-FORKSERVER = multiprocessing.get_context("forkserver")
-FORKSERVER.set_forkserver_preload(["avobench.bench.store.pack"])
 
 
 @pytest.fixture(scope="module")
@@ -179,36 +175,8 @@ def test_a_table_that_is_not_read_back_as_written_replaces_nothing(store, monkey
     assert not list(store.path.glob(".*.tmp"))
 
 
-def whole(store, written):
-    """Check that every record is there, whole, in a file or the table, and that nothing else looks like one."""
-    assert store.read() == ([decode_record(written[name]) for name in sorted(written)], {})
-    found = files(store)
-    assert all(written[name] == content for name, content in found.items())
-    if store.table.exists():
-        assert all(written[name] == content for name, content in rows(store).items())
-
-
-def test_killed_at_every_operation_on_files_nothing_is_lost(store, tmp_path):
-    written, number = files(store), 0
-    while True:
-        copy = Store(Path(shutil.copytree(store.path, tmp_path / str(number))))
-        process = FORKSERVER.Process(target=pack_killed_at, args=(copy.path, number))
-        process.start()
-        process.join()
-        whole(copy, written)
-        if process.exitcode != -9:
-            break
-        pack(copy)
-        whole(copy, written)
-        assert not files(copy)
-        assert not list(copy.path.glob("**/.*.tmp"))
-        number += 1
-    assert number > len(written) + 3  # within the write of the table, before and at its place, and at every file
-
-
-def test_a_reader_beside_the_packing_sees_every_record(store, kept):
-    process = FORKSERVER.Process(target=pack_calmly, args=(store.path,))
-    process.start()
+def test_a_reader_beside_the_packing_sees_every_record(store, kept, tmp_path):
+    process = start(["pack", "--results", str(store.path)], tmp_path / "log")
     reads = 0
     while process.is_alive():
         assert store.read() == (kept, {})
