@@ -12,7 +12,7 @@ from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder
 from avobench.cli.isolated import Isolated
 from avobench.cli.measured import read_joint, tables_of
-from avobench.cli.options import COLUMNS, DROP_INVALID, JOINT, SECONDS, SEED, TRUST, named, require_alone
+from avobench.cli.options import COLUMNS, DROP_INVALID, JOINT, SECONDS, SEED, TRUST, listed, named, require_alone
 from avobench.cli.terminal import say
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
@@ -23,7 +23,7 @@ from avobench.tasks.sample import bank
 @click.command(cls=Isolated)
 @click.option("--task", "spec", default=None, metavar="NAME", help="Task, file.py:Class, or a model.json.")
 @click.option("--simulated", default=None, metavar="FILE", help="Simulated events, in place of a task.")
-@click.option("--theta-columns", default=None, metavar="A,B,...", help="Columns of --simulated that are parameters.")
+@click.option("--theta-columns", metavar="A,B,...", callback=listed, help="Columns of --simulated that are parameters.")
 @click.option("--weights", default=None, metavar="COLUMN", help="Column of --simulated with weights.")
 @click.option("--data", default=None, metavar="FILE", help="File of measured events. For ROOT, file.root:tree.")
 @click.option(
@@ -62,7 +62,9 @@ from avobench.tasks.sample import bank
     metavar="NAME",
     help="Method that fits theta first. The diagnosis's own fit is named surrogate.",
 )
-@click.option("--effects", default=None, metavar="A,B,...", help="Effects of the catalogue to try.  [all that apply]")
+@click.option(
+    "--effects", metavar="A,B,...", callback=listed, help="Effects of the catalogue to try.  [all that apply]"
+)
 @click.option(
     "--effect",
     "own",
@@ -75,7 +77,7 @@ from avobench.tasks.sample import bank
 def diagnose(
     spec: str | None,
     simulated: str | None,
-    theta_columns: str | None,
+    theta_columns: list[str] | None,
     weights: str | None,
     data: str | None,
     tables: tuple[str, ...],
@@ -83,10 +85,9 @@ def diagnose(
     normalised: bool,
     sets: str | None,
     out: Path,
-    columns: str | None,
+    columns: list[str] | None,
     trust: bool,
     time: str | None,
-    effects: str | None,
     **asked: Any,
 ) -> None:
     """Test whether a simulator describes measured events, and find the effect that it lacks.
@@ -98,7 +99,7 @@ def diagnose(
     if sets is not None:
         given = {"task": spec, "simulated": simulated, "data": data, "table": tables, "columns": columns, "time": time}
         require_alone(given | {"density": density, "normalised": normalised})
-        _carry_out(read_joint(sets, trust), None, out, Path(sets).name, effects=_listed(effects), **asked)
+        _carry_out(read_joint(sets, trust), None, out, Path(sets).name, **asked)
         return
     if (spec is None) == (simulated is None):
         raise UsageError("give a simulator by --task, or events that it made by --simulated: one of the two")
@@ -110,22 +111,21 @@ def diagnose(
         raise UsageError("--density and --normalised are of --table, which is not given")
     if time is not None and tables:
         raise UsageError("--time is a column of --data, which is not given")
-    chosen = _listed(columns)
     if spec is not None:
         registry.load("task", named(spec, trust))  # what is wrong with the request is said before a folder is made
     x: Any
     if data is not None:
-        x, when = read_timed(data, chosen, time)
+        x, when = read_timed(data, columns, time)
     else:
-        x, when = tables_of(tables, chosen, density=density, normalised=normalised), None
+        x, when = tables_of(tables, columns, density=density, normalised=normalised), None
     task: Task | str
     if simulated is not None:
-        task = _sample(simulated, None if tables else chosen, _listed(theta_columns), weights, x)
+        task = _sample(simulated, None if tables else columns, theta_columns, weights, x)
     else:
         task = named(spec or "", trust)
     measured = ", ".join(Path(name).name for name in ([data] if data else tables))
     title = f"{measured} against {spec or Path(simulated or '').name}"
-    _carry_out(task, x, out, title, effects=_listed(effects), time=when, **asked)
+    _carry_out(task, x, out, title, time=when, **asked)
 
 
 def _carry_out(task: Any, x: Any, out: Path, title: str, **asked: Any) -> None:
@@ -135,10 +135,6 @@ def _carry_out(task: Any, x: Any, out: Path, title: str, **asked: Any) -> None:
         found = diagnose_events(task, x, progress=progress, **asked)
     found.save(out, title)
     say(found.details())
-
-
-def _listed(names: str | None) -> list[str] | None:
-    return None if names is None else [name.strip() for name in names.split(",")]
 
 
 def _sample(file: str, columns: list[str] | None, theta: list[str] | None, weights: str | None, x: Any) -> Task:

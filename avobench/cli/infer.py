@@ -13,7 +13,7 @@ from avobench.bench.store.files import require_folder
 from avobench.bench.sweep.plan import parse_settings
 from avobench.cli.isolated import Isolated
 from avobench.cli.measured import read_joint
-from avobench.cli.options import COLUMNS, DROP_INVALID, JOINT, SECONDS, SEED, TRUST, named, require_alone
+from avobench.cli.options import COLUMNS, DROP_INVALID, JOINT, SECONDS, SEED, SETTINGS, TRUST, named, require_alone
 from avobench.cli.terminal import say
 from avobench.tasks.errors import UsageError
 
@@ -25,13 +25,7 @@ from avobench.tasks.errors import UsageError
 @click.option("--method", default=None, metavar="NAME", help="Method, or file.py:Class.  [avo, or smm without PyTorch]")
 @click.option("--budget", type=int, default=160_000, show_default=True, help="Simulated events, at most.")
 @SEED
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="METHOD.PARAM=VALUE",
-    help="Value of a setting of the method or task. Repeatable.",
-)
+@SETTINGS
 @COLUMNS
 @DROP_INVALID
 @TRUST
@@ -45,7 +39,7 @@ def infer(
     budget: int,
     seed: int,
     settings: tuple[str, ...],
-    columns: str | None,
+    columns: list[str] | None,
     drop_invalid: bool,
     trust: bool,
     out: Path | None,
@@ -67,7 +61,7 @@ def infer(
         task = read_joint(sets, trust)
     else:
         task = registry.build("task", *specs["task"], chosen[specs["task"][0]])
-        x = read_events(data, [c.strip() for c in columns.split(",")] if columns else None)
+        x = read_events(data, columns)
     with shown(None, plain=True) as progress:
         found = infer_events(
             task,

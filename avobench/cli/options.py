@@ -10,6 +10,12 @@ from avobench.api.sweep import RESULTS as DEFAULT
 from avobench.bench.plugins import registry
 from avobench.tasks.errors import UsageError
 
+
+def listed(context: click.Context, option: click.Parameter, names: str | None) -> list[str] | None:
+    """The names in `A,B,...`, as a callback of an option."""
+    return None if names is None else [name.strip() for name in names.split(",")]
+
+
 RESULTS = click.option(
     "--results",
     type=click.Path(path_type=Path),
@@ -25,7 +31,16 @@ JOINT = click.option(
     metavar="FILE.toml",
     help="Several data sets with one theta, a section each, in place of a task and data.",
 )
-COLUMNS = click.option("--columns", metavar="A,B,...", help="Columns or branches to read, in this order.")
+COLUMNS = click.option(
+    "--columns", metavar="A,B,...", callback=listed, help="Columns or branches to read, in this order."
+)
+SETTINGS = click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="METHOD.PARAM=VALUE",
+    help="Value of a setting of a method or task. Repeatable.",
+)
 SECONDS = click.option(
     "--seconds",
     type=float,
