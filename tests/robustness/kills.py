@@ -11,9 +11,14 @@ command is then given again, and must end as an undisturbed one, bit for bit, ap
 
 import itertools
 import json
+import os
 import shutil
 import signal
+import sys
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,11 +28,11 @@ from steady import without_clocks
 from avobench.bench.store.packed import read_rows
 from avobench.bench.store.record import decode_record
 from avobench.bench.store.store import Store
-from robustness.warm import calmly, start
+from robustness.warm import call, calmly
 
 REFERENCE = Path(__file__).parents[2] / "results" / "reference"
-PATIENCE = 60.0
-"""Seconds after which a command that should have ended is a failure."""
+OPERATIONS = ("open", "tempfile.mkstemp", "os.chmod", "os.mkdir", "os.rename", "os.remove", "os.rmdir")
+"""What Python tells an audit hook just before it does it."""
 Files = dict[str, bytes]
 
 
@@ -59,7 +64,7 @@ class Run(Subject):
     tidies = True
 
     def prepare(self, folder: Path) -> None:
-        calmly([*self.arguments(folder), "--targets", "0"], folder.parent / "log")
+        calmly([*self.arguments(folder), "--targets", "0"])
 
     def arguments(self, folder: Path) -> list[str]:
         task = ["--task", "toys:Normal", "--method", "toys:Moment", "--budget", "400", "--observations", "100"]
@@ -89,7 +94,7 @@ class Solve(Subject):
 
     def prepare(self, folder: Path) -> None:
         task = ["--task", "toys:Normal", "--cases", "2", "--events", "200", "--kinds", "none,own"]
-        calmly(["challenge", "make", *task, "--out", str(folder)], folder.parent / "log")
+        calmly(["challenge", "make", *task, "--out", str(folder)])
 
     def arguments(self, folder: Path) -> list[str]:
         return ["challenge", "solve", str(folder), "--trust"]
@@ -144,25 +149,42 @@ def steady_records(folder: Path) -> list[dict[str, Any]]:
     return without_clocks(records)
 
 
+@contextmanager
+def killed_before(folder: Path, number: int) -> Iterator[None]:
+    """Kill this process just before its operation `number`, from 0, on files below a folder; each second its group."""
+    seen = 0
+
+    def hook(event: str, arguments: tuple) -> None:
+        nonlocal seen
+        if event not in OPERATIONS or not str(arguments[0]).startswith(str(folder)):
+            return
+        if event == "open" and not arguments[2] & os.O_ACCMODE:  # which only reads
+            return
+        if seen == number:
+            os.kill(0 if number % 2 else os.getpid(), signal.SIGKILL)
+        seen += 1
+
+    sys.addaudithook(hook)
+    yield
+
+
 def campaign(name: str, place: Path, every: int = 1) -> int:
     """How many operations `name` does, killed before one in `every`. Raises AssertionError for what went wrong."""
-    subject, template, log = SUBJECTS[name](), place / "template", place / "log"
+    subject, template = SUBJECTS[name](), place / "template"
     place.mkdir(parents=True)
     subject.prepare(template)
     calm = Path(shutil.copytree(template, place / "calm"))
-    calmly(subject.arguments(calm), log)
+    calmly(subject.arguments(calm))
     expected = subject.results(calm)
     for number in itertools.count(0, every):
         folder = Path(shutil.copytree(template, place / str(number)))
-        process = start(subject.arguments(folder), log, (folder, number))
-        process.join(PATIENCE)
-        if process.exitcode == 0:
+        ended = call(subject.arguments(folder), partial(killed_before, folder, number))
+        if ended.code == 0:
             return number
-        assert process.exitcode == -signal.SIGKILL, log.read_text()[-2000:]
+        assert ended.code == -signal.SIGKILL, ended.err[-2000:]
         killed = subject.finished(folder)
-        calmly(subject.arguments(folder), log)
-        ended = subject.finished(folder)
-        for kept, later in ((subject.finished(template), killed), (killed, ended)):
+        calmly(subject.arguments(folder))
+        for kept, later in ((subject.finished(template), killed), (killed, subject.finished(folder))):
             lost = [name for name, content in kept.items() if later.get(name) != content]
             assert not lost, f"{name}, killed before operation {number}: lost or changed {lost}"
         assert subject.results(folder) == expected, f"{name}, killed before operation {number}: not as undisturbed"

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from robustness import faults, preload, warm, writers
+from robustness import faults, preload, writers
 from robustness.cluster import soak
 from robustness.kills import SUBJECTS, campaign
 
@@ -17,15 +17,6 @@ EVERY = {"run": 12, "pack": 4, "challenge solve": 5, "diagnose": 40}
 """Of the operations on files of a command, one in so many is tried in the suite."""
 
 
-@pytest.fixture(autouse=True)
-def _surroundings(monkeypatch):
-    """`warm` sets them for the processes that it starts; here they must end with the test."""
-    for name in ("PYTHONPATH", "OMP_NUM_THREADS"):
-        monkeypatch.setenv(name, os.environ.get(name, ""))
-    monkeypatch.setattr(sys, "path", list(sys.path))
-    monkeypatch.chdir(warm.USERS)
-
-
 @pytest.mark.parametrize("name", SUBJECTS)
 def test_kills_before_operations_on_files_lose_nothing(name, tmp_path):
     operations = campaign(name, tmp_path / name, 1 if FULL else EVERY[name])
@@ -35,7 +26,6 @@ def test_kills_before_operations_on_files_lose_nothing(name, tmp_path):
 
 @LINUX
 def test_every_kind_of_failure_of_the_file_system_is_told_or_harmless(tmp_path):
-    warm.environment()
     found = preload.proof("faults", tmp_path, 1 if FULL else 36)
     print(faults.table(found))
     assert found["wrong"] == []
@@ -44,7 +34,6 @@ def test_every_kind_of_failure_of_the_file_system_is_told_or_harmless(tmp_path):
 
 @LINUX
 def test_several_writers_are_refused_or_right_whatever_locks_do(tmp_path):
-    warm.environment()
     found = preload.proof("writers", tmp_path, 25 if FULL else 1)
     print(writers.table(found))
     assert set(found) == {"that work", "refused", "not there", "granted, not held"}
@@ -54,7 +43,7 @@ def test_several_writers_are_refused_or_right_whatever_locks_do(tmp_path):
 
 
 @pytest.mark.parametrize("seed", range(3 if FULL else 1))
-def test_a_cluster_whose_workers_and_scheduler_die_finishes_every_cell_once(seed, tmp_path):
+def test_a_cluster_whose_workers_and_scheduler_die_finishes_every_cell_once(seed, tmp_path, beside_users_modules):
     size = {"cells": 2000, "workers": 8, "seconds": 3.0} if FULL else {"cells": 60, "workers": 3, "seconds": 0.3}
     told = soak(tmp_path, **size, seed=seed)
     print(told)

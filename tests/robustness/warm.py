@@ -1,4 +1,4 @@
-"""Commands started from a process that has loaded everything once, so that thousands of starts cost little.
+"""Commands started from a process that has loaded everything once, so that hundreds of starts cost little.
 
 The command runs in a process group of its own, with the same code and arguments as `avobench ARGUMENTS`.
 """
@@ -6,105 +6,109 @@ The command runs in a process group of its own, with the same code and arguments
 import importlib
 import multiprocessing
 import os
-import signal
+import shutil
 import sys
+import tempfile
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
 from multiprocessing.process import BaseProcess
 from pathlib import Path
+from typing import Any
 
 TESTS = Path(__file__).parents[1]
 USERS = TESTS / "users"
-OF_STORES = ("avobench.cli.run", "avobench.cli.records", "avobench.bench.cells.trial", "avobench.bench.store.pack")
+ENVIRONMENT = {"PYTHONPATH": os.pathsep.join(map(str, (TESTS.parent, TESTS, USERS)))}
+"""What lets a command, and the processes that it starts, find the modules of the tests and of users."""
 LOADED = (
-    *OF_STORES,
+    *("avobench.cli.run", "avobench.cli.records", "avobench.bench.cells.trial", "avobench.bench.store.pack"),
     *("avobench.cli.diagnose", "avobench.cli.challenge", "avobench.cli.main", "avobench.api.diagnosis"),
     *("avobench.challenge.solve", "avobench.challenge.make", "avobench.diagnosis.run", "avobench.reports.page"),
-    *("avobench.reports.diagnosis.page", "avobench.reports.diagnosis.figures", "toys"),
+    *("avobench.reports.diagnosis.page", "avobench.reports.diagnosis.figures"),
 )
 """What a command would load; no module that starts a thread may be among them, for each start is a fork."""
-
-OPERATIONS = ("open", "tempfile.mkstemp", "os.chmod", "os.mkdir", "os.rename", "os.remove", "os.rmdir")
-"""What Python tells an audit hook just before it does it."""
-
-
-def environment() -> None:
-    """What the command needs of its surroundings: one thread a process, and the toy task beside the user."""
-    for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ[variable] = "1"
-    os.environ["PYTHONPATH"] = os.pathsep.join(map(str, (TESTS.parent, TESTS, USERS)))
-    sys.path[:0] = [part for part in map(str, (TESTS, USERS)) if part not in sys.path]
+PATIENCE = 60.0
+"""Seconds after which a command that should have ended is killed."""
+Around = Callable[[], AbstractContextManager[None]]
+"""What surrounds a command in its process."""
 
 
-def loaded() -> None:
-    """Load what commands on a store would, in this process, of which each of them is a fork."""
-    environment()
-    for module in OF_STORES:
-        importlib.import_module(module)
+@dataclass(frozen=True)
+class Ended:
+    """How a command ended, with what it said."""
+
+    code: int
+    out: str
+    err: str
 
 
-def start(arguments: list[str], log: Path, kill: tuple[Path, int] | None = None) -> BaseProcess:
-    """Start `avobench ARGUMENTS`, its standard output and error in `log`; `kill` as `kill_before` takes it."""
-    environment()
+@dataclass(frozen=True)
+class Started:
+    """A command under way; what it says goes to a folder."""
+
+    process: BaseProcess
+    place: Path
+
+    def end(self) -> Ended:
+        self.process.join(PATIENCE)
+        self.process.kill()
+        self.process.join()
+        out, err = ((self.place / name).read_text() for name in ("out", "err"))
+        shutil.rmtree(self.place)
+        return Ended(self.process.exitcode, out, err)
+
+
+def start(arguments: list[str], around: Around = nullcontext) -> Started:
+    """Start `avobench ARGUMENTS`."""
+    place = Path(tempfile.mkdtemp(prefix="told"))
+    return Started(_forked(_command, (arguments, place, around)), place)
+
+
+def call(arguments: list[str], around: Around = nullcontext) -> Ended:
+    return start(arguments, around).end()
+
+
+def calmly(arguments: list[str]) -> None:
+    """Let a command end by itself, and well."""
+    ended = call(arguments)
+    assert ended.code == 0, f"exit code {ended.code}: {ended.err[-2000:]}"
+
+
+def dask(kind: str, arguments: list[str], log: Path, settings: dict[str, Any]) -> BaseProcess:
+    """Start `dask scheduler` or `dask worker` likewise, with settings of Dask's."""
+    more = ("distributed.cli.dask_scheduler", "distributed.cli.dask_worker")
+    return _forked(_dask, (kind, arguments, log, settings), *more)
+
+
+def _forked(target: Callable[..., None], arguments: tuple, *more: str) -> BaseProcess:
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(list(LOADED))
-    process = context.Process(target=command, args=(arguments, log, kill))
+    context.set_forkserver_preload([*LOADED, *more])
+    process = context.Process(target=target, args=arguments)
     process.start()
     return process
 
 
-def calmly(arguments: list[str], log: Path) -> None:
-    """Let a command end by itself, and well."""
-    process = start(arguments, log)
-    process.join()
-    assert process.exitcode == 0, f"exit code {process.exitcode}: {log.read_text()[-2000:]}"
-
-
-def command(arguments: list[str], log: Path, kill: tuple[Path, int] | None = None) -> None:
-    """Be the command `avobench`, in this process and a group of its own."""
-    _settled(log)
+def _command(arguments: list[str], place: Path, around: Around) -> None:
+    _settle(place / "out", place / "err")
     sys.argv = ["avobench", *arguments]
-    if kill is not None:
-        kill_before(*kill)
     from avobench.cli import main as cli
 
-    cli.main()
+    with around():
+        cli.main()
 
 
-def kill_before(folder: Path, number: int) -> None:
-    """Kill this process just before its operation `number`, from 0, on files below a folder; each second its group."""
-    seen = 0
+def _dask(kind: str, arguments: list[str], log: Path, settings: dict[str, Any]) -> None:
+    import dask
 
-    def hook(event: str, arguments: tuple) -> None:
-        nonlocal seen
-        if event not in OPERATIONS or not str(arguments[0]).startswith(str(folder)):
-            return
-        if event == "open" and not arguments[2] & os.O_ACCMODE:  # which only reads
-            return
-        if seen == number:
-            os.kill(0 if number % 2 else os.getpid(), signal.SIGKILL)
-        seen += 1
-
-    sys.addaudithook(hook)
+    _settle(log, log)
+    dask.config.set(settings)
+    importlib.import_module(f"distributed.cli.dask_{kind}").main(arguments)
 
 
-def dask(kind: str, arguments: list[str], log: Path) -> BaseProcess:
-    """Start `dask scheduler` or `dask worker` likewise."""
-    environment()
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([*LOADED, "distributed.cli.dask_scheduler", "distributed.cli.dask_worker"])
-    process = context.Process(target=_dask, args=(kind, arguments, log))
-    process.start()
-    return process
-
-
-def _dask(kind: str, arguments: list[str], log: Path) -> None:
-    _settled(log)
-    importlib.import_module(f"distributed.cli.dask_{kind}").main(["--no-dashboard", *arguments])
-
-
-def _settled(log: Path) -> None:
-    """Have a process group of its own, the folder of the user's modules, and the log as output."""
+def _settle(*outputs: Path) -> None:
+    """Have a process group of its own, and the folder of a user; what is said goes to the files."""
     os.setsid()
     os.chdir(USERS)
-    with log.open("ab", buffering=0) as file:
-        for stream in (1, 2):
-            os.dup2(file.fileno(), stream)
+    os.environ |= ENVIRONMENT
+    for stream, path in enumerate(outputs, start=1):
+        os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600), stream)

@@ -175,13 +175,12 @@ def test_a_table_that_is_not_read_back_as_written_replaces_nothing(store, monkey
     assert not list(store.path.glob(".*.tmp"))
 
 
-def test_a_reader_beside_the_packing_sees_every_record(store, kept, tmp_path):
-    process = start(["pack", "--results", str(store.path)], tmp_path / "log")
-    reads = 0
-    while process.is_alive():
+def test_a_reader_beside_the_packing_sees_every_record(store, kept):
+    packing, reads = start(["pack", "--results", str(store.path)]), 0
+    while packing.process.is_alive():
         assert store.read() == (kept, {})
         reads += 1
-    assert process.exitcode == 0
+    assert packing.end().code == 0
     assert reads
     assert not files(store)
 
