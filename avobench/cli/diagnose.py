@@ -12,7 +12,7 @@ from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder
 from avobench.cli.isolated import Isolated
 from avobench.cli.measured import read_joint, tables_of
-from avobench.cli.options import COLUMNS, DROP_INVALID, JOINT, SECONDS, SEED, TRUST, listed, named, require_alone
+from avobench.cli.options import COLUMNS, DROP_INVALID, JOINT, SECONDS, SEED, TRUST, listed, require_alone
 from avobench.cli.terminal import say
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
@@ -112,7 +112,8 @@ def diagnose(
     if time is not None and tables:
         raise UsageError("--time is a column of --data, which is not given")
     if spec is not None:
-        registry.load("task", named(spec, trust))  # what is wrong with the request is said before a folder is made
+        # What is wrong with the request is said before a folder is made.
+        registry.load("task", registry.trusted(spec, trust))
     x: Any
     if data is not None:
         x, when = read_timed(data, columns, time)
@@ -122,7 +123,7 @@ def diagnose(
     if simulated is not None:
         task = _sample(simulated, None if tables else columns, theta_columns, weights, x)
     else:
-        task = named(spec or "", trust)
+        task = registry.trusted(spec or "", trust)
     measured = ", ".join(Path(name).name for name in ([data] if data else tables))
     title = f"{measured} against {spec or Path(simulated or '').name}"
     _carry_out(task, x, out, title, time=when, **asked)

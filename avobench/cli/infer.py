@@ -13,7 +13,7 @@ from avobench.bench.store.files import require_folder
 from avobench.bench.sweep.plan import parse_settings
 from avobench.cli.isolated import Isolated
 from avobench.cli.measured import read_joint
-from avobench.cli.options import COLUMNS, DROP_INVALID, JOINT, SECONDS, SEED, SETTINGS, TRUST, named, require_alone
+from avobench.cli.options import COLUMNS, DROP_INVALID, JOINT, SECONDS, SEED, SETTINGS, TRUST, require_alone
 from avobench.cli.terminal import say
 from avobench.tasks.errors import UsageError
 
@@ -53,7 +53,7 @@ def infer(
     elif spec is None or data is None:
         raise UsageError("give a simulator by --task and measured events by --data, or several data sets by --joint")
     else:
-        specs["task"] = [named(spec, trust)]
+        specs["task"] = [registry.trusted(spec, trust)]
     chosen = parse_settings(list(settings), specs)
     task: Any
     x: Any = None

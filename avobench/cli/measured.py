@@ -9,7 +9,6 @@ from typing import Any
 from avobench.api.joint import Joint, joint
 from avobench.bench.events import read_events
 from avobench.bench.plugins import registry
-from avobench.cli.options import named
 from avobench.tables.read import read_table
 from avobench.tables.table import Table
 from avobench.tasks.errors import UsageError, did_you_mean
@@ -64,7 +63,7 @@ def _set(where: str, said: Any, folder: Path, trust: bool) -> tuple[Any, Any]:
         raise UsageError(f"{where}: {', '.join(of_tables)} is of a table, which is not given")
     columns, spec = said.get("columns"), said["task"]
     beside = re.search(r"\.py:[^:]+$|\.json$", spec)
-    task = registry.build("task", named(str(folder / spec) if beside else spec, trust), {})
+    task = registry.build("task", registry.trusted(str(folder / spec) if beside else spec, trust), {})
     if tables:
         return task, tables_of([str(folder / table) for table in tables], columns, **of_tables)
     return task, read_events(str(folder / said["data"]), columns)

@@ -7,7 +7,6 @@ from typing import Any
 import click
 
 from avobench.api.sweep import RESULTS as DEFAULT
-from avobench.bench.plugins import registry
 from avobench.tasks.errors import UsageError
 
 
@@ -60,8 +59,3 @@ def require_alone(others: Mapping[str, Any]) -> None:
     """Raise UsageError where another option than --joint says what was measured, or by what it is simulated."""
     if given := [f"--{name}" for name, value in others.items() if value]:
         raise UsageError(f"the file of --joint says this of each data set: leave {', '.join(given)} out")
-
-
-def named(spec: str, trust: bool) -> str:
-    """The argument that names a task; the user answers for the code that its file names where `trust` says so."""
-    return registry.trusted(spec) if trust else spec
