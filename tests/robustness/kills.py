@@ -176,7 +176,7 @@ def campaign(name: str, place: Path, every: int = 1) -> int:
     calm = Path(shutil.copytree(template, place / "calm"))
     calmly(subject.arguments(calm))
     expected = subject.results(calm)
-    for number in itertools.count(0, every):
+    for number in itertools.count(every // 2, every):
         folder = Path(shutil.copytree(template, place / str(number)))
         ended = call(subject.arguments(folder), partial(killed_before, folder, number))
         if ended.code == 0:

@@ -13,7 +13,7 @@ LINUX = pytest.mark.skipif(
     not sys.platform.startswith("linux") or preload.compiler() is None, reason="needs Linux and a C compiler"
 )
 FULL = "SOAK" in os.environ
-EVERY = {"run": 12, "pack": 4, "challenge solve": 5, "diagnose": 40}
+EVERY = {"run": 12, "pack": 6, "challenge solve": 9, "diagnose": 40}
 """Of the operations on files of a command, one in so many is tried in the suite."""
 
 
