@@ -165,8 +165,8 @@ def test_an_interrupted_sweep_says_so_in_one_line_and_leaves_no_process(tmp_path
         process.send_signal(number)
     _, error = process.communicate(timeout=120)
     assert process.returncode == 130
-    last = error.decode().strip().splitlines()
-    assert last[-1].startswith("avobench: stopped; ")
+    kept = "avobench: stopped; finished work is kept, and the same command continues from it"
+    assert error.decode().splitlines()[-1] == kept
     assert "Traceback" not in error.decode()
     assert gone(process.pid)
     sound, damaged = Store(tmp_path).read()
