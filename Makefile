@@ -111,7 +111,7 @@ bench-store: venv  ## time and memory of the commands that read a store, up to 1
 fuzz: venv  ## a thousand hostile inputs of every kind; a line each
 	FUZZ=1000 $(BIN)/python -m pytest --quiet --capture no tests/fuzz
 
-soak: venv  ## a thousand kills, failing operations on files, several writers, a dying cluster, linked stores, dirty methods
+soak: venv  ## kills at and failures of every operation on files, several writers, a dying cluster, linked stores, dirty methods
 	SOAK=1 $(BIN)/python -m pytest --quiet --capture no tests/robustness
 	FUZZ=1000 FUZZ_SEED=1 $(BIN)/python -m pytest --quiet --capture no tests/fuzz -k 'linked or dirty'
 

@@ -1,6 +1,7 @@
 import os
 import signal
 import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -18,23 +19,30 @@ settings.register_profile("busy", deadline=None)  # a loaded machine is no fault
 settings.load_profile("busy")
 
 from avobench.cli import main as cli  # noqa: E402
+from benchmark_records import benchmark, make_record  # noqa: E402
 from browser import browser  # noqa: E402
 
-__all__ = ["browser"]
+__all__ = ["benchmark", "browser", "make_record"]
 
 
 @pytest.fixture
-def avobench(monkeypatch, capfd):
-    """The command, in this process: arguments -> (exit code, standard output, standard error)."""
+def run(monkeypatch, capfd):
+    """A command, in this process: command, arguments -> (exit code, standard output, standard error)."""
 
-    def call(*arguments):
+    def call(command, *arguments):
         monkeypatch.setattr(sys, "argv", ["avobench", *map(str, arguments)])
         capfd.readouterr()
         with pytest.raises(SystemExit) as exit:
-            cli.main()
+            cli.main(command)
         return exit.value.code or 0, *capfd.readouterr()
 
     return call
+
+
+@pytest.fixture
+def avobench(run):
+    """The command `avobench`: arguments -> (exit code, standard output, standard error)."""
+    return partial(run, cli.cli)
 
 
 @pytest.fixture

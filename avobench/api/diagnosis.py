@@ -213,7 +213,7 @@ class Diagnosed:
         result, file = Result(Described(drawn["task"]), diagnosis, None, pictures, None), folder / "model.json"
         if not file.exists():
             return cls(result)
-        spec = registry.trusted(str(file)) if trust else str(file)
+        spec = registry.trusted(str(file), trust)
         return cls(result, ModelFile.model_validate_json(file.read_bytes()), partial(_from_file, spec))
 
     def details(self) -> str:

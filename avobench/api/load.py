@@ -37,4 +37,4 @@ def load(path: str | Path, trust: bool = False) -> Inference | Diagnosed | Task:
         raise UsageError(f"{error.filename or path} cannot be read: {error.strerror or error}") from error
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise UsageError(f"{path} is no fit, diagnosis or model that avobench saved: {error!r:.200}") from error
-    return registry.build("task", registry.trusted(str(path)) if trust else str(path), {})
+    return registry.build("task", registry.trusted(str(path), trust), {})

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,12 +140,6 @@ def hide(
     return simulate(at, rng), answer
 
 
-def feature_label(task: Task, feature: int | Literal["all"] | None) -> str | None:
-    if not isinstance(feature, int):
-        return feature
-    return task.labels[feature]
-
-
 def _draw(
     task: Task,
     source: str,
@@ -185,7 +179,7 @@ def _draw(
         seen = visibility(task, injection.measure(task.simulate, at, rng), theta, num_events, rng)
         if seen.power >= LEAST_POWER and seen.distance <= MOST_DISTANCE:
             break
-    return Hidden(injection, feature_label(task, feature), seen)
+    return Hidden(injection, task.labels[feature] if isinstance(feature, int) else feature, seen)
 
 
 def _generates(injection: Injection | OwnShape) -> bool:

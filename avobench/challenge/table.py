@@ -1,6 +1,5 @@
 """The score of a challenge as a page of text, and beside the project's targets."""
 
-from collections.abc import Callable
 from typing import Any
 
 import pandas as pd
@@ -9,44 +8,70 @@ from avobench.challenge.case import VISIBLE
 from avobench.challenge.score import ALL, score
 from avobench.diagnosis.schema import Verdict
 
-COVERS = "covers {:.0%} or below"
-WANTED: tuple[tuple[str, tuple[str, ...], str, float], ...] = (
-    ("no effect: false alarms", ("none", "false_alarms"), COVERS, 0.05),
-    ("no effect: theta within 2 errors", ("none", "theta_within_2"), "at least", 0.9),
-    *(
-        row
-        for each, first, tie, size in (("own", 0.95, 0.98, 1.4), ("foreign", 0.85, 0.95, 1.6))
-        for row in (
-            (f"{each} shapes: right name first", ("one", each, "right_first"), "at least", first),
-            (f"{each} shapes: truth in the tie set", ("one", each, "in_tie_set"), "at least", tie),
-            (f"{each} shapes: mean size of the tie set", ("one", each, "tie_size"), "at most", size),
-            (f"{each} shapes: chi2/ndf after, median", ("one", each, "gap_after"), "at most", 1.15),
-            (f"{each} shapes: theta within 2 errors", ("one", each, "theta_within_2"), "at least", 0.9),
-        )
-    ),
-    ("withheld: falsely explained", ("withheld", ALL, "falsely_explained"), "at most", 0.1),
-    ("two effects: both named", ("two", ALL, "both"), "at least", 0.7),
-    ("two effects: at least one named", ("two", ALL, "at_least_one"), "at least", 0.95),
-    ("two effects, both visible: both named", ("two", ALL, "visible_both"), "at least", 0.7),
-    ("two effects, both visible: at least one named", ("two", ALL, "visible_at_least_one"), "at least", 0.95),
-)
-"""What is wanted: a quantity, where it stands in a score, and its bound."""
+KINDS = {"none": "no effect", "one": "one effect", "withheld": "withheld effect", "two": "two effects"}
+"""What is hidden, by its name in a score."""
+ALL_SHAPES = f"{ALL} shapes"
+LABELS = {
+    "power": "detected, power of the best test",
+    "right_first": "right name first",
+    "right_first_by_gap": "right name first, chi2/ndf before",
+    "right_first_whatever_feature": "right name first, whatever the feature",
+    "in_tie_set": "truth in the tie set",
+    "tie_size": "mean size of the tie set",
+    "another_would_do": "another effect named or tied",
+    "more_named": "a further effect named, though none was hidden",
+    "visible_right_first": f"right name first, of all with a power of {VISIBLE:.0%} or more",
+    "explained": f'"{Verdict.NAMED}"',
+    "falsely_explained_by_gap": "falsely explained, chi2/ndf before",
+    "both": "both named",
+    "at_least_one": "at least one named",
+    "both_with_ties": "both named, with ties",
+    "visible_both": "both named, of those with both visible",
+    "visible_at_least_one": "at least one named, of those with both visible",
+    "visible_missed_explained": "of these not both named, but what was named describes the events",
+    "theta_within_2": "theta within 2 errors",
+    "gap_before": "chi2/ndf before, median",
+    "gap_after": "chi2/ndf after, median",
+    "bias_before": "bias of theta before, median",
+    "bias_after": "bias of theta after, median",
+}
+"""Names of quantities that need more words than in a score."""
+LEAST, MOST, COVERS = "at least", "at most", "covers at most"
+WANTED: dict[tuple[str, ...], tuple[str, float]] = {
+    ("none", "false_alarms"): (COVERS, 0.05),
+    ("none", "theta_within_2"): (LEAST, 0.9),
+    ("one", "own", "right_first"): (LEAST, 0.95),
+    ("one", "own", "in_tie_set"): (LEAST, 0.98),
+    ("one", "own", "tie_size"): (MOST, 1.4),
+    ("one", "own", "gap_after"): (MOST, 1.15),
+    ("one", "own", "theta_within_2"): (LEAST, 0.9),
+    ("one", "foreign", "right_first"): (LEAST, 0.85),
+    ("one", "foreign", "in_tie_set"): (LEAST, 0.95),
+    ("one", "foreign", "tie_size"): (MOST, 1.6),
+    ("one", "foreign", "gap_after"): (MOST, 1.15),
+    ("one", "foreign", "theta_within_2"): (LEAST, 0.9),
+    ("withheld", ALL, "falsely_explained"): (MOST, 0.1),
+    ("two", ALL, "both"): (LEAST, 0.7),
+    ("two", ALL, "at_least_one"): (LEAST, 0.95),
+    ("two", ALL, "visible_both"): (LEAST, 0.7),
+    ("two", ALL, "visible_at_least_one"): (LEAST, 0.95),
+}
+"""The bound of a quantity, by where it stands in a score. An interval covers what lies above its low end."""
 
 
 def as_text(result: dict[str, Any]) -> str:
+    """All of a score: a table for each kind with a column for each set of shapes, and every mistake below it."""
     lines = [
         f"{result['task']}: {result['solved']} of {result['cases']} cases solved, {len(result['failed'])} failed, "
         f"{' or '.join(map(str, result['num_events']))} events each",
         *(f"  failed {name}: {error}" for name, error in result["failed"].items()),
-        f"no effect: false alarms {_percent(result['none']['false_alarms'])}, "
-        f"theta within 2 errors {_percent(result['none']['theta_within_2'])}",
     ]
-    for each, one in result["one"].items():
-        lines += _one(each, one)
-    for each, withheld in _sets(result["withheld"]):
-        lines += _withheld(each, withheld)
-    for each, two in _sets(result["two"]):
-        lines += _two(each, two)
+    for kind, title in KINDS.items():
+        parts = _parts(result, kind)
+        if parts:
+            table = pd.DataFrame({name: _rows(part) for name, part in parts.items()})
+            lines += ["", table.rename_axis(title, axis=1).to_string()]
+            lines += [f"  {line}" for name in parts if name != ALL_SHAPES for line in parts[name].get("mistaken", [])]
     if result["seconds"]:
         lines.append(
             "seconds a data set: "
@@ -56,90 +81,26 @@ def as_text(result: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _one(each: str, one: dict[str, Any]) -> list[str]:
-    if not one["cases"]:
-        return []
-    return [
-        f"one effect, {each} shapes: {one['cases']} cases, {one['undetectable']} undetectable; detected, by the "
-        "power that the best test would have:",
-        *(f"  {100 * p['from']:3.0f} to {100 * p['to']:3.0f} %: {_percent(p)}" for p in one["power"] if p["of"]),
-        f"  of those detected: right name first {_percent(one['right_first'])} "
-        f"(whatever the feature {_percent(one['right_first_whatever_feature'])})",
-        f"  by chi2/ndf before: {classes(one['right_first_by_gap'])}",
-        f"  truth in the tie set {_percent(one['in_tie_set'])}, mean size {number(one['tie_size'])}, another "
-        f"effect named or tied {_percent(one['another_would_do'])}",
-        f"  of all with a power of {100 * VISIBLE:.0f} % or more: right name first "
-        f"{_percent(one['visible_right_first'])}",
-        f"  a further effect named, though none was hidden {_percent(one['more_named'])}",
-        f'  "{Verdict.NAMED}" {_percent(one["explained"])}; '
-        f"then theta within 2 errors {_percent(one['theta_within_2'])}",
-        _medians(one),
-        *(f"    {line}" for line in one["mistaken"]),
-    ]
+def _parts(result: dict[str, Any], kind: str) -> dict[str, dict[str, Any]]:
+    """What a score says of a kind, by the set of shapes; of all only where they are of more than one set."""
+    if kind == "none":
+        return {"": result[kind]} if result[kind]["false_alarms"]["of"] else {}
+    parts = {f"{each} shapes": part for each, part in result[kind].items() if part["cases"]}
+    return parts if len(parts) > 2 else {name: part for name, part in parts.items() if name != ALL_SHAPES}
 
 
-def _withheld(each: str, withheld: dict[str, Any]) -> list[str]:
-    if not withheld["cases"]:
-        return []
-    return [
-        f"withheld effect, {each} shapes: detected {_percent(withheld['detected'])}, of these falsely "
-        f"explained {_percent(withheld['falsely_explained'])}",
-        f"  by chi2/ndf before: {classes(withheld['falsely_explained_by_gap'])}",
-        *(f"    {line}" for line in withheld["mistaken"] if each != ALL),
-    ]
-
-
-def _two(each: str, two: dict[str, Any]) -> list[str]:
-    if not two["cases"]:
-        return []
-    return [
-        f"two effects, {each} shapes: detected {_percent(two['detected'])}, of these both named "
-        f"{_percent(two['both'])}, with ties {_percent(two['both_with_ties'])}, at least one "
-        f"{_percent(two['at_least_one'])}",
-        f"  where the best test sees each beside the other at {100 * VISIBLE:.0f} % power or more: both named "
-        f"{_percent(two['visible_both'])}, at least one {_percent(two['visible_at_least_one'])}",
-        "  of these not both named, but what was named describes the events "
-        f"{_percent(two['visible_missed_explained'])}",
-        _medians(two),
-        *(f"    {line}" for line in two["mistaken"] if each != ALL),
-    ]
-
-
-def _sets(parts: dict[str, Any]) -> list[tuple[str, Any]]:
-    """The parts by set of shapes; that of all only where it is more than one of them."""
-    return [
-        (each, part)
-        for each, part in parts.items()
-        if each != ALL or part["cases"] > max(other["cases"] for name, other in parts.items() if name != ALL)
-    ]
-
-
-def classes(parts: list[dict[str, Any]]) -> str:
-    """How many of how many, by classes of a quantity."""
-    return ", ".join(
-        f"{part['count']}/{part['of']} {'above' if part['to'] is None else 'to'} {part['to'] or part['from']:g}"
-        for part in parts
-    )
-
-
-def _medians(part: dict[str, Any]) -> str:
-    return (
-        f"  medians: held-out chi2/ndf {number(part['gap_before'])} -> {number(part['gap_after'])}, "
-        f"bias of theta {number(part['bias_before'])} -> {number(part['bias_after'])}"
-    )
-
-
-def _percent(rate: dict[str, Any]) -> str:
-    if not rate["of"]:
-        return "0/0"
-    return (
-        f"{rate['count']}/{rate['of']} = {100 * rate['share']:.0f} % "
-        f"({100 * rate['low']:.0f} to {100 * rate['high']:.0f})"
-    )
-
-
-def number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3g}"
+def _rows(part: dict[str, Any]) -> dict[str, str]:
+    """The quantities in words: shares with their 95 % intervals, and those by classes with a row for each class."""
+    rows = {}
+    for name, value in part.items():
+        if isinstance(value, dict) and value["of"]:
+            rows[_label(name)] = f"{_number(value)} ({value['low']:.0%} to {value['high']:.0%})"
+        elif not isinstance(value, list):
+            rows[_label(name)] = _number(value)
+        elif name != "mistaken":
+            ends = [f"above {each['from']:g}" if each["to"] is None else f"to {each['to']:g}" for each in value]
+            rows |= {f"{_label(name)} {end}": _number(each) for end, each in zip(ends, value, strict=True)}
+    return rows
 
 
 def targets(*challenges: list[dict[str, Any]], trust: bool = False) -> str:
@@ -148,26 +109,28 @@ def targets(*challenges: list[dict[str, Any]], trust: bool = False) -> str:
     scores = {task: score(*(lines for lines in challenges if lines[0]["task"] == task), trust=trust) for task in tasks}
     scores["all"] = score(*challenges, trust=trust)
     rows = []
-    for name, path, how, bound in WANTED:
+    for path, (how, bound) in WANTED.items():
         got = {task: _at(result, path) for task, result in scores.items()}
-        cells = {task: _short(value) for task, value in got.items()}
-        wanted = (
-            how.format(bound)
-            if how == COVERS
-            else f"{how} {bound:.0%}"
-            if isinstance(got["all"], dict)
-            else f"{how} {bound:g}"
-        )
-        rows.append({"quantity": name, **cells, "wanted": wanted, "verdict": _verdict(got["all"], how, bound)})
-    one, withheld = scores["all"]["one"], scores["all"]["withheld"][ALL]
-    by_gap = {f"{each} shapes, right name first": one[each]["right_first_by_gap"] for each in one}
-    by_gap["withheld, falsely explained"] = withheld["falsely_explained_by_gap"]
-    lines = [f"{name}, by chi2/ndf before: {classes(parts)}" for name, parts in by_gap.items()]
-    others = ", ".join(f"{each} shapes {_short(one[each]['another_would_do'])}" for each in one)
-    lines.append(f"not withheld, and yet another effect named or tied: {others}")
-    missed = _short(scores["all"]["two"][ALL]["visible_missed_explained"])
-    lines.append(f"two effects, both visible, not both named, what was named describes the events: {missed}")
-    return "\n".join([pd.DataFrame(rows).to_string(index=False), *lines])
+        wanted = f"{how} {bound:.0%}" if isinstance(got["all"], dict) else f"{how} {bound:g}"
+        cells = {task: _number(value) for task, value in got.items()}
+        rows.append({"quantity": _title(path), **cells, "wanted": wanted, "verdict": _verdict(got["all"], how, bound)})
+    return pd.DataFrame(rows).to_string(index=False)
+
+
+def _title(path: tuple[str, ...]) -> str:
+    kind, *each, name = path
+    where = f"{KINDS[kind]}, {each[0]} shapes" if each else "no effect"
+    return f"{where}: {_label(name)}"
+
+
+def _label(name: str) -> str:
+    return LABELS.get(name, name.replace("_", " "))
+
+
+def _number(value: dict[str, Any] | float | None) -> str:
+    if isinstance(value, dict):
+        return f"{value['count']}/{value['of']} = {value['share']:.0%}" if value["of"] else "-"
+    return "-" if value is None else f"{value:.3g}"
 
 
 def _at(result: dict[str, Any], path: tuple[str, ...]) -> Any:
@@ -176,16 +139,9 @@ def _at(result: dict[str, Any], path: tuple[str, ...]) -> Any:
     return result
 
 
-def _short(value: dict[str, Any] | float | None) -> str:
-    if isinstance(value, dict):
-        return f"{value['count']}/{value['of']} = {value['share']:.0%}" if value["of"] else "-"
-    return number(value)
-
-
 def _verdict(value: dict[str, Any] | float | None, how: str, bound: float) -> str:
     if isinstance(value, dict):
-        value = value["low"] if how == COVERS else value["share"]
+        value = value["low" if how == COVERS else "share"]
     if value is None:
         return "-"
-    met: Callable[[float], bool] = {"at least": lambda v: v >= bound}.get(how, lambda v: v <= bound)
-    return "met" if met(value) else "not met"
+    return "met" if (value >= bound if how == LEAST else value <= bound) else "not met"

@@ -6,9 +6,10 @@ from typing import Any
 
 import click
 
+from avobench.bench.plugins import registry
 from avobench.bench.processes.workers import Workers
 from avobench.cli.isolated import Isolated
-from avobench.cli.options import MEMORY_LIMIT, TIME_LIMIT, TRUST, named
+from avobench.cli.options import MEMORY_LIMIT, TIME_LIMIT, TRUST
 from avobench.cli.state import State
 from avobench.cli.terminal import say
 from avobench.tasks.errors import UsageError
@@ -36,7 +37,7 @@ def make(task: str, kinds: str | None, shapes: str | None, trust: bool, **asked:
 
     chosen = None if kinds is None else tuple(kinds.split(","))
     foreign = () if shapes is None else module.named_shapes(shapes)
-    used = module.make(named(task, trust), kinds=chosen, shapes=foreign, progress=_say, **asked)
+    used = module.make(registry.trusted(task, trust), kinds=chosen, shapes=foreign, progress=_say, **asked)
     cases, out = asked["cases"], asked["out"]
     say(f"{cases} data sets in {out}, from {used} simulated events; next: avobench challenge solve {out}")
 

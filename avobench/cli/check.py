@@ -2,8 +2,9 @@
 
 import click
 
+from avobench.bench.plugins import registry
 from avobench.cli.isolated import Isolated
-from avobench.cli.options import SECONDS, TRUST, named
+from avobench.cli.options import SECONDS, TRUST
 from avobench.cli.terminal import say
 from avobench.tasks.errors import AvobenchError
 
@@ -19,7 +20,7 @@ def check(kind: str, name: str, trust: bool) -> None:
     from avobench.tasks.meter import Meter
 
     passed, meter = True, Meter()
-    for result in conformance.run(kind, named(name, trust), meter):
+    for result in conformance.run(kind, registry.trusted(name, trust), meter):
         passed &= result.passed
         say(f"{'pass' if result.passed else 'FAIL'}  {result.what}" + (f": {result.why}" if result.why else ""))
     if meter.used:

@@ -9,8 +9,8 @@ from avobench.api.diagnosis import diagnose as diagnose_events
 from avobench.api.progress import shown
 from avobench.bench.store.files import require_folder
 from avobench.cli.isolated import Isolated
-from avobench.cli.measured import Asked, listed, of_measurement
-from avobench.cli.options import DROP_INVALID, SECONDS, SEED
+from avobench.cli.measured import Asked, of_measurement
+from avobench.cli.options import DROP_INVALID, SECONDS, SEED, listed
 from avobench.cli.terminal import say
 
 
@@ -40,7 +40,9 @@ from avobench.cli.terminal import say
     metavar="NAME",
     help="Method that fits theta first. The diagnosis's own fit is named surrogate.",
 )
-@click.option("--effects", default=None, metavar="A,B,...", help="Effects of the catalogue to try.  [all that apply]")
+@click.option(
+    "--effects", metavar="A,B,...", callback=listed, help="Effects of the catalogue to try.  [all that apply]"
+)
 @click.option(
     "--effect",
     "own",
@@ -50,7 +52,7 @@ from avobench.cli.terminal import say
 )
 @click.option("--bank", type=click.Path(path_type=Path), default=None, help="Folder that keeps simulated events.")
 @click.option("--jobs", "-j", type=click.IntRange(1), default=1, show_default=True, help="Worker processes.")
-def diagnose(out: Path, time: str | None, effects: str | None, **options: Any) -> None:
+def diagnose(out: Path, time: str | None, **options: Any) -> None:
     """Test whether a simulator describes measured events, and find the effect that it lacks.
 
     The folder then holds report.html (a page with figures), diagnosis.json (every number), and model.json (the
@@ -61,6 +63,6 @@ def diagnose(out: Path, time: str | None, effects: str | None, **options: Any) -
     task, x, when = asked.read(time=time)
     require_folder(out)
     with shown(None, plain=True) as progress:
-        found = diagnose_events(task, x, effects=listed(effects), time=when, progress=progress, **options)
+        found = diagnose_events(task, x, time=when, progress=progress, **options)
     found.save(out, asked.title)
     say(found.details())

@@ -8,7 +8,7 @@ from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder
 from avobench.cli import listing
 from avobench.cli.isolated import Isolated
-from avobench.cli.options import TRUST, named
+from avobench.cli.options import TRUST
 from avobench.cli.terminal import say
 from avobench.tasks.errors import UsageError
 
@@ -30,7 +30,7 @@ def list_(kind: str | None, spec: str | None, trust: bool) -> None:
     if spec is not None:
         if kind not in (None, "effects"):
             raise UsageError(f"--task is for `avobench list effects`, not for {kind}")
-        say(listing.effects_of(named(spec, trust)))
+        say(listing.effects_of(registry.trusted(spec, trust)))
         return
     tables = {"tasks": listing.tasks, "methods": listing.methods, "effects": listing.effects}
     say("\n\n".join(table() for name, table in tables.items() if kind in (None, name)))
@@ -54,7 +54,7 @@ def draw_(specs: tuple[str, ...], out: Path, seed: int, trust: bool) -> None:
 
     require_folder(out)
     for spec in specs or TASKS:
-        task = registry.build("task", named(spec, trust), {})
+        task = registry.build("task", registry.trusted(spec, trust), {})
         registry.require_packages("task", task)
         for paths in draw(task, out, seed):
             say("\n".join(map(str, paths)))

@@ -7,11 +7,12 @@ import click
 
 from avobench.api.inference import infer as infer_events
 from avobench.api.progress import shown
+from avobench.bench.plugins import registry
 from avobench.bench.store.files import require_folder
 from avobench.bench.sweep.plan import parse_settings
 from avobench.cli.isolated import Isolated
 from avobench.cli.measured import Asked, of_measurement
-from avobench.cli.options import DROP_INVALID, SECONDS, SEED, named
+from avobench.cli.options import DROP_INVALID, SECONDS, SEED, SETTINGS
 from avobench.cli.terminal import say
 
 
@@ -20,13 +21,7 @@ from avobench.cli.terminal import say
 @click.option("--method", default=None, metavar="NAME", help="Method, or file.py:Class.  [avo, or smm without PyTorch]")
 @click.option("--budget", type=int, default=160_000, show_default=True, help="Simulated events, at most.")
 @SEED
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="METHOD.PARAM=VALUE",
-    help="Value of a setting of the method or task. Repeatable.",
-)
+@SETTINGS
 @DROP_INVALID
 @click.option("--jobs", "-j", type=click.IntRange(1), help="Processes that make events.  [none beside the method's]")
 @SECONDS
@@ -47,7 +42,7 @@ def infer(
     if out is not None:
         require_folder(out.parent, make=False)
     asked = Asked.of(options)
-    spec = asked.spec and named(asked.spec, asked.trust)
+    spec = asked.spec and registry.trusted(asked.spec, asked.trust)
     chosen = parse_settings(list(settings), {"task": [spec] if spec else [], "method": [method] if method else []})
     task, x, _ = asked.read(chosen.get(spec))
     with shown(None, plain=True) as progress:

@@ -12,7 +12,7 @@ import click
 from avobench.api.joint import Joint, joint
 from avobench.bench.events import read_events, read_timed
 from avobench.bench.plugins import registry
-from avobench.cli.options import COLUMNS, JOINT, TRUST, named, require_alone
+from avobench.cli.options import COLUMNS, JOINT, TRUST, listed, require_alone
 from avobench.tables.read import read_table
 from avobench.tables.table import Table
 from avobench.tasks import Task
@@ -30,7 +30,7 @@ OPTIONS = (
     click.option("--task", "spec", default=None, metavar="NAME", help="Task, file.py:Class, or a model.json."),
     click.option("--simulated", default=None, metavar="FILE", help="Simulated events, in place of a task."),
     click.option(
-        "--theta-columns", default=None, metavar="A,B,...", help="Columns of --simulated that are parameters."
+        "--theta-columns", metavar="A,B,...", callback=listed, help="Columns of --simulated that are parameters."
     ),
     click.option("--weights", default=None, metavar="COLUMN", help="Column of --simulated with weights."),
     click.option("--data", default=None, metavar="FILE", help="File of measured events. For ROOT, file.root:tree."),
@@ -64,7 +64,7 @@ class Asked:
 
     spec: str | None
     simulated: str | None
-    theta_columns: str | None
+    theta_columns: list[str] | None
     weights: str | None
     data: str | None
     data_weights: str | None
@@ -72,7 +72,7 @@ class Asked:
     density: bool
     normalised: bool
     sets: str | None
-    columns: str | None
+    columns: list[str] | None
     trust: bool
 
     @classmethod
@@ -112,24 +112,19 @@ class Asked:
         """The task with `settings`, what was measured, and the column `time` of it; or several data sets alone."""
         if self.sets is not None:
             return read_joint(self.sets, self.trust), None, None
-        task: Task | str = "" if self.spec is None else named(self.spec, self.trust)
+        task: Task | str = "" if self.spec is None else registry.trusted(self.spec, self.trust)
         if self.spec is not None:  # what is wrong with the task is said before anything is read
             registry.load("task", task)
             task = registry.build("task", task, settings) if settings else task
-        x, when, chosen = None, None, listed(self.columns)
+        x, when = None, None
         if self.data is not None:
-            x, when = _events(self.data, chosen, self.data_weights, time)
+            x, when = _events(self.data, self.columns, self.data_weights, time)
         else:
-            x = tables_of(self.tables, chosen, density=self.density, normalised=self.normalised)
+            x = tables_of(self.tables, self.columns, density=self.density, normalised=self.normalised)
         if self.simulated is not None:
-            columns = None if self.tables else chosen
-            task = _sample(self.simulated, columns, listed(self.theta_columns), self.weights, x)
+            columns = None if self.tables else self.columns
+            task = _sample(self.simulated, columns, self.theta_columns, self.weights, x)
         return task, x, when
-
-
-def listed(names: str | None) -> list[str] | None:
-    """The names that an option separates by commas."""
-    return None if names is None else [name.strip() for name in names.split(",")]
 
 
 def _events(file: str, columns: list[str] | None, weights: str | None, time: str | None = None) -> tuple[Any, Any]:
@@ -196,7 +191,7 @@ def _set(where: str, said: Any, folder: Path, trust: bool) -> tuple[Any, Any]:
         raise UsageError(f"{where}: weights are of data, which is not given")
     columns, spec = said.get("columns"), said["task"]
     beside = re.search(r"\.py:[^:]+$|\.json$", spec)
-    task = registry.build("task", named(str(folder / spec) if beside else spec, trust), {})
+    task = registry.build("task", registry.trusted(str(folder / spec) if beside else spec, trust), {})
     if tables:
         return task, tables_of([str(folder / table) for table in tables], columns, **of_tables)
     return task, _events(str(folder / said["data"]), columns, said.get("weights"))[0]

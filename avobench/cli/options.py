@@ -7,8 +7,13 @@ from typing import Any
 import click
 
 from avobench.api.sweep import RESULTS as DEFAULT
-from avobench.bench.plugins import registry
 from avobench.tasks.errors import UsageError
+
+
+def listed(context: click.Context, option: click.Parameter, names: str | None) -> list[str] | None:
+    """The names in `A,B,...`, as a callback of an option."""
+    return None if names is None else [name.strip() for name in names.split(",")]
+
 
 RESULTS = click.option(
     "--results",
@@ -25,7 +30,16 @@ JOINT = click.option(
     metavar="FILE.toml",
     help="Several data sets with one theta, a section each, in place of a task and data.",
 )
-COLUMNS = click.option("--columns", metavar="A,B,...", help="Columns or branches to read, in this order.")
+COLUMNS = click.option(
+    "--columns", metavar="A,B,...", callback=listed, help="Columns or branches to read, in this order."
+)
+SETTINGS = click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="METHOD.PARAM=VALUE",
+    help="Value of a setting of a method or task. Repeatable.",
+)
 SECONDS = click.option(
     "--seconds",
     type=float,
@@ -45,8 +59,3 @@ def require_alone(others: Mapping[str, Any]) -> None:
     """Raise UsageError where another option than --joint says what was measured, or by what it is simulated."""
     if given := [f"--{name}" for name, value in others.items() if value]:
         raise UsageError(f"the file of --joint says this of each data set: leave {', '.join(given)} out")
-
-
-def named(spec: str, trust: bool) -> str:
-    """The argument that names a task; the user answers for the code that its file names where `trust` says so."""
-    return registry.trusted(spec) if trust else spec

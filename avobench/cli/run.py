@@ -10,6 +10,7 @@ from rich.console import Console
 
 from avobench.api import sweep
 from avobench.bench.cells.cell import Cell
+from avobench.bench.plugins.registry import trusted
 from avobench.bench.processes.apart import kept
 from avobench.bench.processes.workers import Workers
 from avobench.bench.store.files import require_folder
@@ -17,7 +18,7 @@ from avobench.bench.store.status import Status
 from avobench.bench.sweep.runner import Sweep
 from avobench.cli import listing
 from avobench.cli.isolated import State
-from avobench.cli.options import MEMORY_LIMIT, RESULTS, TIME_LIMIT, TRUST, named
+from avobench.cli.options import MEMORY_LIMIT, RESULTS, SETTINGS, TIME_LIMIT, TRUST
 from avobench.cli.progress import ProgressView
 from avobench.cli.terminal import say
 from avobench.reports.figures import draw
@@ -50,13 +51,7 @@ from avobench.reports.figures import draw
 @click.option("--scheduler", metavar="ADDRESS", help="Address of the Dask scheduler, such as tcp://10.0.0.1:8786.")
 @click.option("--device", type=click.Choice(["cpu", "cuda"]), default="cpu", help="Device of the networks.")
 @RESULTS
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="METHOD.PARAM=VALUE",
-    help="Value of a setting of a method or task. Repeatable.",
-)
+@SETTINGS
 @TIME_LIMIT
 @MEMORY_LIMIT
 @TRUST
@@ -99,7 +94,7 @@ def run(
             draw("benchmark", list(now.done.values()), figure)
 
     with kept():
-        cells = sweep.asked(tuple(named(task, trust) for task in tasks), **asked, in_process=state.in_process)
+        cells = sweep.asked(tuple(trusted(task, trust) for task in tasks), **asked, in_process=state.in_process)
         if figure is not None:
             require_folder(figure)
 

@@ -22,7 +22,7 @@ def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
     """
     frame = to_frame(records)
     frame["task"], frame["method"] = labels(records)
-    frame = pd.concat([comparable(cells) for _, cells in frame.groupby("task", sort=False)])
+    frame = comparable(frame)
     return _figure(frame), numbers(frame)
 
 

@@ -21,8 +21,7 @@ def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
     A small mark is a cell: the seconds it took in simulator and method, one thread, and its squared error. The large
     mark is the median of both. The dashed line is the median floor. The panel of a task whose cells all failed says so.
     """
-    frame = labelled(records)
-    frame = pd.concat([comparable(cells) for _, cells in frame.groupby("task", sort=False)])
+    frame = comparable(labelled(records))
     tasks, methods = ordered(frame["task"], TASK_ORDER), ordered(frame["method"], METHOD_ORDER)
     return by_task(frame[frame["status"].isin(ESTIMATED)], tasks, methods, _panel), numbers(frame)
 

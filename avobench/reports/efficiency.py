@@ -25,7 +25,7 @@ def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
     panel of a task whose cells all failed says so. Raises StoreError where no cell has an estimate.
     """
     frame = labelled(records)
-    table = pd.concat([numbers(comparable(cells)) for _, cells in frame.groupby("task", sort=False)])
+    table = pd.concat([numbers(cells) for _, cells in comparable(frame).groupby("task", sort=False)])
     if table.empty:
         raise StoreError("no cell has an estimate to draw")
     tasks, methods = ordered(frame["task"], TASK_ORDER), ordered(table["method"], METHOD_ORDER)

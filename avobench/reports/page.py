@@ -73,9 +73,8 @@ def _tables(store: Store, records: list[dict[str, Any]]) -> Iterator[tuple[str, 
 
 
 def _summary(frame: pd.DataFrame) -> html.Table:
-    compared = pd.concat([comparable(cells) for _, cells in frame.groupby("task", sort=False)])
     text = "Over the targets that all methods of a task have; what the box plots show."
-    return _table("summary", "Summary", text, numbers(compared))
+    return _table("summary", "Summary", text, numbers(comparable(frame)))
 
 
 def _cells(frame: pd.DataFrame) -> html.Table:

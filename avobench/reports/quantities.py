@@ -26,9 +26,12 @@ def labelled(records: list[dict[str, Any]]) -> pd.DataFrame:
 
 
 def comparable(cells: pd.DataFrame) -> pd.DataFrame:
-    """The cells of a task whose target every method has; all of them where no target is in common."""
-    common = set.intersection(*(set(own["target"]) for _, own in cells.groupby("method")))
-    return cells[cells["target"].isin(common)] if common else cells
+    """The cells whose target every method of their task has; all of a task where no target is in common."""
+    parts = []
+    for _, of_task in cells.groupby("task", sort=False):
+        common = set.intersection(*(set(own["target"]) for _, own in of_task.groupby("method")))
+        parts.append(of_task[of_task["target"].isin(common)] if common else of_task)
+    return pd.concat(parts)
 
 
 def task_of(record: dict[str, Any]) -> Task | None:

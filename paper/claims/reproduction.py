@@ -8,7 +8,6 @@ import textwrap
 from pathlib import Path
 
 import click
-import pandas as pd
 
 from avobench.bench.store.files import write_file
 from avobench.bench.store.store import Store
@@ -82,8 +81,7 @@ def _anchor(title: str) -> str:
 
 def gather(results: Path, studies: Path, ablation: Path) -> Evidence:
     """The records in the three results folders."""
-    frame = labelled(Store(results).read_all())
-    frame = pd.concat([comparable(cells) for _, cells in frame.groupby("task", sort=False)])
+    frame = comparable(labelled(Store(results).read_all()))
     records, undone = Store(studies).read_all(), Store(ablation).read_all()
     return Evidence(
         frame, records, detector.read(studies), undone, baseline.read(studies), misspecification.read(studies)

@@ -14,6 +14,7 @@ import pytest
 from matplotlib.figure import Figure
 from scipy.optimize import minimize
 from scipy.stats import norm
+from words import apart
 
 from avobench.bench.store.status import Status
 from avobench.bench.store.store import Store
@@ -84,14 +85,8 @@ def test_the_readme_shows_what_its_example_prints(tmp_path):
     """Word by word; numbers within a hundredth of them, as another processor rounds, but for how long it took."""
     text = (ROOT / "README.md").read_text()
     (shown,) = [block[4] for block in BLOCK.finditer(text) if block[2] == "output"]
-    number = r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
-
-    def parts(told):
-        timed = re.sub(r"\d+ simulated events, [\d.]+ s", "so many simulated events", told)
-        return re.sub(number, "#", timed), [float(value) for value in re.findall(number, timed)]
-
-    words, numbers = parts(shown)
-    words_now, numbers_now = parts(output(ROOT / "examples" / "gamma_line.py", tmp_path))
+    words, numbers = apart(shown)
+    words_now, numbers_now = apart(output(ROOT / "examples" / "gamma_line.py", tmp_path))
     assert words_now == words
     assert numbers_now == pytest.approx(numbers, rel=0.01)
 

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from avobench.reports.efficiency import errors_at
-from avobench.reports.figures import draw, drawn
+from avobench.reports.figures import FIGURES, draw, drawn
 from avobench.reports.style import METHOD_COLOURS, PALETTE, colours
 
 
@@ -47,9 +47,10 @@ def test_cost_shows_the_medians(benchmark):
 
 def test_failures_and_a_users_task_leave_the_others_to_be_drawn(benchmark, make_record, tmp_path):
     mine, known = [{**record, "task": "mine"} for record in benchmark[:8]], benchmark[:16]
-    records = [*mine, *known, make_record("poisson", "bolfi", 5, None), make_record("poisson", "avo", 5, None)]
-    for name in ("efficiency", "cost"):
-        pdf, png, csv = draw(name, records, tmp_path)
+    untraced = [{**record, "task": "untraced", "trace": []} for record in benchmark[:8]]
+    failed = [make_record(*of, 5, None) for of in (("poisson", "bolfi"), ("poisson", "avo"), ("weinberg", "avo"))]
+    for name in FIGURES[:3]:
+        pdf, png, csv = draw(name, [*mine, *known, *untraced, *failed], tmp_path)
         assert pdf.read_bytes().startswith(b"%PDF")
         assert png.read_bytes().startswith(b"\x89PNG")
-        assert {"mine", "poisson"} <= set(pd.read_csv(csv)["task"])
+        assert {"mine", "untraced", "poisson"} <= set(pd.read_csv(csv)["task"])

@@ -203,25 +203,6 @@ def test_of_many_cells_the_page_shows_those_to_look_at_and_says_so(make_record, 
     assert browser.complaints() == []
 
 
-BAD = {
-    "no method with traces": lambda ok, make: [{**record, "trace": []} for record in ok[:8]],
-    "a method without traces, and a task of which all failed": lambda ok, make: [
-        *(*ok[:4], *({**record, "trace": []} for record in ok[4:8])),
-        *(make("weinberg", "avo", n, None) for n in range(2)),
-    ],
-}
-"""Stores that no figure may fail at."""
-
-
-@pytest.mark.parametrize("bad", BAD)
-def test_bad_cells_do_not_take_the_figures(benchmark, make_record, tmp_path, bad):
-    store = Store(tmp_path / "results", create=True)
-    for record in BAD[bad](benchmark, make_record):
-        store.write(record)
-    page = render(store.path)
-    assert all(f'<figure id="figure-{name}"' in page for name in ("benchmark", "efficiency", "cost"))
-
-
 def test_where_no_cell_has_an_estimate_a_sentence_says_so(avobench, make_record, browser, tmp_path):
     store = Store(tmp_path / "results", create=True)
     for target in range(2):

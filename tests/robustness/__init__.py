@@ -1,5 +1,5 @@
-"""Proofs of robustness, each a command, `python -m robustness.NAME` from tests/, and small in the suite.
+"""Proofs of robustness, small in the suite.
 
-kills ends commands at random moments, faults injects failures of the file system, writers lets several write at once,
-cluster runs a sweep on a Dask cluster whose processes die. `make soak` runs all of them at full size.
+kills ends commands before each of their operations on files, faults injects failures of the file system, writers lets
+several write at once, cluster runs a sweep on a Dask cluster whose processes die. `make soak` runs all at full size.
 """

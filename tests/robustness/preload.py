@@ -9,6 +9,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from robustness.warm import ENVIRONMENT
+
 SOURCE = Path(__file__).with_name("faults.c")
 KINDS = ("open", "write", "fsync", "close", "rename", "unlink", "mkdir", "rmdir", "chmod", "opendir")
 """The kinds in the order of the source, from 1."""
@@ -31,9 +33,9 @@ def compiled(folder: Path) -> Path:
 def proof(module: str, folder: Path, size: int) -> Any:
     """What `campaign(folder, size)` of a module finds, in a process that has the object loaded before all others."""
     library = compiled(folder)
-    code = f"import json; from pathlib import Path; from robustness import warm, {module}; warm.loaded(); "
+    code = f"import json; from pathlib import Path; from robustness import {module}; "
     code += f"print(json.dumps({module}.campaign(Path({str(folder)!r}), {size})))"
-    environment = {**os.environ, "LD_PRELOAD": str(library), "FAULTS": str(library)}
+    environment = {**os.environ, **ENVIRONMENT, "LD_PRELOAD": str(library), "FAULTS": str(library)}
     process = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
     assert process.returncode == 0, process.stderr
     return json.loads(process.stdout.splitlines()[-1])

@@ -5,44 +5,27 @@ import sys
 
 import pytest
 
-from robustness import faults, preload, warm, writers
+from robustness import faults, preload, writers
 from robustness.cluster import soak
-from robustness.kills import SUBJECTS, Campaign
+from robustness.kills import SUBJECTS, campaign
 
 LINUX = pytest.mark.skipif(
     not sys.platform.startswith("linux") or preload.compiler() is None, reason="needs Linux and a C compiler"
 )
 FULL = "SOAK" in os.environ
-KILLS = (
-    {"run": 550, "pack": 300, "solve": 100, "diagnose": 50}
-    if FULL
-    else {"run": 6, "pack": 6, "solve": 1, "diagnose": 1}
-)
+EVERY = {"run": 12, "pack": 6, "challenge solve": 9, "diagnose": 40}
+"""Of the operations on files of a command, one in so many is tried in the suite."""
 
 
-@pytest.fixture(autouse=True)
-def _surroundings(monkeypatch):
-    """`warm` sets them for the processes that it starts; here they must end with the test."""
-    for name in ("PYTHONPATH", "OMP_NUM_THREADS"):
-        monkeypatch.setenv(name, os.environ.get(name, ""))
-    monkeypatch.setattr(sys, "path", list(sys.path))
-    monkeypatch.chdir(warm.USERS)
-
-
-@pytest.mark.parametrize("name", KILLS)
-def test_kills_at_random_moments_lose_nothing(name, tmp_path):
-    campaign = Campaign(SUBJECTS[name](), tmp_path / name, 0)
-    campaign.go(KILLS[name])
-    print(campaign.report())
-    assert campaign.total == KILLS[name]
-    fell = set(campaign.drawn + campaign.aimed)
-    assert fell <= set(campaign.subject.phases)
-    assert len(fell) > 1 or KILLS[name] < 6
+@pytest.mark.parametrize("name", SUBJECTS)
+def test_kills_before_operations_on_files_lose_nothing(name, tmp_path):
+    operations = campaign(name, tmp_path / name, 1 if FULL else EVERY[name])
+    print(f"{name}: killed before each of {operations} operations on files, nothing lost, every end as undisturbed")
+    assert operations >= 9
 
 
 @LINUX
 def test_every_kind_of_failure_of_the_file_system_is_told_or_harmless(tmp_path):
-    warm.environment()
     found = preload.proof("faults", tmp_path, 1 if FULL else 36)
     print(faults.table(found))
     assert found["wrong"] == []
@@ -51,7 +34,6 @@ def test_every_kind_of_failure_of_the_file_system_is_told_or_harmless(tmp_path):
 
 @LINUX
 def test_several_writers_are_refused_or_right_whatever_locks_do(tmp_path):
-    warm.environment()
     found = preload.proof("writers", tmp_path, 25 if FULL else 1)
     print(writers.table(found))
     assert set(found) == {"that work", "refused", "not there", "granted, not held"}
@@ -61,7 +43,7 @@ def test_several_writers_are_refused_or_right_whatever_locks_do(tmp_path):
 
 
 @pytest.mark.parametrize("seed", range(3 if FULL else 1))
-def test_a_cluster_whose_workers_and_scheduler_die_finishes_every_cell_once(seed, tmp_path):
+def test_a_cluster_whose_workers_and_scheduler_die_finishes_every_cell_once(seed, tmp_path, beside_users_modules):
     size = {"cells": 2000, "workers": 8, "seconds": 3.0} if FULL else {"cells": 60, "workers": 3, "seconds": 0.3}
     told = soak(tmp_path, **size, seed=seed)
     print(told)

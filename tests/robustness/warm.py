@@ -1,4 +1,4 @@
-"""Commands started from a process that has loaded everything once, so that thousands of starts cost little.
+"""Commands started from a process that has loaded everything once, so that hundreds of starts cost little.
 
 The command runs in a process group of its own, with the same code and arguments as `avobench ARGUMENTS`.
 """
@@ -6,92 +6,109 @@ The command runs in a process group of its own, with the same code and arguments
 import importlib
 import multiprocessing
 import os
+import shutil
 import sys
-import time
+import tempfile
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
 from multiprocessing.process import BaseProcess
 from pathlib import Path
+from typing import Any
 
 TESTS = Path(__file__).parents[1]
 USERS = TESTS / "users"
-OF_STORES = ("avobench.cli.run", "avobench.cli.records", "avobench.bench.cells.trial", "avobench.bench.store.pack")
+ENVIRONMENT = {"PYTHONPATH": os.pathsep.join(map(str, (TESTS.parent, TESTS, USERS)))}
+"""What lets a command, and the processes that it starts, find the modules of the tests and of users."""
 LOADED = (
-    *OF_STORES,
+    *("avobench.cli.run", "avobench.cli.records", "avobench.bench.cells.trial", "avobench.bench.store.pack"),
     *("avobench.cli.diagnose", "avobench.cli.challenge", "avobench.cli.main", "avobench.api.diagnosis"),
     *("avobench.challenge.solve", "avobench.challenge.make", "avobench.diagnosis.run", "avobench.reports.page"),
-    *("avobench.reports.diagnosis.page", "avobench.reports.diagnosis.figures", "toys"),
+    *("avobench.reports.diagnosis.page", "avobench.reports.diagnosis.figures"),
 )
 """What a command would load; no module that starts a thread may be among them, for each start is a fork."""
+PATIENCE = 60.0
+"""Seconds after which a command that should have ended is killed."""
+Around = Callable[[], AbstractContextManager[None]]
+"""What surrounds a command in its process."""
 
 
-def environment() -> None:
-    """What the command needs of its surroundings: one thread a process, and the toy task beside the user."""
-    for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ[variable] = "1"
-    os.environ["PYTHONPATH"] = os.pathsep.join(map(str, (TESTS.parent, TESTS, USERS)))
-    sys.path[:0] = [part for part in map(str, (TESTS, USERS)) if part not in sys.path]
+@dataclass(frozen=True)
+class Ended:
+    """How a command ended, with what it said."""
+
+    code: int
+    out: str
+    err: str
 
 
-def loaded() -> None:
-    """Load what commands on a store would, in this process, of which each of them is a fork."""
-    environment()
-    for module in OF_STORES:
-        importlib.import_module(module)
+@dataclass(frozen=True)
+class Started:
+    """A command under way; what it says goes to a folder."""
+
+    process: BaseProcess
+    place: Path
+
+    def end(self) -> Ended:
+        self.process.join(PATIENCE)
+        self.process.kill()
+        self.process.join()
+        out, err = ((self.place / name).read_text() for name in ("out", "err"))
+        shutil.rmtree(self.place)
+        return Ended(self.process.exitcode, out, err)
 
 
-def start(arguments: list[str], log: Path) -> BaseProcess:
-    """Start `avobench ARGUMENTS`, its standard output and error in `log`."""
-    environment()
+def start(arguments: list[str], around: Around = nullcontext) -> Started:
+    """Start `avobench ARGUMENTS`."""
+    place = Path(tempfile.mkdtemp(prefix="told"))
+    return Started(_forked(_command, (arguments, place, around)), place)
+
+
+def call(arguments: list[str], around: Around = nullcontext) -> Ended:
+    return start(arguments, around).end()
+
+
+def calmly(arguments: list[str]) -> None:
+    """Let a command end by itself, and well."""
+    ended = call(arguments)
+    assert ended.code == 0, f"exit code {ended.code}: {ended.err[-2000:]}"
+
+
+def dask(kind: str, arguments: list[str], log: Path, settings: dict[str, Any]) -> BaseProcess:
+    """Start `dask scheduler` or `dask worker` likewise, with settings of Dask's."""
+    more = ("distributed.cli.dask_scheduler", "distributed.cli.dask_worker")
+    return _forked(_dask, (kind, arguments, log, settings), *more)
+
+
+def _forked(target: Callable[..., None], arguments: tuple, *more: str) -> BaseProcess:
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(list(LOADED))
-    process = context.Process(target=command, args=(arguments, log))
+    context.set_forkserver_preload([*LOADED, *more])
+    process = context.Process(target=target, args=arguments)
     process.start()
-    while process.exitcode is None and os.getpgid(process.pid) != process.pid:
-        time.sleep(0.001)  # until it has a group of its own, which signals are sent to
     return process
 
 
-def command(arguments: list[str], log: Path | None = None) -> None:
-    """Be the command `avobench`, in this process."""
-    os.setsid()
-    os.chdir(USERS)
-    if log is not None:
-        with log.open("ab", buffering=0) as file:
-            for stream in (1, 2):
-                os.dup2(file.fileno(), stream)
+def _command(arguments: list[str], place: Path, around: Around) -> None:
+    _settle(place / "out", place / "err")
     sys.argv = ["avobench", *arguments]
-    workers_by_fork()
     from avobench.cli import main as cli
 
-    try:
+    with around():
         cli.main()
-    except SystemExit as end:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        # Here a fork would wait for its workers, which a command that was started by itself ends on its way out.
-        os._exit(end.code if isinstance(end.code, int) else 0)
 
 
-def workers_by_fork() -> None:
-    """Let joblib fork its workers from here: an interpreter of its own for each takes a second of a core."""
-    from joblib.externals.loky.backend import context
+def _dask(kind: str, arguments: list[str], log: Path, settings: dict[str, Any]) -> None:
+    import dask
 
-    context.set_start_method("fork", force=True)
-
-
-def dask(kind: str, arguments: list[str], log: Path) -> BaseProcess:
-    """Start `dask scheduler` or `dask worker` likewise."""
-    environment()
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([*LOADED, "distributed.cli.dask_scheduler", "distributed.cli.dask_worker"])
-    process = context.Process(target=_dask, args=(kind, arguments, log))
-    process.start()
-    return process
+    _settle(log, log)
+    dask.config.set(settings)
+    importlib.import_module(f"distributed.cli.dask_{kind}").main(arguments)
 
 
-def _dask(kind: str, arguments: list[str], log: Path) -> None:
+def _settle(*outputs: Path) -> None:
+    """Have a process group of its own, and the folder of a user; what is said goes to the files."""
     os.setsid()
     os.chdir(USERS)
-    with log.open("ab", buffering=0) as file:
-        for stream in (1, 2):
-            os.dup2(file.fileno(), stream)
-    importlib.import_module(f"distributed.cli.dask_{kind}").main(["--no-dashboard", *arguments])
+    os.environ |= ENVIRONMENT
+    for stream, path in enumerate(outputs, start=1):
+        os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600), stream)

@@ -11,41 +11,48 @@ import random
 import shutil
 import time
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from robustness import faults
+from robustness.kills import finished_records, steady_records
 from robustness.preload import GRANTED, Faults
+from robustness.warm import calmly, start
 
 LOCKS = {"that work": 0, "refused": errno.ENOLCK, "not there": errno.ENOSYS, "granted, not held": GRANTED}
 """What the file system does about locks."""
 SWEEP = ["run", "--task", "toys:Normal", "--method", "toys:Moment", "--budget", "400", "--observations", "100"]
-SWEEP += ["--targets", "0-7", "--set", "moment.pause=0.01"]
+SWEEP += ["--in-process", "--targets", "0-7", "--set", "moment.pause=0.01"]
+
+
+@contextmanager
+def granted(folder: Path, locks: int) -> Iterator[None]:
+    """Within the block the file system does so about locks below a folder."""
+    faults = Faults()
+    faults.root(folder)
+    faults.set(locks=locks)
+    yield
 
 
 def one_round(template: Path, folder: Path, locks: int, moments: random.Random, calm: Any, took: float) -> list[str]:
     """What became of the two sweeps and the `pack`. Raises AssertionError for anything else than done or refused."""
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(template, folder)
-    before = faults.kept(folder)
-    switch = Faults()
-
-    def set_up() -> None:
-        switch.root(folder)
-        switch.set(locks=locks)
-
-    sweep = [*SWEEP, *faults.in_process(), "--results", str(folder)]
+    before = finished_records(folder)
+    sweep = [*SWEEP, "--results", str(folder)]
     commands = [sweep, sweep, ["pack", "--results", str(folder)], ["pack", "--results", str(folder)]]
     moments.shuffle(commands)
     started = []
     for arguments in commands:
-        started.append((arguments[0], faults.start(arguments, set_up)))
+        started.append((arguments[0], start(arguments, partial(granted, folder, locks))))
         time.sleep(moments.uniform(0, took / 3))
     outcomes = []
     for name, command in started:
-        ended = faults.end(command)
+        ended = command.end()
         if ended.code == 0:
             outcomes.append(f"{name} done")
             continue
@@ -53,12 +60,12 @@ def one_round(template: Path, folder: Path, locks: int, moments: random.Random, 
         assert ended.err.count("\n") == 1, ended.err
         assert "another avobench run" in ended.err, ended.err
         outcomes.append(f"{name} refused")
-    found = faults.kept(folder)
+    found = finished_records(folder)
     lost = [name for name, content in before.items() if found.get(name) != content]
     assert not lost, f"lost {lost}"
-    assert faults.call(sweep).code == 0
-    assert faults.call(["pack", "--results", str(folder)]).code == 0
-    assert faults.results(folder) == calm, "not as an undisturbed sweep"
+    calmly(sweep)
+    calmly(["pack", "--results", str(folder)])
+    assert steady_records(folder) == calm, "not as an undisturbed sweep"
     left = [path.name for path in folder.glob("**/.*.tmp")]
     assert not left, f"{left} left"
     return outcomes
@@ -66,11 +73,11 @@ def one_round(template: Path, folder: Path, locks: int, moments: random.Random, 
 
 def campaign(place: Path, rounds: int) -> dict[str, dict[str, int]]:
     template, calm = place / "template", place / "calm"
-    assert faults.call([*SWEEP[:-3], "0-1", *SWEEP[-2:], *faults.in_process(), "--results", str(template)]).code == 0
+    calmly([*SWEEP, "--targets", "0-1", "--results", str(template)])
     shutil.copytree(template, calm)
     begun = time.monotonic()
-    assert faults.call([*SWEEP, *faults.in_process(), "--results", str(calm)]).code == 0
-    took, expected = time.monotonic() - begun, faults.results(calm)
+    calmly([*SWEEP, "--results", str(calm)])
+    took, expected = time.monotonic() - begun, steady_records(calm)
     found = {}
     for name, locks in LOCKS.items():
         moments, outcomes = random.Random(0), Counter()

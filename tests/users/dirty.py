@@ -90,18 +90,8 @@ WAYS = {
     "no estimate": lambda problem, found: {"theta": found.theta},
 }
 """What is done before a sound estimate is returned, or what is returned in its place."""
-LOST = (
-    "events",
-    "speechless",
-    "leaves",
-    "screen",
-    "nested",
-    "wide",
-    "wide spread",
-    "masked",
-    "half a character elsewhere",
-)
-LOST += ("no estimate",)
+LOST = ("events", "speechless", "leaves", "screen", "nested", "wide", "wide spread", "masked", "no estimate")
+LOST += ("half a character elsewhere",)
 """Ways that cost the cell."""
 
 

@@ -48,6 +48,35 @@ class Normal(Task):
         return self.scale**2 * (1 / num_observations + (1 / num_simulations if num_simulations else 0))
 
 
+def _raise(error):
+    raise error
+
+
+INSTEAD = {
+    "greedy": lambda problem: problem.simulate.repeat(problem.prior.center, problem.simulate.budget),
+    "raises": lambda problem: _raise(RuntimeError("lost the thread")),
+    "summary": lambda problem: problem.summary(problem.x_observed),
+    "exits": lambda problem: _raise(SystemExit(0)),
+    "quiet": lambda problem: _raise(BudgetExhausted),
+    "usage": lambda problem: _raise(UsageError("not like this")),
+    "cheats": lambda problem: setattr(problem.simulate, "budget", 10**6),
+    "support": lambda problem: problem.simulate(np.array([[100.0]])),
+    "dies": lambda problem: os.kill(os.getpid(), signal.SIGKILL),
+}
+"""What a method does in place of an estimate."""
+CHANGED = {
+    "nothing": lambda found: None,
+    "outside": lambda found: replace(found, theta=found.theta + 100),
+    "trace": lambda found: replace(found, trace=[1, 2]),
+    "backwards": lambda found: replace(found, trace=found.trace[::-1]),
+    "beyond": lambda found: replace(found, trace=[*found.trace, TracePoint(10**6, found.theta)]),
+    "spread": lambda found: replace(found, std=-found.std),
+    "tells": lambda found: replace(found, error=found.std),
+    "error": lambda found: replace(found, error=-found.std),
+}
+"""What it returns in place of a sound estimate."""
+
+
 @dataclass(frozen=True)
 class Moment(Method):
     """Corrects theta by the difference of means, a step at a time."""
@@ -71,37 +100,10 @@ class Moment(Method):
             x = problem.simulate.repeat(theta, problem.simulate.budget // self.steps)[0]
             theta = theta + problem.x_observed.mean(axis=0) - x.mean(axis=0)
             trace.append(TracePoint(problem.simulate.used, theta))
-        if self.fault == "greedy":
-            problem.simulate.repeat(theta, problem.simulate.budget)
-        if self.fault == "raises":
-            raise RuntimeError("lost the thread")
-        if self.fault == "summary":
-            problem.summary(problem.x_observed)
-        if self.fault == "exits":
-            raise SystemExit(0)
-        if self.fault == "quiet":
-            raise BudgetExhausted
-        if self.fault == "usage":
-            raise UsageError("not like this")
-        if self.fault == "cheats":
-            problem.simulate.budget = 10**6
-        if self.fault == "outside":
-            theta = theta + 100
-        if self.fault == "support":
-            problem.simulate(np.array([[100.0]]))
-        if self.fault == "nothing":
-            return None
-        if self.fault == "trace":
-            trace = [1, 2]
-        if self.fault == "backwards":
-            trace = trace[::-1]
-        if self.fault == "beyond":
-            trace[-1] = trace[-1]._replace(simulations=problem.simulate.used + 1)
-        if self.fault == "dies":
-            os.kill(os.getpid(), signal.SIGKILL)
-        std = np.full(1, problem.simulate.used**-0.5) * (-1 if self.fault == "spread" else 1)
-        error = {"tells": std, "error": -std}.get(self.fault)
-        return Estimate(theta, "last step", "posterior", theta, std, trace, error=error)
+        if self.fault in INSTEAD:
+            INSTEAD[self.fault](problem)
+        found = Estimate(theta, "last step", "posterior", theta, np.full(1, problem.simulate.used**-0.5), trace)
+        return CHANGED.get(self.fault, lambda found: found)(found)
 
 
 @dataclass(frozen=True)
@@ -131,18 +133,14 @@ class Lockstep(Moment):
     most: int = 99
 
     def infer(self, problem, rng):
-        if self.fault == "dies" and problem.x_observed.mean() > self.limit:
-            os.kill(os.getpid(), signal.SIGKILL)
-        if self.fault == "raises" and problem.x_observed.mean() > self.limit:
-            raise RuntimeError("lost the thread")
+        if self.fault in INSTEAD and problem.x_observed.mean() > self.limit:
+            INSTEAD[self.fault](problem)
         return replace(self, fault="").infer_together([problem], [rng])[0]
 
     def infer_together(self, problems, rngs):
         means = np.array([problem.x_observed.mean() for problem in problems])
-        if self.fault == "dies" and means.max() > self.limit:
-            os.kill(os.getpid(), signal.SIGKILL)
-        if self.fault == "raises" and means.max() > self.limit:
-            raise RuntimeError("lost the thread")
+        if self.fault in INSTEAD and means.max() > self.limit:
+            INSTEAD[self.fault](problems[0])
         if len(problems) > self.most:
             raise OutOfMemoryError("CUDA out of memory. Tried to allocate 2.00 GiB. GPU 0 has a total of 79 GiB. See")
         theta, traces = np.zeros(len(problems)), [[] for _ in problems]

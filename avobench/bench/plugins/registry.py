@@ -49,12 +49,12 @@ class Trusted(str):
     __slots__ = ()
 
 
-def trusted(spec: str) -> str:
-    """Mark `spec` as a file that the user trusts: reading a model then runs the code that the file names.
+def trusted(spec: str, trust: bool = True) -> str:
+    """Mark `spec`, if `trust` says so, as a file that the user trusts: reading a model runs the code that it names.
 
     Without the mark a model may name installed tasks and effects only. It stays with the text, to worker processes too.
     """
-    return Trusted(spec)
+    return Trusted(spec) if trust else spec
 
 
 def absolute(spec: str) -> str:
@@ -158,7 +158,7 @@ def named_in(file: str | Path, kind: str, name: str, trust: bool) -> str:
         )
     if ":" not in name and not is_model(kind, name) and name not in names(kind):
         raise UsageError(f"{file} names {kind} '{name}', which is not installed")
-    return trusted(name) if trust else name
+    return trusted(name, trust)
 
 
 def effect(spec: str) -> Effect:

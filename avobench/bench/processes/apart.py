@@ -285,9 +285,9 @@ def _serve(pipe: Connection, parent: int) -> None:
     os.environ.pop(SAFE_PATH)  # what a simulator starts finds its own files
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; the one that began it ends the others
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
     with suppress(EOFError, OSError, KeyboardInterrupt):  # nobody sends, nobody takes, it is to end
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
         while True:
             answer = _answer(*pipe.recv())
             for stream in (sys.stdout, sys.stderr):

@@ -1,7 +1,6 @@
 """A diagnosis for the eye: figures, and one page that holds them and every number."""
 
 from pathlib import Path
-from typing import NamedTuple
 
 from avobench.bench.store.files import write_atomically
 from avobench.diagnosis import Result
@@ -26,8 +25,9 @@ def write(task: Task, result: Result, folder: Path, title: str) -> list[Path]:
         if isinstance(saved, Missing):
             shown.append(saved)
         else:
-            paths += saved.paths
-            shown.append(saved.picture)
+            files, picture = saved
+            paths += files
+            shown.append(picture)
     for path in folder.iterdir():
         if FIGURE.fullmatch(path.name) and path not in paths:
             path.unlink()
@@ -36,14 +36,8 @@ def write(task: Task, result: Result, folder: Path, title: str) -> list[Path]:
     return [*paths, write_atomically(folder / "report.html", page.encode())]
 
 
-class _Saved(NamedTuple):
-    """The files of a figure, and what the page shows of it."""
-
-    paths: list[Path]
-    picture: Picture
-
-
-def _saved(figure: Drawn, folder: Path) -> _Saved:
+def _saved(figure: Drawn, folder: Path) -> tuple[list[Path], Picture]:
+    """Write a figure; its files, and what the page shows of it."""
     paths = figure.save(folder)
     (png,) = (path for path in paths if path.suffix == ".png")
-    return _Saved(paths, Picture(figure.name, figure.caption, png.read_bytes()))
+    return paths, Picture(figure.name, figure.caption, png.read_bytes())

@@ -1,85 +1,40 @@
 """A real scheduler and real worker processes: the records of this machine, whatever happens to a worker."""
 
-import json
 import os
 import signal
-import subprocess
-import sys
 import threading
-import time
-from contextlib import suppress
-from pathlib import Path
 
 import pytest
 from distributed import Client
+from watch import Watch
 
 from avobench.bench.processes.dask import DaskBackend
 from avobench.bench.store.store import Store
 from avobench.bench.sweep.plan import plan
-from avobench.bench.sweep.runner import View, run
+from avobench.bench.sweep.runner import run
 from avobench.tasks.errors import AvobenchError, UsageError
-
-HERE = Path(__file__).parents[2] / "users"
-
-
-class Cluster:
-    """A scheduler on this machine, and workers as a user starts them."""
-
-    def __init__(self, folder):
-        self.folder, self.started = folder, []
-        file = folder / "scheduler.json"
-        self.start("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-show", "--scheduler-file", file)
-        self.address = None
-        while self.address is None:
-            time.sleep(0.05)
-            with suppress(FileNotFoundError, json.JSONDecodeError):  # not there, or not yet written to its end
-                self.address = json.loads(file.read_text())["address"]
-
-    def worker(self, *arguments, **environment):
-        """A process that runs cells itself: without a nanny that would start it again."""
-        arguments = arguments or ("--nthreads", "1", "--no-nanny")
-        return self.start("worker", self.address, *arguments, "--local-directory", self.folder, **environment)
-
-    def start(self, kind, *arguments, **environment):
-        command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", "--no-dashboard", *map(str, arguments)]
-        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        environment = {**os.environ, **environment}
-        process = subprocess.Popen(command, cwd=HERE, env=environment, start_new_session=True, **quiet)
-        self.started.append(process)
-        return process
-
-    def wait_for(self, workers):
-        with Client(self.address, set_as_default=False) as client:
-            client.wait_for_workers(workers, timeout=60)
-
-    def stop(self):
-        for process in reversed(self.started):
-            with suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)  # with the workers that a nanny started
-            process.wait()
+from robustness.cluster import Cluster
 
 
 @pytest.fixture
-def cluster(tmp_path, monkeypatch):
-    monkeypatch.setenv("DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES", "1")  # not 3, which takes longer
-    cluster = Cluster(tmp_path)
+def cluster(tmp_path):
+    cluster = Cluster(tmp_path, allowed_failures=1)  # not 3, which takes longer
+    cluster.begin(0)
     yield cluster
-    cluster.stop()
+    cluster.end()
 
 
-class Watch(View):
-    """Notes what is said, and calls `act` after the first cell."""
+def wait_for(cluster, workers):
+    with Client(cluster.address, set_as_default=False) as client:
+        client.wait_for_workers(workers, timeout=60)
 
-    def __init__(self, act=lambda: None):
-        self.act, self.notes, self.order = act, [], []
 
-    def note(self, line):
-        self.notes.append(line)
-
-    def finished(self, sweep, cell, record):
-        self.order.append(cell)
-        if len(self.order) == 1:
-            self.act()
+@pytest.fixture
+def worker(cluster):
+    """A worker that is there."""
+    process = cluster.worker()
+    wait_for(cluster, 1)
+    return process
 
 
 def toys(targets="0-4", method="toys:Moment", pause=0.1, repetitions=1):
@@ -90,10 +45,9 @@ def far(cells, cluster, store, view=None):
     return run(cells, store, DaskBackend(cluster.address), view or Watch())
 
 
-def test_a_worker_that_dies_while_it_is_asked_for_its_versions_is_none_the_less(cluster, tmp_path):
-    cluster.worker()
+def test_a_worker_that_dies_while_it_is_asked_for_its_versions_is_none_the_less(cluster, worker, tmp_path):
     dying = cluster.worker()
-    cluster.wait_for(2)
+    wait_for(cluster, 2)
     os.killpg(dying.pid, signal.SIGSTOP)  # it is connected, and does not answer
     end = threading.Timer(1.5, os.killpg, (dying.pid, signal.SIGKILL))
     end.start()
@@ -104,35 +58,28 @@ def test_a_worker_that_dies_while_it_is_asked_for_its_versions_is_none_the_less(
 
 def test_a_cell_that_kills_its_workers_is_recorded_as_crashed_and_no_other_is(cluster, tmp_path):
     cluster.worker("--nthreads", "1")  # its nanny starts it again
-    cluster.wait_for(1)
+    wait_for(cluster, 1)
     cells = toys("0", "toys:Dying") + toys("0-2")
-    view = Watch()
-    records = far(cells, cluster, Store(tmp_path / "r", create=True), view)
+    records = far(cells, cluster, Store(tmp_path / "r", create=True))
     assert [record["status"] for record in records] == ["crashed", "ok", "ok", "ok"]
     assert records[0]["message"] == "the worker process died at least 2 times (killed, or out of memory)"
 
 
-def test_cells_are_begun_in_their_order(cluster, tmp_path):
-    cluster.worker()
-    cluster.wait_for(1)
+def test_cells_are_begun_in_their_order(cluster, worker, tmp_path):
     view = Watch()
     far(toys("3,1,2", pause=0), cluster, Store(tmp_path / "r", create=True), view)
     assert view.order == toys("3,1,2", pause=0)
 
 
-def test_a_scheduler_that_goes_away_is_one_line_and_what_was_finished_stays(cluster, tmp_path):
-    cluster.worker()
-    cluster.wait_for(1)
+def test_a_scheduler_that_goes_away_is_one_line_and_what_was_finished_stays(cluster, worker, tmp_path):
     store = Store(tmp_path / "r", create=True)
     with pytest.raises(AvobenchError, match=r"the Dask scheduler at .* went away"):
-        far(toys(), cluster, store, Watch(act=cluster.started[0].kill))
+        far(toys(), cluster, store, Watch(act=cluster.scheduler.kill))
     assert len(store.read_all()) >= 1
     assert len(store.sweeps()) == 1
 
 
-def test_a_late_worker_that_is_not_fit_ends_the_sweep_and_what_was_finished_stays(cluster, tmp_path):
-    cluster.worker()
-    cluster.wait_for(1)
+def test_a_late_worker_that_is_not_fit_ends_the_sweep_and_what_was_finished_stays(cluster, worker, tmp_path):
     store = Store(tmp_path / "r", create=True)
     view = Watch(act=lambda: cluster.worker("--nthreads", "2", "--no-nanny"))
     with pytest.raises(UsageError, match="has threads 2 where this run has 1; start it with --nthreads 1"):
@@ -140,9 +87,7 @@ def test_a_late_worker_that_is_not_fit_ends_the_sweep_and_what_was_finished_stay
     assert len(store.read_all()) >= 1
 
 
-def test_a_worker_of_another_source_gets_no_cell(cluster, tmp_path, monkeypatch):
-    cluster.worker()
-    cluster.wait_for(1)
+def test_a_worker_of_another_source_gets_no_cell(cluster, worker, tmp_path, monkeypatch):
     monkeypatch.setattr("avobench.bench.processes.dask.source", lambda: "0" * 12)
     view = Watch()
     with pytest.raises(UsageError, match=r"has source [0-9a-f]{12} where this run has 000000000000; install the same"):

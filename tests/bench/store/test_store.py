@@ -98,13 +98,6 @@ def test_a_store_without_a_sound_record_says_so(store):
         store.read_all()
 
 
-def test_a_record_is_written_nowhere_but_in_the_store(store):
-    before = sorted(store.path.parent.rglob("*"))
-    with pytest.raises(UsageError, match="name of a task must be"):
-        store.write({**records()[0], "task": "../../x"})
-    assert sorted(store.path.parent.rglob("*")) == before
-
-
 def test_a_name_that_leads_elsewhere_is_told_before_anything_is_made(store):
     cells = plan(["toys:Normal"], ["toys:Moment"], "0-1", 1, 400, 100, 0, [])
     cells[1].identity["task"] = "../../x"  # as a file of a model could say

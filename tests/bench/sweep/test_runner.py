@@ -8,39 +8,24 @@ import time
 from pathlib import Path
 
 import pytest
+from steady import without_clocks
+from watch import Watch
 
 from avobench.bench.processes.local import LocalBackend
 from avobench.bench.store.store import Store
 from avobench.bench.sweep.plan import plan
-from avobench.bench.sweep.runner import View, run
+from avobench.bench.sweep.runner import run
 from avobench.tasks.errors import StoreError
 
 HERE = Path(__file__).parents[2] / "users"
-TIMED = ("observation_seconds", "simulator_seconds", "method_seconds", "harness_seconds", "peak_memory_mib", "started")
-
-
-class Notes(View):
-    def __init__(self):
-        self.notes, self.order = [], []
-
-    def note(self, line):
-        self.notes.append(line)
-
-    def finished(self, sweep, cell, record):
-        self.order.append(cell.id)
 
 
 def sweep(path, *, methods=("toys:Moment",), targets="0-3", repetitions=1, jobs=None, settings=(), **options):
     """The records of a sweep of so many processes, or in this one, and what was said."""
     cells = plan(["toys:Normal"], list(methods), targets, repetitions, 400, 100, 0, list(settings))
-    view, store = Notes(), Store(path, create=True)
+    view, store = Watch(), Store(path, create=True)
     backend = LocalBackend(jobs or 1, store.running, in_process=jobs is None)
     return run(cells, store, backend, view, **options), view
-
-
-def results(records):
-    """Records without what a clock or a meter says."""
-    return [{name: value for name, value in record.items() if name not in TIMED} for record in records]
 
 
 def test_this_process_or_two_others_give_the_same_records_bit_for_bit(tmp_path):
@@ -50,10 +35,10 @@ def test_this_process_or_two_others_give_the_same_records_bit_for_bit(tmp_path):
     cells += plan(["toys:Normal"], ["toys:Moment"], "0", 1, 400, 100, 0, [])
     stores = [Store(tmp_path / name, create=True) for name in ("here", "two")]
     backends = LocalBackend(1, stores[0].running, in_process=True), LocalBackend(2, stores[1].running)
-    one, two = (run(cells, store, backend, Notes()) for store, backend in zip(stores, backends, strict=True))
+    one, two = (run(cells, store, backend, Watch()) for store, backend in zip(stores, backends, strict=True))
     assert [record["status"] for record in one] == ["ok"] * 3
     assert len(two) == 3
-    assert results(stores[0].read_all()) == results(stores[1].read_all())
+    assert without_clocks(stores[0].read_all()) == without_clocks(stores[1].read_all())
 
 
 def test_a_second_run_does_only_what_is_missing(tmp_path):
@@ -69,7 +54,7 @@ def test_a_second_run_does_only_what_is_missing(tmp_path):
 def test_cells_are_finished_in_the_planned_order_with_one_worker(tmp_path):
     cells = plan(["toys:Normal"], ["toys:Moment"], "3,1,2", 2, 400, 100, 0, [])
     _, view = sweep(tmp_path, targets="3,1,2", repetitions=2)
-    assert view.order == [cell.id for cell in cells]
+    assert view.order == cells
 
 
 def test_a_failed_cell_does_not_stop_the_sweep_and_is_tried_again_only_on_request(tmp_path):
@@ -86,7 +71,7 @@ def test_damaged_records_are_set_aside_and_made_again(tmp_path):
     damaged = sorted((tmp_path / "records").iterdir())[1]
     damaged.write_text(damaged.read_text()[:100])
     second, view = sweep(tmp_path)
-    assert results(second) == results(first)
+    assert without_clocks(second) == without_clocks(first)
     assert len(view.order) == 1
     assert "set aside" in view.notes[0]
     assert [path.name for path in (tmp_path / "damaged").iterdir()] == [damaged.name]
@@ -180,8 +165,8 @@ def test_an_interrupted_sweep_says_so_in_one_line_and_leaves_no_process(tmp_path
         process.send_signal(number)
     _, error = process.communicate(timeout=120)
     assert process.returncode == 130
-    last = error.decode().strip().splitlines()
-    assert last[-1].startswith("avobench: stopped; ")
+    kept = "avobench: stopped; finished work is kept, and the same command continues from it"
+    assert error.decode().splitlines()[-1] == kept
     assert "Traceback" not in error.decode()
     assert gone(process.pid)
     sound, damaged = Store(tmp_path).read()
