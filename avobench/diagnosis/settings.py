@@ -56,8 +56,6 @@ class FitSettings:
     """Half the width of a design, in standard errors, at least: the minimum moves about one of them within it."""
     slope_noise: float = 0.2
     """Standard error of a slope over a design, in units of the slope that is one standard error of the parameter."""
-    first_piece: float = 0.25
-    """Share of the events of a surrogate from which it is told how many of them an effect changes."""
     cell: float = 6.0
     """Spacing of the nodes at which events are simulated, at most, in standard errors of a parameter beside the others:
     over so short a way the mean of events is linear, and neighbouring fits use the same events."""

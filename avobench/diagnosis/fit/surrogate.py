@@ -238,8 +238,6 @@ class ReferenceModel:
 
     model: Model
     surrogate: Surrogate
-    sparing: bool = False
-    """Whether an effect that changes few events is seen from fewer: its change is then known as well as others are."""
 
     def design(self, start: NDArray[np.float64], half: NDArray[np.float64]) -> Design:
         """A design for the larger model from `start` (P,): a box of half-widths `half` (P,), or what of it is known."""
@@ -271,34 +269,33 @@ class ReferenceModel:
         p, k = self.model.dim, (model.dim + 1) * (model.dim + 2) // 2
         normal, change, unlike = np.zeros((k, k)), 0.0, 0.0
         num_centre, change_there = 0, 0.0
-        done, source = 0, self.model.source()
-        wanted = max(int(FIT.first_piece * num_events), 2 * k) if self.sparing else num_events
-        while not done or wanted - done >= k:  # fewer events than terms tell nothing
-            n = min(wanted - done, model.at_once)
+        left, source = num_events, self.model.source()
+        while left > 0:
+            n = min(left, model.at_once)
             u = design.to_u(rng.uniform(-1, 1, (n, model.dim)))
             u[: n // 2] = design.centre
             b = basis(design.to_t(u))
             x, y = with_and_without(self.model, model, model.from_cube(u), rng, source)
             some = slice(None, None, max(n // FIT.compared_twins, 1))
             moved = float(vectors.moved(x[some], y[some]).mean())
-            if not done and moved > 1:
+            if left == num_events and moved > 1:
                 return from_events(model, vectors, design, num_events, rng)
-            unlike += n * moved
+            unlike += n / num_events * moved
             normal += b.T @ b
             hit = (x != y).any(axis=1)
             change = change + vectors.moments(y[hit], b[hit]) - vectors.moments(x[hit], b[hit])
             there = hit[: n // 2].nonzero()[0]
             one = np.ones((len(there), 1))
             change_there = change_there + (vectors.moments(y[there], one) - vectors.moments(x[there], one))[0]
-            num_centre, done = num_centre + n // 2, done + n
-            wanted = max(wanted, min(int(num_events * unlike / done), num_events))
+            num_centre += n // 2
+            left -= n
         inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
         # The known polynomial in the coordinates of this design, by its values at as many points as it has terms.
         t = np.random.default_rng(0).uniform(-1, 1, (2 * k, model.dim))
         there = basis(self.surrogate.design.to_t((design.centre + t @ design.axes.T)[:, :p]))
         translate = np.linalg.lstsq(basis(t), there, rcond=None)[0]
         coefficients = inverse @ change + translate @ self.surrogate.coefficients
-        unlike *= repeats(source) / done
+        unlike *= repeats(source)
         noise = unlike * inverse + translate @ self.surrogate.inverse @ translate.T
         constant = np.eye(k)[0]
         alone = np.linalg.pinv(normal - num_centre * np.outer(constant, constant), rcond=1e-12, hermitian=True)

@@ -145,7 +145,7 @@ class Candidates:
     def reference(self) -> ReferenceModel:
         """What effects are added to: its noise is the same for all, and the less, the more was simulated by then."""
         events, rng = int(self.effort.reference * self.target.num_events), np.random.default_rng(self.seed)
-        return replace(self.without.reference(self.target, events, rng), sparing=True)
+        return self.without.reference(self.target, events, rng)
 
     def work(self, fitting: Callable[..., Fit], begun: list, *how: int) -> list[Fit | None]:
         """The fits of all, from one seed, by so many processes as were asked for; None where events end."""
