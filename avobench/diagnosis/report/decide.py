@@ -48,10 +48,10 @@ class Seen:
     """How the rival moves with its parameters: (r, P)."""
 
     def beside(self, other: "Seen", n: float, m: float) -> "Seen":
-        """n events of this condition and m of another, as one event of both."""
-        a, b = np.sqrt(n), np.sqrt(m)
+        """n events of this condition and m of another, as one event of both, by as many pieces as both have."""
+        a, b, g = np.sqrt(n), np.sqrt(m), min(len(self.difference), len(other.difference))
         return Seen(
-            np.hstack([a * self.difference, b * other.difference]),
+            np.hstack([a * self.difference[:g], b * other.difference[:g]]),
             np.vstack([a * self.slopes, b * other.slopes]),
             np.vstack([a * self.rival, b * other.rival]),
         )

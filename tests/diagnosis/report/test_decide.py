@@ -114,6 +114,14 @@ def total(events):
     return N + (1 - TEST.held_out_share) * events
 
 
+def test_conditions_with_unequal_numbers_of_pieces_add_up():
+    rng = np.random.default_rng(5)
+    some, more = (Seen(rng.normal(1, 0.3, (g, 1)), np.empty((1, 0)), np.empty((1, 0))) for g in (50, 64))
+    for one, other in ((some, more), (more, some)):
+        value, error = one.beside(other, 2, 3).noncentrality()
+        assert abs(value - 5) < 4 * error < 2
+
+
 def test_the_number_of_events_and_the_interval_are_those_that_are_known(normal):
     pair = Pair.of(normal.fitted(Cluster()), normal.fitted(), normal.target)
     used = normal.bank.used
