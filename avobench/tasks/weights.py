@@ -86,8 +86,7 @@ def unweighted(events: ArrayLike, weights: ArrayLike | str, *, seed: int = 0) ->
 
     Examples
     --------
-    >>> import pandas as pd, warnings
-    >>> warnings.simplefilter("ignore")
+    >>> import pandas as pd
     >>> unweighted(pd.DataFrame({"energy": [1.0, 2.0, 3.0], "w": [1.0, 0.0, 1.0]}), "w")["energy"].tolist()
     [1.0, 3.0]
     """
