@@ -1,7 +1,7 @@
-"""Cases that were written without sight of the code: sealed until a finished version is run on them, once."""
+"""Cases of the thirteenth series, which was sealed until a version was run on it."""
 
 from paper.cases.case import Case
-from paper.cases.sealed import counts, measured, one_feature, several
+from paper.cases.opened.thirteenth import counts, measured, one_feature, several
 
 CASES: dict[str, list[Case]] = {
     "simulated": [*counts.CASES, *one_feature.CASES, *several.CASES],
