@@ -64,6 +64,8 @@ class Effort:
     """Events from which the covariance that a model predicts is taken."""
     scan: tuple[int, int] = (60, 150)
     """Points of each search for theta, and events at each."""
+    pairs: tuple[int, int] = (60, 100)
+    """Thetas of each round of a search for two populations, and events at each."""
     starts: int = 45
     """Fits that begin, at most."""
     begun: int = 18

@@ -208,6 +208,13 @@ class SearchSettings:
     """Features on which effects are looked for, at most: shapes that tie two of them grow with the square of their
     number, and 15 have 2 900 shapes, which is minutes. Of events with more features a look takes longer, and they are
     fewer, so that the search does not."""
+    apart: float = 0.3
+    """Distance, in cube coordinates, of thetas that are drawn around others at first, and the factor by which it falls
+    in two rounds."""
+    pairings: int = 6
+    """Rounds in which thetas are drawn around those of the best pairs."""
+    pairs: int = 12
+    """The best pairs of thetas, around which others are drawn."""
     modes: int = 2
     """Places at which a fit begins that were found in this way, at most, to either side."""
     coarse_points: int = 10

@@ -77,6 +77,9 @@ class Effect(ABC):
     is only requested by `--effect` need not."""
     moves_theta: ClassVar[bool] = False
     """Whether it asks the simulator for every event at another theta, so that nothing of finished events stays."""
+    second: tuple[int, ...] = ()
+    """Of a mixture: the columns of theta of which a second population has values of its own. The parameters are the
+    share of that population, up to a half, and these values."""
     between: ClassVar[bool] = False
     """Whether it ties features to each other, as those of different data sets are not."""
     odds: ClassVar[float] = 1.0

@@ -86,8 +86,8 @@ class Spread(Family):
         return simulate(theta, rng)
 
 
-MOST = 3
-"""Parameters in which the second population may differ at once: a grid over more of them would be too coarse."""
+MOST = 6
+"""Parameters in which the second population may differ at once: of more, a fit takes too many events."""
 BEYOND = 0.5
 """How far outside the prior the second population may lie, in its widths: it need not be what was expected."""
 
@@ -101,8 +101,7 @@ class Mixture(Effect):
     """
 
     feature: str | None = None
-    columns: tuple[int, ...] = ()
-    """Columns of the parameters in theta."""
+    second: tuple[int, ...] = ()
     others: tuple[Parameter, ...] = ()
     """What they are in the second population."""
 
@@ -136,6 +135,6 @@ class Mixture(Effect):
         rows = np.flatnonzero(rng.random(len(x)) < phi[:, 0])
         if len(rows):
             other = theta[rows]
-            other[:, self.columns] = phi[rows, 1:]
+            other[:, self.second] = phi[rows, 1:]
             x[rows] = simulate(other, rng)
         return x

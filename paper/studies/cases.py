@@ -130,7 +130,12 @@ def said(case: Case, configuration: Configuration) -> dict[str, Any]:
 def weighed(posterior: Posterior, labels: tuple[str, ...]) -> list[dict[str, Any]]:
     """What all sets of effects, and what is outside, were told by: to which the decision is fitted."""
     sets = [
-        {"effects": [named(key, labels).model_dump() for key in sorted(names, key=str)], "marks": marks.tolist()}
+        {
+            "effects": [named(key, labels).model_dump() for key in sorted(names, key=str)],
+            "marks": marks.tolist(),
+            "q": (best := posterior.shapes[names][0].fit).noiseless_q,
+            "dof": best.dof,
+        }
         for names, marks in posterior.marks.items()
     ]
     return [*sets, {"effects": None, "marks": [0, 0, posterior.looks_outside, 0, 0]}]

@@ -22,6 +22,7 @@ from avobench.diagnosis.fit.descent import descend, sharpen
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.surrogate import ReferenceModel
 from avobench.diagnosis.search.evidence import Weighed
+from avobench.diagnosis.search.populations import populations
 from avobench.diagnosis.search.screening import Around, Look, Sample, Start, closer, glance, hidden, starts_of
 from avobench.diagnosis.settings import SCORE, SEARCH
 from avobench.diagnosis.summary.target import Target
@@ -49,6 +50,8 @@ class Candidates:
     jobs: int
     like: dict[str, float] = field(default_factory=dict)
     """Logarithm of how much the events look like each family."""
+    begun: dict[frozenset[tuple], Fit] = field(default_factory=dict)
+    """The best fit that began with each set of effects."""
 
     @property
     def without(self) -> Fit:
@@ -82,6 +85,9 @@ class Candidates:
             if again < SEARCH.again and self.moved(first):  # an effect does something else to events of another theta
                 there = self.sample.elsewhere(first.point[: self.without.model.dim], self.effort.fit, self.rng)
                 of_shape, again = starts_of(there, closer(there, look, self.rng)), again + 1
+            second = look.effect.second
+            if not self.parent.effects and 1 < len(second) == self.without.model.num_theta:
+                of_shape = populations(self.without, self.target, look.effect, self.rng, self.effort) + of_shape
             if all_alone and not look.guessed and any(look.effect is effect for effect in self.effects):
                 of_shape += hidden(self.sample, first, self.rng, self.effort)
             starts += of_shape
@@ -123,6 +129,8 @@ class Candidates:
         with meter.keeping(max(meter.remaining or 0, 0) // 2):
             begun = [fit for fit in self.work(begin, starts, self.effort.fit) if fit is not None]
         begun = distinct(sorted(begun, key=lambda fit: fit.noiseless_q))
+        for fit in begun:
+            self.begun.setdefault(frozenset(effect.key for effect in fit.model.effects), fit)
         fits = varied(begun, lambda fit: fit.noiseless_q / 2, lambda fit: fit.model)[: self.effort.begun]
         ranked: list[Weighed] = []
         for (ratio, rounds), most in zip(self.effort.rounds_of_search, SEARCH.most, strict=True):
