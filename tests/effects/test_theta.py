@@ -12,7 +12,6 @@ from avobench.effects.site import Site
 from avobench.effects.theta import Spread
 from avobench.tasks.function import task
 from avobench.tasks.poisson import Poisson
-from avobench.tasks.warped import Warped5
 from avobench.tasks.weinberg import Weinberg
 
 N = 200_000
@@ -104,6 +103,7 @@ def test_a_second_population_lies_within_the_support_and_of_many_parameters_diff
     both = shape_of(Weinberg(), ("mixture", None))
     assert [(p.name, p.unit) for p in both.parameters[1:]] == [("other_e_beam", "GeV"), ("other_g_f", "1")]
     assert [(p.low, p.high) for p in both.parameters[1:]] == [(42.8, 47.2), (-0.2, 2.2)]
-    one_each = [effect for effect in catalogue(Warped5()) if effect.name == "mixture"]
-    assert [effect.feature for effect in one_each] == list(Warped5.parameter_names)
+    many = task(itself, prior={f"p{k}": (0, 1) for k in range(7)}, name="many")
+    one_each = [effect for effect in catalogue(many) if effect.name == "mixture"]
+    assert [effect.feature for effect in one_each] == list(many.parameter_names)
     assert {len(effect.parameters) for effect in one_each} == {2}
