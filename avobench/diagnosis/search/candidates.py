@@ -50,8 +50,6 @@ class Candidates:
     jobs: int
     like: dict[str, float] = field(default_factory=dict)
     """Logarithm of how much the events look like each family."""
-    begun: dict[frozenset[tuple], Fit] = field(default_factory=dict)
-    """The best fit that began with each set of effects."""
 
     @property
     def without(self) -> Fit:
@@ -129,8 +127,6 @@ class Candidates:
         with meter.keeping(max(meter.remaining or 0, 0) // 2):
             begun = [fit for fit in self.work(begin, starts, self.effort.fit) if fit is not None]
         begun = distinct(sorted(begun, key=lambda fit: fit.noiseless_q))
-        for fit in begun:
-            self.begun.setdefault(frozenset(effect.key for effect in fit.model.effects), fit)
         fits = varied(begun, lambda fit: fit.noiseless_q / 2, lambda fit: fit.model)[: self.effort.begun]
         ranked: list[Weighed] = []
         for (ratio, rounds), most in zip(self.effort.rounds_of_search, SEARCH.most, strict=True):

@@ -87,9 +87,6 @@ class Search:
             beam = self.foremost(added)
             if size == 2 and beam:  # each of the two may describe the events alone, from where it is beside the other
                 weighed += first.told_apart([start_without(beam[0].fit, k) for k in (0, 1)], -np.inf)
-        # What did not get far may be right nevertheless, since no shape of the catalogue is that of nature.
-        told = {one.effects for one in weighed}
-        weighed += [Weighed.of(fit, like) for effects, fit in first.begun.items() if effects not in told]
 
     def looks_at(self, features: set[int | str | None]) -> bool:
         """Whether effects are looked for on all single features among these."""
