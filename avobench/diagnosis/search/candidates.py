@@ -85,7 +85,7 @@ class Candidates:
                 of_shape, again = starts_of(there, closer(there, look, self.rng)), again + 1
             second = look.effect.second
             if not self.parent.effects and 1 < len(second) == self.without.model.num_theta:
-                of_shape = populations(self.without, self.target, look.effect, self.rng, self.effort) + of_shape
+                of_shape = populations(self.without, self.target, look.effect, self.rng, self.effort)
             if all_alone and not look.guessed and any(look.effect is effect for effect in self.effects):
                 of_shape += hidden(self.sample, first, self.rng, self.effort)
             starts += of_shape
