@@ -122,7 +122,7 @@ class Diagnose(Subject):
     def finished(self, folder: Path) -> Files:
         names = {path.name for path in folder.glob("out/[!.]*")}
         if "diagnosis.json" in names:
-            assert {"model.json", "report.html", "gap.png", "theta.png"} <= names
+            assert {"model.json", "report.html", "theta.png"} <= names
         return {}  # the same command makes them anew, and diagnosis.json goes first
 
     def results(self, folder: Path) -> Any:

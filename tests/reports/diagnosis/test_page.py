@@ -83,12 +83,12 @@ def spectrum(task, after):
 def test_the_page_opens_without_network_shows_its_figures_and_escapes(browser, tmp_path):
     task = Poisson()
     paths = write(task, diagnosis(task), tmp_path, title=HOSTILE)
-    names = {"distribution-1", "gap", "theta", "candidates"}
+    names = {"distribution-1", "theta"}
     assert {path.name for path in paths} == {f"{name}.{kind}" for name in names for kind in ("pdf", "png", "csv")} | {
         "report.html"
     }
-    assert (tmp_path / "gap.pdf").read_bytes().startswith(b"%PDF")
-    assert (tmp_path / "gap.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "theta.pdf").read_bytes().startswith(b"%PDF")
+    assert (tmp_path / "theta.png").read_bytes().startswith(b"\x89PNG")
     drawn = pd.read_csv(tmp_path / "distribution-1.csv")
     assert drawn["pull_before"][0] == pytest.approx(0.0392 / np.sqrt(0.0592 * 0.9408 / 5000), rel=1e-4)
     assert (drawn["pull_after"] == 0).all()
@@ -225,7 +225,7 @@ def test_a_figure_that_cannot_be_drawn_is_a_sentence_and_the_rest_is_there(brows
     browser.open(tmp_path / "report.html")
     text = browser.run("return document.querySelector('#figure-distribution-1').textContent")
     assert text.startswith("The figure “distribution-1” could not be drawn: ValueError")
-    assert browser.run("return document.images.length") == 4
+    assert browser.run("return document.images.length") == 2
     assert browser.complaints() == []
 
 
