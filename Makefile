@@ -83,9 +83,8 @@ docs: venv docs/figures/effects/drawn  ## build the site into site/: a warning e
 	@echo "the site is site/index.html"
 
 # A picture of each effect, drawn again when what it shows may have changed.
-docs/figures/effects/drawn: avobench/reports/effects.py $(shell find avobench/effects -name '*.py') | .venv/ready
-	OMP_NUM_THREADS=1 $(BIN)/avobench effects draw --task carl --task avobench.tasks.decays:DECAYS --task poisson --task alignment \
-		--out $(@D)
+docs/figures/effects/drawn: paper/effect_pictures.py $(shell find avobench/effects -name '*.py') | .venv/ready
+	OMP_NUM_THREADS=1 $(BIN)/python -m paper.effect_pictures carl avobench.tasks.decays:DECAYS poisson alignment
 	@touch $@
 
 demo: venv  ## the example of the README: a simulator, measured data, what the simulator lacks; picture in reports/

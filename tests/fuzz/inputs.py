@@ -185,11 +185,10 @@ LINES = {
     "challenge score": ("made", "made --format json --targets"),
     "challenge solve": ("challenge --alpha 0.05 --trust",),
     "diagnose": ("--task poisson --data x.npy --out answer --seed 0 --alpha 0.05 --max-effects 1",),
-    "effects draw": ("--task poisson --out drawn",),
 }
 """Sound command lines, on what `CommandLines` puts into the folder."""
 UNKNOWN = ("--no-such-option", "-Q")
-SLOW = ("challenge solve", "diagnose", "effects draw")
+SLOW = ("challenge solve", "diagnose")
 """Commands that would work for long if their line were right: of these, lines that must be refused only."""
 POSITIVE = ("--budget", "--observations", "--repetitions", "--jobs", "-j", "--cases", "--events", "--group")
 POSITIVE += ("--time-limit", "--memory-limit", "--simulations")

@@ -23,7 +23,7 @@ NUM_ROWS = "rows"
 ROWS_A_GROUP = 128
 """Rows that are compressed together, and that a damaged place in the file takes with it; 256 save 3 % of its size."""
 COMPRESSION_LEVEL = 9
-"""The level of zstd: 360 records take 0.2 s. The highest, 19, saves a fifth of the room and takes twenty times as long."""
+"""The level of zstd: 360 records take 0.2 s. The highest, 19, saves a fifth of the room in twenty times the time."""
 UNREADABLE = (OSError, ValueError, KeyError, NotImplementedError, MemoryError, pa.ArrowException)
 """PyArrow raises one of these on a file whose bytes were changed."""
 
