@@ -55,14 +55,6 @@ def test_any_record_comes_back_byte_for_byte(tmp_path_factory, records):
     assert store.read_all() == sorted(records, key=file_name)
 
 
-def test_the_committed_records_are_packed():
-    folders = sorted(path.parent for path in REFERENCE.path.parent.glob("*/store.json"))
-    assert len(folders) >= 5
-    for folder in folders:
-        assert (folder / "records.parquet").exists()
-        assert not (folder / "records").exists()
-
-
 def test_a_record_made_again_wins_over_its_row_and_is_folded_in(store, kept):
     written = files(store)
     pack(store)

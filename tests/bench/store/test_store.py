@@ -149,10 +149,3 @@ def test_folders_that_cannot_be_a_store_are_refused_in_one_line(tmp_path):
         Store(tmp_path / "nowhere")
     assert not (tmp_path / "nowhere").exists()
     assert [path.name for path in other.iterdir()] == ["thesis.tex"]
-
-
-def test_one_sweep_at_a_time(store):
-    with store.lock(), pytest.raises(UsageError, match="another avobench run"):
-        Store(store.path).lock().__enter__()
-    with store.lock():
-        pass
