@@ -61,7 +61,7 @@ bench-speed: venv  ## side by side: simulators against bare NumPy and Pythia, BO
 	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.simulators
 	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.bolfi
 
-bench-avo: venv  ## AVO's step beside a plain implementation, matrix products alone and memory traffic
+bench-avo: venv  ## AVO's update by hand beside PyTorch's derivatives
 	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.avo
 
 bench-scaling: venv  ## time and memory against budget, observations, targets, workers and number of cells
