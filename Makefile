@@ -57,8 +57,7 @@ figures: venv  ## draw the committed records into docs/figures, and write the pa
 studies: venv  ## the paper's single experiments, the ablation and the studies beyond it into results/, as far as they lack
 	for study in $(STUDIES); do $(BIN)/python -m paper.study $$study || exit 1; done
 
-bench-speed: venv  ## side by side: simulators against bare NumPy and Pythia, BOLFI's fast process against ELFI's own
-	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.simulators
+bench-speed: venv  ## side by side: BOLFI's fast process and ELFI's own
 	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.bolfi
 
 bench-avo: venv  ## AVO's update by hand beside PyTorch's derivatives
