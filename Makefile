@@ -47,7 +47,7 @@ quick: venv  ## all tasks and methods on 3 targets at a tenth of the budget, int
 	$(BIN)/avobench run $(METHODS) $(QUICK) --results results/quick --figure reports/quick
 
 figures: venv  ## draw the committed records into docs/figures, and write the pages on the paper's claims and on real data
-	$(BIN)/avobench figure benchmark efficiency cost coverage --results results/reference --out docs/figures
+	$(BIN)/avobench figure benchmark efficiency coverage --results results/reference --out docs/figures
 	$(BIN)/python -m paper.figures poisson alignment detector weinberg dimension misspecification contamination --out docs/figures
 	OMP_NUM_THREADS=1 $(BIN)/python -m paper.gallery
 	$(BIN)/python -m paper.figures.reliability_diagram docs/figures results/challenge/sealed-*.jsonl
