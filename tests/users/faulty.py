@@ -258,10 +258,7 @@ METHODS = {
     "NoMinimum": ("declares the smallest", {"least": 0}),
     "UnpicklableMethod": ("can be sent", UNPICKLABLE),
     "Quits": ("says why", drawing(few)),
-    "UnderstatesMinimum": (
-        ESTIMATE,
-        drawing(lambda self, problem, rng: problem.simulate([[1.0]] * 150)),
-    ),
+    "UnderstatesMinimum": (ESTIMATE, drawing(lambda self, problem, rng: problem.simulate([[1.0]] * 150))),
     "WritesPlainly": (ESTIMATE, drawing(lambda self, problem, rng: problem.x_observed.__setitem__(0, 0))),
     "WideEstimate": (ESTIMATE, telling(lambda theta: theta[None])),
     "SaysNothing": (ESTIMATE, telling(how=" ")),

@@ -8,15 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sound_records import sound_records
 
-from avobench.bench.store.record import (
-    IDENTITY,
-    Record,
-    check,
-    decode_record,
-    encode,
-    file_name,
-    identity_hash,
-)
+from avobench.bench.store.record import IDENTITY, Record, check, decode_record, encode, file_name, identity_hash
 from avobench.bench.store.status import ESTIMATED, LOST, Status
 from avobench.bench.store.store import Store
 from avobench.tasks.errors import UsageError
