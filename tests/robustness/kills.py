@@ -28,7 +28,7 @@ from steady import without_clocks
 from avobench.bench.store.packed import read_rows
 from avobench.bench.store.record import decode_record
 from avobench.bench.store.store import Store
-from robustness.warm import call, calmly
+from robustness.warm import SWEEP, call, calmly
 
 REFERENCE = Path(__file__).parents[2] / "results" / "reference"
 OPERATIONS = ("open", "tempfile.mkstemp", "os.chmod", "os.mkdir", "os.rename", "os.remove", "os.rmdir")
@@ -67,8 +67,7 @@ class Run(Subject):
         calmly([*self.arguments(folder), "--targets", "0"])
 
     def arguments(self, folder: Path) -> list[str]:
-        task = ["--task", "toys:Normal", "--method", "toys:Moment", "--budget", "400", "--observations", "100"]
-        return ["run", *task, "--targets", "0-3", "--jobs", "2", "--results", str(folder)]
+        return [*SWEEP, "--targets", "0-3", "--jobs", "2", "--results", str(folder)]
 
     def finished(self, folder: Path) -> Files:
         return finished_records(folder)

@@ -159,12 +159,6 @@ def test_no_window_needs_a_horizontal_scrollbar(opened, width):
         assert opened.run("return document.querySelector('main').clientWidth") > 0.95 * width
 
 
-def test_the_page_says_what_the_error_of_a_size_does_not_cover(opened):
-    assert "may lie many errors from the size of nature's" in opened.run(
-        "return document.querySelector('#theta').textContent"
-    )
-
-
 def test_the_page_says_what_the_numbers_say():
     gates = {"summary": {"statistic": 60.0, "dof": 43, "p_value": 0.044, "share": 0.8}}
     probable = [{**EFFECT, "probability": 0.62}]
