@@ -47,7 +47,7 @@ quick: venv  ## all tasks and methods on 3 targets at a tenth of the budget, int
 	$(BIN)/avobench run $(METHODS) $(QUICK) --results results/quick --figure reports/quick
 
 figures: venv  ## draw the committed records into docs/figures, and write the pages on the paper's claims and on real data
-	$(BIN)/avobench figure benchmark efficiency cost coverage --results results/reference --out docs/figures
+	$(BIN)/avobench figure benchmark efficiency coverage --results results/reference --out docs/figures
 	$(BIN)/python -m paper.figures poisson alignment detector weinberg dimension misspecification contamination --out docs/figures
 	OMP_NUM_THREADS=1 $(BIN)/python -m paper.gallery
 	$(BIN)/python -m paper.figures.reliability_diagram docs/figures results/challenge/sealed-*.jsonl
@@ -57,11 +57,10 @@ figures: venv  ## draw the committed records into docs/figures, and write the pa
 studies: venv  ## the paper's single experiments, the ablation and the studies beyond it into results/, as far as they lack
 	for study in $(STUDIES); do $(BIN)/python -m paper.study $$study || exit 1; done
 
-bench-speed: venv  ## side by side: simulators against bare NumPy and Pythia, BOLFI's fast process against ELFI's own
-	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.simulators
+bench-speed: venv  ## side by side: BOLFI's fast process and ELFI's own
 	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.bolfi
 
-bench-avo: venv  ## AVO's step beside a plain implementation, matrix products alone and memory traffic
+bench-avo: venv  ## AVO's update by hand beside PyTorch's derivatives
 	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.avo
 
 bench-scaling: venv  ## time and memory against budget, observations, targets, workers and number of cells
@@ -83,9 +82,8 @@ docs: venv docs/figures/effects/drawn  ## build the site into site/: a warning e
 	@echo "the site is site/index.html"
 
 # A picture of each effect, drawn again when what it shows may have changed.
-docs/figures/effects/drawn: avobench/reports/effects.py $(shell find avobench/effects -name '*.py') | .venv/ready
-	OMP_NUM_THREADS=1 $(BIN)/avobench effects draw --task carl --task avobench.tasks.decays:DECAYS --task poisson --task alignment \
-		--out $(@D)
+docs/figures/effects/drawn: paper/effect_pictures.py $(shell find avobench/effects -name '*.py') | .venv/ready
+	OMP_NUM_THREADS=1 $(BIN)/python -m paper.effect_pictures carl avobench.tasks.decays:DECAYS poisson alignment
 	@touch $@
 
 demo: venv  ## the example of the README: a simulator, measured data, what the simulator lacks; picture in reports/

@@ -20,6 +20,16 @@ values = st.recursive(
 )
 settings = st.dictionaries(text, values, max_size=3)
 sha256 = st.binary(min_size=32, max_size=32).map(bytes.hex)
+spread = st.floats(0, allow_infinity=False) | st.none()
+PLAIN = dict.fromkeys(("task", "method"), names) | dict.fromkeys(("task_settings", "method_settings"), settings)
+PLAIN |= dict.fromkeys(("task_version", "method_version", "message"), text)
+PLAIN |= dict.fromkeys(("target", "repetition"), st.integers(0, 200)) | {"seed": st.integers(0, 2**63 - 1)}
+PLAIN |= {"num_observations": st.integers(1, 2**62), "floor": spread, "floor_likelihood": spread}
+PLAIN |= {f"{part}_seconds": st.floats(0, 1e9) for part in ("observation", "simulator", "method", "harness")}
+PLAIN |= {"peak_memory_mib": positive | st.none(), "started": st.none() | st.just("2026-11-21T20:40:54+00:00")}
+PLAIN |= {"versions": st.dictionaries(text, text | st.none(), max_size=3)}
+"""Fields that do not depend on each other."""
+SELDOM = {"task_source_sha256": sha256, "method_source_sha256": sha256, "amortised": st.just(True)}
 
 
 def vectors(p: int, of: st.SearchStrategy) -> st.SearchStrategy[list[Any]]:
@@ -28,47 +38,22 @@ def vectors(p: int, of: st.SearchStrategy) -> st.SearchStrategy[list[Any]]:
 
 @st.composite
 def sound_records(draw: st.DrawFn, statuses: Sequence[Status] = tuple(Status)) -> dict[str, Any]:
-    p, status = draw(st.integers(1, 3)), draw(st.sampled_from(statuses))
-    known, spread = finite | st.none(), st.floats(0, allow_infinity=False) | st.none()
+    p, status, known = draw(st.integers(1, 3)), draw(st.sampled_from(statuses)), finite | st.none()
     budget = draw(st.integers(1, 2**62))
     used, refused = draw(st.integers(0, budget)), draw(counts)
-    record = {
+    record = draw(st.fixed_dictionaries(PLAIN, optional=SELDOM)) | {
         "schema_version": 1,
-        "id": "",
-        "task": draw(names),
-        "task_version": draw(text),
-        "task_settings": draw(settings),
-        "method": draw(names),
-        "method_version": draw(text),
-        "method_settings": draw(settings),
-        "theta_true": draw(vectors(p, moderate)),
-        "target": draw(st.integers(0, 200)),
-        "repetition": draw(st.integers(0, 200)),
-        "budget": budget,
-        "num_observations": draw(st.integers(1, 2**62)),
-        "seed": draw(st.integers(0, 2**63 - 1)),
-        "parameter_names": draw(st.lists(text, min_size=p, max_size=p, unique=True)),
         "status": str(status),
-        "message": draw(text),
-        **dict.fromkeys(["theta_hat", "squared_error"]),
-        "floor": draw(spread),
-        "floor_likelihood": draw(spread),
-        **dict.fromkeys(["how", "spread_of", "mean", "std"]),
+        "theta_true": draw(vectors(p, moderate)),
+        "parameter_names": draw(st.lists(text, min_size=p, max_size=p, unique=True)),
+        "budget": budget,
+        **dict.fromkeys(["theta_hat", "squared_error", "how", "spread_of", "mean", "std"]),
         "trace": [],
         "simulations_requested": used + refused,
         "simulations_used": used,
         "simulations_discarded": draw(st.integers(0, used)),
         "simulations_refused": refused,
-        **{f"{part}_seconds": draw(st.floats(0, 1e9)) for part in ("observation", "simulator", "method", "harness")},
-        "peak_memory_mib": draw(positive | st.none()),
-        "started": draw(st.none() | st.just("2026-11-21T20:40:54+00:00")),
-        "versions": draw(st.dictionaries(text, text | st.none(), max_size=3)),
     }
-    for kind in ("task", "method"):
-        if draw(st.booleans()):
-            record[f"{kind}_source_sha256"] = draw(sha256)
-    if draw(st.booleans()):
-        record["amortised"] = True
     if status in LOST:
         record |= dict.fromkeys(name for name in record if name.startswith("simulations_"))
     if status in ESTIMATED:
@@ -89,5 +74,4 @@ def sound_records(draw: st.DrawFn, statuses: Sequence[Status] = tuple(Status)) -
         }
         if draw(st.booleans()):
             record["standard_error"] = draw(vectors(p, spread))
-    record["id"] = identity_hash({name: record[name] for name in IDENTITY if name in record})
-    return record
+    return record | {"id": identity_hash({name: record[name] for name in IDENTITY if name in record})}

@@ -115,8 +115,7 @@ class Diagnosed:
         """A figure by its name; by default the measured events against the simulation before and after.
 
         The default is of the feature that the first effect acts on, or else in which the events disagree most. Names
-        are distribution-1, distribution-2, ... (or maps, for images), gap, theta and candidates. Raises UsageError for
-        another name.
+        are distribution-1, distribution-2, ... (or maps, for images) and theta. Raises UsageError for another name.
         """
         from avobench.reports.diagnosis.figures import drawings
 

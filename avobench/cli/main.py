@@ -12,7 +12,7 @@ from avobench.cli.state import STOPPED, State
 from avobench.cli.terminal import naming_damaged, say
 
 COMMANDS = {
-    "list": ("effects:list_", "Show the tasks, the methods and the effects."),
+    "list": ("list:list_", "Show the tasks, the methods and the effects."),
     "infer": ("infer:infer", "Infer the parameters of a simulator behind measured events."),
     "run": ("run:run", "Carry out the cells that a results folder lacks."),
     "status": ("records:status", "Summarise the records of a results folder."),
@@ -23,7 +23,6 @@ COMMANDS = {
     "report": ("reports:report", "Write one page with everything."),
     "diagnose": ("diagnose:diagnose", "Say what a simulator lacks, by measured events."),
     "challenge": ("challenge:challenge", "Hide effects in measured data, find them again, and score that."),
-    "effects": ("effects:effects", "Draw what a simulator may lack."),
 }
 """The commands by name: where each is, and what it does. What they need takes a second to load, so that each is
 imported when it is asked for."""

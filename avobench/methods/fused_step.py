@@ -14,8 +14,8 @@ matrices is one of T pairs of them.
 
 Why it is not left to autograd: the records of `avo` were made so. A rounding grows over the 800 updates of a run until
 other events are simulated. On a processor where the first three records of weinberg come out again to the last bit,
-autograd on the stacked networks (`paper/speed/discriminator_steps.py`) moved them by 0.011, 0.013 and 0.0002 of the
-prior's width, up to 0.12 standard errors; those of poisson and carl moved by 2e-6 to 2e-4, up to 1.2 standard errors.
+autograd on the stacked networks moved them by 0.011, 0.013 and 0.0002 of the prior's width, up to 0.12 standard errors;
+those of poisson and carl moved by 2e-6 to 2e-4, up to 1.2 standard errors.
 An update of both networks, with 256 observed and as many simulated events, takes 3.4 ms by hand and 6.6 to 7.9 ms by
 autograd, so a run is 3 s shorter.
 """

@@ -1,1 +1,1 @@
-"""Figures, tables and pages from records. Nothing here infers; weinberg's figure draws the observed events again."""
+"""Figures, tables and pages from records. Nothing here infers or simulates."""

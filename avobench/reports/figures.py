@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-FIGURES = ("benchmark", "efficiency", "cost", "coverage")
+FIGURES = ("benchmark", "efficiency", "coverage")
 TRACED = ("efficiency",)
 """Drawn from the traces of the records; the others do without, for which there is room in memory for many more."""
 

@@ -22,8 +22,6 @@ CAPTIONS = {
     "extremes, points the cells; the dashed line is the median floor over the targets, the band spans their floors.",
     "efficiency": "Squared error of the estimate after so many simulations: median and quartiles over the cells, from "
     "where all of them have an estimate. The dashed line is the floor with as many simulations.",
-    "cost": "Wall time that a cell takes, simulator and method together, against its squared error. Small "
-    "marks are cells, large ones medians; the dashed line is the median floor.",
     "coverage": "The share of true parameters that lie within the central intervals a method quotes, from its standard "
     "error or its posterior, against the share that these intervals promise; on the dashed line the two agree.",
 }

@@ -64,10 +64,7 @@ def panels(titles: list[str], columns: int = 2, size: tuple[float, float] = PANE
 
 
 def by_task(
-    table: pd.DataFrame,
-    tasks: list[str],
-    methods: list[str],
-    draw: Callable[[Axes, pd.DataFrame, list[str]], None],
+    table: pd.DataFrame, tasks: list[str], methods: list[str], draw: Callable[[Axes, pd.DataFrame, list[str]], None]
 ) -> Figure:
     """A figure in which `draw` fills a panel of each task with its rows; of the methods and the floor is one legend."""
     figure, axes = panels(tasks)

@@ -1,10 +1,8 @@
-"""`avobench list` and `avobench effects draw`: every effect can be found, in words and in a picture."""
+"""`avobench list`: every effect can be found."""
 
-import pandas as pd
 import pytest
 
 from avobench.effects.catalogue import catalogue, of_domain
-from avobench.reports import effects
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
 from avobench.tasks.decays import DECAYS
@@ -54,8 +52,6 @@ def test_list_shows_one_kind_or_all(avobench):
         (("list", "tasks", "--task", "poisson"), "--task is for `avobench list effects`"),
         (("list", "--task", "poison"), "did you mean poisson?"),
         (("list", "colours"), "colours"),
-        (("effects", "draw", "--task", "poison"), "did you mean poisson?"),
-        (("effects", "draw", "--out", "toys.py"), "is not a folder"),
         (("check", "effect", "dead_tme"), "did you mean dead_time"),
         (("check", "effect", "images.dead_time"), "or counts.dead_time"),
     ],
@@ -71,33 +67,3 @@ def test_an_effect_is_checked_by_the_name_of_its_entry_point(avobench):
     code, out, _ = avobench("check", "effect", "counts.dead_time")
     assert code == 0
     assert out.startswith("pass  says what it is (poisson)\n")
-
-
-def test_draw_makes_a_picture_of_each_effect_and_keeps_its_numbers(avobench, tmp_path, monkeypatch):
-    some = catalogue(Poisson())[:2]
-    monkeypatch.setattr(effects, "catalogue", lambda *_: some)
-    monkeypatch.setattr(effects, "NUM_EVENTS", 2000)
-    code, out, err = avobench("effects", "draw", "--task", "poisson", "--out", tmp_path)
-    assert code == 0, err
-    names = [effect.name.replace("_", "-") for effect in some]
-    assert {path.name for path in tmp_path.iterdir()} == {
-        f"poisson-{name}.{suffix}" for name in names for suffix in ("png", "pdf", "csv")
-    }
-    assert set(out.split()) == {str(path) for path in tmp_path.iterdir()}
-    for name in names:
-        assert (tmp_path / f"poisson-{name}.png").read_bytes().startswith(b"\x89PNG")
-        for _, shape in pd.read_csv(tmp_path / f"poisson-{name}.csv").groupby("shape"):
-            moved = (shape["with"] - shape["without"]).abs().sum() / 2
-            assert 0.02 < moved < 0.5, (name, shape["shape"].iloc[0])
-
-
-def test_images_are_drawn_as_images(avobench, tmp_path, monkeypatch):
-    some = [effect for effect in catalogue(Alignment()) if effect.name == "inefficiency"]
-    monkeypatch.setattr(effects, "catalogue", lambda *_: some)
-    monkeypatch.setattr(effects, "NUM_IMAGES", 200)
-    code, _, err = avobench("effects", "draw", "--task", "alignment", "--out", tmp_path)
-    assert code == 0, err
-    table = pd.read_csv(tmp_path / "alignment-inefficiency.csv")
-    assert len(table) == 2 * 1024
-    assert (table["with"] <= table["without"]).all()
-    assert len(list(tmp_path.glob("*.png"))) == 1

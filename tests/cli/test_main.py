@@ -105,7 +105,7 @@ def test_a_damaged_record_is_named_by_every_reader(avobench, results, tmp_path):
     for arguments, expected in (
         (["status"], "normal"),
         (["export", "--format", "csv", "--out", tmp_path / "t.csv"], "1 rows in"),
-        (["figure", "benchmark", "cost", "--out", tmp_path], "benchmark.csv"),
+        (["figure", "benchmark", "coverage", "--out", tmp_path], "benchmark.csv"),
         (["report", "--out", tmp_path], "index.html"),
     ):
         code, out, err = avobench(*arguments, "--results", results)

@@ -95,13 +95,6 @@ def test_a_page_may_link_to_the_network_and_load_what_stands_beside_it(hooks):
     assert hooks.on_post_page(html, page) == html
 
 
-def test_every_page_of_the_folder_is_in_the_navigation():
-    """MkDocs only remarks on one that is not."""
-    nav = (ROOT / "mkdocs.yml").read_text()
-    pages = [page.relative_to(ROOT / "docs").as_posix() for page in (ROOT / "docs").rglob("*.md")]
-    assert [page for page in pages if not re.search(rf"(- |: ){re.escape(page)}$", nav, re.M)] == []
-
-
 def test_the_places_that_contributing_names_exist():
     text = (ROOT / "CONTRIBUTING.md").read_text()
     package = {path.name for path in (ROOT / "avobench").iterdir() if (path / "__init__.py").exists()}

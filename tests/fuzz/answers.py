@@ -1,4 +1,4 @@
-"""Kinds of input whose right answer is known: tables, far numbers, simulators, methods, stores from elsewhere."""
+"""Kinds of input whose right answer is known: tables, simulators, methods, stores from elsewhere."""
 
 import gzip
 import os
@@ -28,13 +28,6 @@ from fuzz.targets import REFERENCE, Target, ended, refused
 TRUTH = 0.6
 """The location of the events that are fitted."""
 BUDGET = 20_000
-BUDGETS = {"smm": BUDGET, "avo": 1000}
-"""A network takes a hundred times longer than matching means, so it learns from fewer events."""
-ROUNDED = {"smm": 0.1, "avo": 0.5}
-"""Standard errors by which rounding may move a fit. A network that learns from other last digits becomes another, as
-by another seed, which moves a fit by half a standard error."""
-RARE = 20
-"""A network is tried once in so many far numbers."""
 FAR = 6.0
 """Standard errors that two fits of the same events may lie apart: a sound one does so in 1 of 10^8."""
 
@@ -88,44 +81,10 @@ def located(theta: NDArray, rng: np.random.Generator) -> NDArray:
     return theta + rng.normal(size=(len(theta), 1))
 
 
-def fitted(task: avobench.Task, x: NDArray, seed: int = 0, method: str = "smm") -> tuple[float, float, int]:
+def fitted(task: avobench.Task, x: NDArray, seed: int = 0) -> tuple[float, float, int]:
     """The location that is found, its standard error, and the simulated events."""
-    found = avobench.infer(task, x, method, budget=BUDGETS[method], seed=seed)
+    found = avobench.infer(task, x, "smm", budget=BUDGET, seed=seed)
     return found.theta["location"], found.std["location"], found.num_simulations
-
-
-class FarNumbers(Target):
-    """Events that lie 1 to 10^12 away from 0, in units of another size: the answer is that of the same events at 0."""
-
-    name = "far numbers"
-
-    def prepare(self) -> None:
-        self.x = np.random.default_rng(0).normal(TRUTH, 1, (400, 1))
-        self.near: dict[tuple[str, int], tuple[float, float]] = {}
-
-    def inputs(self) -> st.SearchStrategy:
-        sign, power = st.sampled_from([-1, 1]), st.floats(0, 12)
-        method = st.sampled_from(["smm"] * (RARE - 1) + ["avo"])
-        return st.tuples(sign, power, st.floats(-1, 3), method, st.integers(0, 3))
-
-    def given(self, made: tuple) -> bool:
-        sign, power, width, *which = made
-        method, seed = which
-        offset, unit = sign * 10**power, 10**width
-
-        def away(theta: NDArray, rng: np.random.Generator) -> NDArray:
-            return offset + unit * located(theta, rng)
-
-        if (method, seed) not in self.near:
-            plain = avobench.task(located, prior={"location": (-1, 1)}, name="far")
-            self.near[method, seed] = fitted(plain, self.x, seed, method)[:2]
-        value, error = self.near[method, seed]
-        task = avobench.task(away, prior={"location": (-1, 1)}, name="far")
-        found, its_error, _ = fitted(task, offset + unit * self.x, seed, method)
-        # Rounding moves an event by 2e-3 of its width at most here, and the mean of hundreds by far less.
-        assert abs(found - value) < ROUNDED[method] * error, (found, value, error)
-        assert abs(its_error / error - 1) < ROUNDED[method], (its_error, error)
-        return True
 
 
 def _half(x: NDArray) -> NDArray:
@@ -321,4 +280,4 @@ class Stores(Target):
         return {str(path): path.read_bytes() if path.is_file() else b"" for path in self.home.rglob("*")}
 
 
-KINDS = (WrittenTables, FarNumbers, Simulators, Methods, Stores)
+KINDS = (WrittenTables, Simulators, Methods, Stores)

@@ -1,10 +1,8 @@
 """What each kind of hostile input is given to: `Target.check` says "taken" or "refused", or raises AssertionError."""
 
 import contextlib
-import hashlib
 import io
 import json
-import math
 import os
 import shutil
 import signal
@@ -18,15 +16,11 @@ from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
-from sound_records import sound_records
 
 from avobench.bench.events import read_events
 from avobench.bench.plugins import registry
 from avobench.bench.store.packed import Row, read_rows, write_rows
-from avobench.bench.store.record import IDENTITY, encode, file_name, identity_hash
-from avobench.bench.store.status import Status
 from avobench.bench.store.store import Store
-from avobench.bench.store.table import to_frame
 from avobench.cli import main as cli
 from avobench.effects.catalogue import catalogue
 from avobench.tasks.errors import AvobenchError, UsageError
@@ -156,66 +150,6 @@ class CommandLines(Target):
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)
         plant(self.folder)
-
-
-class Records(Target):
-    """Records whose checksum and id are right and whose content is not."""
-
-    name = "records"
-
-    def inputs(self) -> st.SearchStrategy:
-        return sound_records().flatmap(lambda sound: st.tuples(st.just(sound), inputs.changed(sound)))
-
-    def given(self, made: tuple[dict[str, Any], Any]) -> bool:
-        sound, record = made
-        store = Store(self.folder / "store", create=True)
-        name = file_name(sound)
-        if isinstance(record, dict):
-            with contextlib.suppress(TypeError, ValueError, KeyError):
-                record["id"] = identity_hash({name: record[name] for name in IDENTITY if name in record})
-            with contextlib.suppress(AvobenchError, TypeError, ValueError, KeyError):
-                name = file_name(record)
-        try:
-            content = encode(record)
-        except (TypeError, ValueError):  # with the checksum that another program could give it
-            checksum = hashlib.sha256(json.dumps(record, sort_keys=True).encode()).hexdigest()
-            content = json.dumps({**record, "sha256": checksum} if isinstance(record, dict) else record).encode()
-        store.records.mkdir(exist_ok=True)
-        path = store.records / name
-        try:
-            path.write_bytes(content)
-        except (OSError, ValueError):  # no name of a file
-            return False
-        try:
-            found, damaged = store.read()
-            assert len(found) + len(damaged) == 1, (found, damaged)
-            for each in found:
-                sensible(each)
-            for arguments in (["status"], ["export", "--format", "csv", "--out", "t.csv"]):
-                code, said = ended([*arguments, "--results", "store"])
-                assert bool(code) == bool(damaged), said
-            return bool(found)
-        finally:
-            path.unlink()
-
-
-def sensible(record: dict[str, Any]) -> None:
-    """Raise AssertionError for a record that cannot be; written from docs/records.md and not from the checks."""
-    p = len(record["theta_true"])
-    assert p >= 1
-    assert all(math.isfinite(value) for value in record["theta_true"])
-    assert record["budget"] >= 1
-    assert record["seed"] >= 0
-    assert record["status"] in list(Status)
-    if record["status"] in ("ok", "doubtful"):
-        distance = sum((a - b) ** 2 for a, b in zip(record["theta_hat"], record["theta_true"], strict=True))
-        assert math.isclose(record["squared_error"], distance, rel_tol=1e-9)
-        assert 0 <= record["simulations_used"] <= record["budget"]
-        assert record["simulations_requested"] == record["simulations_used"] + record["simulations_refused"]
-    else:
-        assert record["theta_hat"] is None
-        assert record["squared_error"] is None
-    assert to_frame([record]).shape[0] == 1
 
 
 class Packed(Target):
@@ -352,4 +286,4 @@ class Events(Target):
         return True
 
 
-KINDS = (CommandLines, Records, Packed, Manifests, Results, Models)
+KINDS = (CommandLines, Packed, Manifests, Results, Models)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from avobench.methods.discriminator import mlp
 from avobench.methods.fused_step import FusedStep
-from paper.speed.discriminator_steps import AutogradStep
+from paper.speed.avo import AutogradStep
 
 settings.register_profile("fused", max_examples=25)
 SLOPES = (0.25, -0.5, 1.0, 2.0)
@@ -44,7 +44,7 @@ def test_an_update_is_that_of_autograd_for_each_network_alone(count, hidden, siz
     features, n, m = sizes
     alone = stack(count, features, hidden, seed)
     stacked = copy.deepcopy(alone)
-    plain, by_hand = AutogradStep(alone, 1e-3, r1, "foreach"), FusedStep(stacked, 1e-3, r1)
+    plain, by_hand = AutogradStep(alone, 1e-3, r1), FusedStep(stacked, 1e-3, r1)
     rng = np.random.default_rng(seed)
     for both in ((n, m), (n, m), (m, n)):  # the last batch is of another size
         real, synthetic = batches(count, features, both, rng)
@@ -62,7 +62,7 @@ def test_many_updates_in_single_precision_stay_with_autograd():
     rng = np.random.default_rng(0)
     alone = [mlp(2, (40, 40), np.random.default_rng(seed)) for seed in range(2)]
     stacked = copy.deepcopy(alone)
-    plain, by_hand = AutogradStep(alone, 1e-4, 10.0, "foreach"), FusedStep(stacked, 1e-4, 10.0)
+    plain, by_hand = AutogradStep(alone, 1e-4, 10.0), FusedStep(stacked, 1e-4, 10.0)
     start = by_hand.flat.clone()
     for _ in range(50):
         real, synthetic = (x.float() for x in batches(2, 2, (16, 16), rng))

@@ -50,20 +50,19 @@ def test_a_feature_that_never_varied_stays_finite():
     np.testing.assert_array_equal(constant(x * 0), 0)
 
 
-OFFSETS = [0.0, 1e3, 1.7e9, 1e12]
-
-
+FAR = [(0.0, 1.0), (1.7e9, 1.0), (-1e3, 1e3), (1e12, 0.1), (-1e12, 1.0)]
+"""Offsets of a feature, and its units."""
 SETTINGS = {"smm": {}, "avo": {"iterations": 50}, "avo-paper": {}, "nle": {"steps": 20}}
 
 
 @pytest.mark.parametrize("method", SETTINGS)
-def test_where_a_feature_is_counted_from_is_nothing_to_the_answer(method):
+def test_where_a_feature_is_counted_from_and_its_unit_are_nothing_to_the_answer(method):
     """Times since 1970 are the same data as those since the run began; float32 alone would lose what varies."""
     answers, budget = [], 4000 if method in ("smm", "nle") else 6000
-    for offset in OFFSETS if method == "smm" else (0.0, 1.7e9):
+    for offset, unit in FAR if method == "smm" else FAR[:2]:
 
-        def simulate(theta, rng, offset=offset):
-            return offset + rng.normal(theta[:, 0], 1)
+        def simulate(theta, rng, offset=offset, unit=unit):
+            return offset + unit * rng.normal(theta[:, 0], 1)
 
         task = avobench.task(simulate, prior={"mean": (-3, 3)}, name="clock")
         x = simulate(np.full((300 if method == "nle" else 3000, 1), 0.7), np.random.default_rng(3))

@@ -1,7 +1,5 @@
 """Pages whose code is run, with what it prints below it."""
 
-import pytest
-
 from paper.pages import executed
 
 PAGE = """# A page
@@ -52,8 +50,3 @@ def test_each_block_is_followed_by_what_it_prints_and_knows_the_names_of_those_b
     assert page == expected
     assert (tmp_path / "x.txt").read_text() == "3"
     assert executed(page, tmp_path) == page
-
-
-def test_code_that_fails_is_an_error(tmp_path):
-    with pytest.raises(ZeroDivisionError):
-        executed("```python\n1 / 0\n```\n", tmp_path)

@@ -36,20 +36,11 @@ def test_efficiency_shows_medians_from_the_first_estimate_of_all(benchmark, make
     assert own["floor"].is_monotonic_decreasing
 
 
-def test_cost_shows_the_medians(benchmark):
-    slow = {"method_seconds": 900.0, "squared_error": 9.0}  # one such run moves no median
-    shown = [record | (slow if record["target"] == 5 else {}) for record in benchmark if record["task"] == "carl"]
-    table = drawn("cost", shown)[1].set_index(["task", "method"])
-    assert table.loc[("carl", "bolfi"), "cells"] == 6
-    assert table.loc[("carl", "bolfi"), "median_seconds"] == pytest.approx(1 + 10 * 1.25)
-    assert table.loc[("carl", "bolfi"), "median_squared_error"] == pytest.approx(2e-4)
-
-
 def test_failures_and_a_users_task_leave_the_others_to_be_drawn(benchmark, make_record, tmp_path):
     mine, known = [{**record, "task": "mine"} for record in benchmark[:8]], benchmark[:16]
     untraced = [{**record, "task": "untraced", "trace": []} for record in benchmark[:8]]
     failed = [make_record(*of, 5, None) for of in (("poisson", "bolfi"), ("poisson", "avo"), ("weinberg", "avo"))]
-    for name in FIGURES[:3]:
+    for name in FIGURES[:2]:
         pdf, png, csv = draw(name, [*mine, *known, *untraced, *failed], tmp_path)
         assert pdf.read_bytes().startswith(b"%PDF")
         assert png.read_bytes().startswith(b"\x89PNG")

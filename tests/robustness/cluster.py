@@ -15,6 +15,7 @@ import signal
 import threading
 import time
 from collections import Counter
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.process import BaseProcess
@@ -105,6 +106,29 @@ class Killer:
         return time.monotonic() + self.moments.uniform(0, 2 * self.seconds)
 
 
+def _ends(sweep: Callable[[], object], cluster: Cluster, killer: Killer, workers: int) -> list[str]:
+    """How a sweep ended each time that it was begun, the last time by itself."""
+    from avobench.tasks.errors import AvobenchError
+
+    ends = []
+    while len(ends) < 10 and "finished" not in ends:
+        cluster.begin(workers)
+        killer.stop = threading.Event()
+        thread = threading.Thread(target=killer.work)
+        thread.start()
+        try:
+            sweep()
+            ends.append("finished")
+        except AvobenchError as error:
+            ends.append(str(error))
+            assert "went away" in ends[-1], ends[-1]
+        finally:
+            killer.stop.set()
+            thread.join()
+            cluster.end()
+    return ends
+
+
 def soak(folder: Path, cells: int, workers: int, seconds: float, seed: int) -> str:
     """The sweep to its end, however often it must be begun. Raises AssertionError for a cell that is lost or twice."""
     from avobench.bench.processes.dask import DaskBackend
@@ -112,7 +136,6 @@ def soak(folder: Path, cells: int, workers: int, seconds: float, seed: int) -> s
     from avobench.bench.store.store import Store
     from avobench.bench.sweep.plan import plan
     from avobench.bench.sweep.runner import View, run
-    from avobench.tasks.errors import AvobenchError
 
     finished: list[str] = []
     crashed: list[str] = []
@@ -127,27 +150,11 @@ def soak(folder: Path, cells: int, workers: int, seconds: float, seed: int) -> s
 
     pause = ["moment.pause=0.005"]
     asked = plan(["toys:Normal"], ["toys:Moment"], "0-9", -(-cells // 10), 400, 100, 0, pause)[:cells]
-    store, cluster, ends = Store(folder / "far", create=True), Cluster(folder), []
+    store, cluster = Store(folder / "far", create=True), Cluster(folder)
     killer = Killer(cluster, seconds, cells // 2, finished, random.Random(seed))
     begun = time.monotonic()
     try:
-        while len(ends) < 10:
-            cluster.begin(workers)
-            killer.stop = threading.Event()
-            thread = threading.Thread(target=killer.work)
-            thread.start()
-            try:
-                run(asked, store, DaskBackend(cluster.address), Watch())
-                ends.append("finished")
-            except AvobenchError as error:
-                ends.append(str(error))
-            finally:
-                killer.stop.set()
-                thread.join()
-                cluster.end()
-            if ends[-1] == "finished":
-                break
-            assert "went away" in ends[-1], ends[-1]
+        ends = _ends(lambda: run(asked, store, DaskBackend(cluster.address), Watch()), cluster, killer, workers)
         if crashed:
             messages = {record["message"] for record in store.read()[0] if record["status"] != "ok"}
             assert all("worker process died" in message for message in messages), messages

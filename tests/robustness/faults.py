@@ -21,7 +21,7 @@ import pandas as pd
 
 from robustness.kills import finished_records, steady_records
 from robustness.preload import KINDS, MANNERS, Faults
-from robustness.warm import Ended, call, calmly
+from robustness.warm import SWEEP, Ended, call, calmly
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,7 @@ FAULTS = [
 ]
 
 
-RUN = ["run", "--task", "toys:Normal", "--method", "toys:Moment", "--budget", "400", "--observations", "100"]
-RUN += ["--in-process", "--targets", "0-3"]
+RUN = [*SWEEP, "--in-process", "--targets", "0-3"]
 COMMANDS: dict[str, Callable[[Path], list[str]]] = {
     "run": lambda folder: [*RUN, "--results", str(folder)],
     "pack": lambda folder: ["pack", "--results", str(folder)],

@@ -27,6 +27,8 @@ LOADED = (
     *("avobench.reports.diagnosis.page", "avobench.reports.diagnosis.figures"),
 )
 """What a command would load; no module that starts a thread may be among them, for each start is a fork."""
+SWEEP = ["run", "--task", "toys:Normal", "--method", "toys:Moment", "--budget", "400", "--observations", "100"]
+"""The beginning of a command that carries out cells of milliseconds."""
 PATIENCE = 60.0
 """Seconds after which a command that should have ended is killed."""
 Around = Callable[[], AbstractContextManager[None]]

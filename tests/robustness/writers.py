@@ -21,12 +21,11 @@ import pandas as pd
 
 from robustness.kills import finished_records, steady_records
 from robustness.preload import GRANTED, Faults
-from robustness.warm import calmly, start
+from robustness.warm import SWEEP, calmly, start
 
 LOCKS = {"that work": 0, "refused": errno.ENOLCK, "not there": errno.ENOSYS, "granted, not held": GRANTED}
 """What the file system does about locks."""
-SWEEP = ["run", "--task", "toys:Normal", "--method", "toys:Moment", "--budget", "400", "--observations", "100"]
-SWEEP += ["--in-process", "--targets", "0-7", "--set", "moment.pause=0.01"]
+RUN = [*SWEEP, "--in-process", "--targets", "0-7", "--set", "moment.pause=0.01"]
 
 
 @contextmanager
@@ -43,7 +42,7 @@ def one_round(template: Path, folder: Path, locks: int, moments: random.Random, 
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(template, folder)
     before = finished_records(folder)
-    sweep = [*SWEEP, "--results", str(folder)]
+    sweep = [*RUN, "--results", str(folder)]
     commands = [sweep, sweep, ["pack", "--results", str(folder)], ["pack", "--results", str(folder)]]
     moments.shuffle(commands)
     started = []
@@ -73,10 +72,10 @@ def one_round(template: Path, folder: Path, locks: int, moments: random.Random, 
 
 def campaign(place: Path, rounds: int) -> dict[str, dict[str, int]]:
     template, calm = place / "template", place / "calm"
-    calmly([*SWEEP, "--targets", "0-1", "--results", str(template)])
+    calmly([*RUN, "--targets", "0-1", "--results", str(template)])
     shutil.copytree(template, calm)
     begun = time.monotonic()
-    calmly([*SWEEP, "--results", str(calm)])
+    calmly([*RUN, "--results", str(calm)])
     took, expected = time.monotonic() - begun, steady_records(calm)
     found = {}
     for name, locks in LOCKS.items():

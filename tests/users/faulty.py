@@ -1,4 +1,7 @@
-"""A task and a method that keep the contract, and others that each break it in one way. Loaded as `faulty:Name`."""
+"""A task and a method that keep the contract, and others that each break it in one way. Loaded as `faulty:Name`.
+
+`breaks` is the promise of a check, or how it begins, which finds the fault.
+"""
 
 import itertools
 from dataclasses import dataclass
@@ -12,9 +15,9 @@ from avobench.tasks.errors import BudgetExhausted, SimulatorError
 
 
 def declare(base, faults):
-    """A class of this module for each name, with one thing changed of the base."""
-    for name, changes in faults.items():
-        globals()[name] = type(name, (base,), {"__module__": __name__, **changes})
+    """A class of this module for each name, with what it breaks and one thing changed of the base."""
+    for name, (breaks, changes) in faults.items():
+        globals()[name] = type(name, (base,), {"__module__": __name__, "breaks": breaks, **changes})
 
 
 class SoundTask(Task):
@@ -43,76 +46,87 @@ class SoundTask(Task):
         return 1 / num_observations + (1 / num_simulations if num_simulations else 0)
 
 
+def events(make):
+    """A fault of the events."""
+    return {"events": lambda self, theta, rng: make(theta, rng)}
+
+
 def halves(theta, rng):
-    """A random number for half of the rows."""
-    return rng.standard_normal((len(theta) + 1) // 2)
+    """A random number for half of the rows: (k, 1)."""
+    return rng.standard_normal(((len(theta) + 1) // 2, 1))
 
 
+ROWS = "makes neighbouring rows independent"
+UNPICKLABLE = {"__init__": lambda self: setattr(self, "trick", lambda: None)}
 TASKS = {
-    "Nameless": {"source": ""},
-    "TwoNames": {"parameter_names": ("location", "scale")},
-    "WidePrior": {"prior": Box((-10,), (1,))},
-    "TwoKinds": {"feature_kinds": ("count", "count")},
-    "HalfCounts": {"feature_kinds": ("count",)},
-    "WideAngle": {"feature_kinds": ("angle",)},
-    "TargetsElsewhere": {"targets": lambda self, n=15: np.full((n, 1), 2.0)},
-    "NotANumber": {"events": lambda self, theta, rng: np.where(theta > 0, np.nan, rng.normal(theta))},
-    "FailsAtTheEdge": {"events": lambda self, theta, rng: np.where(np.abs(theta) == 9, np.inf, rng.normal(theta))},
-    "Anywhere": {"simulate": lambda self, theta, rng: rng.normal(theta)},
-    "OwnEntropy": {"events": lambda self, theta, rng: np.random.default_rng().normal(theta)},
-    "GlobalRandomness": {"events": lambda self, theta, rng: np.random.normal(theta)},
-    "FixedSeed": {"events": lambda self, theta, rng: np.random.default_rng(0).normal(theta)},
-    "IgnoresTheta": {"events": lambda self, theta, rng: rng.standard_normal(theta.shape)},
-    "FirstTheta": {"events": lambda self, theta, rng: rng.normal(theta[0], size=theta.shape)},
-    "SharedLatent": {
-        "events": lambda self, theta, rng: rng.normal(theta, np.sqrt(1 / 2)) + rng.normal(0, np.sqrt(1 / 2))
-    },
-    "SummaryOfOrder": {"summary": lambda self, x: x.mean(axis=0) + x[0]},
-    "GrowingSummary": {"summary": lambda self, x: np.sort(x[:, 0])},
-    "TableSummary": {"summary": lambda self, x: x.mean(axis=0, keepdims=True)},
-    "HalfAFloor": {"floor_shares": (0.5,)},
-    "RisingFloor": {
-        "floor": lambda self, theta, num_observations, num_simulations: (
-            1 / num_observations + (num_simulations or 0) / 1e9
-        )
-    },
-    "NoFloor": {"floor": lambda self, theta, num_observations, num_simulations: 0.0},
-    "DeterminesMore": {"identifiable": lambda self, theta: np.hstack([theta, theta**2])},
-    "DeterminesAnother": {"identifiable": lambda self, theta: 2 * theta},
-    "DeterminesInNothing": {"identifiable_scale": np.zeros(1)},
-    "GeneratesNothing": {"generates": "noise"},
-    "PairsOfRows": {"events": lambda self, theta, rng: theta + np.repeat(halves(theta, rng), 2)[: len(theta), None]},
-    "Antithetic": {
-        "events": lambda self, theta, rng: theta + np.outer([1, -1], halves(theta, rng)).reshape(-1, 1)[: len(theta)]
-    },
-    "Unpicklable": {"__init__": lambda self: setattr(self, "trick", lambda: None)},
+    "Nameless": ("says what it is", {"source": ""}),
+    "TwoNames": ("names parameters", {"parameter_names": ("location", "scale")}),
+    "WidePrior": ("names parameters", {"prior": Box((-10,), (1,))}),
+    "TwoKinds": ("names parameters", {"feature_kinds": ("count", "count")}),
+    "HalfCounts": ("makes features of the kinds", {"feature_kinds": ("count",)}),
+    "WideAngle": ("makes features of the kinds", {"feature_kinds": ("angle",)}),
+    "TargetsElsewhere": ("has 15 targets", {"targets": lambda self, n=15: np.full((n, 1), 2.0)}),
+    "NotANumber": ("simulates 1 and", events(lambda theta, rng: np.where(theta > 0, np.nan, rng.normal(theta)))),
+    "FailsAtTheEdge": (
+        "simulates every corner",
+        events(lambda theta, rng: np.where(np.abs(theta) == 9, np.inf, rng.normal(theta))),
+    ),
+    "Anywhere": ("refuses theta", {"simulate": lambda self, theta, rng: rng.normal(theta)}),
+    "OwnEntropy": ("repeats its events", events(lambda theta, rng: np.random.default_rng().normal(theta))),
+    "GlobalRandomness": ("repeats its events", events(lambda theta, rng: np.random.normal(theta))),
+    "FixedSeed": ("makes other events", events(lambda theta, rng: np.random.default_rng(0).normal(theta))),
+    "IgnoresTheta": ("makes events that depend", events(lambda theta, rng: rng.standard_normal(theta.shape))),
+    "FirstTheta": ("gives each row", events(lambda theta, rng: rng.normal(theta[0], size=theta.shape))),
+    "SharedLatent": ("gives each row", events(lambda theta, rng: rng.normal(theta, 0.7) + rng.normal(0, 0.7))),
+    "SummaryOfOrder": ("summarises", {"summary": lambda self, x: x.mean(axis=0) + x[0]}),
+    "GrowingSummary": ("summarises", {"summary": lambda self, x: np.sort(x[:, 0])}),
+    "TableSummary": ("summarises", {"summary": lambda self, x: x.mean(axis=0, keepdims=True)}),
+    "HalfAFloor": ("has a floor", {"floor_shares": (0.5,)}),
+    "RisingFloor": ("has a floor", {"floor": lambda self, theta, observed, simulated: 1 + (simulated or 0) / 1e9}),
+    "NoFloor": ("has a floor", {"floor": lambda self, theta, observed, simulated: 0.0}),
+    "DeterminesMore": ("says what its events", {"identifiable": lambda self, theta: np.hstack([theta, theta**2])}),
+    "DeterminesAnother": ("says what its events", {"identifiable": lambda self, theta: 2 * theta}),
+    "DeterminesInNothing": ("says what its events", {"identifiable_scale": np.zeros(1)}),
+    "GeneratesNothing": ("detects what it generates", {"generates": "noise"}),
+    "PairsOfRows": (ROWS, events(lambda theta, rng: theta + np.repeat(halves(theta, rng), 2, 0)[: len(theta)])),
+    "Antithetic": (ROWS, events(lambda theta, rng: theta + np.kron([[1], [-1]], halves(theta, rng))[: len(theta)])),
+    "Unpicklable": ("can be sent", UNPICKLABLE),
 }
 declare(SoundTask, TASKS)
 
 
 @dataclass(frozen=True)
 class HoldsASet(SoundTask):
+    breaks = "says what it is"
     edges: Any = frozenset({1, 2})
 
 
 class Burning(SoundTask):
+    breaks = "simulates 1 and 1000 events"
+
     def events(self, theta, rng):
         raise RuntimeError("the detector\nis on fire")
 
 
 class ChangesTheta(SoundTask):
+    breaks = "leaves theta as it is"
+
     def events(self, theta, rng):
         theta += rng.standard_normal(theta.shape)
         return theta.copy()
 
 
 class SeedsGlobally(SoundTask):
+    breaks = "leaves global state"
+
     def events(self, theta, rng):
         np.random.seed(rng.integers(2**32))
         return np.random.normal(theta)
 
 
 class Silences(SoundTask):
+    breaks = "leaves global state"
+
     def events(self, theta, rng):
         np.seterr(under="ignore" if np.geterr()["under"] == "warn" else "warn")
         return rng.normal(theta)
@@ -121,6 +135,7 @@ class Silences(SoundTask):
 class DeterminesTogether(SoundTask):
     """Two parameters, of which the sum counts."""
 
+    breaks = "says what its events determine"
     parameter_names = ("location", "shift")
     parameter_units = ("1", "1")
     prior = Box((-1, -1), (1, 1))
@@ -158,14 +173,20 @@ class SoundGenerator(SoundTask):
         return self.detect(alter(noise, slice(0, len(noise))) if alter else noise, theta)
 
 
+DETECTS = "detects what it generates"
 GENERATORS = {
-    "DetectsAnew": {"simulate": lambda self, *given: SoundGenerator.simulate(self, *given) + 1},
-    "AltersNothing": {"simulate": lambda self, theta, rng, alter=None: SoundGenerator.simulate(self, theta, rng)},
+    "DetectsAnew": (DETECTS, {"simulate": lambda self, *given: SoundGenerator.simulate(self, *given) + 1}),
+    "AltersNothing": (
+        DETECTS,
+        {"simulate": lambda self, theta, rng, alter=None: SoundGenerator.simulate(self, theta, rng)},
+    ),
 }
 declare(SoundGenerator, GENERATORS)
 
 
 class GeneratesMore(SoundGenerator):
+    breaks = "detects what it generates"
+
     def generate(self, num_events, rng):
         yield from super().generate(num_events + (num_events == 30), rng)
 
@@ -225,41 +246,45 @@ def few(self, problem, rng):
 
 
 RUNS = itertools.count()
+
+
+def together(infer):
+    """A fault of cells that are carried out together."""
+    return {"together": True, "infer_together": infer}
+
+
+ESTIMATE = "makes an estimate on poisson from 100 events"
 METHODS = {
-    "NoMinimum": {"least": 0},
-    "UnpicklableMethod": {"__init__": lambda self: setattr(self, "trick", lambda: None)},
-    "Quits": drawing(few),
-    "UnderstatesMinimum": drawing(
-        lambda self, problem, rng: (
-            problem.simulate.repeat(problem.prior.center, 150) is not None and SoundMethod.draws(self, problem, rng)
-        )
+    "NoMinimum": ("declares the smallest", {"least": 0}),
+    "UnpicklableMethod": ("can be sent", UNPICKLABLE),
+    "Quits": ("says why", drawing(few)),
+    "UnderstatesMinimum": (ESTIMATE, drawing(lambda self, problem, rng: problem.simulate([[1.0]] * 150))),
+    "WritesPlainly": (ESTIMATE, drawing(lambda self, problem, rng: problem.x_observed.__setitem__(0, 0))),
+    "WideEstimate": (ESTIMATE, telling(lambda theta: theta[None])),
+    "SaysNothing": (ESTIMATE, telling(how=" ")),
+    "TracesTooMuch": (ESTIMATE, telling(trace=lambda used, theta: [TracePoint(used, np.append(theta, 0))])),
+    "GlobalRandomMethod": ("leaves global state", seeded(lambda: np.random.randint(2**31))),
+    "OwnEntropyMethod": ("repeats its estimate", seeded(lambda: None)),
+    "Remembers": ("repeats its estimate", seeded(lambda: next(RUNS))),
+    "TracesNotANumber": ("traces", telling(trace=lambda used, theta: [TracePoint(used, theta * np.nan)])),
+    "MixesThemUp": ("makes the same", together(lambda *given: Method.infer_together(*given)[::-1])),
+    "SharesAStream": (
+        "makes the same",
+        together(lambda self, problems, rngs: Method.infer_together(self, problems, [rngs[0]] * len(rngs))),
     ),
-    "WritesPlainly": drawing(lambda self, problem, rng: problem.x_observed.__setitem__(0, 0)),
-    "GlobalRandomMethod": seeded(lambda: np.random.randint(2**31)),
-    "OwnEntropyMethod": seeded(lambda: None),
-    "Remembers": seeded(lambda: next(RUNS)),
-    "WideEstimate": telling(lambda theta: theta[None]),
-    "SaysNothing": telling(how=" "),
-    "TracesTooMuch": telling(trace=lambda used, theta: [TracePoint(used, np.append(theta, 0))]),
-    "TracesNotANumber": telling(trace=lambda used, theta: [TracePoint(used, theta * np.nan)]),
-    "MixesThemUp": {
-        "together": True,
-        "infer_together": lambda self, problems, rngs: Method.infer_together(self, problems, rngs)[::-1],
-    },
-    "SharesAStream": {
-        "together": True,
-        "infer_together": lambda self, problems, rngs: Method.infer_together(self, problems, [rngs[0]] * len(rngs)),
-    },
 }
 declare(SoundMethod, METHODS)
 
 
 @dataclass(frozen=True)
 class HoldsATask(SoundMethod):
+    breaks = "says what it is"
     task: Any = SoundTask
 
 
 class Makeshift(SoundMethod):
+    breaks = "makes no estimate from fewer"
+
     def draws(self, problem, rng):
         try:
             return super().draws(problem, rng)
@@ -268,6 +293,8 @@ class Makeshift(SoundMethod):
 
 
 class ForcesAWrite(SoundMethod):
+    breaks = "makes an estimate on poisson"
+
     def draws(self, problem, rng):
         problem.x_observed.setflags(write=True)
         problem.x_observed[:10] = 0
@@ -275,12 +302,16 @@ class ForcesAWrite(SoundMethod):
 
 
 class FixedGlobalSeed(SoundMethod):
+    breaks = "leaves global state"
+
     def draws(self, problem, rng):
         np.random.seed(0)
         return super().draws(problem, np.random.default_rng(np.random.randint(2**31)))
 
 
 class SwallowsFailure(SoundMethod):
+    breaks = "lets errors"
+
     def draws(self, problem, rng):
         theta, x = [], []
         for row in problem.prior.sample(max(self.least, problem.simulate.remaining) // 10, rng):
@@ -293,6 +324,8 @@ class SwallowsFailure(SoundMethod):
 
 
 class DisguisesFailure(SoundMethod):
+    breaks = "lets errors"
+
     def draws(self, problem, rng):
         try:
             return super().draws(problem, rng)

@@ -17,38 +17,20 @@ class Sound(Effect):
         return simulate(theta, rng) + rng.poisson(phi)
 
 
-class Silent(Sound):
-    sentence = ""
+def noisy(make):
+    """A fault of what is added."""
+    return {"apply": lambda self, simulate, theta, phi, rng: simulate(theta, rng) + make(phi, rng)}
 
 
-class NoStage(Sound):
-    stage = 7
-
-
-class NoNull(Sound):
-    parameters = (Parameter("rate", 0, 2, None, "counts"),)
-
-
-class NeverAbsent(Sound):
-    def apply(self, simulate, theta, phi, rng):
-        return simulate(theta, rng) + rng.poisson(phi + 2)
-
-
-class OfTheSecondRow(Sound):
-    def apply(self, simulate, theta, phi, rng):
-        return simulate(theta, rng) + rng.poisson(phi[1, 0], (len(theta), 1))
-
-
-class OtherType(Sound):
-    def apply(self, simulate, theta, phi, rng):
-        return (simulate(theta, rng) + rng.poisson(phi)).astype(np.float32)
-
-
-class OwnGenerator(Sound):
-    def apply(self, simulate, theta, phi, rng):
-        return simulate(theta, rng) + np.random.default_rng().poisson(phi)
-
-
-class Unsendable(Sound):
-    def __init__(self):
-        self.noise = lambda phi, rng: rng.poisson(phi)
+FAULTS = {
+    "Silent": {"sentence": ""},
+    "NoStage": {"stage": 7},
+    "NoNull": {"parameters": (Parameter("rate", 0, 2, None, "counts"),)},
+    "NeverAbsent": noisy(lambda phi, rng: rng.poisson(phi + 2)),
+    "OfTheSecondRow": noisy(lambda phi, rng: rng.poisson(phi[1, 0], phi.shape)),
+    "OtherType": {"apply": lambda self, simulate, theta, phi, rng: simulate(theta, rng).astype(np.float32)},
+    "OwnGenerator": noisy(lambda phi, rng: np.random.default_rng().poisson(phi)),
+    "Unsendable": {"__init__": lambda self: setattr(self, "noise", lambda phi, rng: rng.poisson(phi))},
+}
+for name, changes in FAULTS.items():
+    globals()[name] = type(name, (Sound,), {"__module__": __name__, **changes})

@@ -14,71 +14,64 @@ from avobench.effects import Effect, Parameter
 from avobench.methods import Estimate
 
 
-def segfault():
+def segfault(*_):
     os.kill(os.getpid(), signal.SIGSEGV)
+
+
+def hang(self, theta, rng):
+    """A step of a method takes ten minutes, and an observation next to none."""
+    time.sleep(600 * (len(theta) == 40))
+    return SoundTask.events(self, theta, rng)
+
+
+def leak(self, theta, rng):
+    """A step of a method fills the memory."""
+    kept = []
+    while len(theta) == 40:
+        kept.append(np.ones(10**6))  # 8 MB
+        time.sleep(0.01)
+    return SoundTask.events(self, theta, rng)
 
 
 class Segfault(SoundTask):
     """At its first call."""
 
     name = "segfault"
-
-    def events(self, theta, rng):
-        segfault()
+    events = staticmethod(segfault)
 
 
 class Leaves(SoundTask):
     """Ends the process in which it is asked for events, as a library does that calls exit()."""
 
     name = "leaves"
-
-    def events(self, theta, rng):
-        os._exit(0)
+    events = staticmethod(lambda theta, rng: os._exit(0))
 
 
 class NoTargets(SoundTask):
     """At its first mention."""
 
     name = "no-targets"
-
-    def targets(self, n=15):
-        segfault()
-
-
-class Hangs(SoundTask):
-    name = "hangs"
-
-    def events(self, theta, rng):
-        if len(theta) == 40:
-            time.sleep(600)
-        return super().events(theta, rng)
+    targets = staticmethod(segfault)
 
 
 class Stuck(SoundTask):
     """At its first call."""
 
     name = "stuck"
+    events = staticmethod(lambda theta, rng: time.sleep(600))
 
-    def events(self, theta, rng):
-        time.sleep(600)
+
+class Hangs(SoundTask):
+    name, events = "hangs", hang
 
 
 class Leaks(SoundTask):
-    name = "leaks"
-
-    def events(self, theta, rng):
-        kept = []
-        while len(theta) == 40:
-            kept.append(np.ones(10**6))  # 8 MB
-            time.sleep(0.01)
-        return super().events(theta, rng)
+    name, events = "leaks", leak
 
 
 class EndsItself(SoundMethod):
     name = "ends-itself"
-
-    def infer(self, problem, rng):
-        os._exit(0)
+    infer = staticmethod(lambda problem, rng: os._exit(0))
 
 
 @dataclass(frozen=True)

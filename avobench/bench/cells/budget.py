@@ -62,8 +62,7 @@ class MeteredSimulator:
         Raises SupportError for a theta that is not finite, of the wrong shape or outside the support, BudgetExhausted
         when fewer than n events remain, SimulatorError when the simulator fails.
         """
-        # A copy: a simulator cannot change what the method holds.
-        return self._simulate(_checked(np.array(theta, float), self._task))
+        return self._simulate(_checked(np.asarray(theta, float), self._task))
 
     def repeat(self, theta: ArrayLike, n: int) -> NDArray:
         """n events per row: theta (m, p) -> x (m, n, d). Raises as `__call__` does."""

@@ -19,11 +19,7 @@ from avobench.tasks.errors import UsageError
 
 NUM_EVENTS = 4000
 """The events of a statistical check: a tenth of the events too many in one bin of ten is then seen."""
-TASKS = {
-    "counts": ("poisson",),
-    "continuous": ("carl", "avobench.tasks.decays:DECAYS"),
-    "images": ("alignment",),
-}
+TASKS = {"counts": ("poisson",), "continuous": ("carl", "avobench.tasks.decays:DECAYS"), "images": ("alignment",)}
 """Tasks for each domain of the catalogue: the first for all, another for effects that do not apply to that."""
 
 

@@ -69,38 +69,12 @@ def check_events(
     warning says so.
     """
     x, warnings = by_name(task, x)
-    x = x[:, None] if x.ndim == 1 else x
-    if x.dtype.kind not in "biuf":
-        raise UsageError(f"events must be real numbers, got {x.dtype}")
-    if x.ndim != 2 or x.shape[1] != task.num_features:
-        got = x.shape[1] if x.ndim == 2 else f"an array of shape {x.shape}"
-        raise UsageError(f"an event of {task.name} has {task.num_features} columns, the data have {got}")
-    void = ~np.isfinite(x).any(axis=0)
-    if len(x) and void.any() and not task.event_shape:
-        names = ", ".join(name for name, each in zip(task.labels, void, strict=True) if each)
-        raise UsageError(f"all values of {names} are NaN or infinite; choose a column that holds it, by --columns")
-    finite = ~task.broken(x)
-    if not finite.all():
-        count = f"{(~finite).sum()} of {len(x)} rows hold NaN or infinite values"
-        if not drop_invalid:
-            raise UsageError(
-                f"{count}; mend them, drop them with --drop-invalid, or say which features may be `missing`"
-            )
-        warnings.append(f"{count} and were dropped")
-        x = x[finite]
+    x, dropped = _finite(task, x[:, None] if x.ndim == 1 else x, drop_invalid)
     least = MIN_EVENTS if diagnosis else 1
     if len(x) < least:
         raise UsageError(f"{len(x)} events are too few, at least {least} are needed; a row is an event, not a bin")
-    largest = max(np.nanmax(x), np.nanmin(x), key=abs)
-    if abs(largest) > LARGEST:
-        raise UsageError(f"the data reach to {largest:.3g}, beyond 2^53 numbers are not exact; give another unit")
-    whole = np.issubdtype(np.dtype(task.dtype), np.integer)
-    counts = np.array([whole or kind == "count" for kind in task.kinds_of_features])
-    fractions = counts & (x != np.rint(x)) & ~np.isnan(x)
-    if broken := int(fractions.any(axis=1).sum()):
-        names = [name for name, some in zip(task.labels, fractions.any(axis=0), strict=True) if some]
-        what = "" if counts.all() else f" of {', '.join(names)}"
-        raise UsageError(f"{task.name} makes whole numbers{what}, {broken} of {len(x)} rows hold fractions")
+    _require_exact(task, x)
+    warnings += dropped
     simulated = made() if made else reference(task, partial(checked_events, task), NUM_REFERENCE)
     if len(simulated):
         warnings += _outside(task, x, simulated, diagnosis)
@@ -120,6 +94,40 @@ def check_events(
                 "repeated events falsify every test"
             )
     return _cast(task, x), warnings
+
+
+def _finite(task: Task, x: NDArray, drop_invalid: bool) -> tuple[NDArray, list[str]]:
+    """The events that are real numbers (n, d), and what was dropped. Raises UsageError where some are not."""
+    if x.dtype.kind not in "biuf":
+        raise UsageError(f"events must be real numbers, got {x.dtype}")
+    if x.ndim != 2 or x.shape[1] != task.num_features:
+        got = x.shape[1] if x.ndim == 2 else f"an array of shape {x.shape}"
+        raise UsageError(f"an event of {task.name} has {task.num_features} columns, the data have {got}")
+    void = ~np.isfinite(x).any(axis=0)
+    if len(x) and void.any() and not task.event_shape:
+        names = ", ".join(name for name, each in zip(task.labels, void, strict=True) if each)
+        raise UsageError(f"all values of {names} are NaN or infinite; choose a column that holds it, by --columns")
+    finite = ~task.broken(x)
+    if finite.all():
+        return x, []
+    count = f"{(~finite).sum()} of {len(x)} rows hold NaN or infinite values"
+    if not drop_invalid:
+        raise UsageError(f"{count}; mend them, drop them with --drop-invalid, or say which features may be `missing`")
+    return x[finite], [f"{count} and were dropped"]
+
+
+def _require_exact(task: Task, x: NDArray) -> None:
+    """Raise UsageError for numbers beyond 2^53, and for fractions of counts."""
+    largest = max(np.nanmax(x), np.nanmin(x), key=abs)
+    if abs(largest) > LARGEST:
+        raise UsageError(f"the data reach to {largest:.3g}, beyond 2^53 numbers are not exact; give another unit")
+    whole = np.issubdtype(np.dtype(task.dtype), np.integer)
+    counts = np.array([whole or kind == "count" for kind in task.kinds_of_features])
+    fractions = counts & (x != np.rint(x)) & ~np.isnan(x)
+    if broken := int(fractions.any(axis=1).sum()):
+        names = [name for name, some in zip(task.labels, fractions.any(axis=0), strict=True) if some]
+        what = "" if counts.all() else f" of {', '.join(names)}"
+        raise UsageError(f"{task.name} makes whole numbers{what}, {broken} of {len(x)} rows hold fractions")
 
 
 def _as_meant(names: list[str], features: list[str]) -> list[str]:

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, MaxNLocator, NullFormatter, NullLocator, ScalarFormatter
+from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator, ScalarFormatter
 from numpy.typing import NDArray
 
 from avobench.diagnosis.report.result import Spectrum
@@ -16,14 +16,8 @@ from avobench.reports.diagnosis.drawn import AFTER, BEFORE, REGION, Drawn, sigma
 
 STEEP = 5.0
 """A density whose highest bin is so many times the middle one is drawn on a logarithmic axis."""
-NARROW = 0.04
-"""A region that takes less of the axis is near enlarged as well."""
 LEAST_SEEN = 0.012
 """The least width of the axis that a region is drawn with, about three of a reader's pixels a side."""
-LEAST_ENLARGED = 0.002
-"""The least width of the axis on either side of an enlarged region, lest a single value fill the panel."""
-MOST_ENLARGED = 2
-"""Narrow regions that are near enlarged; more would leave the figure itself no width."""
 MOST_LABELS = 8
 """Regions beyond so many have no label, but stand in the table."""
 LABEL_WIDTH = 0.1
@@ -46,41 +40,24 @@ def distribution(spectrum: Spectrum, regions: Sequence[Region], name: str, unit:
         models.append(("after", AFTER, "-", spectrum.after))
     near = [each for each in regions if each.feature in (spectrum.feature, None) and each.low is not None]
     near.sort(key=lambda each: -abs(each.z))
-    axis_range = (spectrum.edges[0], spectrum.edges[-1])
-    enlarged = _enlarged(near, *axis_range)
-    figure = Figure(figsize=(6.4 + 1.7 * len(enlarged), 3.4 + 1.1 * len(models)), layout="constrained")
-    shape = {"width_ratios": [4] + [1] * len(enlarged), "height_ratios": [3] + [1] * len(models)}
-    axes = figure.subplots(1 + len(models), 1 + len(enlarged), sharex="col", sharey="row", squeeze=False, **shape)
-    for (top, *below), span in zip(axes.T, [axis_range, *enlarged], strict=True):
-        _densities(top, spectrum, models)
-        for axis, model in zip(below, models, strict=True):
-            _pulls(axis, spectrum, model)
-        _regions((top, below[0]), near, span)
-        top.set_xlim(*span)
-    for *_, below in axes.T[1:]:
-        below.set_xlabel("enlarged")
-        below.xaxis.set_major_locator(MaxNLocator(2))
-    far = _one_scale(axes[1:], [spectrum.pulls(share) for *_, share in models])
+    figure = Figure(figsize=(6.4, 3.4 + 1.1 * len(models)), layout="constrained")
+    heights = [3] + [1] * len(models)
+    top, *below = axes = figure.subplots(1 + len(models), sharex=True, height_ratios=heights)
+    _densities(top, spectrum, models)
+    for axis, model in zip(below, models, strict=True):
+        _pulls(axis, spectrum, model)
+    _regions((top, below[0]), near, spectrum.edges[0], spectrum.edges[-1])
+    top.set_xlim(spectrum.edges[0], spectrum.edges[-1])
+    far = _one_scale(below, [spectrum.pulls(share) for *_, share in models])
     _words(axes, spectrum, models, unit)
     caption = (
         f"Measured and simulated {spectrum.feature}. Pulls are differences in standard errors, the band spans 2, and "
         "all panels of pulls have one scale"
         + (f", linear up to {LINEAR_PULLS:g} and logarithmic beyond. " if far else ". ")
-        + "Shaded: regions that stand out though all were looked at, each with its significance"
-        + ("; what is too narrow to be seen is drawn wider, and enlarged beside it." if enlarged else ".")
+        + "Shaded: regions that stand out though all were looked at, each with its significance. Those that are too "
+        "narrow to be seen are drawn wider."
     )
     return Drawn(name, caption, figure, _table(spectrum, models))
-
-
-def _enlarged(regions: Sequence[Region], low: float, high: float) -> list[tuple[float, float]]:
-    """The enlarged parts, from left to right: the strongest narrow regions, with as much on either side."""
-    spans: list[tuple[float, float]] = []
-    for region in regions:
-        beside = max(region.high - region.low, LEAST_ENLARGED * (high - low))
-        covered = any(left <= region.low and region.high <= right for left, right in spans)
-        if region.high - region.low < NARROW * (high - low) and not covered and len(spans) < MOST_ENLARGED:
-            spans.append((max(low, region.low - beside), min(high, region.high + beside)))
-    return sorted(spans)
 
 
 def _densities(axis: Axes, spectrum: Spectrum, models: list[Model]) -> None:
@@ -101,9 +78,8 @@ def _pulls(axis: Axes, spectrum: Spectrum, model: Model) -> None:
     axis.stairs(spectrum.pulls(share), spectrum.edges, baseline=0, fill=True, color=colour, alpha=0.8)
 
 
-def _regions(axes: Sequence[Axes], regions: Sequence[Region], span: tuple[float, float]) -> None:
+def _regions(axes: Sequence[Axes], regions: Sequence[Region], low: float, high: float) -> None:
     """Shade the regions, and write above the first panel how much each stands out, without one label on another."""
-    low, high = span
     rows: list[list[float]] = []
     labelled = regions[:MOST_LABELS]
     for region in sorted(regions, key=lambda region: region.low + region.high):
@@ -116,8 +92,7 @@ def _regions(axes: Sequence[Axes], regions: Sequence[Region], span: tuple[float,
         if region not in labelled:
             continue
         place = ((left + right) / 2 - low) / (high - low)
-        width = LABEL_WIDTH * (4 if axes[0].get_subplotspec().colspan.start else 1)
-        row = next((k for k, row in enumerate(rows) if place - row[-1] >= width), len(rows))
+        row = next((k for k, row in enumerate(rows) if place - row[-1] >= LABEL_WIDTH), len(rows))
         rows[row : row + 1] = [[*(rows[row] if row < len(rows) else []), place]]
         where = {"xycoords": "axes fraction", "textcoords": "offset points", "annotation_clip": False}
         look = {"ha": "center", "color": "0.15", "fontsize": "small"}
@@ -133,11 +108,11 @@ def _seen(left: float, right: float, low: float, high: float) -> tuple[float, fl
     return middle - least / 2, middle + least / 2
 
 
-def _one_scale(axes: NDArray, pulls: list[NDArray[np.float64]]) -> bool:
+def _one_scale(axes: Sequence[Axes], pulls: list[NDArray[np.float64]]) -> bool:
     """Give all panels of pulls one scale, and say whether it is logarithmic where pulls are large."""
     limit = max(LEAST_PULLS, *(1.1 * float(np.abs(each).max()) for each in pulls))
     far = limit > FAR_PULLS
-    for axis in axes[:, 0]:  # the others of a row share its scale
+    for axis in axes:
         if far:
             axis.set_yscale("symlog", linthresh=LINEAR_PULLS, linscale=1)
             largest = 10.0 ** np.floor(np.log10(limit))
@@ -149,14 +124,14 @@ def _one_scale(axes: NDArray, pulls: list[NDArray[np.float64]]) -> bool:
     return far
 
 
-def _words(axes: NDArray, spectrum: Spectrum, models: list[Model], unit: str) -> None:
-    axes[0, 0].set_ylabel(spectrum.quantity)
-    for axis, (when, *_) in zip(axes[1:, 0], models, strict=True):
+def _words(axes: Sequence[Axes], spectrum: Spectrum, models: list[Model], unit: str) -> None:
+    axes[0].set_ylabel(spectrum.quantity)
+    for axis, (when, *_) in zip(axes[1:], models, strict=True):
         axis.set_ylabel(f"pull\n{when}")
-    axes[-1, 0].set_xlabel(spectrum.feature if unit == "1" else f"{spectrum.feature} [{unit}]")
-    handles, labels = axes[0, 0].get_legend_handles_labels()
+    axes[-1].set_xlabel(spectrum.feature if unit == "1" else f"{spectrum.feature} [{unit}]")
+    handles, labels = axes[0].get_legend_handles_labels()
     once = dict(zip(labels, handles, strict=True))  # several regions of a kind are one entry
-    axes[0, 0].legend(once.values(), once.keys(), frameon=True, framealpha=0.9, edgecolor="none")
+    axes[0].legend(once.values(), once.keys(), frameon=True, framealpha=0.9, edgecolor="none")
 
 
 def _table(spectrum: Spectrum, models: list[Model]) -> pd.DataFrame:

@@ -11,17 +11,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from avobench.diagnosis.report.result import Maps, Pictures
-from avobench.diagnosis.schema import Diagnosis, FoundEffect, Region
+from avobench.diagnosis.schema import Diagnosis, Region
 from avobench.reports.diagnosis.distribution import distribution
 from avobench.reports.diagnosis.drawn import AFTER, BEFORE, REGION, Drawn, sigma
-from avobench.reports.diagnosis.text import aside, label
-from avobench.reports.style import PALETTE, STYLE
+from avobench.reports.style import STYLE
 from avobench.tasks import Task
 
 FIGURE = re.compile(r"(maps|distribution-\d+|gap|theta|candidates)\.(pdf|png|csv)")
-"""The file of a figure."""
-MOST_CANDIDATES = 20
-"""Candidates that a figure of a page's height holds; the table has all."""
+"""The file of a figure; earlier versions wrote `gap` and `candidates`."""
 
 
 def drawings(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> Iterator[tuple[str, Callable[[], Drawn]]]:
@@ -33,9 +30,7 @@ def drawings(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> Iterator[t
     for number, spectrum in enumerate(pictures.spectra, start=1):
         name, unit = f"distribution-{number}", units.get(spectrum.feature, "1")
         available.append((name, partial(distribution, spectrum, diagnosis.regions, name, unit)))
-    available += [("gap", partial(_gap, diagnosis)), ("theta", partial(_theta, task, diagnosis))]
-    if diagnosis.candidates:
-        available.append(("candidates", partial(_candidates, diagnosis)))
+    available.append(("theta", partial(_theta, task, diagnosis)))
     for name, drawing in available:
         yield name, matplotlib.rc_context(STYLE)(drawing)
 
@@ -84,28 +79,6 @@ def _beside(axis: Axes, region: Region) -> None:
     axis.annotate(sigma(region), at, (3, 0) if of_row else (0, 3), xycoords=coordinates, **look, **offset)
 
 
-def _gap(diagnosis: Diagnosis) -> Drawn:
-    gaps = {"before": diagnosis.gap_before, "after": diagnosis.gap_after}
-    shown = {when: gap for when, gap in gaps.items() if gap is not None}
-    figure = Figure(figsize=(3.2, 2.7), layout="constrained")
-    axis = figure.subplots()
-    for place, (when, gap) in enumerate(shown.items()):
-        error = [[max(gap.value - gap.low, 0)], [max(gap.high - gap.value, 0)]]
-        colour, marker = (BEFORE, "s") if when == "before" else (AFTER, "o")
-        axis.errorbar(place, gap.value, error, fmt=marker, color=colour, capsize=4)
-        axis.annotate(f"{gap.value:.3g}", (place, gap.value), (8, 0), textcoords="offset points", va="center")
-    axis.axhline(1, color="0.3", ls=":", lw=1)
-    if max(gap.value for gap in shown.values()) > 10:
-        axis.set_yscale("log")
-    axis.set_xticks(range(len(shown)), list(shown))
-    axis.set_xlim(-0.5, len(shown) - 0.5)
-    axis.set_ylabel(r"$\chi^2$ / ndf of what was held out")
-    rows = [{"when": when, **gap.model_dump()} for when, gap in shown.items()]
-    far = f"How far the simulation is from {aside(diagnosis)}, which no fit has seen"
-    caption = f"{far}; the dotted line is where nothing is missing."
-    return Drawn("gap", caption, figure, pd.DataFrame(rows))
-
-
 def _theta(task: Task, diagnosis: Diagnosis) -> Drawn:
     fits = {"before": diagnosis.theta_before, "after": diagnosis.theta_after}
     names = list(diagnosis.theta_before)
@@ -124,33 +97,3 @@ def _theta(task: Task, diagnosis: Diagnosis) -> Drawn:
         axis.set_ylabel(name if unit == "1" else f"{name} [{unit}]")
     caption = "The parameters with their errors, fitted without and with the missing effects."
     return Drawn("theta", caption, figure, pd.DataFrame(rows))
-
-
-def _candidates(diagnosis: Diagnosis) -> Drawn:
-    order = sorted(diagnosis.candidates, key=lambda candidate: candidate.score)
-    shown = order[:MOST_CANDIDATES]
-    chosen, tied = _chosen(diagnosis.effects)
-    figure = Figure(figsize=(6.4, 0.8 + 0.24 * len(shown)), layout="constrained")
-    axis = figure.subplots()
-    kinds = {"named": (AFTER, "o"), "tied with it": (PALETTE[2], "D"), "another": ("0.6", "s")}
-    kind_of = {
-        id(each): "named" if label(each) in chosen else "tied with it" if label(each) in tied else "another"
-        for each in shown
-    }
-    for kind, (colour, marker) in kinds.items():
-        points = [(each.score, place) for place, each in enumerate(shown) if kind_of[id(each)] == kind]
-        if points:
-            axis.plot(*zip(*points, strict=True), marker, color=colour, label=kind, ls="")
-    axis.set_yticks(range(len(shown)), [label(each) for each in shown])
-    axis.invert_yaxis()
-    axis.set_xlabel("score, lower is better")
-    axis.legend()
-    rows = [{**each.model_dump(), "shown_as": kind_of.get(id(each), "not shown")} for each in order]
-    left_out = f" The best {len(shown)} of {len(order)} are shown." if len(order) > len(shown) else ""
-    caption = "Every effect that was tried, by its score. Those that these data cannot tell apart are marked as tied."
-    return Drawn("candidates", caption + left_out, figure, pd.DataFrame(rows))
-
-
-def _chosen(effects: list[FoundEffect]) -> tuple[set[str], set[str]]:
-    """Labels of the named effects, and of those tied with any of them."""
-    return {label(effect) for effect in effects}, {label(rival) for effect in effects for rival in effect.tied_with}

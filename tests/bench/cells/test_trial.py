@@ -56,11 +56,7 @@ def test_a_record_tells_the_versions_of_what_its_method_and_task_need():
         ("normal.fault=nan", "simulator_error", "NaN or infinity"),
         ("normal.fault=exits", "simulator_error", "the simulator of normal raised SystemExit: 0"),
         ("normal.fault=floor", "simulator_error", "the floor of normal must be a number, not negative, got N"),
-        (
-            "normal.fault=negative floor",
-            "simulator_error",
-            "the floor of normal must be a number, not negative, got -",
-        ),
+        ("normal.fault=negative floor", "simulator_error", "the floor of normal must be a number, not negative, got -"),
         ("moment.fault=exits", "method_error", "SystemExit: 0"),
         ("moment.fault=quiet", "budget_exhausted", ""),
         ("moment.fault=usage", "method_error", "not like this"),

@@ -60,13 +60,3 @@ def test_a_writer_that_was_killed_while_it_made_its_file_is_taken_over(path, aba
     path.write_text(abandoned[: int(share * len(abandoned))])
     with claim(path):
         assert path.read_text().count("\n") == abandoned.count("\n")
-
-
-def test_a_writer_renews_its_claim(path, monkeypatch):
-    monkeypatch.setattr(module, "BEAT_SECONDS", 0.05)
-    with claim(path):
-        os.utime(path, (0, 0))
-        deadline = time.monotonic() + 10
-        while path.stat().st_mtime == 0:
-            assert time.monotonic() < deadline
-            time.sleep(0.02)

@@ -16,30 +16,6 @@ def test_a_link_stays_a_link(tmp_path):
     assert (tmp_path / "file").read_bytes() == b"new"
 
 
-def test_an_interrupted_write_leaves_the_old_content(tmp_path, monkeypatch):
-    path = tmp_path / "file"
-    write_atomically(path, b"old")
-    monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError("no space")))
-    with pytest.raises(OSError, match="no space"):
-        write_atomically(path, b"new")
-    assert path.read_bytes() == b"old"
-    assert list(tmp_path.iterdir()) == [path]
-
-
-def test_content_that_its_check_refuses_replaces_nothing(tmp_path):
-    path = write_atomically(tmp_path / "file", b"old")
-
-    def check(written):
-        assert written.read_bytes() == b"new"
-        assert path.read_bytes() == b"old"
-        raise OSError("not as written")
-
-    with pytest.raises(OSError, match="not as written"):
-        write_atomically(path, b"new", check)
-    assert path.read_bytes() == b"old"
-    assert list(tmp_path.iterdir()) == [path]
-
-
 @pytest.mark.parametrize("name", ["../x", "/x", "a/b", "", ".", "..", "a\0b", "a\\b", "a/../b"])
 def test_a_name_that_leads_to_another_folder_is_refused(name):
     with pytest.raises(UsageError, match="would not lie in"):

@@ -124,17 +124,15 @@ def test_a_store_whose_making_was_killed_is_finished_by_the_next(tmp_path):
 
 
 def test_folders_that_cannot_be_a_store_are_refused_in_one_line(tmp_path):
-    file = tmp_path / "file"
-    file.write_text("")
-    other = tmp_path / "other"
-    other.mkdir()
-    (other / "thesis.tex").write_text("precious")
-    newer = tmp_path / "newer"
-    newer.mkdir()
-    (newer / "store.json").write_text(json.dumps({"schema": "avobench-records", "version": 99}))
-    broken = tmp_path / "broken"
-    broken.mkdir()
-    (broken / "store.json").write_text("{")
+    for path, content in {
+        "file": "",
+        "other/thesis.tex": "precious",
+        "newer/store.json": json.dumps({"schema": "avobench-records", "version": 99}),
+        "broken/store.json": "{",
+    }.items():
+        (tmp_path / path).parent.mkdir(exist_ok=True)
+        (tmp_path / path).write_text(content)
+    file, other, newer, broken = (tmp_path / name for name in ("file", "other", "newer", "broken"))
     for path, message in [
         (file, "is a file"),
         (other, "holds other files"),
@@ -149,10 +147,3 @@ def test_folders_that_cannot_be_a_store_are_refused_in_one_line(tmp_path):
         Store(tmp_path / "nowhere")
     assert not (tmp_path / "nowhere").exists()
     assert [path.name for path in other.iterdir()] == ["thesis.tex"]
-
-
-def test_one_sweep_at_a_time(store):
-    with store.lock(), pytest.raises(UsageError, match="another avobench run"):
-        Store(store.path).lock().__enter__()
-    with store.lock():
-        pass

@@ -26,12 +26,7 @@ def test_an_interrupted_sweep_is_a_complete_comparison_over_fewer_targets():
     planned = cells()
     assert len(planned) == 2 * 3 * 2 * 2
     first = [(cell.identity["task"], cell.identity["method"]) for cell in planned[:4]]
-    assert first == [
-        ("normal", "moment"),
-        ("weinberg", "moment"),
-        ("normal", "avo-paper"),
-        ("weinberg", "avo-paper"),
-    ]
+    assert first == [("normal", "moment"), ("weinberg", "moment"), ("normal", "avo-paper"), ("weinberg", "avo-paper")]
     order = [(cell.repetition, cell.target) for cell in planned]
     assert order == sorted(order)
 

@@ -16,6 +16,7 @@ from avobench.bench.store.store import Store
 from avobench.bench.sweep.plan import plan
 from avobench.bench.sweep.runner import run
 from avobench.tasks.errors import StoreError
+from robustness.warm import SWEEP
 
 HERE = Path(__file__).parents[2] / "users"
 
@@ -112,9 +113,7 @@ def test_a_folder_that_cannot_be_listed_is_not_an_empty_one(tmp_path, monkeypatc
     assert (again, view.order) == (first, [])
 
 
-COMMAND = [sys.executable, "-m", "avobench", "run", "--task", "toys:Normal", "--method", "toys:Moment"]
-COMMAND += ["--budget", "400", "--observations", "100", "--targets", "0-9", "--jobs", "2"]
-COMMAND += ["--set", "moment.pause=0.15"]
+COMMAND = [sys.executable, "-m", "avobench", *SWEEP, "--targets", "0-9", "--jobs", "2", "--set", "moment.pause=0.15"]
 
 
 def start(path):

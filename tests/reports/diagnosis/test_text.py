@@ -44,24 +44,6 @@ def diagnosis(verdict, ties=0, p_before=1e-9, p_after=0.4, **changes):
 AGREE = "simulation and measurement agree"
 
 
-def test_agreement_is_said_of_no_p_value_below_alpha_and_of_no_gap_above_one():
-    weak = meaning(diagnosis(Verdict.NAMED, p_after=0.0259))
-    assert f"too much to say that {AGREE}" in weak
-    assert f"With it, {AGREE}" not in weak
-    gates = {
-        "summary": {"statistic": 40.0, "dof": 43, "p_value": 0.5, "share": 0.8},
-        "classifier": {"statistic": 9.0, "dof": None, "p_value": 2e-6, "share": 0.2},
-    }
-    left = meaning(diagnosis(Verdict.FAMILY, p_after=1e-5, gates_after=gates))
-    assert AGREE not in left
-    assert "a disagreement is left by the classifier (p = 1e-05, alpha = 0.05)" in left
-    assert "The gap is that of the summary and does not show it." in left
-    aside = meaning(diagnosis(Verdict.FAMILY, gap_after={"value": 1.64, "low": 1.08, "high": 2.19}))
-    assert "a disagreement is left on held-out events (1.64 [1.08, 2.19])" in aside
-    above = meaning(diagnosis(Verdict.NOTHING, p_before=0.2, gap_before={"value": 1.64, "low": 1.08, "high": 2.19}))
-    assert "On held-out events the gap is above 1, as it is by chance once in 40 times." in above
-
-
 GAPS = st.lists(st.floats(0.2, 900), min_size=3, max_size=3).map(
     lambda ends: dict(zip(("low", "value", "high"), sorted(ends), strict=True))
 )

@@ -1,5 +1,9 @@
-"""Pictures of each effect of a task: the distribution of its events without it, and with each of its shapes."""
+"""Pictures of each effect, for its page: the distribution of the events without it, and with each of its shapes.
 
+`python -m paper.effect_pictures TASK ...` draws those of some tasks, given as on the command line, for docs/effects.md.
+"""
+
+import sys
 import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,18 +12,20 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from avobench.bench.plugins import registry
+from avobench.bench.store.files import write_atomically
 from avobench.effects import Effect
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.effects.pool import Pool
-from avobench.reports.style import MARKERS, PALETTE, STYLE, panels, save
+from avobench.reports.style import MARKERS, PALETTE, STYLE, image, panels
 from avobench.tasks import Task
 
+FOLDER = Path("docs/figures/effects")
 NUM_EVENTS = 40_000
 """Events of each line, enough that its scatter is no wider than the line."""
 NUM_IMAGES = 3000
@@ -52,12 +58,12 @@ LETTERS = 46
 """Letters of a line of a title, for each panel in a row."""
 
 
-def draw(task: Task, folder: Path, seed: int = 0) -> Iterator[list[Path]]:
-    """Write TASK-EFFECT.pdf, .png and .csv to `folder` for each effect of a task, of the first feature it acts on."""
-    rng = np.random.default_rng(seed)
+def draw(task: Task, folder: Path = FOLDER) -> Iterator[Path]:
+    """Write TASK-EFFECT.png to `folder` for each effect of a task, of the first feature that it acts on."""
+    rng = np.random.default_rng(0)
     events = Pool(task, NUM_IMAGES, rng) if task.generates else None
     plain = Model(task, events=events)
-    view = View(plain, NUM_IMAGES if task.event_shape else NUM_EVENTS, seed)
+    view = View(plain, NUM_IMAGES if task.event_shape else NUM_EVENTS)
     families: dict[str, list[Effect]] = {}
     for effect in catalogue(task) if task.event_shape else catalogue(task, view.plain):
         families.setdefault(effect.name, []).append(effect)
@@ -70,8 +76,8 @@ def draw(task: Task, folder: Path, seed: int = 0) -> Iterator[list[Path]]:
         with matplotlib.rc_context(STYLE | ({"axes.grid": False} if task.event_shape else {})):
             figure = (_images if task.event_shape else _lines)(view, made)
             _titled(figure, task, effect, len(chosen), len(shapes))
-            table = pd.concat([view.table(each) for each in made])
-            yield save(figure, table, folder, f"{task.name}-{effect.name.replace('_', '-')}")
+            name = f"{task.name}-{effect.name.replace('_', '-')}.png"
+            yield write_atomically(folder / name, image(figure, "png"))
 
 
 @dataclass(frozen=True)
@@ -97,15 +103,15 @@ class Drawn:
 class View:
     """Events of a task at one theta, without and with an effect, and the bins to see them in."""
 
-    def __init__(self, model: Model, num_events: int, seed: int) -> None:
-        self.model, self.seed = model, seed
+    def __init__(self, model: Model, num_events: int) -> None:
+        self.model = model
         prior = model.task.prior
         self.theta = np.tile(np.array(prior.low) + THETA * prior.width, (num_events, 1))
         self.plain = self._events(model, np.empty(0))
 
     def _events(self, model: Model, phi: NDArray[np.float64]) -> NDArray:
         params = np.hstack([self.theta, np.tile(phi, (len(self.theta), 1))])
-        return model.simulate(params, np.random.default_rng(self.seed))
+        return model.simulate(params, np.random.default_rng(0))
 
     @cached_property
     def _edges(self) -> list[NDArray[np.float64]]:
@@ -157,23 +163,10 @@ class View:
         return Drawn(effect, phi, self._events(model, phi))
 
     def _moved(self, made: Drawn) -> float:
-        """Half the sum of differences of shares, those outside of all bins included."""
+        """The share of the events that an effect moves to another bin, or out of all bins."""
         (_, before), (_, after) = (self.shares(x, made.column) for x in (self.plain, made.x))
         outside = before.sum() - after.sum()
         return float(np.abs(after - before).sum() + abs(outside)) / 2
-
-    def table(self, made: Drawn) -> pd.DataFrame:
-        """One row per bin, or a cell of an image: what is drawn."""
-        if self.model.task.event_shape:
-            values = {"cell": np.arange(self.plain.shape[1]), "without": self.plain.mean(axis=0)}
-            values["with"] = made.x.mean(axis=0)
-        else:
-            edges, before = self.shares(self.plain, made.column)
-            values = {"low": edges[:-1], "high": edges[1:], "without": before}
-            values["with"] = self.shares(made.x, made.column)[1]
-        frame = pd.DataFrame(values)
-        frame.insert(0, "shape", made.label)
-        return frame
 
 
 def _lines(view: View, made: list[Drawn]) -> Figure:
@@ -231,3 +224,10 @@ def _titled(figure: Figure, task: Task, effect: Effect, drawn: int, shapes: int)
     text = f"{effect.name}{feature} on {task.name}{some}: {effect.sentence}"
     letters = int(LETTERS * figure.get_figwidth() / 4.6)
     figure.suptitle("\n".join(textwrap.wrap(text, letters)), fontsize="medium")
+
+
+if __name__ == "__main__":
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    for spec in sys.argv[1:]:
+        for path in draw(registry.build("task", spec, {})):
+            print(path)
