@@ -39,9 +39,10 @@ class Form:
 def read_text(path: str) -> tuple[pd.DataFrame, bool]:
     """The table of a text file, whose index is the number of each line, and whether the file names the columns.
 
-    Columns are separated by commas, semicolons, tabs, bars or blanks; beside all but the first a decimal comma is one.
-    Blank lines, comments (#) and a line of units below the names are left out. Raises UsageError, with the number of
-    the line, for an event with another number of cells, and for a first line that may be names or an event.
+    Its attribute `decimal` is the point or comma of its numbers. Columns are separated by
+    commas, semicolons, tabs, bars or blanks; beside all but the first a decimal comma is one. Blank lines, comments (#)
+    and a line of units below the names are left out. Raises UsageError, with the number of the line, for an event with
+    another number of cells, and for a first line that may be names or an event.
     """
     raw = Path(path).read_bytes()
     try:
@@ -143,6 +144,7 @@ def _parsed(path: str, events: list[tuple[int, str]], form: Form) -> pd.DataFram
         raise UsageError(f"{path}: {_with_line(str(error), events)}") from error
     frame = (table.drop_columns([""]) if ends else table).to_pandas(date_as_object=False)
     frame.index = pd.Index([number for number, _ in events], name="line")
+    frame.attrs["decimal"] = form.decimal
     return frame if form.names else frame.set_axis(range(width), axis=1)
 
 
