@@ -456,9 +456,9 @@ def by_method(
     )
     start = time.perf_counter()
     words, drawn = (task.name, method.name), drawing(task, source)
-    known = Recorded(task, x_observed).task if task.missing else lambda twin: twin
-    x_observed = Recorded(task, x_observed).events(x_observed) if task.missing else x_observed
-    posed = in_shares(known(drawn))
+    known = Recorded(task, x_observed)
+    x_observed = known.events(x_observed)
+    posed = in_shares(known.task(drawn))
     held = min(budget // agreement.SHARE, budget - checks.used - least)
     with shown(progress) as tell:
 
@@ -472,8 +472,9 @@ def by_method(
         estimate = method.infer(problem, stream(seed, "method", *words))
         require_recordable(estimate, problem, simulate.used)
         estimate = restricted(raw(estimate, task.prior), task)
-        test = metered("agreement", known(drawing(task, source, aside=True)), held, checks.used + simulate.used)
-        estimate, as_good = tested(known(task), estimate, x_observed, test, simulate.used, stream(seed, "test", *words))
+        fresh, rng = known.task(drawing(task, source, aside=True)), stream(seed, "test", *words)
+        test = metered("agreement", fresh, held, checks.used + simulate.used)
+        estimate, as_good = tested(known.task(task), estimate, x_observed, test, simulate.used, rng)
     seconds = time.perf_counter() - start
     if isinstance(source, Counted):
         used = sum(each.used - each.failed for each in (checks.meter, simulate, test))
