@@ -359,7 +359,8 @@ def infer(
     x
         Observed events (N, d), or (N,) where an event is one number; or published tables. Of tables, of several data
         sets, and from events that were simulated before, theta is found by `smm`: from means of summaries, by the fit
-        with which a diagnosis begins. From events that were simulated before also `npe`, `nle` and `nre` find it.
+        with which a diagnosis begins. From events that were simulated before also `npe`, `nle` and `nre` find it, and
+        "abc", which is rejection by sets of these events with a regression adjustment.
     method
         A method, or its name, such as "avo", "abc-smc" or "bolfi". By default it is `avo` where PyTorch is
         installed, and otherwise `smm`, which needs no more than the base install.
@@ -413,6 +414,12 @@ def infer(
         return moments(task, x, budget, seed, drop_invalid, progress, bank, jobs)
     if sample and bank is not None:
         raise UsageError(ALL_THERE_ARE)
+    if sample and not task.prior.dim:
+        raise UsageError("there is no theta to infer: say by `theta` at which each simulated event was made")
+    if method == "abc":
+        if not sample or settings:
+            raise UsageError("abc is for avobench.bank, without settings; of a simulator take abc-smc")
+        return by_rejection(task, x, seed, drop_invalid, progress)
     if method is None:
         method = next(name for name in DEFAULTS if registry.missing_package(registry.load("method", name)) is None)
     if isinstance(method, str):
@@ -422,7 +429,7 @@ def infer(
     for kind, subject in (("task", task), ("method", method)):
         registry.require_packages(kind, subject)
     if sample and not method.from_prior:
-        raise UsageError(f"{method.name} needs events at thetas of its own; of a bank take smm, npe, nle or nre")
+        raise UsageError(f"{method.name} needs events at thetas of its own; of a bank take smm, abc, npe, nle or nre")
     return by_method(task, x, method, budget, seed, drop_invalid, progress, bank, jobs)
 
 
@@ -459,7 +466,7 @@ def by_method(
     known = Recorded(task, x_observed)
     x_observed = known.events(x_observed)
     posed = in_shares(known.task(drawn))
-    held = min(budget // agreement.SHARE, budget - checks.used - least)
+    held = min(task.num_aside * 3 // 2 if sample else budget // agreement.SHARE, budget - checks.used - least)
     with shown(progress) as tell:
 
         def metered(what: str, task: Task, limit: int, before: int) -> MeteredSimulator:
@@ -486,6 +493,28 @@ def by_method(
     warnings += failures(task, estimate.theta, estimate.std if estimate.error is None else estimate.error)
     answers = tuple(dict(zip(task.parameter_names, other.tolist(), strict=True)) for other in as_good)
     return Inference(task, method.name, estimate, len(x_observed), used, seconds, seed, tuple(warnings), answers)
+
+
+def by_rejection(
+    task: SampleTask, x: Any, seed: int, drop_invalid: bool, progress: Progress | bool | None
+) -> Inference:
+    """Infer theta behind events x by ABC with sets of the events of a sample. Raises UsageError."""
+    from avobench.effects.bank import Given
+    from avobench.methods.rejection import ROUNDS, SETS, rejection
+
+    x_observed, warnings = check_events(task, x, drop_invalid=drop_invalid, diagnosis=False, made=lambda: task.events)
+    start, words, known = time.perf_counter(), (task.name, "abc"), Recorded(task, x_observed)
+    x_observed, posed = known.events(x_observed), known.task(task)
+    with shown(progress) as tell:
+        rng = stream(seed, "method", *words)
+        estimate = rejection(task, posed, x_observed, rng, lambda made: tell("abc", made, ROUNDS * SETS))
+    aside = known.task(drawing(task, Given(task, Meter()), aside=True))
+    test = MeteredSimulator(aside, task.num_aside * 3 // 2, stream(seed, "agreement", *words))
+    rng, num = stream(seed, "test", *words), len(task.events)
+    estimate, as_good = tested(posed, estimate, x_observed, test, num, rng)
+    answers = tuple(dict(zip(task.parameter_names, other.tolist(), strict=True)) for other in as_good)
+    seconds = time.perf_counter() - start
+    return Inference(task, "abc", estimate, len(x_observed), num, seconds, seed, tuple(warnings), answers)
 
 
 def drawing(task: Task, source: "Bank | Counted", aside: bool = False) -> Task:

@@ -55,8 +55,11 @@ class SampleTask(Task):
         groups = np.split(order, np.cumsum(np.bincount(which, minlength=len(self.nodes)))[:-1])
         self.groups = [group[len(group) // ASIDE :] for group in groups]
         """The rows of the events of each node, but for those kept aside."""
+        self._grouped = np.concatenate(self.groups)
         self.aside = [group[: len(group) // ASIDE] for group in groups]
         """The rows of those."""
+        self.num_aside = min(map(len, self.aside))
+        """So many of them may be asked for at any theta, and none comes twice."""
 
     @property
     def parts(self) -> tuple[object, ...]:
@@ -83,13 +86,18 @@ class SampleTask(Task):
         corner[inside] = triangles.simplices[simplex[inside], drawn]
         return corner
 
+    def around(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The share of events at theta (p,) that is of each node: (k,), from DRAWS of them."""
+        corner = self.corner(np.tile(theta, (DRAWS, 1)), np.random.default_rng(0))
+        return np.bincount(corner, minlength=len(self.nodes)) / DRAWS
+
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """One event of the sample per row: theta (n, p) -> (n, d). Raises ValueError outside the support."""
         self.require_support(theta)
         corner = self.corner(theta, rng)
         sizes = np.array([len(group) for group in self.groups])
         first, place = np.cumsum(sizes) - sizes, (rng.random(len(theta)) * sizes[corner]).astype(np.intp)
-        return self.events[np.concatenate(self.groups)[first[corner] + place]]
+        return self.events[self._grouped[first[corner] + place]]
 
     def summary(self, x: NDArray) -> NDArray[np.float64]:
         """Shares of the events in twenty bins of each feature that hold equal shares of the sample: (n, d) -> (k,)."""
@@ -211,8 +219,7 @@ def require_enough(task: Task, theta: NDArray[np.float64], num_measured: int) ->
     """
     if not isinstance(task, SampleTask):
         return
-    corner = task.corner(np.tile(theta, (DRAWS, 1)), np.random.default_rng(0))
-    needed = num_measured / 2 * np.bincount(corner, minlength=len(task.nodes)) / DRAWS
+    needed = num_measured / 2 * task.around(theta)
     used, aside = (np.array([len(group) for group in groups]) for groups in (task.groups, task.aside))
     k = int(np.argmax(needed - task.worth * used))
     if needed[k] > task.worth * used[k]:

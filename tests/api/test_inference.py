@@ -223,7 +223,7 @@ def test_events_that_were_simulated_before_are_enough_for_smm_and_their_noise_co
     assert abs(found.theta["rate"] - EVENTS.mean()) < 3 * found.std["rate"]
     assert np.sqrt(7 / 4000) < found.std["rate"] < 3 * np.sqrt(7 / 4000)
     assert found.num_simulations == 20_000
-    with pytest.raises(UsageError, match="of a bank take smm, npe"):
+    with pytest.raises(UsageError, match="of a bank take smm, abc"):
         avobench.infer(bank, EVENTS, "abc-smc")
     line = avobench.infer(bank, EVENTS, Line(), progress=False)
     assert abs(line.theta["rate"] - EVENTS.mean()) < 4 * line.std["rate"] < 0.3
