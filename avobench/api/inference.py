@@ -466,7 +466,7 @@ def by_method(
     known = Recorded(task, x_observed)
     x_observed = known.events(x_observed)
     posed = in_shares(known.task(drawn))
-    held = min(task.num_aside * 3 // 2 if sample else budget // agreement.SHARE, budget - checks.used - least)
+    held = min(budget // agreement.SHARE, budget - checks.used - least)
     with shown(progress) as tell:
 
         def metered(what: str, task: Task, limit: int, before: int) -> MeteredSimulator:
@@ -480,6 +480,7 @@ def by_method(
         require_recordable(estimate, problem, simulate.used)
         estimate = restricted(raw(estimate, task.prior), task)
         fresh, rng = known.task(drawing(task, source, aside=True)), stream(seed, "test", *words)
+        held = min(held, task.num_aside * 3 // 2) if sample else held
         test = metered("agreement", fresh, held, checks.used + simulate.used)
         estimate, as_good = tested(known.task(task), estimate, x_observed, test, simulate.used, rng)
     seconds = time.perf_counter() - start
