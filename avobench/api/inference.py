@@ -404,6 +404,8 @@ def infer(
     by_moments = method in (None, "smm") and not settings
     task = task if isinstance(task, Joint) else registry.task_of(task)
     sample = isinstance(task, SampleTask)
+    if sample and not task.prior.dim:
+        raise UsageError("there is no theta to infer: say by `theta` at which each event was made, or use diagnose")
     if isinstance(task, Joint) or tables_in(x) is not None or (task.missing and by_moments):
         if not by_moments:
             what = "tables and several data sets"
@@ -414,8 +416,6 @@ def infer(
         return moments(task, x, budget, seed, drop_invalid, progress, bank, jobs)
     if sample and bank is not None:
         raise UsageError(ALL_THERE_ARE)
-    if sample and not task.prior.dim:
-        raise UsageError("there is no theta to infer: say by `theta` at which each simulated event was made")
     if method == "abc":
         if not sample or settings:
             raise UsageError("abc is for avobench.bank, without settings; of a simulator take abc-smc")

@@ -30,7 +30,11 @@ OPTIONS = (
     click.option("--task", "spec", default=None, metavar="NAME", help="Task, file.py:Class, or a model.json."),
     click.option("--simulated", default=None, metavar="FILE", help="Simulated events, in place of a task."),
     click.option(
-        "--theta-columns", metavar="A,B,...", callback=listed, help="Columns of --simulated that are parameters."
+        "--theta-columns",
+        multiple=True,
+        metavar="A,B,...",
+        callback=listed,
+        help="Columns of --simulated that are parameters.",
     ),
     click.option("--weights", default=None, metavar="COLUMN", help="Column of --simulated with weights."),
     click.option("--data", default=None, metavar="FILE", help="File of measured events. For ROOT, file.root:tree."),

@@ -208,7 +208,8 @@ def bank(
     least = min(range(len(made.groups)), key=lambda k: len(made.groups[k]))
     if (few := len(made.groups[least]) + len(made.aside[least])) < LEAST:
         where = f" at theta = {made.nodes[least].tolist()}" if names else ""
-        raise UsageError(f"{few} simulated events{where} are too few, at least {LEAST} are needed at each theta")
+        more = ": round theta to fewer values" if len(made.nodes) * LEAST > len(x) else ""
+        raise UsageError(f"{few} simulated events{where} are too few, at least {LEAST} are needed at each theta{more}")
     return made
 
 

@@ -146,7 +146,7 @@ def _first_text(values: NDArray | pd.Series) -> str:
     swapped = str.maketrans(f".{values.attrs['decimal']}", f"{values.attrs['decimal']}.")
     cells = values.astype(str).str.translate(swapped)
     wrong = values[pd.to_numeric(cells, errors="coerce").isna() & values.notna()]
-    return f": line {wrong.index[0]} has '{wrong.iloc[0]}'" if len(wrong) else ""
+    return f": line {wrong.index[0]} has '{wrong.iloc[0]}'; mend it, or choose other columns" if len(wrong) else ""
 
 
 def seconds(time: NDArray, what: str) -> NDArray[np.float64]:

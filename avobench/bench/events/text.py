@@ -48,7 +48,7 @@ def read_text(path: str) -> tuple[pd.DataFrame, bool]:
     try:
         text = (gzip.decompress(raw) if path.endswith(".gz") else raw).decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise UsageError(f"{path} is not a text in UTF-8 (byte {error.start})") from error
+        raise UsageError(f"{path} is not a text in UTF-8 (byte {error.start}): save it as that") from error
     lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
     comments = [line.lstrip("# ").strip() for _, line in lines if line.lstrip().startswith("#")]
     lines = [(number, line) for number, line in lines if not line.lstrip().startswith("#")]
@@ -93,6 +93,8 @@ def _form(path: str, lines: list[str], comments: list[str], separator: str) -> F
     trailing = bool(events) and longer > 1 and all(len(row) == longer and not row[-1].strip() for row in events)
     if trailing and names is not None and not names[-1]:
         names = names[:-1]
+    if named and {len(row) for row in events} == {width + 1} and {line[0] for line in lines[skip:]} == {'"'}:
+        names = ["", *names]  # R does not name the column of its names of rows
     if names is not None and len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
         raise UsageError(f"{path} has two columns of the name '{twice}'")

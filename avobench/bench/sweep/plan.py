@@ -126,7 +126,7 @@ def parse_settings(texts: list[str], specs: dict[str, list[str]]) -> dict[str, d
             raise UsageError(f"--set takes METHOD.PARAM=VALUE, got '{text}'")
         spec = by_name.get(name, name)
         if spec not in chosen:
-            raise UsageError(f"--set {text}: '{name}' is not part of this run, which has {', '.join(by_name)}")
+            raise UsageError(f"--set {text}: '{name}' is not part of this run; {', '.join(by_name) or 'nothing'} is")
         try:
             chosen[spec][setting] = json.loads(value)
         except json.JSONDecodeError:

@@ -39,6 +39,12 @@ def test_a_line_of_units_may_have_blanks_and_a_first_event_may_lack_its_number(t
     np.testing.assert_array_equal(read_events(kept(tmp_path, text), ["time"]), [[np.nan], [1.5], [2.5]])
 
 
+def test_names_of_rows_that_r_writes_are_a_column_without_a_name(tmp_path):
+    table = read_events(kept(tmp_path, '"a" "b"\n"1" 1.5 NA\n"2" 2.5 3\n'))
+    assert list(table.columns) == ["", "a", "b"]
+    np.testing.assert_array_equal(table, [[1, 1.5, np.nan], [2, 2.5, 3]])
+
+
 def test_numbered_columns_are_no_event(tmp_path):
     pd.DataFrame([[1.5, 2.5], [3.5, 4.5]]).to_csv(tmp_path / "events.csv", index=False)
     np.testing.assert_array_equal(read_events(str(tmp_path / "events.csv")), [[1.5, 2.5], [3.5, 4.5]])
