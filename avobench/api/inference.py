@@ -482,7 +482,7 @@ def by_method(
         fresh, rng = known.task(drawing(task, source, aside=True)), stream(seed, "test", *words)
         held = min(held, task.num_aside * 3 // 2) if sample else held
         test = metered("agreement", fresh, held, checks.used + simulate.used)
-        estimate, as_good = tested(known.task(task), estimate, x_observed, test, simulate.used, rng)
+        estimate, others = tested(known.task(task), estimate, x_observed, test, simulate.used, rng)
     seconds = time.perf_counter() - start
     if isinstance(source, Counted):
         used = sum(each.used - each.failed for each in (checks.meter, simulate, test))
@@ -492,8 +492,7 @@ def by_method(
     if sample and (repeats := drawn.simulate.repeats) > REPEATED:
         warnings.append(f"the events of the bank were used {repeats:.2g} times each, so that errors are too small")
     warnings += failures(task, estimate.theta, estimate.std if estimate.error is None else estimate.error)
-    answers = tuple(dict(zip(task.parameter_names, other.tolist(), strict=True)) for other in as_good)
-    return Inference(task, method.name, estimate, len(x_observed), used, seconds, seed, tuple(warnings), answers)
+    return Inference(task, method.name, estimate, len(x_observed), used, seconds, seed, tuple(warnings), others)
 
 
 def by_rejection(
@@ -512,10 +511,9 @@ def by_rejection(
     aside = known.task(drawing(task, Given(task, Meter()), aside=True))
     test = MeteredSimulator(aside, task.num_aside * 3 // 2, stream(seed, "agreement", *words))
     rng, num = stream(seed, "test", *words), len(task.events)
-    estimate, as_good = tested(posed, estimate, x_observed, test, num, rng)
-    answers = tuple(dict(zip(task.parameter_names, other.tolist(), strict=True)) for other in as_good)
+    estimate, others = tested(posed, estimate, x_observed, test, num, rng)
     seconds = time.perf_counter() - start
-    return Inference(task, "abc", estimate, len(x_observed), num, seconds, seed, tuple(warnings), answers)
+    return Inference(task, "abc", estimate, len(x_observed), num, seconds, seed, tuple(warnings), others)
 
 
 def drawing(task: Task, source: "Bank | Counted", aside: bool = False) -> Task:
@@ -552,7 +550,7 @@ def tested(
     simulate: MeteredSimulator,
     num_fitted: int,
     rng: np.random.Generator,
-) -> tuple[Estimate, list[NDArray[np.float64]]]:
+) -> tuple[Estimate, tuple[dict[str, float], ...]]:
     """The estimate with a doubt where fresh events at it differ from the observed ones, and what else fits as well.
 
     Two thirds of the budget of `simulate` are spent at the estimate, and the rest at its mirror images.
@@ -561,8 +559,9 @@ def tested(
     num = simulate.budget - simulate.budget // 3
     doubt = agreement.doubt_of(task, theta, x_observed, simulate, num, rng)
     if doubt:
-        return replace(estimate, doubt="; ".join(filter(None, (estimate.doubt, doubt)))), []
-    return estimate, agreement.as_good(task, theta, error, x_observed, simulate, simulate.remaining, num_fitted, rng)
+        return replace(estimate, doubt="; ".join(filter(None, (estimate.doubt, doubt)))), ()
+    others = agreement.as_good(task, theta, error, x_observed, simulate, simulate.remaining, num_fitted, rng)
+    return estimate, tuple(dict(zip(task.parameter_names, other.tolist(), strict=True)) for other in others)
 
 
 def by_effort(model: "Model", part: Any, meter: Meter, rng: np.random.Generator) -> tuple["GateResult", "Fit"]:

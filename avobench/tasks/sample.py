@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from avobench.tasks.arguments import box_of, checked, numbers
 from avobench.tasks.contract import Box, Task, histogram
 from avobench.tasks.errors import UsageError, whole
-from avobench.tasks.weights import drawn, effective, weights_of, without_negative
+from avobench.tasks.weights import column, drawn, effective, weights_of, without_negative
 
 ASIDE = 5
 """One in so many events of each theta is kept aside, for whoever needs events that nothing has learned from."""
@@ -183,11 +183,11 @@ def bank(
     rng = np.random.default_rng(whole("seed", seed, 0))
     if hasattr(events, "columns"):
         if isinstance(weights, str):
-            weights, events = _column(events, weights), events.drop(columns=weights)
-        if isinstance(theta, Sequence) and len(theta) and all(isinstance(column, str) for column in theta):
-            theta = {column: _column(events, column) for column in theta}
+            weights, events = column(events, weights), events.drop(columns=weights)
+        if isinstance(theta, Sequence) and len(theta) and all(isinstance(each, str) for each in theta):
+            theta = {each: column(events, each) for each in theta}
             events = events.drop(columns=list(theta))
-        features = features or [str(column) for column in events.columns]
+        features = features or [str(each) for each in events.columns]
     x = np.asarray(events, float) if missing else numbers("the simulated events", events)
     x = x[:, None] if x.ndim == 1 else x
     x = x.astype(np.int64) if x.dtype.kind in "bui" else x.astype(np.float64)
@@ -276,9 +276,3 @@ def _drawn(
         rows.append(own[drawn(without_negative(x[own], w[own]), rng)])
         worth += tell / len(x)
     return rng.permutation(np.concatenate(rows)), worth, float(w.sum())
-
-
-def _column(table: Any, name: str) -> NDArray:
-    if name not in table.columns:
-        raise UsageError(f"there is no column '{name}'; the columns are {', '.join(map(str, table.columns))}")
-    return table[name].to_numpy()

@@ -5,9 +5,11 @@ import pandas as pd
 import pytest
 
 import avobench
+from avobench.api.diagnosis import require_events
 from avobench.bench import conformance
 from avobench.bench.processes.workers import Workers
 from avobench.diagnosis.summary.bins import bins_of
+from avobench.effects.catalogue import catalogue
 from avobench.effects.rejection import accepted
 from avobench.tasks.errors import SimulatorError, UsageError
 from avobench.tasks.missing import Recorded, filled
@@ -84,6 +86,11 @@ def test_it_keeps_the_contract_and_a_sweep_takes_it(tmp_path):
     frame = avobench.run(f"{__file__}:TASK", "smm", "0-2", results=tmp_path, **how)
     assert (frame["status"] == "ok").all()
     assert (frame["squared_error"] < 0.1).all()
+
+
+def test_an_effect_that_is_given_may_make_missing_values():
+    lost = next(each for each in catalogue(TASK) if each.name == "lost_value")
+    require_events(lost, TASK, TASK.simulate)
 
 
 def test_two_samples_that_both_lack_a_value_need_no_word():
