@@ -41,7 +41,6 @@ from avobench.tasks.region import beside, failing, failures, regions
 from avobench.tasks.sample import SampleTask, require_enough
 
 if TYPE_CHECKING:
-    from arviz import InferenceData
     from matplotlib.figure import Figure
     from scipy.stats import rv_histogram
 
@@ -268,20 +267,6 @@ class Inference:
         shares = np.linspace(0, 1, STEPS + 1)
         of_each = zip(self.task.parameter_names, np.quantile(draws, shares, axis=0).T, strict=True)
         return {name: rv_histogram((np.ones(STEPS), edges), density=False) for name, edges in of_each}
-
-    def to_inference_data(self, n: int = 4000, seed: int = 0) -> "InferenceData":
-        """The draws of `samples` as one chain of ArviZ's InferenceData, whose attribute `samples_of` says of what.
-
-        Raises UsageError where ArviZ, of a version below 1, is not installed.
-        """
-        try:
-            from arviz import from_dict
-        except ImportError as error:
-            how = "pip install 'arviz<1'"
-            raise UsageError(f"to_inference_data needs ArviZ below version 1, which is not installed: {how}") from error
-        draws = self.samples(n, seed)
-        told = {"samples_of": self.samples_of, "method": self.method}
-        return from_dict({name: draws[name].to_numpy()[None] for name in draws}, attrs=told)
 
     def plot(self, name: str = "trace") -> "Figure":
         """The figure "trace" or "pairs".

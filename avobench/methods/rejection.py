@@ -17,11 +17,16 @@ from avobench.methods.regression import STRENGTHS
 from avobench.tasks import Box, Task
 from avobench.tasks.sample import SampleTask
 
-ROUNDS, SETS, KEPT = 3, 1000, 250
-"""Sets of events are made in each of a few rounds, each at a theta of its own, and the nearest are kept."""
-SPREADS, AROUND = 4.0, 2.0
-"""The next round's box reaches so many standard deviations from the mean, and so many distances between thetas of the
-sample at least: what is learnt from too few of these is their noise."""
+ROUNDS = 3
+"""The third box hardly differs from the second."""
+SETS = 1000
+"""Sets of events of a round, each at a theta of its own."""
+KEPT = 250
+"""So many of them, those nearest to the observed events, are kept."""
+SPREADS = 4.0
+"""The next round's box reaches so many standard deviations from the mean."""
+AROUND = 2.0
+"""It reaches so many distances between thetas of the sample at least: what is learnt from too few is their noise."""
 
 
 def rejection(

@@ -2,10 +2,8 @@
 
 import json
 import os
-import sys
 import time
 from dataclasses import dataclass, replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -110,17 +108,6 @@ def test_what_is_no_saved_result_is_said_in_a_line(content, tmp_path):
         path.write_text(content)
     with pytest.raises(avobench.UsageError, match=str(path)):
         avobench.load(path)
-
-
-def test_arviz_is_given_the_draws_or_asked_for(fitted, monkeypatch):
-    arviz = SimpleNamespace(from_dict=lambda posterior, attrs: (posterior, attrs))
-    monkeypatch.setitem(sys.modules, "arviz", arviz)
-    posterior, attrs = fitted.to_inference_data(30)
-    assert posterior["b"].shape == (1, 30)
-    assert attrs["samples_of"] == fitted.samples_of
-    monkeypatch.setitem(sys.modules, "arviz", None)
-    with pytest.raises(avobench.UsageError, match="pip install 'arviz<1'"):
-        fitted.to_inference_data()
 
 
 def test_the_figure_names_both_bands(fitted):
