@@ -489,14 +489,14 @@ def by_rejection(
 
     x_observed, warnings = check_events(task, x, drop_invalid=drop_invalid, diagnosis=False, made=lambda: task.events)
     start, words, known = time.perf_counter(), (task.name, "abc"), Recorded(task, x_observed)
+    num, sets = len(task.events), ROUNDS * SETS
     x_observed, posed = known.events(x_observed), known.task(task)
     with shown(progress) as tell:
         rng = stream(seed, "method", *words)
-        estimate = rejection(task, posed, x_observed, rng, lambda made: tell("abc", made, ROUNDS * SETS))
+        estimate = rejection(task, posed, x_observed, rng, lambda made: tell("abc", num * made // sets, num))
     aside = known.task(drawing(task, Given(task, Meter()), aside=True))
     test = MeteredSimulator(aside, task.num_aside * 3 // 2, stream(seed, "agreement", *words))
-    rng, num = stream(seed, "test", *words), len(task.events)
-    estimate, others = tested(posed, estimate, x_observed, test, num, rng)
+    estimate, others = tested(posed, estimate, x_observed, test, num, stream(seed, "test", *words))
     seconds = time.perf_counter() - start
     return Inference(task, "abc", estimate, len(x_observed), num, seconds, seed, tuple(warnings), others)
 
