@@ -590,7 +590,7 @@ def require_events(effect: Effect, task: Task, simulate: Simulate) -> None:
     x = registry.blamed(apply, what)
     if x.shape != (TRIED, task.num_features):
         raise UsageError(f"{what} makes events of shape {x.shape}, not {(TRIED, task.num_features)}")
-    if x.dtype != np.dtype(task.dtype) or not np.isfinite(x).all():
+    if x.dtype != np.dtype(task.dtype) or task.broken(x).any():
         raise UsageError(f"{what} must make finite events of {np.dtype(task.dtype)}, and makes {x.dtype}: {x[0]}")
     if effect.parameters[0].null is None:
         raise UsageError(f"{what}: its strength, {effect.parameters[0].name}, has no null value")

@@ -41,7 +41,6 @@ from avobench.tasks.region import beside, failing, failures, regions
 from avobench.tasks.sample import SampleTask, require_enough
 
 if TYPE_CHECKING:
-    from arviz import InferenceData
     from matplotlib.figure import Figure
     from scipy.stats import rv_histogram
 
@@ -269,20 +268,6 @@ class Inference:
         of_each = zip(self.task.parameter_names, np.quantile(draws, shares, axis=0).T, strict=True)
         return {name: rv_histogram((np.ones(STEPS), edges), density=False) for name, edges in of_each}
 
-    def to_inference_data(self, n: int = 4000, seed: int = 0) -> "InferenceData":
-        """The draws of `samples` as one chain of ArviZ's InferenceData, whose attribute `samples_of` says of what.
-
-        Raises UsageError where ArviZ, of a version below 1, is not installed.
-        """
-        try:
-            from arviz import from_dict
-        except ImportError as error:
-            how = "pip install 'arviz<1'"
-            raise UsageError(f"to_inference_data needs ArviZ below version 1, which is not installed: {how}") from error
-        draws = self.samples(n, seed)
-        told = {"samples_of": self.samples_of, "method": self.method}
-        return from_dict({name: draws[name].to_numpy()[None] for name in draws}, attrs=told)
-
     def plot(self, name: str = "trace") -> "Figure":
         """The figure "trace" or "pairs".
 
@@ -359,7 +344,8 @@ def infer(
     x
         Observed events (N, d), or (N,) where an event is one number; or published tables. Of tables, of several data
         sets, and from events that were simulated before, theta is found by `smm`: from means of summaries, by the fit
-        with which a diagnosis begins. From events that were simulated before also `npe`, `nle` and `nre` find it.
+        with which a diagnosis begins. From events that were simulated before also `npe`, `nle` and `nre` find it, and
+        "abc", which is rejection by sets of these events with a regression adjustment.
     method
         A method, or its name, such as "avo", "abc-smc" or "bolfi". By default it is `avo` where PyTorch is
         installed, and otherwise `smm`, which needs no more than the base install.
@@ -403,6 +389,8 @@ def infer(
     by_moments = method in (None, "smm") and not settings
     task = task if isinstance(task, Joint) else registry.task_of(task)
     sample = isinstance(task, SampleTask)
+    if sample and not task.prior.dim:
+        raise UsageError("there is no theta to infer: say by `theta` at which each event was made, or use diagnose")
     if isinstance(task, Joint) or tables_in(x) is not None or (task.missing and by_moments):
         if not by_moments:
             what = "tables and several data sets"
@@ -413,6 +401,10 @@ def infer(
         return moments(task, x, budget, seed, drop_invalid, progress, bank, jobs)
     if sample and bank is not None:
         raise UsageError(ALL_THERE_ARE)
+    if method == "abc":
+        if not sample or settings:
+            raise UsageError("abc is for avobench.bank, without settings; of a simulator take abc-smc")
+        return by_rejection(task, x, seed, drop_invalid, progress)
     if method is None:
         method = next(name for name in DEFAULTS if registry.missing_package(registry.load("method", name)) is None)
     if isinstance(method, str):
@@ -422,7 +414,7 @@ def infer(
     for kind, subject in (("task", task), ("method", method)):
         registry.require_packages(kind, subject)
     if sample and not method.from_prior:
-        raise UsageError(f"{method.name} needs events at thetas of its own; of a bank take smm, npe, nle or nre")
+        raise UsageError(f"{method.name} needs events at thetas of its own; of a bank take smm, abc, npe, nle or nre")
     return by_method(task, x, method, budget, seed, drop_invalid, progress, bank, jobs)
 
 
@@ -456,9 +448,9 @@ def by_method(
     )
     start = time.perf_counter()
     words, drawn = (task.name, method.name), drawing(task, source)
-    known = Recorded(task, x_observed).task if task.missing else lambda twin: twin
-    x_observed = Recorded(task, x_observed).events(x_observed) if task.missing else x_observed
-    posed = in_shares(known(drawn))
+    known = Recorded(task, x_observed)
+    x_observed = known.events(x_observed)
+    posed = in_shares(known.task(drawn))
     held = min(budget // agreement.SHARE, budget - checks.used - least)
     with shown(progress) as tell:
 
@@ -472,8 +464,10 @@ def by_method(
         estimate = method.infer(problem, stream(seed, "method", *words))
         require_recordable(estimate, problem, simulate.used)
         estimate = restricted(raw(estimate, task.prior), task)
-        test = metered("agreement", known(drawing(task, source, aside=True)), held, checks.used + simulate.used)
-        estimate, as_good = tested(known(task), estimate, x_observed, test, simulate.used, stream(seed, "test", *words))
+        fresh, rng = known.task(drawing(task, source, aside=True)), stream(seed, "test", *words)
+        held = min(held, task.num_aside * 3 // 2) if sample else held
+        test = metered("agreement", fresh, held, checks.used + simulate.used)
+        estimate, others = tested(known.task(task), estimate, x_observed, test, simulate.used, rng)
     seconds = time.perf_counter() - start
     if isinstance(source, Counted):
         used = sum(each.used - each.failed for each in (checks.meter, simulate, test))
@@ -483,8 +477,28 @@ def by_method(
     if sample and (repeats := drawn.simulate.repeats) > REPEATED:
         warnings.append(f"the events of the bank were used {repeats:.2g} times each, so that errors are too small")
     warnings += failures(task, estimate.theta, estimate.std if estimate.error is None else estimate.error)
-    answers = tuple(dict(zip(task.parameter_names, other.tolist(), strict=True)) for other in as_good)
-    return Inference(task, method.name, estimate, len(x_observed), used, seconds, seed, tuple(warnings), answers)
+    return Inference(task, method.name, estimate, len(x_observed), used, seconds, seed, tuple(warnings), others)
+
+
+def by_rejection(
+    task: SampleTask, x: Any, seed: int, drop_invalid: bool, progress: Progress | bool | None
+) -> Inference:
+    """Infer theta behind events x by ABC with sets of the events of a sample. Raises UsageError."""
+    from avobench.effects.bank import Given
+    from avobench.methods.rejection import ROUNDS, SETS, rejection
+
+    x_observed, warnings = check_events(task, x, drop_invalid=drop_invalid, diagnosis=False, made=lambda: task.events)
+    start, words, known = time.perf_counter(), (task.name, "abc"), Recorded(task, x_observed)
+    num, sets = len(task.events), ROUNDS * SETS
+    x_observed, posed = known.events(x_observed), known.task(task)
+    with shown(progress) as tell:
+        rng = stream(seed, "method", *words)
+        estimate = rejection(task, posed, x_observed, rng, lambda made: tell("abc", num * made // sets, num))
+    aside = known.task(drawing(task, Given(task, Meter()), aside=True))
+    test = MeteredSimulator(aside, task.num_aside * 3 // 2, stream(seed, "agreement", *words))
+    estimate, others = tested(posed, estimate, x_observed, test, num, stream(seed, "test", *words))
+    seconds = time.perf_counter() - start
+    return Inference(task, "abc", estimate, len(x_observed), num, seconds, seed, tuple(warnings), others)
 
 
 def drawing(task: Task, source: "Bank | Counted", aside: bool = False) -> Task:
@@ -521,7 +535,7 @@ def tested(
     simulate: MeteredSimulator,
     num_fitted: int,
     rng: np.random.Generator,
-) -> tuple[Estimate, list[NDArray[np.float64]]]:
+) -> tuple[Estimate, tuple[dict[str, float], ...]]:
     """The estimate with a doubt where fresh events at it differ from the observed ones, and what else fits as well.
 
     Two thirds of the budget of `simulate` are spent at the estimate, and the rest at its mirror images.
@@ -530,8 +544,9 @@ def tested(
     num = simulate.budget - simulate.budget // 3
     doubt = agreement.doubt_of(task, theta, x_observed, simulate, num, rng)
     if doubt:
-        return replace(estimate, doubt="; ".join(filter(None, (estimate.doubt, doubt)))), []
-    return estimate, agreement.as_good(task, theta, error, x_observed, simulate, simulate.remaining, num_fitted, rng)
+        return replace(estimate, doubt="; ".join(filter(None, (estimate.doubt, doubt)))), ()
+    others = agreement.as_good(task, theta, error, x_observed, simulate, simulate.remaining, num_fitted, rng)
+    return estimate, tuple(dict(zip(task.parameter_names, other.tolist(), strict=True)) for other in others)
 
 
 def by_effort(model: "Model", part: Any, meter: Meter, rng: np.random.Generator) -> tuple["GateResult", "Fit"]:

@@ -11,26 +11,15 @@ from avobench.tasks.arguments import checked
 def list_tasks() -> pd.DataFrame:
     """A row for each registered task: its name, parameters, number of features and source."""
     tasks = [registry.build("task", name, {}) for name in registry.names("task")]
-    rows = [
-        {
-            "task": task.name,
-            "parameters": ", ".join(task.parameter_names),
-            "features": task.num_features,
-            "source": task.source,
-        }
-        for task in tasks
-    ]
-    return pd.DataFrame(rows).set_index("task")
+    rows = [(task.name, ", ".join(task.parameter_names), task.num_features, task.source) for task in tasks]
+    return pd.DataFrame(rows, columns=["task", "parameters", "features", "source"]).set_index("task")
 
 
 def list_methods() -> pd.DataFrame:
     """A row for each registered method: its name, its source, and whether what it needs is installed."""
     methods = [registry.build("method", name, {}) for name in registry.names("method")]
-    rows = [
-        {"method": method.name, "source": method.source, "available": registry.missing_package(method) is None}
-        for method in methods
-    ]
-    return pd.DataFrame(rows).set_index("method")
+    rows = [(method.name, method.source, registry.missing_package(method) is None) for method in methods]
+    return pd.DataFrame(rows, columns=["method", "source", "available"]).set_index("method")
 
 
 @checked

@@ -34,12 +34,16 @@ def solve(
     """Diagnose each case of `folder` that has no result yet, with `options` of `diagnose`; a file a case in `results/`.
 
     Each case has its number as seed, and one process. One that fails, or exceeds a limit, leaves its error as the
-    result, and is tried again the next time. Raises UsageError if the folder is no challenge, holds results of other
-    options, or names code without being trusted; StoreError where the disk does not take a result.
+    result, and is tried again the next time. The option `bank` is the path of a folder of simulated events that all
+    cases share, so that they are not independent of each other. Raises UsageError if the folder is no challenge, holds
+    results of other options, or names code without being trusted, and for a bank and several processes; StoreError
+    where the disk does not take a result.
     """
     manifest = read_manifest(folder)
     spec = registry.named_in(folder / "manifest.json", "task", manifest["task"], trust)
     workers, options = workers or Workers(jobs=1), options or {}
+    if "bank" in options and workers.processes > 1:
+        raise UsageError("the folder of a bank has room for one process: leave --jobs or --bank out")
     require_folder(folder / RESULTS)
     pending = []
     for number, case in enumerate(manifest["cases"]):
@@ -74,10 +78,12 @@ def _solved(spec: str, data: Path, number: int, case: dict, options: dict[str, A
         task = registry.build("task", spec, {})
         registry.require_packages("task", task)
         x, allowed = read_events(str(data / f"{case['case']}.npz")), case["effects"]
-        checks = Checks(task, len(x), options.get("num_simulations"), seed=number)
+        asked = {key: value for key, value in options.items() if key != "bank"}
+        folder = Path(options["bank"]) if "bank" in options else None
+        checks = Checks(task, len(x), options.get("num_simulations"), seed=number, folder=folder)
         x, warnings = checks.events(x)
         effects = [effect for effect in checks.entries() if allowed is None or effect.name in allowed]
-        diagnosis = diagnose(task, x, seed=number, effects=effects, bank=checks.bank, **options).diagnosis
+        diagnosis = diagnose(task, x, seed=number, effects=effects, bank=checks.bank, **asked).diagnosis
         found = {"warnings": warnings, "diagnosis": diagnosis.model_dump(mode="json")}
         json.dumps(found, allow_nan=False)  # a number that is none is a fault too
         result |= found

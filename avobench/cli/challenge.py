@@ -48,6 +48,7 @@ def make(task: str, kinds: str | None, shapes: str | None, trust: bool, **asked:
 @click.option("--alpha", type=float, help="Upper bound on the rate of false alarms.")
 @click.option("--simulations", "num_simulations", type=int, help="Limit on simulated events per data set.")
 @click.option("--fit", metavar="NAME", help="Method that fits theta first.")
+@click.option("--bank", type=click.Path(), help="Folder that keeps simulated events, which all data sets share.")
 @TIME_LIMIT
 @MEMORY_LIMIT
 @TRUST

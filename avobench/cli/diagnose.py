@@ -41,7 +41,11 @@ from avobench.cli.terminal import say
     help="Method that fits theta first. The diagnosis's own fit is named surrogate.",
 )
 @click.option(
-    "--effects", metavar="A,B,...", callback=listed, help="Effects of the catalogue to try.  [all that apply]"
+    "--effects",
+    multiple=True,
+    metavar="A,B,...",
+    callback=listed,
+    help="Effects of the catalogue to try.  [all that apply]",
 )
 @click.option(
     "--effect",

@@ -43,7 +43,8 @@ def infer(
         require_folder(out.parent, make=False)
     asked = Asked.of(options)
     spec = asked.spec and registry.trusted(asked.spec, asked.trust)
-    chosen = parse_settings(list(settings), {"task": [spec] if spec else [], "method": [method] if method else []})
+    methods = [method] if method not in (None, "abc") else []
+    chosen = parse_settings(list(settings), {"task": [spec] if spec else [], "method": methods})
     task, x, _ = asked.read(chosen.get(spec))
     with shown(None, plain=True) as progress:
         found = infer_events(
@@ -52,7 +53,7 @@ def infer(
             method,
             budget=budget,
             seed=seed,
-            settings=chosen[method] if method else None,
+            settings=chosen.get(method),
             drop_invalid=drop_invalid,
             progress=progress,
             bank=bank,

@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,7 @@ from avobench.api.joint import Joint, joint
 from avobench.bench.events import read_events, read_timed
 from avobench.bench.plugins import registry
 from avobench.cli.options import COLUMNS, JOINT, TRUST, listed, require_alone
+from avobench.cli.terminal import say
 from avobench.tables.read import read_table
 from avobench.tables.table import Table
 from avobench.tasks import Task
@@ -30,7 +32,11 @@ OPTIONS = (
     click.option("--task", "spec", default=None, metavar="NAME", help="Task, file.py:Class, or a model.json."),
     click.option("--simulated", default=None, metavar="FILE", help="Simulated events, in place of a task."),
     click.option(
-        "--theta-columns", metavar="A,B,...", callback=listed, help="Columns of --simulated that are parameters."
+        "--theta-columns",
+        multiple=True,
+        metavar="A,B,...",
+        callback=listed,
+        help="Columns of --simulated that are parameters.",
     ),
     click.option("--weights", default=None, metavar="COLUMN", help="Column of --simulated with weights."),
     click.option("--data", default=None, metavar="FILE", help="File of measured events. For ROOT, file.root:tree."),
@@ -130,7 +136,11 @@ class Asked:
 def _events(file: str, columns: list[str] | None, weights: str | None, time: str | None = None) -> tuple[Any, Any]:
     """Measured events of a file, without the column of `weights` by which they are thinned, and the column `time`."""
     x, when = read_timed(file, [*columns, *([weights] if weights else [])] if columns else None, time)
-    return (unweighted(x, weights) if weights else x), when
+    if weights:
+        with warnings.catch_warnings(record=True, action="always") as told:
+            x = unweighted(x, weights)
+        say(f"note: {told[0].message}", err=True)
+    return x, when
 
 
 def _sample(file: str, columns: list[str] | None, theta: list[str] | None, weights: str | None, x: Any) -> Task:

@@ -10,9 +10,12 @@ from avobench.api.sweep import RESULTS as DEFAULT
 from avobench.tasks.errors import UsageError
 
 
-def listed(context: click.Context, option: click.Parameter, names: str | None) -> list[str] | None:
-    """The names in `A,B,...`, as a callback of an option."""
-    return None if names is None else [name.strip() for name in names.split(",")]
+def listed(context: click.Context, option: click.Parameter, given: tuple[str, ...]) -> list[str] | None:
+    """The names in `A,B,...`, as a callback of an option that may be repeated. Raises UsageError for a name twice."""
+    names = [name.strip() for each in given for name in each.split(",")]
+    if len(set(names)) < len(names):
+        raise UsageError(f"{option.opts[0]} names '{max(names, key=names.count)}' twice")
+    return names or None
 
 
 RESULTS = click.option(
@@ -31,7 +34,7 @@ JOINT = click.option(
     help="Several data sets with one theta, a section each, in place of a task and data.",
 )
 COLUMNS = click.option(
-    "--columns", metavar="A,B,...", callback=listed, help="Columns or branches to read, in this order."
+    "--columns", multiple=True, metavar="A,B,...", callback=listed, help="Columns or branches to read, in this order."
 )
 SETTINGS = click.option(
     "--set",

@@ -28,16 +28,18 @@ class Recorded:
     """A task without NaN, for methods that know none: each feature that may be missing has one more, 1 where it is.
 
     There the feature itself is the median of what was measured. So the joint distribution is kept, with how often
-    and beside what a value is missing.
+    and beside what a value is missing. A task of which nothing may be missing, and its events, are left as they are.
     """
 
     def __init__(self, task: Task, x: NDArray) -> None:
         """The features that `task` says may be missing, as they are in measured events x (n, d)."""
         self._columns = list(task.missing)
-        self._fill = np.nanmedian(x, axis=0)
+        self._fill = np.nanmedian(x, axis=0) if self._columns else None
 
     def events(self, x: NDArray) -> NDArray:
         """Events (n, d) with NaN -> (n, d + k) without."""
+        if not self._columns:
+            return x
         lacking = np.isnan(x[:, self._columns])
         return np.hstack([np.where(np.isnan(x), self._fill, x), lacking])
 
@@ -49,6 +51,8 @@ class Recorded:
 
     def task(self, task: Task) -> Task:
         """A twin of the task that makes such events."""
+        if not self._columns:
+            return task
         twin, more = copy(task), tuple(f"{task.labels[j]} is missing" for j in self._columns)
         said = {
             "num_features": task.num_features + len(more),

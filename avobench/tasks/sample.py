@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from avobench.tasks.arguments import box_of, checked, numbers
 from avobench.tasks.contract import Box, Task, histogram
 from avobench.tasks.errors import UsageError, whole
-from avobench.tasks.weights import drawn, effective, weights_of, without_negative
+from avobench.tasks.weights import column, drawn, effective, weights_of, without_negative
 
 ASIDE = 5
 """One in so many events of each theta is kept aside, for whoever needs events that nothing has learned from."""
@@ -55,8 +55,11 @@ class SampleTask(Task):
         groups = np.split(order, np.cumsum(np.bincount(which, minlength=len(self.nodes)))[:-1])
         self.groups = [group[len(group) // ASIDE :] for group in groups]
         """The rows of the events of each node, but for those kept aside."""
+        self._grouped = np.concatenate(self.groups)
         self.aside = [group[: len(group) // ASIDE] for group in groups]
         """The rows of those."""
+        self.num_aside = min(map(len, self.aside))
+        """So many of them may be asked for at any theta, and none comes twice."""
 
     @property
     def parts(self) -> tuple[object, ...]:
@@ -83,13 +86,18 @@ class SampleTask(Task):
         corner[inside] = triangles.simplices[simplex[inside], drawn]
         return corner
 
+    def around(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The share of events at theta (p,) that is of each node: (k,), from DRAWS of them."""
+        corner = self.corner(np.tile(theta, (DRAWS, 1)), np.random.default_rng(0))
+        return np.bincount(corner, minlength=len(self.nodes)) / DRAWS
+
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """One event of the sample per row: theta (n, p) -> (n, d). Raises ValueError outside the support."""
         self.require_support(theta)
         corner = self.corner(theta, rng)
         sizes = np.array([len(group) for group in self.groups])
         first, place = np.cumsum(sizes) - sizes, (rng.random(len(theta)) * sizes[corner]).astype(np.intp)
-        return self.events[np.concatenate(self.groups)[first[corner] + place]]
+        return self.events[self._grouped[first[corner] + place]]
 
     def summary(self, x: NDArray) -> NDArray[np.float64]:
         """Shares of the events in twenty bins of each feature that hold equal shares of the sample: (n, d) -> (k,)."""
@@ -175,11 +183,11 @@ def bank(
     rng = np.random.default_rng(whole("seed", seed, 0))
     if hasattr(events, "columns"):
         if isinstance(weights, str):
-            weights, events = _column(events, weights), events.drop(columns=weights)
-        if isinstance(theta, Sequence) and len(theta) and all(isinstance(column, str) for column in theta):
-            theta = {column: _column(events, column) for column in theta}
+            weights, events = column(events, weights), events.drop(columns=weights)
+        if isinstance(theta, Sequence) and len(theta) and all(isinstance(each, str) for each in theta):
+            theta = {each: column(events, each) for each in theta}
             events = events.drop(columns=list(theta))
-        features = features or [str(column) for column in events.columns]
+        features = features or [str(each) for each in events.columns]
     x = np.asarray(events, float) if missing else numbers("the simulated events", events)
     x = x[:, None] if x.ndim == 1 else x
     x = x.astype(np.int64) if x.dtype.kind in "bui" else x.astype(np.float64)
@@ -200,7 +208,8 @@ def bank(
     least = min(range(len(made.groups)), key=lambda k: len(made.groups[k]))
     if (few := len(made.groups[least]) + len(made.aside[least])) < LEAST:
         where = f" at theta = {made.nodes[least].tolist()}" if names else ""
-        raise UsageError(f"{few} simulated events{where} are too few, at least {LEAST} are needed at each theta")
+        more = ": round theta to fewer values" if len(made.nodes) * LEAST > len(x) else ""
+        raise UsageError(f"{few} simulated events{where} are too few, at least {LEAST} are needed at each theta{more}")
     return made
 
 
@@ -211,8 +220,7 @@ def require_enough(task: Task, theta: NDArray[np.float64], num_measured: int) ->
     """
     if not isinstance(task, SampleTask):
         return
-    corner = task.corner(np.tile(theta, (DRAWS, 1)), np.random.default_rng(0))
-    needed = num_measured / 2 * np.bincount(corner, minlength=len(task.nodes)) / DRAWS
+    needed = num_measured / 2 * task.around(theta)
     used, aside = (np.array([len(group) for group in groups]) for groups in (task.groups, task.aside))
     k = int(np.argmax(needed - task.worth * used))
     if needed[k] > task.worth * used[k]:
@@ -268,9 +276,3 @@ def _drawn(
         rows.append(own[drawn(without_negative(x[own], w[own]), rng)])
         worth += tell / len(x)
     return rng.permutation(np.concatenate(rows)), worth, float(w.sum())
-
-
-def _column(table: Any, name: str) -> NDArray:
-    if name not in table.columns:
-        raise UsageError(f"there is no column '{name}'; the columns are {', '.join(map(str, table.columns))}")
-    return table[name].to_numpy()

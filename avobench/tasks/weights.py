@@ -1,5 +1,6 @@
 """Weighted events: how many of equal weight they are worth, and the same events without weights."""
 
+from typing import Any
 from warnings import warn
 
 import numpy as np
@@ -21,6 +22,14 @@ def weights_of(what: str, weights: ArrayLike, n: int) -> NDArray[np.float64]:
     if not w.any():
         raise UsageError(f"all weights of {what} are zero")
     return w
+
+
+def column(table: Any, name: str) -> NDArray:
+    """A column of a table. Raises UsageError, with the names that there are, where it has none of this name."""
+    names = getattr(table, "columns", ())
+    if name not in names:
+        raise UsageError(f"there is no column '{name}'; the columns are {', '.join(map(str, names)) or 'none'}")
+    return table[name].to_numpy()
 
 
 def effective(w: NDArray[np.float64]) -> float:
@@ -92,12 +101,7 @@ def unweighted(events: ArrayLike, weights: ArrayLike | str, *, seed: int = 0) ->
     """
     x = events if isinstance(events, pd.DataFrame) else numbers("the measured events", events)
     if isinstance(weights, str):
-        columns = getattr(x, "columns", ())
-        if weights not in columns:
-            raise UsageError(
-                f"there is no column '{weights}'; the columns are {', '.join(map(str, columns)) or 'none'}"
-            )
-        x, weights = x.drop(columns=weights), x[weights]
+        weights, x = column(x, weights), x.drop(columns=weights)
     w = weights_of("measured events", weights, len(np.atleast_1d(x)))
     if (w < 0).any():
         raise UsageError(

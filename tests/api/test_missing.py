@@ -5,7 +5,11 @@ import pandas as pd
 import pytest
 
 import avobench
+from avobench.api.diagnosis import require_events
+from avobench.bench import conformance
+from avobench.bench.processes.workers import Workers
 from avobench.diagnosis.summary.bins import bins_of
+from avobench.effects.catalogue import catalogue
 from avobench.effects.rejection import accepted
 from avobench.tasks.errors import SimulatorError, UsageError
 from avobench.tasks.missing import Recorded, filled
@@ -74,6 +78,19 @@ def test_other_methods_see_it_as_a_feature_of_its_own():
     )
     assert abs(fit.theta["mean"] - 2) < 4 * fit.std["mean"]
     assert other.estimate.doubt
+
+
+def test_it_keeps_the_contract_and_a_sweep_takes_it(tmp_path):
+    assert not [each.what for each in conformance.run("task", f"{__file__}:TASK") if not each.passed]
+    how = {"budget": 6000, "observations": 2000, "workers": Workers(in_process=True)}
+    frame = avobench.run(f"{__file__}:TASK", "smm", "0-2", results=tmp_path, **how)
+    assert (frame["status"] == "ok").all()
+    assert (frame["squared_error"] < 0.1).all()
+
+
+def test_an_effect_that_is_given_may_make_missing_values():
+    lost = next(each for each in catalogue(TASK) if each.name == "lost_value")
+    require_events(lost, TASK, TASK.simulate)
 
 
 def test_two_samples_that_both_lack_a_value_need_no_word():

@@ -366,14 +366,18 @@ def test_what_theta_absorbs_is_invisible():
 
 def test_from_the_command_line(avobench, tmp_path):
     folder = tmp_path / "challenge"
-    made = ("challenge", "make", "--task", "poisson", "--cases", 1, "--out", folder, "--events", 1000)
-    assert avobench(*made, "--kinds", "own")[0] == 0
-    code, out, error = avobench("challenge", "solve", folder, "--simulations", 20_000)
+    made = ("challenge", "make", "--task", "poisson", "--cases", 2, "--out", folder, "--events", 1000)
+    assert avobench(*made, "--kinds", "none")[0] == 0
+    solve_it = ("challenge", "solve", folder, "--simulations", 20_000, "--bank", tmp_path / "bank")
+    assert avobench(*solve_it, "--jobs", 2)[0] == 2
+    code, out, error = avobench(*solve_it)
     assert code == 0, error
+    used = [json.loads(path.read_text())["diagnosis"]["num_simulations"] for path in folder.glob("results/*.json")]
+    assert min(used) < max(used)  # the second case has events of the first
     code, out, _ = avobench("challenge", "score", folder, "--format", "json", "--records", tmp_path / "records.jsonl")
-    assert json.loads(out)["solved"] == 1
+    assert json.loads(out)["solved"] == 2
     code, out, _ = avobench("challenge", "score", tmp_path / "records.jsonl")
-    assert "poisson: 1 of 1 cases solved, 0 failed, 1000 events each" in out
+    assert "poisson: 2 of 2 cases solved, 0 failed, 1000 events each" in out
     assert score(read_records(tmp_path / "records.jsonl")) == score(records(folder))
     (tmp_path / "records.jsonl").write_text("{}\n")
     with pytest.raises(UsageError, match="does not hold records"):

@@ -43,6 +43,7 @@ def test_a_fit_from_a_bank_with_weights_on_both_sides_is_that_of_python(files, a
         (["--task", "poisson"], "--data, or published tables by --table"),
         (["--task", "poisson", "--data", "d.csv", "--weights", "w"], "columns of --simulated"),
         (["--task", "poisson", "--data", "d.csv", "--density"], "are of --table"),
+        (["--task", "poisson", "--data", "d.csv", "--columns", "a", "--columns", "b,a"], "--columns names 'a' twice"),
         (["--task", "poisson", "--table", "t.csv", "--data-weights", "w"], "columns of --data"),
         (["--joint", "sets.toml", "--data", "d.csv"], "leave --data out"),
     ],

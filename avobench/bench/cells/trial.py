@@ -7,7 +7,7 @@ import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,7 @@ from avobench.tasks.errors import (
     raised,
     text_of,
 )
+from avobench.tasks.missing import Recorded
 
 STATUS_OF = {
     BudgetExhausted: Status.BUDGET_EXHAUSTED,
@@ -63,8 +64,10 @@ class Trial:
         # An amortised method has the same events for every target: one budget for all, whoever simulates first.
         own = () if self.method.amortised else (cell.target,)
         words = (self._task.name, self.method.name, *own, cell.repetition)
-        posed = in_shares(self._task)
-        self.simulate = MeteredSimulator(posed, cell.budget, stream(cell.seed, "simulator", *words), progress)
+        metered = partial(
+            MeteredSimulator, budget=cell.budget, rng=stream(cell.seed, "simulator", *words), progress=progress
+        )
+        self.simulate = metered(self._task)
         self.rng = stream(cell.seed, "method", *words)
         self.problem: Problem | None = None
         self.estimate: object = None
@@ -78,9 +81,12 @@ class Trial:
             self._floors = _floors(self._task, cell)
             settings = json.dumps(cell.task_settings, sort_keys=True)
             # An amortised method shares its simulated summaries among all targets, so these have one reference.
-            reference = _observed(cell.task, settings, 0, cell.num_observations, cell.seed) if not own else None
-            self._x_observed = _observed(cell.task, settings, cell.target, cell.num_observations, cell.seed)
-            self.problem = pose(posed, self._x_observed.copy(), self.simulate, reference)
+            x = _observed(cell.task, settings, cell.target, cell.num_observations, cell.seed)
+            reference = x if own else _observed(cell.task, settings, 0, cell.num_observations, cell.seed)
+            known = Recorded(self._task, reference)
+            posed, self._x_observed = in_shares(known.task(self._task)), known.events(x)
+            self.simulate = metered(posed)
+            self.problem = pose(posed, self._x_observed.copy(), self.simulate, known.events(reference))
         self._observation_seconds = time.perf_counter() - start
 
     @contextmanager

@@ -141,10 +141,12 @@ def _table(file: str, arrays: dict[str, NDArray | pd.Series]) -> pd.DataFrame:
 
 def _first_text(values: NDArray | pd.Series) -> str:
     """The first cell of a column of text that is no number, where the column comes from a text file."""
-    if not isinstance(values, pd.Series) or values.index.name != "line" or values.dtype.kind == "M":
+    if not isinstance(values, pd.Series) or "decimal" not in values.attrs or values.dtype.kind == "M":
         return ""
-    wrong = values[pd.to_numeric(values, errors="coerce").isna() & values.notna()]
-    return f": line {wrong.index[0]} has '{wrong.iloc[0]}'" if len(wrong) else ""
+    swapped = str.maketrans(f".{values.attrs['decimal']}", f"{values.attrs['decimal']}.")
+    cells = values.astype(str).str.translate(swapped)
+    wrong = values[pd.to_numeric(cells, errors="coerce").isna() & values.notna()]
+    return f": line {wrong.index[0]} has '{wrong.iloc[0]}'; mend it, or choose other columns" if len(wrong) else ""
 
 
 def seconds(time: NDArray, what: str) -> NDArray[np.float64]:

@@ -39,15 +39,16 @@ class Form:
 def read_text(path: str) -> tuple[pd.DataFrame, bool]:
     """The table of a text file, whose index is the number of each line, and whether the file names the columns.
 
-    Columns are separated by commas, semicolons, tabs, bars or blanks; beside all but the first a decimal comma is one.
-    Blank lines, comments (#) and a line of units below the names are left out. Raises UsageError, with the number of
-    the line, for an event with another number of cells, and for a first line that may be names or an event.
+    Its attribute `decimal` is the point or comma of its numbers. Columns are separated by
+    commas, semicolons, tabs, bars or blanks; beside all but the first a decimal comma is one. Blank lines, comments (#)
+    and a line of units below the names are left out. Raises UsageError, with the number of the line, for an event with
+    another number of cells, and for a first line that may be names or an event.
     """
     raw = Path(path).read_bytes()
     try:
         text = (gzip.decompress(raw) if path.endswith(".gz") else raw).decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise UsageError(f"{path} is not a text in UTF-8 (byte {error.start})") from error
+        raise UsageError(f"{path} is not a text in UTF-8 (byte {error.start}): save it as that") from error
     lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
     comments = [line.lstrip("# ").strip() for _, line in lines if line.lstrip().startswith("#")]
     lines = [(number, line) for number, line in lines if not line.lstrip().startswith("#")]
@@ -92,6 +93,8 @@ def _form(path: str, lines: list[str], comments: list[str], separator: str) -> F
     trailing = bool(events) and longer > 1 and all(len(row) == longer and not row[-1].strip() for row in events)
     if trailing and names is not None and not names[-1]:
         names = names[:-1]
+    if named and {len(row) for row in events} == {width + 1} and {line[0] for line in lines[skip:]} == {'"'}:
+        names = ["", *names]  # R does not name the column of its names of rows
     if names is not None and len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
         raise UsageError(f"{path} has two columns of the name '{twice}'")
@@ -143,6 +146,7 @@ def _parsed(path: str, events: list[tuple[int, str]], form: Form) -> pd.DataFram
         raise UsageError(f"{path}: {_with_line(str(error), events)}") from error
     frame = (table.drop_columns([""]) if ends else table).to_pandas(date_as_object=False)
     frame.index = pd.Index([number for number, _ in events], name="line")
+    frame.attrs["decimal"] = form.decimal
     return frame if form.names else frame.set_axis(range(width), axis=1)
 
 

@@ -30,6 +30,7 @@ from typing import Any
 
 import cloudpickle
 import psutil
+from joblib.externals.loky import get_reusable_executor
 from joblib.externals.loky.backend import resource_tracker
 from joblib.externals.loky.backend.context import get_context
 
@@ -296,6 +297,8 @@ def _serve(pipe: Connection, parent: int) -> None:
                 pipe.send(answer)
             except (TypeError, AttributeError, PicklingError) as error:
                 pipe.send(("fault", raised(error), traceback.format_exc()))
+    # Else multiprocessing would wait for joblib's workers, before the functions that run at exit remove their folders.
+    get_reusable_executor().shutdown(kill_workers=True)
 
 
 def _answer(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[str, Any, str]:

@@ -91,7 +91,7 @@ def require_generator(task: Task) -> None:
         first, again, other = (checked_events(task, theta, np.random.default_rng(seed)) for seed in (1, 1, 2))
     except SimulatorError:
         return
-    if not np.array_equal(first, again) or np.array_equal(first, other):
+    if not np.array_equal(first, again, equal_nan=True) or np.array_equal(first, other, equal_nan=True):
         raise UsageError(
             f"the simulator of {task.name} ignores its generator: all of its randomness must come from `rng` "
             "(`avobench check task` tells more)"
@@ -126,7 +126,7 @@ def parse_settings(texts: list[str], specs: dict[str, list[str]]) -> dict[str, d
             raise UsageError(f"--set takes METHOD.PARAM=VALUE, got '{text}'")
         spec = by_name.get(name, name)
         if spec not in chosen:
-            raise UsageError(f"--set {text}: '{name}' is not part of this run, which has {', '.join(by_name)}")
+            raise UsageError(f"--set {text}: '{name}' is not part of this run; {', '.join(by_name) or 'nothing'} is")
         try:
             chosen[spec][setting] = json.loads(value)
         except json.JSONDecodeError:

@@ -20,6 +20,7 @@ def kept(folder, text):
     [
         ("energy\n1,234.5\n2\n", "line 2 has 2 cells and the columns are 1"),
         ('a,b\n"1,234.5",2\n1,3\n', "'a' does not hold one real number an event: line 2 has '1,234.5'"),
+        ("a;b\n1,5;2\n2,5;2\noops;2\n", "'a' does not hold one real number an event: line 4 has 'oops'"),
         ("a;b\n1,5;2.5\n1,5;2\n", "decimal commas and others with points"),
         ("0,1\n1,2\n3,4\n", "may be names or an event"),
         ("a,a\n1,2\n", "two columns of the name 'a'"),
@@ -36,6 +37,12 @@ def test_a_line_of_units_may_have_blanks_and_a_first_event_may_lack_its_number(t
     np.testing.assert_array_equal(read_events(kept(tmp_path, text), ["time"]), [[1.5], [2.5]])
     text = "time,note\n,late\n1.5,ok\n2.5,ok\n"
     np.testing.assert_array_equal(read_events(kept(tmp_path, text), ["time"]), [[np.nan], [1.5], [2.5]])
+
+
+def test_names_of_rows_that_r_writes_are_a_column_without_a_name(tmp_path):
+    table = read_events(kept(tmp_path, '"a" "b"\n"1" 1.5 NA\n"2" 2.5 3\n'))
+    assert list(table.columns) == ["", "a", "b"]
+    np.testing.assert_array_equal(table, [[1, 1.5, np.nan], [2, 2.5, 3]])
 
 
 def test_numbered_columns_are_no_event(tmp_path):

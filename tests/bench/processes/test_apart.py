@@ -72,13 +72,14 @@ def test_a_stopped_iteration_ends_what_is_running():
     assert not [p for p in started if "resource_tracker" not in " ".join(p.cmdline())]
 
 
-def test_a_script_needs_no_guard(tmp_path):
+def test_a_script_needs_no_guard_and_what_joblib_made_is_tidied_up(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(
-        "import math\nfrom avobench.bench.processes.apart import *\nprint(apart(Call(math.sqrt, (9.0,))))\n"
+        "import math, joblib\nfrom avobench.bench.processes.apart import *\nprint(apart(Call(math.sqrt, (9.0,))))\n"
+        "print(apart_within(60, lambda: joblib.Parallel(2)([joblib.delayed(math.sqrt)(16.0)] * 2)))\n"
     )
     done = subprocess.run([sys.executable, script], capture_output=True, text=True)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "3.0\n", "")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "3.0\n[4.0, 4.0]\n", "")
 
 
 def test_ctrl_c_does_not_reach_a_process_that_is_only_starting():
