@@ -77,8 +77,8 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
 
     `error / floor` is of each target the largest squared error of a parameter over its floor, with a D where the fit
     was doubted; `median` is theirs. `rms pull` is the root mean square of the errors in quoted ones, of all parameters
-    and targets. `far` counts the fits above FAR, `undoubted` those of them without a doubt, and `silent` those of these
-    whose quoted errors do not tell either: a parameter is more than WRONG of them off.
+    and targets. `far` counts the fits above FAR, and `undoubted` those of them without a doubt. `silent` counts the
+    fits, far or not, that are more than WRONG quoted errors off without a doubt.
     """
     rows = []
     for (task, method), fits in pd.DataFrame(records[0]["fits"]).groupby(["task", "method"], sort=False):
@@ -89,7 +89,7 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
         each = [f"{value:.2g}{' D' if told else ''}" for value, told in zip(ratio, doubted, strict=True)]
         row = {"task": task, "method": method, "error / floor": ", ".join(each), "median": np.median(ratio)}
         row |= {"rms pull": np.sqrt((pull**2).mean()), "far": int((ratio > FAR).sum())}
-        undoubted = (ratio > FAR) & ~doubted
-        row |= {"undoubted": int(undoubted.sum()), "silent": int((undoubted & (pull.max(axis=1) > WRONG)).sum())}
+        row |= {"undoubted": int(((ratio > FAR) & ~doubted).sum())}
+        row |= {"silent": int(((pull.max(axis=1) > WRONG) & ~doubted).sum())}
         rows.append({**row, "seconds": fits["seconds"].mean()})
     return pd.DataFrame(rows)
