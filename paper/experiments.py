@@ -290,7 +290,10 @@ EXPERIMENTS = {
     "reading": Experiment(
         "avo-paper as the paper can also be read: 5 000 iterations, and the baseline as printed",
         Path("results/studies"),
-        (Runs("5 000 x 32", "avo-paper", OTHER_READING, PAPERS, 5),),
+        (
+            Runs("5 000 x 32", "avo-paper", OTHER_READING, ("poisson", "carl"), 5),
+            Runs("5 000 x 32", "avo-paper", OTHER_READING, ("weinberg",), 1),  # half an hour, its largest network
+        ),
     ),
     "ablation": Experiment(
         "avo with what sets it apart from avo-paper undone, one difference at a time",

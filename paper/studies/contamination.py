@@ -95,15 +95,33 @@ def gaussian_of_a_width(theta: NDArray[np.float64], rng: np.random.Generator) ->
     return rng.normal(theta[:, :1], np.exp(theta[:, 1:]))
 
 
+LOST, HOLE = 0.6, (0.5, 1.0)
+"""The share of events that is lost, and where: in standard deviations above the mean."""
+
+
+def holed(z: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Density of a standard Gaussian with a hole: (m,) -> (m,)."""
+    kept = 1 - LOST * np.diff(norm.cdf(HOLE))[0]
+    return norm.pdf(z) * np.where((z > HOLE[0]) & (z < HOLE[1]), 1 - LOST, 1) / kept
+
+
+def left(x: NDArray[np.float64], mean: float, rng: np.random.Generator) -> NDArray[np.float64]:
+    """The events (n, 1) that the hole leaves."""
+    z = x[:, 0] - mean
+    return x[(z < HOLE[0]) | (z > HOLE[1]) | (rng.random(len(z)) > LOST)]
+
+
 def contaminated() -> dict[str, Contaminated]:
     """The tasks by name. Outliers of weinberg lie where it makes events as well, for it makes them everywhere.
 
     In `tails` all events are Student's, with 2.5 degrees of freedom, and the simulator is a Gaussian: it is wrong
-    wherever it makes events.
+    wherever it makes events. Outliers of `near` lie two standard deviations from the mean of `normal`. In `hole` all
+    events are of that simulator, which lost three fifths of those between half a standard deviation and one above it.
     """
     shift = task(gaussian, prior={"theta": (-2, 2)}, features=["x"], name="normal")
     carl, weinberg = registry.build("task", "carl", {}), Weinberg()
     width = task(gaussian_of_a_width, prior={"mean": (-2, 2), "log_width": (-1, 1)}, features=["x"], name="tails")
+    at = shift.targets()[0, 0]
     line, angle, counts = np.linspace(-10, 12, 20_001), np.linspace(-1, 1, 4001)[1:-1], np.arange(400.0)
     return {
         "normal": Contaminated(
@@ -121,6 +139,18 @@ def contaminated() -> dict[str, Contaminated]:
             weinberg,
             lambda n, rng: rng.uniform(0.85, 0.95, (n, 1)),
             *(angle, weinberg.density, lambda x: np.where((x > 0.85) & (x < 0.95), 10.0, 0.0)),
+        ),
+        "near": Contaminated(
+            shift,
+            lambda n, rng: rng.normal(at + 2, 0.5, (n, 1)),
+            *(line, lambda x, theta: norm.pdf(x, theta[0]), lambda x: norm.pdf(x, at + 2, 0.5)),
+            (0.05, 0.2),
+        ),
+        "hole": Contaminated(
+            shift,
+            lambda n, rng: left(at + rng.standard_normal((2 * n, 1)), at, rng)[:n],
+            *(line, lambda x, theta: norm.pdf(x, theta[0]), lambda x: holed(x - at)),
+            (1.0,),
         ),
         "tails": Contaminated(
             width,

@@ -11,7 +11,7 @@ import pandas as pd
 from avobench.cli.main import main
 from paper.experiments import records_of
 from paper.figures import contamination, dimension, misspecification
-from paper.studies import agreement
+from paper.studies import agreement, hard, saturation
 from paper.studies import contamination as contamination_study
 from paper.studies.misspecification import read
 from paper.tables import coverage, experiments, targets
@@ -24,8 +24,10 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = 
     "coverage": (coverage.table, "reference rivals smm"),
     "dimension": (dimension.table, "dimension"),
     "fresh": (experiments.fresh, "fresh"),
+    "hard": (hard.table, "studies"),
     "misspecification": (misspecification.table, "studies"),
     "rivals": (experiments.rivals, "reference rivals smm plain"),
+    "saturation": (saturation.table, "studies"),
     "sensitivity": (experiments.sensitivity, "sensitivity"),
     "targets": (targets.table, "reference"),
     "tuning": (experiments.tuning, "tuning"),
@@ -34,7 +36,9 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = 
 ONE_FILE = {
     "agreement": agreement.read,
     **dict.fromkeys(("contamination", "contamination-pulls"), contamination_study.read),
+    "hard": hard.read,
     "misspecification": read,
+    "saturation": saturation.read,
 }
 """The tables of a record that is a file of its own, with what reads it."""
 

@@ -31,8 +31,15 @@ def pairs(theta, rng):
     return np.stack([a, theta[:, 0] * a + np.sqrt(1 - theta[:, 0] ** 2) * b], axis=1)
 
 
-@pytest.mark.parametrize(("make", "here", "there", "n"), [(line, 0.02, 0, 20_000), (pairs, 0.5, 0.2, 3000)])
-def test_a_narrow_peak_and_a_dependence_are_seen(make, here, there, n):
+def tails(theta, rng):
+    """Student's t, whose tails change more than its middle."""
+    return rng.standard_t(theta)
+
+
+@pytest.mark.parametrize(
+    ("make", "here", "there", "n"), [(line, 0.02, 0, 20_000), (pairs, 0.5, 0.2, 3000), (tails, 3, 6, 10_000)]
+)
+def test_a_narrow_peak_a_dependence_and_other_tails_are_seen(make, here, there, n):
     rng = np.random.default_rng(0)
     observed, simulated = (make(np.full((n, 1), theta), rng).reshape(n, -1) for theta in (here, there))
     assert two_sample(observed, simulated, rng) < 1e-6

@@ -14,6 +14,10 @@ def test_the_minimiser_of_the_divergence_is_the_clean_theta_for_far_outliers_and
     weinberg, theta = tasks["weinberg"], np.array([44.0, 1.0])
     c = weinberg.task.identifiable(np.stack([theta, weinberg.minimiser(theta, 0.2)]))[:, 0]
     assert c[1] > c[0] + 0.1  # outliers at a large cosine raise the asymmetry
+    assert tasks["near"].minimiser(at := tasks["near"].task.targets()[0], 0.2) > at + 0.1  # no fit leaves them out
+    hole = tasks["hole"]
+    assert hole.density_of_outliers(hole.points).sum() * np.diff(hole.points)[0] == pytest.approx(1, abs=1e-3)
+    assert abs(hole.outliers(20_000, np.random.default_rng(0)).mean() - at[0] + 0.0725) < 0.03
     assert tasks["tails"].minimiser(np.array([0.3, 0.2]), 1.0) == pytest.approx([0.4, 0.2997], abs=1e-3)
 
 

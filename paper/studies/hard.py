@@ -1,0 +1,95 @@
+"""Fits by `avobench.infer` where the mean of an event hardly tells the parameters, and which of them are doubted."""
+
+from functools import partial
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from avobench.api.inference import infer
+from avobench.bench.cells.streams import stream
+from avobench.bench.plugins import registry
+from avobench.methods import Method
+from paper.experiments import BUDGET
+from paper.hard_tasks import HARD, Hard
+from paper.studies.files import StudyFile
+
+FILE = StudyFile("hard")
+read = FILE.read
+NUM_EVENTS = 10_000
+"""Observed events of a fit."""
+NUM_TARGETS = 5
+"""The first targets of each task. All fits of one take five minutes of a processor."""
+METHODS: dict[str, dict[str, Any]] = {"avo": {}, "smm": {}}
+"""The settings of each method; `smm` is the simplest that could do the job."""
+FAR = 5.0
+"""Squared error over the floor from which a fit should be doubted. Chance alone takes one parameter in 40 beyond it."""
+
+
+WRONG = 3.0
+"""Quoted errors from which an error that is quoted is wrong."""
+
+
+def made(
+    path: Path,
+    seed: int = 0,
+    tasks: tuple[type[Hard], ...] = HARD,
+    num_targets: int = NUM_TARGETS,
+    num_events: int = NUM_EVENTS,
+    budget: int = BUDGET,
+) -> dict[str, Any]:
+    """The record of the study at `path`, of which each fit that is lacking is made and written at once.
+
+    `fits` holds for each the `task`, `target`, `method` and its `version`; its `theta`, the `floors` of its parameters,
+    `estimate`, `error`, `doubt` and `seconds`. Raises StoreError for a damaged file.
+    """
+    record = FILE.begun(path, "fits", seed=seed, num_observations=num_events, budget=budget)
+    methods = [registry.build("method", name, settings) for name, settings in METHODS.items()]
+    wanted = [
+        (
+            {"task": task.name, "target": target, "method": method.name, "version": method.version},
+            partial(one, task(), target, method, seed, num_events, budget),
+        )
+        for target, task, method in product(range(num_targets), tasks, methods)
+    ]
+    return FILE.completed(path, record, "fits", wanted, "torch")
+
+
+def one(task: Hard, target: int, method: Method, seed: int, num_events: int, budget: int) -> dict[str, Any]:
+    """A fit of the events of a target, which are the same for each method."""
+    theta = task.targets()[target]
+    x = task.simulate(np.tile(theta, (num_events, 1)), stream(seed, "observed", task.name, str(target)))
+    found = infer(task, x, method, budget=budget, seed=seed, progress=False)
+    return {
+        "theta": theta.tolist(),
+        "floors": task.floors(theta, num_events, budget).tolist(),
+        "estimate": found.estimate.theta.tolist(),
+        "error": list(found.std.values()),
+        "doubt": found.estimate.doubt,
+        "seconds": found.seconds,
+    }
+
+
+def table(records: list[dict[str, Any]]) -> pd.DataFrame:
+    """A row a task and method, of the one record of the study.
+
+    `error / floor` is of each target the largest squared error of a parameter over its floor, with a D where the fit
+    was doubted; `median` is theirs. `rms pull` is the root mean square of the errors in quoted ones, of all parameters
+    and targets. `far` counts the fits above FAR, and `undoubted` those of them without a doubt. `silent` counts the
+    fits, far or not, that are more than WRONG quoted errors off without a doubt.
+    """
+    rows = []
+    for (task, method), fits in pd.DataFrame(records[0]["fits"]).groupby(["task", "method"], sort=False):
+        off, floors, error = (np.stack(fits[name]) for name in ("estimate", "floors", "error"))
+        off = off - np.stack(fits["theta"])
+        pull = np.abs(off / error)
+        ratio, doubted = (off**2 / floors).max(axis=1), (fits["doubt"] != "").to_numpy()
+        each = [f"{value:.2g}{' D' if told else ''}" for value, told in zip(ratio, doubted, strict=True)]
+        row = {"task": task, "method": method, "error / floor": ", ".join(each), "median": np.median(ratio)}
+        row |= {"rms pull": np.sqrt((pull**2).mean()), "far": int((ratio > FAR).sum())}
+        row |= {"undoubted": int(((ratio > FAR) & ~doubted).sum())}
+        row |= {"silent": int(((pull.max(axis=1) > WRONG) & ~doubted).sum())}
+        rows.append({**row, "seconds": fits["seconds"].mean()})
+    return pd.DataFrame(rows)
