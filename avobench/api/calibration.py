@@ -159,14 +159,7 @@ def calibrate(
 
 
 def _fit(
-    task: Task,
-    method: str,
-    theta: NDArray[np.float64],
-    events: int,
-    seed: int,
-    i: int,
-    file: Path,
-    how: dict[str, Any],
+    task: Task, method: str, theta: NDArray[np.float64], events: int, seed: int, i: int, file: Path, how: dict[str, Any]
 ) -> AvobenchError | None:
     """Fit the events of one theta (p,), and keep the fit in a file; what goes wrong is returned."""
     try:

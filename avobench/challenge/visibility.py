@@ -98,12 +98,7 @@ def _where_means_agree(
 
 
 def _from(
-    task: Task,
-    fitted: Fitted,
-    x: NDArray,
-    theta: NDArray[np.float64],
-    num_events: int,
-    rng: np.random.Generator,
+    task: Task, fitted: Fitted, x: NDArray, theta: NDArray[np.float64], num_events: int, rng: np.random.Generator
 ) -> Visibility:
     simulate, low, high, step = fitted.simulate, fitted.low, fitted.high, fitted.step
     n, m = len(x), len(x) if task.event_shape else 2 * len(x)

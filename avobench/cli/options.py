@@ -18,12 +18,7 @@ def listed(context: click.Context, option: click.Parameter, given: tuple[str, ..
     return names or None
 
 
-RESULTS = click.option(
-    "--results",
-    type=click.Path(path_type=Path),
-    default=DEFAULT,
-    help="Folder of the records.",
-)
+RESULTS = click.option("--results", type=click.Path(path_type=Path), default=DEFAULT, help="Folder of the records.")
 SEED = click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, help="Seed of all random numbers.")
 TRUST = click.option("--trust", is_flag=True, help="Allow a model.json to run code that it names.")
 JOINT = click.option(
@@ -44,9 +39,7 @@ SETTINGS = click.option(
     help="Value of a setting of a method or task. Repeatable.",
 )
 SECONDS = click.option(
-    "--seconds",
-    type=float,
-    help="End the command, and all that it started, after so many seconds.  [no limit]",
+    "--seconds", type=float, help="End the command, and all that it started, after so many seconds.  [no limit]"
 )
 TIME_LIMIT, MEMORY_LIMIT = (
     click.option(f"--{what}-limit", type=float, metavar=unit, help=f"Limit for {of}.  [{usual}]")

@@ -61,10 +61,7 @@ class Configuration:
 
 
 def made(
-    folder: Path,
-    configuration: Configuration,
-    cases: Mapping[str, Sequence[Case]],
-    names: Sequence[str] = (),
+    folder: Path, configuration: Configuration, cases: Mapping[str, Sequence[Case]], names: Sequence[str] = ()
 ) -> list[dict[str, Any]]:
     """The records of the cases of these names, or of all; `cases` are by what made the events.
 

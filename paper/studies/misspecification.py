@@ -58,7 +58,4 @@ def one(
     simulate = MeteredSimulator(task, budget, stream(seed, "simulator", *words))
     found = METHOD.infer(pose(task, x, simulate), stream(seed, "method", *words))
     found_by_gates = diagnose(task, x, seed=seed + repetition, effects=[])
-    return {
-        "width": (found.std / unit).tolist(),
-        "p_value": float(found_by_gates.diagnosis.p_value_before),
-    }
+    return {"width": (found.std / unit).tolist(), "p_value": float(found_by_gates.diagnosis.p_value_before)}

@@ -24,12 +24,7 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     """One row per task and method: how many true parameters, and which share of them each level's intervals hold."""
     return pd.DataFrame(
         [
-            {
-                "task": task,
-                "method": method,
-                "parameters": len(away),
-                **within(away),
-            }
+            {"task": task, "method": method, "parameters": len(away), **within(away)}
             for (task, method), away in by_method(records).items()
         ]
     )

@@ -7,13 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 from scipy.stats import uniform
 
-from avobench.methods.bolfi_surrogate import (
-    BatchedLCBSC,
-    GaussianProcess,
-    Hyperparameters,
-    Posterior,
-    minimise,
-)
+from avobench.methods.bolfi_surrogate import BatchedLCBSC, GaussianProcess, Hyperparameters, Posterior, minimise
 
 
 def log_uniform(low: float, high: float) -> st.SearchStrategy[float]:

@@ -116,7 +116,7 @@ WRONG = {
         *({"r1": -1.0}, {"local_share": 1.0}, {"replay": 1}, {"entropy": -1.0}),
     ],
     AvoPaper: [
-        *({"batch_size": 31}, {"batch_size": 0}, {"discriminator_steps": 0}, {"learning_rate": 0.0}, {"r1": -1.0}),
+        *({"batch_size": 31}, {"batch_size": 0}, {"discriminator_steps": 0}, {"learning_rate": 0.0}, {"r1": -1.0})
     ],
     AbcSmc: [{"population_size": 1}, {"events_per_theta": 0}, {"growth": 0.5}, {"estimate": "median"}],
     Bolfi: [

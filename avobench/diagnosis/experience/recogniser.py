@@ -62,9 +62,7 @@ def _feature(
         np.clip(mean / std, -R.most_deviation, R.most_deviation),
     ]
     quantiles = np.clip(
-        np.quantile(z, R.quantiles) - np.quantile(usual, R.quantiles),
-        -R.most_deviation,
-        R.most_deviation,
+        np.quantile(z, R.quantiles) - np.quantile(usual, R.quantiles), -R.most_deviation, R.most_deviation
     )
     kind_marks = _of_counts(x, simulated, rng) if counts else _of_reals(x, simulated, at, (low, high))
     marks = np.r_[pulls, ratios, equal, equal_ratios, moments, quantiles, np.log(n), kind_marks]

@@ -59,12 +59,7 @@ def distance_p(q: float, dof: int, num_events: int) -> float:
 
 
 def model_metric(
-    fit: Fit,
-    summary: Summary,
-    mean: NDArray[np.float64],
-    num_events: int,
-    rng: np.random.Generator,
-    num_simulated: int,
+    fit: Fit, summary: Summary, mean: NDArray[np.float64], num_events: int, rng: np.random.Generator, num_simulated: int
 ) -> tuple[Target, float]:
     """A measured mean (K,) of so many events in the metric that the fitted model itself predicts.
 

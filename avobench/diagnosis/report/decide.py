@@ -192,12 +192,7 @@ class Rivals:
 
     @classmethod
     def of(
-        cls,
-        chosen: Fit,
-        posterior: Posterior,
-        target: Target,
-        spans: list[Span],
-        names: tuple[str, ...],
+        cls, chosen: Fit, posterior: Posterior, target: Target, spans: list[Span], names: tuple[str, ...]
     ) -> "Rivals":
         """Of the model that was `chosen`, and those of the set for which the bank has enough events.
 

@@ -11,13 +11,7 @@ from avobench.bench.plugins import registry
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.settings import REPORT
 from avobench.effects import Effect
-from avobench.effects.model_file import (
-    AddedEffect,
-    AugmentedTask,
-    ModelFile,
-    Parameter,
-    settings_of,
-)
+from avobench.effects.model_file import AddedEffect, AugmentedTask, ModelFile, Parameter, settings_of
 from avobench.tasks import Task
 from avobench.tasks.prior import Distributed
 

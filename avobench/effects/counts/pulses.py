@@ -26,11 +26,7 @@ class DeadTime(CountEffect):
 
     name = "dead_time"
     position = 3
-    SHAPES: ClassVar = {
-        "non_paralysable": (),
-        "paralysable": (),
-        "hybrid": (Parameter("prolonging", 0, 1, None, "1"),),
-    }
+    SHAPES: ClassVar = {"non_paralysable": (), "paralysable": (), "hybrid": (Parameter("prolonging", 0, 1, None, "1"),)}
     sentence: ClassVar = "After each count the counter is blind for a while, so high counts are reduced most."
     source: ClassVar = (
         "G. F. Knoll, Radiation Detection and Measurement, 4th ed. (2010), Section 4.VII; "

@@ -25,11 +25,7 @@ class ParticleEffect(ImageEffect):
         return super().entries(site) if site.task.generates == PARTICLES else []
 
     def altered(
-        self,
-        particles: Particles,
-        theta: NDArray[np.float64],
-        phi: NDArray[np.float64],
-        rng: np.random.Generator,
+        self, particles: Particles, theta: NDArray[np.float64], phi: NDArray[np.float64], rng: np.random.Generator
     ) -> Particles:
         """What reaches the detector, of m particles: theta (m,), where along the beam they start [mm], phi (m, q)."""
         raise NotImplementedError
@@ -85,7 +81,5 @@ class AxialTilt(ParticleEffect):
         start = np.zeros_like(particles.position)
         start[2] = theta  # the detector adds it along its own axis
         return replace(
-            particles,
-            position=turned(particles.position + start) - start,
-            momentum=turned(particles.momentum),
+            particles, position=turned(particles.position + start) - start, momentum=turned(particles.momentum)
         )

@@ -196,11 +196,7 @@ def saccades_in_two_steps(rng: np.random.Generator) -> NDArray:
     of 30 to 80 ms between, and the speed is that of the faster. No family joins two events of real values."""
     x, more = draw(SACCADES, rng, 2800, 480, 5, 2.5), draw(SACCADES, rng, 2800, 480, 5, 2.5)
     both = np.column_stack(
-        [
-            x[:, 0] + more[:, 0],
-            np.maximum(x[:, 1], more[:, 1]),
-            x[:, 2] + more[:, 2] + rng.uniform(30, 80, len(x)),
-        ]
+        [x[:, 0] + more[:, 0], np.maximum(x[:, 1], more[:, 1]), x[:, 2] + more[:, 2] + rng.uniform(30, 80, len(x))]
     )
     return np.where(some(rng, len(x), 1 / 6)[:, None], both, x)
 

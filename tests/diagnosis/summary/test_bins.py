@@ -29,10 +29,7 @@ def test_each_count_of_a_small_table_has_a_bin_down_to_five_events(table):
     assert (np.histogram(x, np.r_[-np.inf, edges, np.inf])[0] >= 5).all()
 
 
-@given(
-    st.lists(st.floats(-10, 10), min_size=1, max_size=30),
-    st.lists(st.integers(-9, 9), max_size=8, unique=True),
-)
+@given(st.lists(st.floats(-10, 10), min_size=1, max_size=30), st.lists(st.integers(-9, 9), max_size=8, unique=True))
 def test_edges_grow_also_where_only_simulated_events_lie(values, inner):
     inner = np.sort(np.array(inner, dtype=float))
     edges = closed(inner, np.array(values))

@@ -50,12 +50,7 @@ def lognormal(name, feature, median, sigma):
     )
 
 
-@case(
-    poisson("owl-calls", "calls", 1, 15),
-    "single",
-    ("zero_inflation", "overdispersion"),
-    ("spread", "mixture"),
-)
+@case(poisson("owl-calls", "calls", 1, 15), "single", ("zero_inflation", "overdispersion"), ("spread", "mixture"))
 def owls(rng):
     """Calls of barn owl siblings before the parent comes (Roulin and Bersier 2007, Anim. Behav. 74, 1099): a quarter
     are zeros; the example of zero-inflated counts in Zuur and others (2009), Mixed Effects Models, ch. 13, and Bolker
@@ -88,12 +83,7 @@ def charity(rng):
     return events("charity")
 
 
-@case(
-    poisson("epilepsy", "seizures", 3, 20),
-    "single",
-    ("overdispersion", "spread"),
-    ("mixture", "zero_inflation"),
-)
+@case(poisson("epilepsy", "seizures", 3, 20), "single", ("overdispersion", "spread"), ("mixture", "zero_inflation"))
 def seizures(rng):
     """Seizures of epileptics in two weeks (Thall and Vail 1990, Biometrics 46, 657): the standard example of
     overdispersion, by patients who differ; Breslow and Clayton (1993), Venables and Ripley (2002), ch. 10."""
@@ -240,9 +230,7 @@ def _inches(theta, rng):
     return np.floor(rng.normal(theta[:, 0], theta[:, 1])) + 0.5
 
 
-@case(
-    task(_inches, prior={"mean": (64, 72), "sigma": (1.5, 4)}, features=["height"], name="heights-of-fathers"),
-)
+@case(task(_inches, prior={"mean": (64, 72), "sigma": (1.5, 4)}, features=["height"], name="heights-of-fathers"))
 def fathers(rng):
     """Heights of 1078 fathers by the inch (Pearson and Lee 1903, Biometrika 2, 357), who found a normal curve to fit;
     the model knows the classes. No visible fault."""

@@ -190,12 +190,7 @@ def sieved(diameter, rng):
     return diameter[diameter > 6 * np.exp(0.05 * rng.normal(size=len(diameter)))]
 
 
-@case(
-    GRAINS,
-    "pair",
-    ("peak_background", "truncation"),
-    ("turn_on", "edge_acceptance", "mixture", "analysis_window"),
-)
+@case(GRAINS, "pair", ("peak_background", "truncation"), ("turn_on", "edge_acceptance", "mixture", "analysis_window"))
 def grains_beads(rng):
     """The fines were lost in the sieve, and 4 % of the grains are beads of 25 um from the calibration."""
     return sieved(beads(draw(GRAINS, rng, 10000, 10.0, 0.6)[:, 0], rng), rng)

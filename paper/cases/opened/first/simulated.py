@@ -175,9 +175,7 @@ def with_pipetting_errors(rng: Rng) -> Array:
 
 
 assay = avobench.task(
-    hill,
-    prior={"ec50": (-1, 1), "slope": (0.6, 2), "top": (70, 130), "noise": (2, 12)},
-    features=["dose", "response"],
+    hill, prior={"ec50": (-1, 1), "slope": (0.6, 2), "top": (70, 130), "noise": (2, 12)}, features=["dose", "response"]
 )
 
 # Astronomy: apparent magnitude and colour of the stars of a field.
@@ -256,10 +254,7 @@ def with_time_limit(rng: Rng) -> Array:
 
 
 calls = avobench.task(
-    service,
-    prior={"mean": (4, 6), "std": (0.4, 1.3)},
-    features=["time"],
-    feature_units={"time": "s"},
+    service, prior={"mean": (4, 6), "std": (0.4, 1.3)}, features=["time"], feature_units={"time": "s"}
 )
 
 # Ecology: birds counted at a point, negative binomial.
@@ -305,10 +300,7 @@ def with_overbank_flow(rng: Rng) -> Array:
 
 
 floods = avobench.task(
-    gumbel,
-    prior={"location": (250, 450), "scale": (30, 100)},
-    features=["flow"],
-    feature_units={"flow": "m3/s"},
+    gumbel, prior={"location": (250, 450), "scale": (30, 100)}, features=["flow"], feature_units={"flow": "m3/s"}
 )
 
 CASES = (
@@ -448,14 +440,7 @@ CASES = (
         ("peak_background",),
     ),
     Case("birds-null", birds, lambda rng: flocks(at(600, 14, 4), rng), "nothing is missing"),
-    Case(
-        "birds-empty",
-        birds,
-        with_empty_sites,
-        "zero whatever happens",
-        ("zero_inflation",),
-        ("mixture",),
-    ),
+    Case("birds-empty", birds, with_empty_sites, "zero whatever happens", ("zero_inflation",), ("mixture",)),
     Case(
         "birds-heaped",
         birds,

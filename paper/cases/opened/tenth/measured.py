@@ -26,12 +26,7 @@ def _read(name: str) -> NDArray:
 
 
 def _case(
-    name: str,
-    task: Task,
-    why: str,
-    right: tuple[str, ...] = (),
-    defensible: tuple[str, ...] = (),
-    pair: bool = False,
+    name: str, task: Task, why: str, right: tuple[str, ...] = (), defensible: tuple[str, ...] = (), pair: bool = False
 ) -> Case:
     return Case(name, task, lambda rng: _read(name), why, right, defensible, pair)
 

@@ -45,11 +45,7 @@ def _claim(theta: NDArray, rng: np.random.Generator) -> NDArray:
     """A claim with an amount in thousands, a delay until it is reported in days, and a number of persons hurt."""
     n = len(theta)
     return np.stack(
-        [
-            np.exp(rng.normal(theta[:, 0], 0.8)),
-            rng.gamma(1.2, theta[:, 1] / 1.2, n),
-            rng.poisson(theta[:, 2], n),
-        ],
+        [np.exp(rng.normal(theta[:, 0], 0.8)), rng.gamma(1.2, theta[:, 1] / 1.2, n), rng.poisson(theta[:, 2], n)],
         axis=1,
     )
 

@@ -279,10 +279,7 @@ BOSON = task(_z, prior={"mass": (87, 94)}, units={"mass": "GeV"}, features=["mas
 
 
 @case(
-    BOSON,
-    "single",
-    ("resolution", "radiative_tail"),
-    ("flat_background", "mixture", "outliers", "second_exponential"),
+    BOSON, "single", ("resolution", "radiative_tail"), ("flat_background", "mixture", "outliers", "second_exponential")
 )
 def muons_from_z(rng: np.random.Generator) -> NDArray:
     """Masses of 502 pairs of muons of CMS (scikit-hep-testdata 0.2.0, uproot-Zmumu.root, both muons global): the
