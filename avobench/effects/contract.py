@@ -82,6 +82,8 @@ class Effect(ABC):
     share of that population, up to a half, and these values."""
     between: ClassVar[bool] = False
     """Whether it ties features to each other, as those of different data sets are not."""
+    odds: ClassVar[float] = 1.0
+    """Prior odds of the effect against another family."""
     position: ClassVar[int | None] = None
     """Its place in the catalogue, lowest first; effects without one follow by name. A search draws its random numbers
     in this order: effects that take part get a place once and keep it."""

@@ -55,6 +55,7 @@ class Spread(Family):
     name = "spread"
     domains = ("counts", "continuous", "images")
     moves_theta = True
+    odds = 0.25
     position = 30
     SHAPES: ClassVar = {shape: () for shape in DRAWN}
     sentence: ClassVar = (
@@ -107,6 +108,7 @@ class Mixture(Effect):
     stage = 1
     name = "mixture"
     domains = ("counts", "continuous", "images")
+    odds = 0.25
     position = 31
     sentence: ClassVar = "Some events come from a second population: the same simulator at other parameters."
     source: ClassVar = "K. Pearson, Phil. Trans. R. Soc. A 185 (1894) 71"

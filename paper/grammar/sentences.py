@@ -21,7 +21,7 @@ Act = Callable[[Simulate, Array, Rng], NDArray]
 LEAST_KEPT = 0.02
 """Share of the events that a selection keeps at least: another sentence is drawn otherwise."""
 ODDS = {OUTSIDE: 3.0, "spread": 0.5, "mixture": 0.5}
-"""How often a family is drawn beside the others: the last two can imitate much else."""
+"""How often a family is drawn beside the others: the last two as `Effect.odds` has it, but for what few would be."""
 TRIES = 30
 """Sentences that are drawn for one family, before it is said not to suit the task."""
 ALL = 0.2

@@ -179,8 +179,10 @@ def _most_first(weights: dict[Names, float]) -> dict[Names, float]:
 
 @dataclass(frozen=True)
 class Prior:
-    """What is held of sets of effects beforehand: families, features of one and its shapes alike."""
+    """What is held of sets of effects beforehand: families by their odds, features of one and its shapes alike."""
 
+    odds: dict[str, float]
+    """By family."""
     choices: dict[str, int]
     """Features that a family may act on."""
     shapes: dict[tuple, list[str]]
@@ -188,19 +190,22 @@ class Prior:
 
     @classmethod
     def of(cls, catalogue: list[Effect]) -> "Prior":
-        """Of the effects that may be missing. Classes of one name are one family, with the shapes of all."""
+        """Of the effects that may be missing. Classes of one name are one family, with the odds and shapes of all."""
+        odds: Counter[str] = Counter()
         shapes: dict[tuple, list[str]] = defaultdict(list)
+        for effect in {type(effect): effect for effect in catalogue}.values():
+            odds[effect.name] += effect.odds
         for effect in catalogue:
             shapes[effect.key] += [each.shape for each in effect.shapes()]
-        return cls(Counter(name for name, _ in shapes), shapes)
+        return cls(odds, Counter(name for name, _ in shapes), shapes)
 
     def log(self, names: Names) -> float:
         """Logarithm of the probability of a set of effects in given shapes."""
-        k = len(names)
+        k, all_odds = len(names), sum(self.odds.values())
         # One family may act on two features, so that there are more effects than families.
-        sets = max(comb(len(self.choices), k), 1)
-        each = sum(np.log(self.choices[name] * len(self.shapes[name, on])) for name, on in names)
-        return float(np.log(SCORE.number[min(k, len(SCORE.number) - 1)]) - np.log(sets) - each)
+        sets = max(comb(len(self.odds), k), 1) * (all_odds / len(self.odds)) ** k if k else 1
+        each = sum(np.log(self.odds[name] / self.choices[name] / len(self.shapes[name, on])) for name, on in names)
+        return float(np.log(SCORE.number[min(k, len(SCORE.number) - 1)]) - np.log(sets) + each)
 
     def plainness(self, one: Weighed) -> float:
         """The mean place of the shapes of a model in the lists of their families: 0 if all are the plainest."""

@@ -52,8 +52,8 @@ def test_probabilities_are_those_of_exclusive_models(models, outside):
     assert told - found.probability[found.credible[-1]] < enough + 1e-9
 
 
-def test_families_share_the_prior_alike():
-    """Of one effect alone: all families, features and shapes together have its share; two classes are one family."""
+def test_families_share_the_prior_by_the_odds_of_their_classes():
+    """Of one effect alone: all families, features and shapes together have its share, two classes twice that of one."""
     prior, total = Prior.of(CATALOGUE), 0.0
     families = {}
     for effect in CATALOGUE:
@@ -61,7 +61,8 @@ def test_families_share_the_prior_alike():
         families[effect.name] = families.get(effect.name, 0.0) + each
         total += each
     assert total == pytest.approx(SCORE.number[1])
-    assert families["double_counting"] == pytest.approx(families["dead_time"])  # of pulses, and of after-pulses
+    assert families["double_counting"] == pytest.approx(2 * families["dead_time"])  # of pulses, and of after-pulses
+    assert families["mixture"] == pytest.approx(EFFECTS["mixture"].odds * families["dead_time"])
 
 
 def test_a_fit_of_the_same_shape_counts_once():
