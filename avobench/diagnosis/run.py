@@ -101,7 +101,7 @@ def diagnose(
         extended, posterior = run.extended_model(null, max_effects, experience)
     phases.begin("checks")
     held_out = HeldOut.of(run.target, aside)
-    outcome = Outcome.of(null, extended, posterior, alpha, held_out, rng, effort)
+    outcome = Outcome.of(null, extended, posterior, alpha, held_out, rng, effort, run.affordable)
     result = run.report(outcome, inferred)
     said = {"order": order, "seed": seed, "seconds": perf_counter() - started}
     return replace(result, diagnosis=result.diagnosis.model_copy(update=said))

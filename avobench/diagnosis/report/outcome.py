@@ -1,5 +1,7 @@
 """The outcome of a diagnosis: the models before and after, the verdict, which fits are reported, and notes."""
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -64,15 +66,20 @@ class Outcome:
         held_out: HeldOut,
         rng: np.random.Generator,
         effort: Effort,
+        affordable: Callable[..., AbstractContextManager] = nullcontext,
     ) -> "Outcome":
         """The outcome by the tests and the held-out events, from which it follows what is probably outside.
+
+        Where the simulated events end, `affordable` notes what is left out.
 
         Effects count if the gap on these events is smaller with them, and the model agrees with the measurement or the
         gap shrinks by more than its error. A model that does not agree must leave less of the gap than it explains, and
         it must be more probable than not that what is missing is in the catalogue.
         """
-        before = held_out.gap(null.efficient, rng, effort.covariance)
-        after = held_out.gap(extended.efficient, rng, effort.covariance) if extended else None
+        before, after = held_out.gap(null.efficient, rng, effort.covariance), None
+        with affordable("the gap with the effects that were found, which are left out"):
+            after = held_out.gap(extended.efficient, rng, effort.covariance) if extended else None
+        extended = extended if after else None  # an effect that loses events may take many for each that it leaves
         withdrawn: tuple[Effect, ...] = ()
         why = ""
         if extended:
@@ -89,15 +96,16 @@ class Outcome:
             if why:
                 withdrawn, extended, after = extended.fit.model.effects, None, None
         candidates, single = [], posterior.single if posterior else []
-        for each in single:
-            candidates.append(
-                Candidate(
-                    **named(each.fit.model.effects[0].key, each.fit.model.task.labels).model_dump(),
-                    score=single[0].evidence.at_least - each.evidence.at_least,
-                    p_value=each.fit.p_value,
-                    held_out_gap=held_out.gap(each.fit, rng, effort.fit).value,
+        with affordable("the gaps of some of the effects that were tried"):
+            for each in single:
+                candidates.append(
+                    Candidate(
+                        **named(each.fit.model.effects[0].key, each.fit.model.task.labels).model_dump(),
+                        score=single[0].evidence.at_least - each.evidence.at_least,
+                        p_value=each.fit.p_value,
+                        held_out_gap=held_out.gap(each.fit, rng, effort.fit).value,
+                    )
                 )
-            )
         return cls(null, extended, posterior, alpha, before, after, candidates, withdrawn, why)
 
     @property
