@@ -95,7 +95,7 @@ def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
     slopes stand out of it, as `next_design` sees to, it hardly matters, and where they do not, nothing should move.
     """
     axes, centre, p = s.design.axes, s.design.centre, model.dim
-    here, slopes, bends = s.residual(target, shrunk=True)
+    here, slopes, bends = s.residual(target)
 
     def outside(t: NDArray[np.float64]) -> NDArray[np.float64]:
         u = centre + axes @ t

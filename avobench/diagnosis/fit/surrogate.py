@@ -64,20 +64,14 @@ class Surrogate:
         lack, error = self.lack(target)
         return lack > max(FIT.clear * error, FIT.bent * self.noiseless_q_at_centre(target)[0])
 
-    def residual(
-        self, target: Target, shrunk: bool = False
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    def residual(self, target: Target) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Simulated minus measured mean, whitened, as a polynomial in t: (r,), (P, r), and (P, P, r) for t_i t_j.
 
-        The last is symmetric, so that it holds half of what a product of two different ones is multiplied by. Terms of
-        t may be `shrunk` as far as they may be noise, which promises much in many directions (W. James, C. Stein, Proc.
-        Fourth Berkeley Symp. 1 (1961) 361).
+        The last is symmetric, so that it holds half of what a product of two different ones is multiplied by.
         """
-        terms = target.whiten(target.summary.linear(self.coefficients))
-        noise = target.num_events * max(target.rank - 2, 0) * np.diag(self.inverse)
-        kept = np.clip(1 - noise / np.maximum((terms**2).sum(axis=1), 1e-300), 0, 1)
-        terms = terms * np.r_[1, kept[1:]][:, None] if shrunk else terms
-        constant, slopes, products = np.split(terms, [1, self.dim + 1])
+        constant, slopes, products = np.split(
+            target.whiten(target.summary.linear(self.coefficients)), [1, self.dim + 1]
+        )
         bends = np.zeros((self.dim, self.dim, constant.shape[1]))
         i, j = np.triu_indices(self.dim)
         bends[i, j] += products / 2
