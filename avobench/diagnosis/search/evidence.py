@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
 
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.settings import SCORE
@@ -46,15 +47,28 @@ def evidence_of(fit: Fit) -> Evidence:
     # in units of the prior's width
     j = fit.jacobian * (scale / np.sqrt(precision))
     noise = fit.jacobian_noise * np.outer(scale, scale) / np.sqrt(np.outer(precision, precision))
-    information, along, one = j.T @ j, j.T @ r, np.eye(len(precision))
+    information = j.T @ j
     # Slopes that are simulation's noise identify nothing, but follow the residual all the same.
-    q = float(r @ r - along @ np.linalg.solve(information + one, along))
+    q = closest(j, r, -fit.point * np.sqrt(precision) / scale, (1 - fit.point) * np.sqrt(precision) / scale)
     values = np.maximum(np.linalg.eigvalsh(information - noise), 0)
     free = float(len(r) - (values / (1 + values)).sum())
     left = q - fit.noise * free
     value = -0.5 * (left + np.log1p(values).sum())
     error = np.sqrt(2 * free * fit.noise**2 + 4 * max(left, 0) * fit.noise) / 2
     return Evidence(value, float(error), max(left - free, 0) / 2)
+
+
+def closest(
+    j: NDArray[np.float64], r: NDArray[np.float64], low: NDArray[np.float64], high: NDArray[np.float64]
+) -> float:
+    """The least |r - j d|^2 + |d|^2 of steps d between `low` and `high` (P,): of r (k,) and slopes j (k, P).
+
+    A parameter at an end of its range may not go beyond it, however much that would explain.
+    """
+    if not len(low):
+        return float(r @ r)
+    design, residual = np.vstack([j, np.eye(len(low))]), np.r_[r, np.zeros(len(low))]
+    return float(2 * lsq_linear(design, residual, (np.minimum(low, -1e-9), np.maximum(high, 1e-9))).cost)
 
 
 def prior(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

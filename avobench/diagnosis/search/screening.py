@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.descent import scan
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.fit.surrogate import ReferenceModel, basis
+from avobench.diagnosis.fit.surrogate import ReferenceModel
 from avobench.diagnosis.goodness_of_fit.regions import spots
 from avobench.diagnosis.settings import FIT, SEARCH
 from avobench.diagnosis.summary.target import Target
@@ -206,10 +206,12 @@ class Around:
         """By Gauss-Newton `steps` from `start` (p,) and of the gain, up to `most` (m,), or of the parameters alone.
 
         `change` (m, r) is of the summary, whitened, and has a square by its `scatter` (m,) that is none of the effect.
+        Where a step would leave the unit cube, it is taken once more along the wall.
         """
-        m, p = len(change), len(self._slopes)
-        t, gain = np.tile(np.clip(self.surrogate.design.to_t(start), -1, 1), (m, 1)), np.ones(m)
+        m, p, design = len(change), len(self._slopes), self.surrogate.design
+        t, gain = np.tile(np.clip(design.to_t(start), -1, 1), (m, 1)), np.ones(m)
         scatter = np.minimum(scatter, (change**2).sum(axis=1) / 2)
+        lowest, reached, best = np.full(m, np.inf), gain.copy(), t.copy()
         for _ in range(steps):
             bent = np.tensordot(t, self._bends, 1)
             left = self._left + np.einsum("mi,mir->mr", t, self._slopes + bent) + gain[:, None] * change
@@ -223,15 +225,39 @@ class Around:
                 square[:, p], square[:, :, p], down[:, p] = 0, 0, 0
                 square[:, p, p] = 1
             step = np.linalg.solve(square, down[..., None])[..., 0]
-            t, gain = np.clip(t - step[:, :p], -1, 1), gain - step[:, p]
+            u = design.centre + (t - step[:, :p]) @ design.axes.T
+            outside = (u < 0) | (u > 1)
+            if outside.any():
+                wall = FIT.wall * outside[..., None] * design.axes
+                off = FIT.wall * outside * (design.centre + t @ design.axes.T - np.clip(u, 0, 1))
+                square[:, :p, :p] += wall.transpose(0, 2, 1) @ wall
+                down[:, :p] += np.einsum("mi,mij->mj", off, wall)
+                step = np.linalg.solve(square, down[..., None])[..., 0]
+            t = design.to_t(design.to_u(np.clip(t - step[:, :p], -1, 1)))
+            gain = gain - step[:, p]
             if most is not None:
                 gain = np.clip(gain, 0, most)
+            q = self.q(t, gain, change, scatter)
+            lower = q < lowest
+            lowest[lower], reached[lower], best[lower] = q[lower], gain[lower], t[lower]
+        return Expected(lowest, reached, design.to_u(best))
+
+    def q(
+        self,
+        t: NDArray[np.float64],
+        gain: NDArray[np.float64],
+        change: NDArray[np.float64],
+        scatter: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """Chi-squared at points t (m, p) of the design, with `gain` (m,) times a change (m, r): (m,).
+
+        The noise of the model at its centre is taken out. What it is more elsewhere is left in: a place of which little
+        is known promises nothing.
+        """
         left = self._left + np.einsum("mi,mir->mr", t, self._slopes + np.tensordot(t, self._bends, 1))
         left = left + gain[:, None] * change
-        terms = basis(t)
-        noise = self.target.num_events * np.einsum("mi,ij,mj->m", terms, self.surrogate.inverse, terms)
-        q = (left**2).sum(axis=1) - gain**2 * scatter - noise * self.target.rank
-        return Expected(q, gain, self.surrogate.design.to_u(t))
+        noise = self.target.num_events * self.surrogate.inverse[0, 0]
+        return (left**2).sum(axis=1) - gain**2 * scatter - noise * self.target.rank
 
 
 def glance(
