@@ -132,6 +132,7 @@ def weighed(posterior: Posterior, labels: tuple[str, ...]) -> list[dict[str, Any
             "marks": marks.tolist(),
             "q": (best := posterior.shapes[names][0].fit).noiseless_q,
             "dof": best.dof,
+            "events": best.num_events,
         }
         for names, marks in posterior.marks.items()
     ]

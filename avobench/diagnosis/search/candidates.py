@@ -113,12 +113,14 @@ class Candidates:
         first = varied(first, lambda start: start.expected / 2, lambda start: start.model)
         return [*first[: self.effort.starts], *second[: self.effort.starts // 4]]
 
-    def weighed(self, glances: list[Look], beside: float) -> list[Weighed]:
-        """The model with one more effect, fitted: all that may matter beside a log evidence of `beside`."""
+    def weighed(self, glances: list[Look], beside: float) -> tuple[list[Weighed], list[Weighed]]:
+        """The model with one more effect, fitted, as `told_apart` has them: beside a log evidence of `beside`."""
         return self.told_apart(self.hopeful(self.screened(glances)), beside)
 
-    def told_apart(self, starts: list[Start], beside: float) -> list[Weighed]:
+    def told_apart(self, starts: list[Start], beside: float) -> tuple[list[Weighed], list[Weighed]]:
         """Fits from these starts, with more and more events, of those that may matter beside each other.
+
+        With them the others, as they were when they were left behind.
 
         Where few events may be simulated, half of them are for fits that begin, of the best starts first, and what was
         fitted when they end is weighed.
@@ -129,6 +131,7 @@ class Candidates:
         begun = distinct(sorted(begun, key=lambda fit: fit.noiseless_q))
         fits = varied(begun, lambda fit: fit.noiseless_q / 2, lambda fit: fit.model)[: self.effort.begun]
         ranked: list[Weighed] = []
+        left: list[Weighed] = []
         for (ratio, rounds), most in zip(self.effort.rounds_of_search, SEARCH.most, strict=True):
             events = int(ratio * max(self.target.num_events, self.effort.few))
             more = self.work(go_on, fits, events, rounds)
@@ -136,10 +139,11 @@ class Candidates:
                 break
             settled = bool(ranked)  # a first fit may have far to go: the best of them stay, however far
             fits = [fit or before for fit, before in zip(more, fits, strict=True)]  # where events end, as it was
-            ranked = sorted((Weighed.of(fit, self.like) for fit in fits), key=worth)
-            ranked = varied(self.matter(ranked, beside) if settled else ranked, worth, lambda one: one.fit.model)[:most]
+            fitted = sorted((Weighed.of(fit, self.like) for fit in fits), key=worth)
+            ranked = varied(self.matter(fitted, beside) if settled else fitted, worth, lambda one: one.fit.model)[:most]
+            left += [one for one in fitted if not any(one is other for other in ranked)]
             fits = [one.fit for one in ranked]
-        return ranked or self.matter((Weighed.of(fit, self.like) for fit in fits), beside)[: SEARCH.most[0]]
+        return ranked or self.matter((Weighed.of(fit, self.like) for fit in fits), beside)[: SEARCH.most[0]], left
 
     @cached_property
     def seed(self) -> int:

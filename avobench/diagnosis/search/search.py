@@ -48,12 +48,14 @@ class Search:
         Where the simulated events end, those that were weighed until then; None if they end before any was.
         """
         effects = [effect.adapted(self.x) for effect in self.effects if self.looks_at({effect.feature})]
-        weighed = [Weighed.of(null)]
+        weighed, left = [Weighed.of(null)], []
         meter = null.model.events.meter if null.model.events is not None else Meter()
         like = resemblance(null.model.task, effects, self.x, None)
         with suppress(BudgetExhausted):
             like = self.like(null.model, null.params)
-            self.look(weighed, effects, like)
+            self.look(weighed, left, effects, like)
+        known = {one.effects for one in weighed}
+        weighed += [one for one in left if one.effects not in known]
         return Posterior.of(weighed, effects, like) if len(weighed) > 1 or not meter.refused else None
 
     def like(self, model: Model, theta: NDArray[np.float64]) -> dict[str, float]:
@@ -62,10 +64,11 @@ class Search:
         make = (lambda n: model.simulate(np.tile(theta, (n, 1)), rng)) if self.experience else None
         return resemblance(model.task, self.effects, self.x, make)
 
-    def look(self, weighed: list[Weighed], effects: list[Effect], like: dict[str, float]) -> None:
+    def look(self, weighed: list[Weighed], left: list[Weighed], effects: list[Effect], like: dict[str, float]) -> None:
         """Add to the models `weighed`, at first the null alone, all that may matter: an effect more in each round.
 
-        Raises BudgetExhausted where the simulated events end.
+        What was `left` behind is no model to add to. It may be right, as no shape is exactly that of nature. Raises
+        BudgetExhausted where the simulated events end.
         """
         first, beam = self.candidates(weighed[0], effects, like), weighed[:1]
         shapes = [shape for effect in effects for shape in effect.shapes() if self.looks_at(named(shape))]
@@ -81,12 +84,13 @@ class Search:
                 if size == 1:
                     looks = first.glances(guesses)
                 search = self.candidates(parent, effects, like) if size > 1 else first
-                larger = search.weighed(looks, beside)
+                larger, smaller = search.weighed(looks, beside)
                 added += larger
                 weighed += larger
+                left += smaller
             beam = self.foremost(added)
             if size == 2 and beam:  # each of the two may describe the events alone, from where it is beside the other
-                weighed += first.told_apart([start_without(beam[0].fit, k) for k in (0, 1)], -np.inf)
+                weighed += first.told_apart([start_without(beam[0].fit, k) for k in (0, 1)], -np.inf)[0]
 
     def looks_at(self, features: set[int | str | None]) -> bool:
         """Whether effects are looked for on all single features among these."""
