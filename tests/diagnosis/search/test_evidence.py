@@ -19,15 +19,27 @@ def linear(fit, residual, jacobian):
 
 @given(st.integers(0, 1000))
 def test_the_evidence_of_a_linear_model_is_its_marginal_likelihood(counter, seed):
-    rng, fit = np.random.default_rng(seed), counter.weak
-    r = 6
-    jacobian, residual = rng.normal(0, 10, (r, fit.model.dim)), rng.normal(0, 3, r)
+    rng, r = np.random.default_rng(seed), 6
+    fit = replace(counter.weak, point=np.full(counter.weak.model.dim, 0.5))
+    jacobian, residual = rng.normal(0, 10, (r, fit.model.dim)), rng.normal(0, 0.3, r)  # no end of the range is near
     fit = linear(fit, residual, jacobian)
     precision, scale = prior(fit)
     steps = jacobian * scale
     cov = np.eye(r) + steps @ np.diag(1 / precision) @ steps.T
     exact = multivariate_normal(np.zeros(r), cov).logpdf(residual) + r / 2 * np.log(2 * np.pi)
     assert evidence_of(fit).value == pytest.approx(exact, rel=1e-8)
+
+
+@given(st.integers(0, 1000))
+def test_what_would_be_explained_beyond_the_end_of_a_range_is_no_evidence(counter, seed):
+    rng = np.random.default_rng(seed)
+    slope = rng.normal(0, 30, 6)
+    ends = [replace(counter.null, point=np.array([end])) for end in (0.0, 1.0, 0.5)]
+    below, above, inside = (evidence_of(linear(fit, 0.3 * slope, slope[:, None])).value for fit in ends)
+    none = evidence_of(linear(counter.null, 0.3 * slope, np.zeros((6, 1)))).value
+    assert above <= none + 1e-6
+    assert inside > none
+    assert below > none
 
 
 def test_noise_of_the_simulation_is_taken_out_on_average(counter):

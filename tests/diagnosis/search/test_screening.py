@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from measurements import with_effect
 
+from avobench import task as task_of
 from avobench.diagnosis.effort import Effort, effort_for
 from avobench.diagnosis.fit.null import fit_null
 from avobench.diagnosis.search.candidates import begin, go_on
@@ -26,6 +27,19 @@ def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
     # In a valley: a longer dead time at a higher rate.
     np.testing.assert_allclose(strong.params, counter.truth.strong, atol=0.5)
     assert strong.noiseless_q < strong.dof + 3 * np.sqrt(2 * strong.dof)
+
+
+def test_theta_is_not_expected_beyond_its_range():
+    task = task_of(lambda theta, rng: rng.normal(theta, 1), prior={"mean": (0, 1)}, name="normal")
+    rng, effort = np.random.default_rng(2), Effort()
+    x = rng.normal(1.2, 1, (8000, 1))
+    null, target = fit_null(Model(task), x, rng, effort, None)
+    reference = null.reference(target, int(effort.reference * target.num_events), rng)
+    nothing = np.zeros((1, target.rank))
+    expected = Around(reference, target).expected(nothing, np.zeros(1), np.ones(1), null.point, 4)
+    assert null.at_bound[0] == 1
+    assert expected.point.max() <= 1
+    assert expected.q[0] > null.noiseless_q - 4 * null.noiseless_q_error
 
 
 def test_a_fit_begins_where_a_gap_is_that_is_narrower_than_any_grid():
