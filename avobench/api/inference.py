@@ -20,7 +20,7 @@ from avobench.api.joint import Joint, require_measured, tables_in
 from avobench.api.progress import Progress, limited, shown
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.estimates import require_recordable
-from avobench.bench.cells.quantiles import in_shares, raw
+from avobench.bench.cells.prior_shares import in_shares, raw
 from avobench.bench.cells.streams import stream
 from avobench.bench.events.checks import NUM_REFERENCE, SHARE, check_events, reference
 from avobench.bench.plugins import registry
