@@ -108,12 +108,6 @@ def test_a_closed_output_is_no_fault(tmp_path):
     assert len(Store(tmp_path / "r").read_all()) == 2
 
 
-def test_a_spread_must_be_of_the_posterior_or_the_proposal(avobench):
-    code, out, _ = avobench("check", "method", "hostile:NoSpread")
-    assert code == 1
-    assert "spread_of of the estimate must be posterior or proposal, got 'none'" in out
-
-
 def test_an_estimate_without_simulations_must_say_why(avobench, tmp_path):
     start = ("run", "--task", "faulty:SoundTask", "--method", "hostile:Guesses", "--method", "hostile:Says")
     start += ("--targets", 0, "--budget", 400, "--observations", 100, "--results", tmp_path / "r", "--jobs", 1)

@@ -87,11 +87,6 @@ class Steps(Moment):
         return Estimate(theta, "centre", "posterior", theta, theta, [])
 
 
-class NoSpread(SoundMethod):
-    def estimate(self, problem, theta):
-        return Estimate(theta, "nearest", "none", theta, theta * 0)
-
-
 class Guesses(SoundMethod):
     """Simulates nothing, and does not say why."""
 
