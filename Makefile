@@ -18,7 +18,7 @@ JOBS ?= 1
 ON_ALL_CORES := --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 .DEFAULT_GOAL := help
-.PHONY: help venv test-lowest test-latest test-wheel benchmark quick figures studies pages bench-avo bench-cost bench-diagnosis bench-scaling bench-speed bench-store challenge demo demo-missing-effect docs fuzz soak constraints audit test browser lint size clean
+.PHONY: help venv test-lowest test-latest test-wheel benchmark quick figures studies pages bench-avo bench-cost bench-diagnosis bench-scaling bench-speed bench-store challenge demo docs fuzz soak constraints audit test browser lint size clean
 
 help:  ## show these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -89,8 +89,6 @@ docs/figures/effects/drawn: paper/effect_pictures.py $(shell find avobench/effec
 demo: venv  ## the example of the README: a simulator, measured data, what the simulator lacks; picture in reports/
 	@mkdir -p reports
 	cd reports && OMP_NUM_THREADS=1 ../$(BIN)/python ../examples/gamma_line.py
-
-demo-missing-effect: demo  ## the same, by its old name
 
 challenge: $(patsubst %,challenge-%,$(if $(FULL),$(FULL_CHALLENGE),$(CHALLENGE)))  ## hide effects, find and score them; FULL=1 for all
 

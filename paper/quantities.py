@@ -12,7 +12,7 @@ from scipy.special import ndtri
 from scipy.stats import wilcoxon
 from scipy.stats.qmc import Sobol
 
-from avobench.bench.store.table import mean_errors
+from avobench.bench.store.frame import mean_errors
 from avobench.reports.quantities import task_of
 
 WORST_RUN = 100.0

@@ -164,7 +164,7 @@ class Diagnosed:
         if sample:
             paths.append(write_atomically(folder / "simulated.parquet", self._simulated()))
         elif joint:
-            warnings.warn("no model.json: it is of one simulator, and this diagnosis of several", stacklevel=2)
+            warnings.warn("no model.json: it holds one simulator, and this diagnosis has several", stacklevel=2)
         elif lost:
             warnings.warn(
                 f"no model.json: another process does not find {lost[0]}; define it by `def` or `class` at the top of "
@@ -251,7 +251,7 @@ class Diagnosed:
 
         found, rivals = list(self.diagnosis.decisions), self.result.rivals
         if conditions and rivals is None:
-            raise UsageError("there are no fitted models to decide between: one alone, or all was read from a folder")
+            raise UsageError("there are no fitted models to decide between: there is one alone, or a folder was read")
         for name, given in (conditions or {}).items():
             chosen = given if isinstance(given, Mapping) else {}
             task = self.task if isinstance(given, Mapping) else registry.task_of(given)
@@ -436,7 +436,7 @@ def diagnose(
 def require_condition(name: str, task: Task, measured: Task, chosen: Mapping[str, float]) -> None:
     """Raise UsageError unless a task may stand for another condition of one that was measured."""
     if isinstance(measured, JointTask | SampleTask):
-        raise UsageError(f"{name}: conditions are of one simulator; of several data sets, each is one already")
+        raise UsageError(f"{name}: a condition is of one simulator; of several data sets each is a condition already")
     if (task.parameter_names, task.num_features) != (measured.parameter_names, measured.num_features):
         raise UsageError(f"{name}: {task.name} has other parameters or features than {measured.name}")
     for parameter, value in chosen.items():

@@ -20,7 +20,7 @@ from avobench.api.joint import Joint, require_measured, tables_in
 from avobench.api.progress import Progress, limited, shown
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.estimates import require_recordable
-from avobench.bench.cells.quantiles import in_shares, raw
+from avobench.bench.cells.prior_shares import in_shares, raw
 from avobench.bench.cells.streams import stream
 from avobench.bench.events.checks import NUM_REFERENCE, SHARE, check_events, reference
 from avobench.bench.plugins import registry
@@ -258,7 +258,7 @@ class Inference:
         from scipy.stats import rv_histogram
 
         if self.task.is_integer.any():
-            raise UsageError("as_prior is of real numbers; give an integer a prior such as scipy.stats.randint")
+            raise UsageError("as_prior is for real numbers; give an integer a prior such as scipy.stats.randint")
         draws, sample = self.samples(AS_PRIOR, seed).to_numpy(), self.estimate.sample
         if sample is not None:  # a kernel density by Scott's rule
             width = (sample.weights.sum() ** 2 / (sample.weights**2).sum()) ** (-1 / (draws.shape[1] + 4))
@@ -394,7 +394,7 @@ def infer(
     if isinstance(task, Joint) or tables_in(x) is not None or (task.missing and by_moments):
         if not by_moments:
             what = "tables and several data sets"
-            raise UsageError(f"{what} are fitted by smm, without settings: leave others out")
+            raise UsageError(f"{what} are fitted by smm, without settings: leave method and settings out")
         return moments(task, x, budget, seed, drop_invalid, progress, bank, jobs)
     # The lines through the whole prior, which smm has elsewhere, bend where a simulator begins to fail.
     if by_moments and (sample or bank is not None or (failing(task) and method == "smm")):

@@ -65,7 +65,7 @@ def joint(sets: Mapping[str, tuple[Task | str, Any]], shared: Sequence[str] | No
 def require_measured(task: Any, x: Any) -> None:
     """Raise UsageError unless what was measured is given once: as `x`, or in a Joint."""
     if isinstance(task, Joint) == (x is not None):
-        raise UsageError("give what was measured as x, but of `avobench.joint`, which has it: there leave x out")
+        raise UsageError("give what was measured as x; leave x out for data sets of `avobench.joint`, which has it")
 
 
 def tables_in(x: Any) -> Tables | None:

@@ -8,7 +8,7 @@ from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
 from avobench.api.terminal import plain as as_text
-from avobench.bench.processes.apart import apart_within
+from avobench.bench.processes.calls import apart_within
 from avobench.tasks.errors import ProcessEnded
 
 QUIET_SECONDS = 30.0

@@ -10,11 +10,11 @@ import pandas as pd
 
 from avobench.bench.cells.cell import Cell
 from avobench.bench.plugins import registry
-from avobench.bench.processes.apart import Call, Limits, apart, kept
+from avobench.bench.processes.calls import Call, Limits, apart, kept
 from avobench.bench.processes.local import LIMITS
 from avobench.bench.processes.workers import Workers
+from avobench.bench.store.frame import to_frame
 from avobench.bench.store.store import Store
-from avobench.bench.store.table import to_frame
 from avobench.bench.sweep import runner
 from avobench.bench.sweep.plan import plan
 from avobench.bench.sweep.runner import View

@@ -50,7 +50,7 @@ def make(
     if out.exists() and (not out.is_dir() or {path.name for path in out.iterdir()} - UNFINISHED):
         raise UsageError(f"{out} exists and is not an empty folder")
     if "foreign" in kinds and not shapes:
-        raise UsageError("--kinds foreign needs --shapes: the catalogue has shapes of its own alone")
+        raise UsageError("--kinds foreign needs --shapes: the catalogue has only its own shapes")
     task = registry.build("task", spec, {})
     registry.require_packages("task", task)
     task = metered(task, meter := Meter())

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from avobench.bench.events import read_events
 from avobench.bench.plugins import registry
-from avobench.bench.processes.apart import Call, here, outcomes
+from avobench.bench.processes.calls import Call, here, outcomes
 from avobench.bench.processes.workers import Workers
 from avobench.bench.store.files import require_folder, write_file
 from avobench.challenge.make import MANIFEST

@@ -23,7 +23,7 @@ from avobench.cli.terminal import say
 @SEED
 @SETTINGS
 @DROP_INVALID
-@click.option("--jobs", "-j", type=click.IntRange(1), help="Processes that make events.  [none beside the method's]")
+@click.option("--jobs", "-j", type=click.IntRange(1), help="Processes that simulate events.  [that of the method]")
 @SECONDS
 @click.option("--bank", type=click.Path(path_type=Path), default=None, help="Folder that keeps simulated events.")
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="JSON file to write the result to.")

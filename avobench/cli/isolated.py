@@ -9,7 +9,7 @@ import click
 
 from avobench.api.progress import cursor_kept
 from avobench.bench.plugins import registry
-from avobench.bench.processes.apart import NO_LIMITS, Call, apart, in_seconds
+from avobench.bench.processes.calls import NO_LIMITS, Call, apart, in_seconds
 from avobench.cli.state import State
 from avobench.tasks.errors import AvobenchError, ProcessEnded, UsageError
 

@@ -8,8 +8,8 @@ from typing import Any
 import pandas as pd
 
 from avobench.bench.plugins import registry
+from avobench.bench.store.frame import labels, mean_errors, to_frame
 from avobench.bench.store.status import Status
-from avobench.bench.store.table import labels, mean_errors, to_frame
 from avobench.effects import Effect, Parameter
 from avobench.effects.catalogue import catalogue
 

@@ -93,7 +93,7 @@ def _stop(state: State) -> NoReturn:
 
 
 def _said(error: Exception) -> str:
-    from avobench.bench.processes.apart import Fault
+    from avobench.bench.processes.calls import Fault
     from avobench.tasks.errors import AvobenchError
 
     if isinstance(error, click.ClickException):

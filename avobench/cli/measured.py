@@ -48,8 +48,10 @@ OPTIONS = (
         metavar="FILE[:NAME]",
         help="Published table or histogram, in place of --data. Repeatable; --columns names the feature of each.",
     ),
-    click.option("--density", is_flag=True, help="Values of --table are divided by the widths of their bins."),
-    click.option("--normalised", is_flag=True, help="Only the shape of each --table is compared, as always of counts."),
+    click.option("--density", is_flag=True, help="The values of --table are divided by the widths of their bins."),
+    click.option(
+        "--normalised", is_flag=True, help="Compare the shape of each --table alone. Counts are always compared so."
+    ),
     JOINT,
     COLUMNS,
     TRUST,

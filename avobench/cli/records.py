@@ -6,10 +6,10 @@ from pathlib import Path
 import click
 
 from avobench.bench.store.files import require_folder, write_file
+from avobench.bench.store.frame import as_csv, to_frame
 from avobench.bench.store.pack import pack as pack_store
 from avobench.bench.store.status import Status, reason
 from avobench.bench.store.store import Store
-from avobench.bench.store.table import as_csv, to_frame
 from avobench.cli import listing
 from avobench.cli.options import RESULTS
 from avobench.cli.terminal import say

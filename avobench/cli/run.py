@@ -11,7 +11,7 @@ from rich.console import Console
 from avobench.api import sweep
 from avobench.bench.cells.cell import Cell
 from avobench.bench.plugins.registry import trusted
-from avobench.bench.processes.apart import kept
+from avobench.bench.processes.calls import kept
 from avobench.bench.processes.workers import Workers
 from avobench.bench.store.files import require_folder
 from avobench.bench.store.status import Status

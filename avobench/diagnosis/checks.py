@@ -7,7 +7,7 @@ from typing import Any
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.bench.events.checks import FEW_REFERENCE, LEAST_REFERENCE, SHARE, Simulate, check_events, reference
-from avobench.bench.store.bank import KeptBank
+from avobench.bench.store.kept_bank import KeptBank
 from avobench.diagnosis.summary.joint import JointPart
 from avobench.diagnosis.summary.published import TablePart, tables_of
 from avobench.effects import Effect

@@ -1,4 +1,4 @@
-"""Effects that a simulator may lack: what they are (`base`), and all that apply to a task (`catalogue`)."""
+"""Effects that a simulator may lack: what they are (`contract`), and all that apply to a task (`catalogue`)."""
 
 from avobench.effects.contract import Effect, Parameter
 

@@ -32,7 +32,7 @@ def families() -> dict[str, type[Effect]]:
             raise UsageError(f"effect '{point.name}': {point.value} is no subclass of Effect that states its domains")
         found[point.name] = family
     if not found:
-        raise UsageError("no effect is installed: this checkout was installed before they were; pip install it again")
+        raise UsageError("no effect is installed: this checkout is newer than its installation; pip install it again")
     return found
 
 

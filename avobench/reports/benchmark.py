@@ -6,8 +6,8 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
 
+from avobench.bench.store.frame import labels, to_frame
 from avobench.bench.store.status import ESTIMATED
-from avobench.bench.store.table import labels, to_frame
 from avobench.reports.quantities import comparable
 from avobench.reports.style import FLOOR, METHOD_ORDER, TASK_ORDER, colours, ordered, panels
 

@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.stats import norm
 
+from avobench.bench.store.frame import labels
 from avobench.bench.store.status import ESTIMATED
-from avobench.bench.store.table import labels
 from avobench.reports.style import FLOOR, METHOD_ORDER, TASK_ORDER, by_task, colours, ordered
 from avobench.tasks.errors import StoreError
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import pandas as pd
 
+from avobench.bench.store.frame import labels, to_frame
 from avobench.bench.store.status import ESTIMATED
 from avobench.bench.store.store import Store
-from avobench.bench.store.table import labels, to_frame
 from avobench.reports import html
 from avobench.reports.benchmark import numbers
 from avobench.reports.figures import drawn

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 
 from avobench.bench.plugins import registry
+from avobench.bench.store.frame import labels, to_frame
 from avobench.bench.store.status import ESTIMATED
-from avobench.bench.store.table import labels, to_frame
 from avobench.tasks import Task
 
 

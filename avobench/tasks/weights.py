@@ -105,13 +105,13 @@ def unweighted(events: ArrayLike, weights: ArrayLike | str, *, seed: int = 0) ->
     w = weights_of("measured events", weights, len(np.atleast_1d(x)))
     if (w < 0).any():
         raise UsageError(
-            f"{(w < 0).sum()} weights of measured events are negative, so that they are no sample: histogram them, and "
+            f"{(w < 0).sum()} weights of measured events are negative, and no sample has such: histogram them, and "
             "give avobench.Table(edges, sums, errors=root of the sums of squared weights, normalised=True, feature=...)"
         )
     kept = np.random.default_rng(whole("seed", seed, 0)).random(len(w)) * w.max() < w
     warn(
         f"{len(w)} measured events with weights are worth {effective(w):.0f} of equal weight; {kept.sum()} of them are "
-        "kept, each with a probability as its weight",
+        "kept, with probabilities in proportion to the weights",
         stacklevel=3,
     )
     return x[kept]

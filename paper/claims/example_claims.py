@@ -44,8 +44,8 @@ def baseline_variance(evidence: Evidence) -> Finding:
         "with f in place of its square": (ratios.loc["optimal"] < 1).all(axis=None),
     }
     reading = (
-        "The columns are the variance of the gradient in the mean and in the logarithm of the standard deviation of "
-        "the proposal, over mini-batches of 32 events, and its ratio to that without a baseline. f is log(1 - d). "
+        "The columns are variances of the gradient over mini-batches of 32 events: in the mean of the proposal, and in "
+        "the logarithm of its standard deviation. The ratio is to the variance without a baseline. f is log(1 - d). "
         "Criterion: every ratio is below 1."
     )
     verdict = "; ".join(f"{what}: {'reproduced' if good else 'not reproduced'}" for what, good in verdicts.items())
@@ -83,9 +83,9 @@ def large_penalties(evidence: Evidence) -> Finding:
     true = poisson_runs(evidence.study, 0.0)[0]["theta_true"][0]
     missed = sum(abs(mean - true) > 3 * width for mean, width in ends)
     reading = (
-        "Criterion of the first part: the width falls with each larger gamma, and with the largest it is less than a "
-        "tenth of that without a penalty. Of the second, with the largest gamma: theta* lies more than three standard "
-        "deviations of the final proposal from its mean."
+        "Criterion of the first part: the width falls with each larger gamma. With the largest gamma it is less than a "
+        "tenth of that without a penalty. Criterion of the second part, with the largest gamma: theta* lies more than "
+        "three standard deviations of the final proposal from its mean."
     )
     return Finding(f"tight: {tight}; inaccurate: in {missed} of {len(ends)} runs", reading, numbers[columns])
 
@@ -261,8 +261,8 @@ def alignment_bump(evidence: Evidence) -> Finding:
     rises = numbers["rise of |theta* - mean|"] > 0.05
     count = int((rises & (numbers["loss at the top"] < numbers["loss at its lowest"])).sum())
     reading = (
-        "Criterion: after its lowest point so far, the distance of the mean from theta* rises by more than 0.05 mm, "
-        "and -log q(theta* given psi) is lower at the top of this rise than before it."
+        "Criterion: the distance of the mean from theta* rises again, by more than 0.05 mm above its lowest point so "
+        "far. At the top of this rise -log q(theta* given psi) is lower than before it."
     )
     return Finding(f"observed in {count} of {len(numbers)} runs", reading, numbers)
 

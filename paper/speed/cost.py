@@ -6,8 +6,8 @@ from typing import Any
 
 import pandas as pd
 
+from avobench.bench.store.frame import labels, to_frame
 from avobench.bench.store.store import Store
-from avobench.bench.store.table import labels, to_frame
 from avobench.tasks.contract import NUM_TARGETS
 
 LARGE = 100

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 import avobench
-from avobench.cli.main import COMMANDS, cli
 
 
 @pytest.mark.parametrize("name", avobench.__all__)
@@ -24,11 +23,6 @@ def test_the_import_and_the_help_load_no_library_before_it_is_needed(code):
     told = f"import atexit, sys; atexit.register(lambda: print({heavy})); {code}"
     said = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True).stdout
     assert said.splitlines()[-1] == "set()"
-
-
-@pytest.mark.parametrize("name", COMMANDS)
-def test_each_command_that_the_help_lists_is_there(name):
-    assert cli.get_command(None, name).name == name
 
 
 def test_the_version_is_said_once():

@@ -29,13 +29,6 @@ def test_the_answer_is_near_what_made_the_events(found):
     assert found.std_of == "posterior"
 
 
-def test_a_seed_repeats_the_answer_and_another_does_not(found):
-    again = avobench.infer("poisson", EVENTS[:, None].astype(float), "abc-smc", budget=48_000, settings=FEW)
-    assert again.theta == found.theta
-    other = avobench.infer("poisson", EVENTS, "abc-smc", budget=48_000, settings=FEW, seed=1)
-    assert other.theta != found.theta
-
-
 def test_it_shows_itself(found):
     assert str(found).startswith("log_rate = ")
     assert "<table" in found._repr_html_()

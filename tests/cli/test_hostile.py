@@ -108,12 +108,6 @@ def test_a_closed_output_is_no_fault(tmp_path):
     assert len(Store(tmp_path / "r").read_all()) == 2
 
 
-def test_a_spread_must_be_of_the_posterior_or_the_proposal(avobench):
-    code, out, _ = avobench("check", "method", "hostile:NoSpread")
-    assert code == 1
-    assert "spread_of of the estimate must be posterior or proposal, got 'none'" in out
-
-
 def test_an_estimate_without_simulations_must_say_why(avobench, tmp_path):
     start = ("run", "--task", "faulty:SoundTask", "--method", "hostile:Guesses", "--method", "hostile:Says")
     start += ("--targets", 0, "--budget", 400, "--observations", 100, "--results", tmp_path / "r", "--jobs", 1)
@@ -135,7 +129,7 @@ def test_a_device_that_is_not_there_is_refused_before_anything_is_simulated(avob
 
 
 def test_cells_are_in_this_process_where_that_is_asked_for(avobench, tmp_path, monkeypatch):
-    monkeypatch.setattr("avobench.bench.processes.apart.outcomes", None)
+    monkeypatch.setattr("avobench.bench.processes.calls.outcomes", None)
     monkeypatch.setattr("avobench.bench.processes.local.outcomes", None)
     code, _, err, found = run(avobench, tmp_path / "r", "--task", "faulty:SoundTask", "--in-process")
     assert code == 0, err

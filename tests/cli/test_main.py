@@ -6,8 +6,6 @@ import sys
 import pandas as pd
 import pytest
 
-from avobench.bench.store.store import Store
-
 QUICK = ("run", "--task", "toys:Normal", "--method", "toys:Moment", "--targets", "0-1", "--budget", 400)
 QUICK += ("--observations", 100, "--in-process")
 
@@ -77,17 +75,6 @@ def test_wrong_usage_is_one_line_and_exit_code_2(avobench, arguments, code, mess
     assert not out
 
 
-def test_an_empty_store_has_no_figure_and_no_table(avobench, tmp_path):
-    (tmp_path / "empty" / "records").mkdir(parents=True)
-    (tmp_path / "empty" / "store.json").write_text('{"schema": "avobench-records", "version": 1}')
-    for arguments in (["status"], ["figure", "benchmark", "--out", tmp_path / "f"]):
-        code, out, err = avobench(*arguments, "--results", tmp_path / "empty")
-        assert code == 1
-        assert err.count("\n") == 1
-        assert "there are no sound records" in err
-        assert not out
-
-
 def test_failed_cells_are_exit_code_1_and_named_by_status(avobench, tmp_path):
     code, out, err = avobench(*QUICK, "--results", tmp_path / "r", "--set", "moment.fault=raises")
     assert code == 1
@@ -107,6 +94,7 @@ def test_a_damaged_record_is_named_by_every_reader(avobench, results, tmp_path):
         (["export", "--format", "csv", "--out", tmp_path / "t.csv"], "1 rows in"),
         (["figure", "benchmark", "coverage", "--out", tmp_path], "benchmark.csv"),
         (["report", "--out", tmp_path], "index.html"),
+        (["pack"], "1 files packed, 1 records"),
     ):
         code, out, err = avobench(*arguments, "--results", results)
         assert code == 1
@@ -144,23 +132,6 @@ def test_a_packed_folder_is_read_as_before_by_every_command(avobench, results, t
     code, out, _ = avobench("pack", "--results", results)
     assert code == 0
     assert out.startswith("0 files packed, 2 records")
-
-
-def test_packing_names_what_is_damaged_and_refuses_a_folder_in_use(avobench, results):
-    with Store(results).lock():
-        code, out, err = avobench("pack", "--results", results)
-    assert (code, out) == (2, "")
-    assert err.count("\n") == 1
-    assert "another avobench run is writing" in err
-    damaged = sorted((results / "records").iterdir())[0]
-    content = damaged.read_bytes()[:99]
-    damaged.write_bytes(content)
-    code, out, err = avobench("pack", "--results", results)
-    assert code == 1
-    assert out.startswith("1 files packed, 1 records")
-    assert damaged.name in err
-    assert err.count("\n") == 1
-    assert damaged.read_bytes() == content
 
 
 def test_debug_shows_where():

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 
 from fuzz import answers
 from fuzz.inputs import Bomb
-from fuzz.targets import GUARD, KINDS, Events, Manifests, Models
+from fuzz.targets import GUARD, KINDS, Events, Manifests
 
 EXAMPLES = int(os.environ.get("FUZZ", 15))
 FORMATS = ("npy", "npz", "csv", "parquet", "root")
@@ -40,12 +40,6 @@ def test_no_input_is_taken_for_what_it_is_not_or_does_harm(kind, tmp_path):
 @pytest.mark.parametrize("kind", FORMATS)
 def test_no_file_of_events_is_taken_for_what_it_is_not_or_does_harm(kind, tmp_path):
     assert outcomes(Events(tmp_path, kind)).total() == EXAMPLES
-
-
-@pytest.mark.parametrize("spec", ["planted:X", "planted.py:X"])
-def test_a_model_runs_no_code_that_it_names(spec, tmp_path):
-    models = Models(tmp_path)
-    assert models.check({**models.document, "task": spec}) == "refused"
 
 
 def test_a_manifest_runs_no_code_that_it_names(tmp_path):

@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from avobench.bench.plugins.registry import settings_of
 from avobench.methods.abc_smc import AbcSmc, AbcSmcTuned
 from avobench.tasks import Task
 from avobench.tasks.warped import Means20
@@ -43,9 +42,3 @@ def test_other_estimates_of_the_last_generation_with_more_events_in_each(estimat
     assert found.theta == pytest.approx(TRUTH, abs=0.3)
     assert found.discarded == problem.simulate.used - found.trace[-1].simulations
     assert found.trace[-1].simulations > 16 * 20 * 2 * len(found.trace)  # more than without growth
-
-
-def test_settings_that_came_later_do_not_rename_old_records():
-    assert settings_of(AbcSmc()) == {"population_size": 100, "events_per_theta": 128}
-    assert settings_of(AbcSmc(growth=2.0))["growth"] == 2.0
-    assert infer(method=AbcSmcTuned(events_per_theta=8))[0].how.endswith("after a regression adjustment")

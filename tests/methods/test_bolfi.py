@@ -7,8 +7,7 @@ import pytest
 from avobench.bench.plugins.registry import settings_of
 from avobench.methods.bolfi import Bolfi
 from avobench.tasks import Task
-from avobench.tasks.errors import BudgetExhausted
-from gaussian import TRUTH, GaussianMean, GaussianMeans, gaussian_problem
+from gaussian import TRUTH, GaussianMean, gaussian_problem
 
 METHOD = Bolfi(events_per_theta=16, num_trace_points=3)
 
@@ -45,13 +44,6 @@ def test_acquisition_noise_and_many_initial_evaluations(surrogate):
     assert estimate.theta == pytest.approx(TRUTH, abs=1)
 
 
-def test_keeps_the_order_of_the_parameters_also_in_their_own_units():
-    method = Bolfi(events_per_theta=16, num_trace_points=2, unit_box=False)
-    estimate, _ = infer(30 * 16, method=method, task=GaussianMeans(), truth=np.array([-1.5, 12.0]))
-    assert estimate.theta == pytest.approx([-1.5, 12.0], abs=0.7)
-    assert estimate.mean.shape == estimate.std.shape == (2,)
-
-
 def test_events_for_a_theta_may_grow_within_the_budget():
     grown = Bolfi(events_per_theta=16, growth=8.0, log_distance=True, regression=True, num_trace_points=3)
     estimate, problem = infer(60 * 16, method=grown)
@@ -68,14 +60,6 @@ def test_the_trace_does_not_disturb_the_run():
     traced, _ = infer(method=Bolfi(events_per_theta=16, num_trace_points=8))
     assert (plain.theta == traced.theta).all()
     assert (plain.std == traced.std).all()
-
-
-def test_min_simulations_is_the_least_that_works():
-    assert METHOD.min_simulations(1) == METHOD.min_simulations(3) == 11 * 16
-    assert METHOD.min_simulations(4) == 18 * 16  # 2^4 + 1 initial evaluations
-    assert Bolfi(initial_evidence=30).min_simulations(1) == 31 * 128
-    with pytest.raises(BudgetExhausted):
-        infer(METHOD.min_simulations(1) - 1)
 
 
 def test_importing_elfi_does_not_hide_later_deprecation_warnings():

@@ -102,7 +102,10 @@ def test_an_error_of_the_simulator_propagates(method):
         infer(method, task=Failing())
 
 
-@pytest.mark.parametrize("method", [METHODS[0], *METHODS[2:6]], ids=lambda method: method.name)
+IN_OWN_UNITS = Bolfi(events_per_theta=16, num_trace_points=2, unit_box=False)
+
+
+@pytest.mark.parametrize("method", [METHODS[0], *METHODS[2:6], IN_OWN_UNITS], ids=lambda method: method.name)
 def test_parameters_keep_their_order(method):
     truth = np.array([-1.5, 12.0])
     estimate, _ = infer(method, task=GaussianMeans(), budget=600 if method.name == "bolfi" else 20_000, truth=truth)

@@ -50,15 +50,6 @@ def test_an_example_of_the_paper_has_its_iterations_and_moves_in_theta_itself(na
     assert not {c.id for c in EXPERIMENTS[name].cells(1)} & {c.id for c in EXPERIMENTS[name].cells()}
 
 
-def test_the_poisson_example_is_that_of_section_4_1():
-    cells = EXPERIMENTS["poisson"].cells()
-    method, task = cells[0].build_method(), cells[0].build_task()
-    assert task.targets()[0, 0] == pytest.approx(1.94591, abs=1e-5)
-    assert (method.hidden, method.batch_size, method.r1, method.learning_rate) == ((20, 20, 20), 32, 10, 1e-3)
-    assert (method.initial_mean, method.initial_std, method.proposal_learning_rate) == (0, 0.5, 1e-3)
-    assert sorted({cell.build_method().entropy for cell in cells}) == [0, 1e-4, 1e-2, 1e-1, 1]
-
-
 def test_the_row_sums_are_those_of_the_average_image():
     task, other = tasks.AlignmentRows(), tasks.Alignment()
     x = np.random.default_rng(0).integers(0, 2, (5, 1024)).astype(np.uint8)

@@ -3,17 +3,12 @@
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.stats import chi2
 
 from avobench.reports.quantities import labelled
 from paper.quantities import ahead, by_mean, efficient_median, interval
 
 
-def test_the_median_of_one_parameter_is_that_of_chi_squared():
-    assert efficient_median((1.0,)) == pytest.approx(chi2.median(1), abs=1e-4)
-
-
-@pytest.mark.parametrize("shares", [(0.1, 0.9), (0.5, 0.5), (0.2, 0.3, 0.5)])
+@pytest.mark.parametrize("shares", [(1.0,), (0.1, 0.9), (0.5, 0.5), (0.2, 0.3, 0.5)])
 def test_the_median_of_a_weighted_sum_is_that_of_draws(shares):
     z = np.random.default_rng(0).standard_normal((400_000, len(shares)))
     assert efficient_median(shares) == pytest.approx(np.median(z**2 @ np.array(shares)), abs=5e-3)

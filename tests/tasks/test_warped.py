@@ -112,11 +112,6 @@ def test_the_floor_is_the_mean_squared_error_of_maximum_likelihood():
     assert task.floor(theta, n, n) == pytest.approx(2 * floor)
 
 
-def test_a_theta_outside_is_refused():
-    with pytest.raises(ValueError, match="lies outside the support of warped-5"):
-        Warped5().simulate(np.full((1, 5), 1.1), np.random.default_rng(0))
-
-
 @pytest.mark.parametrize("cls", Mixed.__subclasses__())
 def test_shares_of_the_floor_sum_to_one(cls):
     assert sum(cls.floor_shares) == pytest.approx(1)

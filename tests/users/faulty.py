@@ -262,6 +262,7 @@ METHODS = {
     "WritesPlainly": (ESTIMATE, drawing(lambda self, problem, rng: problem.x_observed.__setitem__(0, 0))),
     "WideEstimate": (ESTIMATE, telling(lambda theta: theta[None])),
     "SaysNothing": (ESTIMATE, telling(how=" ")),
+    "NoSpread": (ESTIMATE, {"estimate": lambda self, problem, at: Estimate(at, "nearest", "none", at, at * 0)}),
     "TracesTooMuch": (ESTIMATE, telling(trace=lambda used, theta: [TracePoint(used, np.append(theta, 0))])),
     "GlobalRandomMethod": ("leaves global state", seeded(lambda: np.random.randint(2**31))),
     "OwnEntropyMethod": ("repeats its estimate", seeded(lambda: None)),

@@ -33,40 +33,17 @@ def leak(self, theta, rng):
     return SoundTask.events(self, theta, rng)
 
 
-class Segfault(SoundTask):
-    """At its first call."""
-
-    name = "segfault"
-    events = staticmethod(segfault)
-
-
-class Leaves(SoundTask):
-    """Ends the process in which it is asked for events, as a library does that calls exit()."""
-
-    name = "leaves"
-    events = staticmethod(lambda theta, rng: os._exit(0))
-
-
-class NoTargets(SoundTask):
-    """At its first mention."""
-
-    name = "no-targets"
-    targets = staticmethod(segfault)
-
-
-class Stuck(SoundTask):
-    """At its first call."""
-
-    name = "stuck"
-    events = staticmethod(lambda theta, rng: time.sleep(600))
-
-
-class Hangs(SoundTask):
-    name, events = "hangs", hang
-
-
-class Leaks(SoundTask):
-    name, events = "leaks", leak
+TASKS = {
+    "Segfault": {"events": staticmethod(segfault)},
+    "Leaves": {"events": staticmethod(lambda theta, rng: os._exit(0))},  # as a library does that calls exit()
+    "NoTargets": {"targets": staticmethod(segfault)},
+    "Stuck": {"events": staticmethod(lambda theta, rng: time.sleep(600))},
+    "Hangs": {"events": hang},
+    "Leaks": {"events": leak},
+}
+"""What each task does in place of its events, at its first call or where a method asks for a step."""
+for _name, _changes in TASKS.items():
+    globals()[_name] = type(_name, (SoundTask,), {"__module__": __name__, "name": _name.lower(), **_changes})
 
 
 class EndsItself(SoundMethod):
@@ -85,11 +62,6 @@ class Steps(Moment):
         for _ in range(4):
             problem.simulate.repeat(theta, 40)
         return Estimate(theta, "centre", "posterior", theta, theta, [])
-
-
-class NoSpread(SoundMethod):
-    def estimate(self, problem, theta):
-        return Estimate(theta, "nearest", "none", theta, theta * 0)
 
 
 class Guesses(SoundMethod):

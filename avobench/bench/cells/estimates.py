@@ -50,6 +50,6 @@ def require_recordable(estimate: object, problem: Problem, used: int) -> None:
         raise InvalidEstimate(f"spread_of of the estimate must be {' or '.join(SPREADS)}, got '{estimate.spread_of}'")
     if used == 0 and not estimate.message.strip():
         raise InvalidEstimate(
-            "the estimate was made without a simulated event, and its message does not say why; what is kept from "
-            "another cell is not within this cell's budget: a method whose events serve all targets says `amortised`"
+            "the estimate was made without a simulated event, and its message does not say why; events of another cell "
+            "are not in this cell's budget: a method whose events serve all targets must say `amortised`"
         )

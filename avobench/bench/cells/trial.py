@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.estimates import require_recordable
-from avobench.bench.cells.quantiles import in_shares, raw
+from avobench.bench.cells.prior_shares import in_shares, raw
 from avobench.bench.cells.state import peak_memory_mib, put_back, reset_peak_memory
 from avobench.bench.cells.streams import observe, stream
 from avobench.bench.plugins import registry

@@ -11,7 +11,7 @@ from typing import Any
 
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.trial import blank_record, execute, execute_together, told
-from avobench.bench.processes.apart import Call, Limits, here, outcomes
+from avobench.bench.processes.calls import Call, Limits, here, outcomes
 from avobench.bench.processes.contract import ATTEMPTS, Backend, heartbeat
 from avobench.bench.store.files import store_errors, write_atomically
 from avobench.bench.store.status import Status

@@ -7,7 +7,7 @@ from typing import Literal
 
 import joblib
 
-from avobench.bench.processes.apart import Limits
+from avobench.bench.processes.calls import Limits
 from avobench.bench.processes.contract import Backend
 from avobench.bench.processes.dask import DaskBackend
 from avobench.bench.processes.local import LIMITS, LocalBackend

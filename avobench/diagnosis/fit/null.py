@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.bench.cells.budget import MeteredSimulator, pose
-from avobench.bench.cells.quantiles import in_shares, raw
+from avobench.bench.cells.prior_shares import in_shares, raw
 from avobench.bench.plugins import registry
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.descent import refine, scan, sharpen

@@ -17,8 +17,7 @@ from avobench.reports.diagnosis.drawn import AFTER, BEFORE, REGION, Drawn, sigma
 from avobench.reports.style import STYLE
 from avobench.tasks import Task
 
-FIGURE = re.compile(r"(maps|distribution-\d+|gap|theta|candidates)\.(pdf|png|csv)")
-"""The file of a figure; earlier versions wrote `gap` and `candidates`."""
+FIGURE = re.compile(r"(maps|distribution-\d+|theta)\.(pdf|png|csv)")
 
 
 def drawings(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> Iterator[tuple[str, Callable[[], Drawn]]]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from avobench.bench.store.bank import KeptBank
+from avobench.bench.store.kept_bank import KeptBank
 from avobench.tasks.carl import Carl
 from avobench.tasks.errors import UsageError
 from avobench.tasks.meter import Meter
@@ -41,7 +41,7 @@ def test_no_file_is_written_over_where_another_was_deleted(tmp_path):
 
 
 def test_many_files_become_few_and_an_end_in_between_loses_and_doubles_nothing(tmp_path, monkeypatch):
-    monkeypatch.setattr("avobench.bench.store.bank.MERGED", 4)
+    monkeypatch.setattr("avobench.bench.store.kept_bank.MERGED", 4)
     rates = np.linspace(0.5, 3, 10)
 
     def filled():

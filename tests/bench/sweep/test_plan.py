@@ -92,8 +92,6 @@ def test_impossible_targets_are_refused(text):
         ({"settings": ["avo-paper.learning_rate=nan"]}, "settings must be finite numbers"),
         ({"methods": ["abc-smc"], "budget": 10**6, "settings": ["abc-smc.population_size=2"]}, "population_size > 2"),
         ({"budget": 47}, "--budget 47 is too small for avo-paper on normal: at least 48"),
-        ({"methods": ["nle"], "budget": 999}, "--budget 999 is too small for nle on normal: at least 1000"),
-        ({"methods": ["tsnpe"], "budget": 9999}, "--budget 9999 is too small for tsnpe on normal: at least 25600"),
         ({"tasks": ["warped-20"], "methods": ["bolfi"], "budget": 10**6}, "too small for bolfi on warped-20: at least"),
         ({"tasks": ["warped-20"], "methods": ["bsl"], "budget": 10**6}, "bsl.sets = 16 is too few for the covariance"),
         ({"settings": ["moment.step=3"]}, "no setting 'step'; did you mean steps?"),

@@ -8,12 +8,9 @@ from avobench.effects.catalogue import catalogue
 from avobench.tasks.carl import Carl
 
 
-def test_covariance_is_that_of_the_vectors_and_whitens():
+def test_a_covariance_is_whitened_in_as_many_directions_as_it_has():
     x, _rng = measured(Carl(), [0.5, -1.0], 4000, 1)
-    bins = bins_of(x, x)
-    rows = bins.moments(x, np.eye(len(x)))
-    cov = bins.covariance(x)
-    np.testing.assert_allclose(cov, np.cov(rows.T, bias=True), atol=1e-12)
+    cov = bins_of(x, x).covariance(x)
     w = whitening(cov)
     np.testing.assert_allclose(w.T @ cov @ w, np.eye(w.shape[1]), atol=1e-6)
     assert w.shape[1] == np.linalg.matrix_rank(cov, tol=1e-9)

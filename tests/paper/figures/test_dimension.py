@@ -5,7 +5,6 @@ import pytest
 
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.trial import execute
-from avobench.tasks.errors import StoreError
 from paper.figures import dimension
 
 
@@ -40,8 +39,3 @@ def test_a_row_has_the_numbers_of_its_family_parameters_and_method(records):
     assert rows.loc[("means", 2), "inefficiency"] == pytest.approx(0.5 / np.log(2), rel=0.01)  # chi2 of 2, its median
     assert rows.loc[("warped", 5), "worst run / floor"] == pytest.approx(1000)
     assert dimension.drawn(told)[1]["inefficiency"].to_numpy() == pytest.approx(rows["inefficiency"], rel=1e-5)
-
-
-def test_without_a_record_of_the_study_there_is_no_figure(records):
-    with pytest.raises(StoreError, match="study dimension"):
-        dimension.drawn([{**records[0], "task": "poisson"}])

@@ -6,7 +6,7 @@ import pytest
 from avobench.bench.cells.streams import observe
 from avobench.tasks.errors import StoreError
 from avobench.tasks.weinberg import Weinberg
-from paper.figures import alignment, poisson, weinberg
+from paper.figures import alignment, dimension, poisson, weinberg
 
 
 @pytest.mark.parametrize(("std", "mean"), [(1e-6, 7), (0.3, 7 * np.exp(0.3**2 / 2))])
@@ -25,7 +25,10 @@ def test_weinberg_draws_the_very_observation_and_the_density_at_the_estimate(ben
     np.testing.assert_allclose(panel["fitted_density"], Weinberg().density(panel["cos_a"], theta), rtol=1e-5)
 
 
-@pytest.mark.parametrize(("figure", "said"), [(poisson, "study"), (alignment, "study"), (weinberg, "weinberg")])
+NEEDS = [(poisson, "study"), (alignment, "study"), (weinberg, "weinberg"), (dimension, "study dimension")]
+
+
+@pytest.mark.parametrize(("figure", "said"), NEEDS)
 def test_without_the_records_that_it_needs_a_figure_says_so(figure, said):
     with pytest.raises(StoreError, match=said):
         figure.drawn([])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from paper.studies.experience import Examples
-from paper.studies.recognised import kept, told
+from paper.studies.recognised import told
 
 
 class Fixed:
@@ -30,12 +30,3 @@ def test_names_are_right_if_they_are_among_those_that_were_written_down():
 
 def test_what_a_network_does_not_know_takes_no_part():
     assert told(Fixed(), ["a", "b"], asked(("a", "a", (2, 1, 7))))["first"] == 1
-
-
-def test_portraits_are_made_once(tmp_path):
-    def rows():
-        yield "task", "family", "shape", np.zeros(3)
-
-    made = kept(tmp_path / "kept.npz", rows)
-    again = kept(tmp_path / "kept.npz", lambda: pytest.fail("made again"))
-    np.testing.assert_array_equal(made.families, again.families)

@@ -12,7 +12,7 @@ import psutil
 import pytest
 
 from avobench.bench.plugins import registry
-from avobench.bench.processes.apart import Call, Fault, Limits, apart, kept, outcomes
+from avobench.bench.processes.calls import Call, Fault, Limits, apart, kept, outcomes
 from avobench.tasks.errors import ProcessEnded, UsageError
 
 SECONDS = Limits(seconds=0.5)
@@ -75,7 +75,7 @@ def test_a_stopped_iteration_ends_what_is_running():
 def test_a_script_needs_no_guard_and_what_joblib_made_is_tidied_up(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(
-        "import math, joblib\nfrom avobench.bench.processes.apart import *\nprint(apart(Call(math.sqrt, (9.0,))))\n"
+        "import math, joblib\nfrom avobench.bench.processes.calls import *\nprint(apart(Call(math.sqrt, (9.0,))))\n"
         "print(apart_within(60, lambda: joblib.Parallel(2)([joblib.delayed(math.sqrt)(16.0)] * 2)))\n"
     )
     done = subprocess.run([sys.executable, script], capture_output=True, text=True)

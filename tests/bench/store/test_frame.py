@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from avobench.bench.cells.trial import execute
-from avobench.bench.store.table import as_csv, labels, to_frame
+from avobench.bench.store.frame import as_csv, labels, to_frame
 from avobench.bench.sweep.plan import plan
 
 
