@@ -66,15 +66,15 @@ class Effort:
     """Points of each search for theta, and events at each."""
     pairs: tuple[int, int] = (60, 100)
     """Thetas of each round of a search for two populations, and events at each."""
-    starts: int = 45
+    starts: int = 30
     """Fits that begin, at most."""
     begun: int = 18
     """Fits that go on, at most."""
 
     @property
     def beside(self) -> "Effort":
-        """The effort for a further effect: a quarter of the fits."""
-        return replace(self, starts=self.starts // 4, begun=self.begun // 4)
+        """The effort for a further effect: a quarter of the fits that go on."""
+        return replace(self, starts=self.starts // 3, begun=self.begun // 4)
 
     def of(self, num_events: int) -> "Effort":
         """The effort for so few measured events: their own scatter is more than that of fewer simulated ones."""
@@ -126,7 +126,7 @@ IMAGES = Effort(
     begun=6,
 )
 """The effort for images, which are slow to simulate and to summarise."""
-MANY = Effort(rounds_of_search=((1, 6), (3, 2), (8, 1)), screen=8000, starts=20, begun=12)
+MANY = Effort(rounds_of_search=((1, 6), (3, 2), (8, 1)), screen=8000, starts=15, begun=12)
 """The effort for several features, each of which has its entries in the catalogue."""
 
 

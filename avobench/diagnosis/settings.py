@@ -191,9 +191,12 @@ class SearchSettings:
     """Standard errors of theta from which an effect is looked at once more, with events of where theta then is."""
     again: int = 8
     """Shapes, the most promising ones, that are looked at once more for that: as many as are left of all fits."""
+    shares: tuple[float, ...] = (1.0, 0.4)
+    """Shares of the way from the model without an effect to where its fit is to begin, at which events are simulated
+    until it is better than without. Chosen on development cases."""
     gain: float = 3.0
     """How far a strength may be moved from its grid point by linearity: to about the next point of `strengths`."""
-    looked_at: int = 2
+    looked_at: int = 3
     """Times as many shapes as fits that begin are looked at more closely. Chosen on development cases."""
     absorbed: float = 0.3
     """Share of an effect's signal below which theta hides it, so that it is also looked for where it is strong. Chosen

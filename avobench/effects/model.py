@@ -102,14 +102,18 @@ class Model:
             reach[at] = np.clip(strength, LEAST_STRENGTH, WIDEST)
         return reach
 
+    @property
+    def nulls(self) -> dict[int, float]:
+        """Where in the unit cube each effect is none, by the column of its strength."""
+        nulls, at = {}, self.num_theta
+        for effect in self.effects:
+            nulls[at] = float((effect.parameters[0].null - self.low[at]) / (self.high[at] - self.low[at]))
+            at += len(effect.parameters)
+        return nulls
+
     def strengths(self, unit: NDArray[np.float64]) -> dict[int, float]:
         """How far a point (P,) of the unit cube is from each effect's null value, by the column of its strength."""
-        found, at = {}, self.num_theta
-        for effect in self.effects:
-            null = (effect.parameters[0].null - self.low[at]) / (self.high[at] - self.low[at])
-            found[at] = float(abs(unit[at] - null))
-            at += len(effect.parameters)
-        return found
+        return {at: float(abs(unit[at] - null)) for at, null in self.nulls.items()}
 
     def from_cube(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
         """Parameters from the unit cube, logarithmic where that is their scale: (n, P) -> (n, P)."""

@@ -102,14 +102,14 @@ class Candidates:
         return bool(far) and known and start.model.newest_acts_last
 
     def hopeful(self, starts: list[Start]) -> list[Start]:
-        """The best start of each shape, and one more elsewhere, where screening expects that it explains something."""
-        kept: dict[tuple, list[Start]] = {}
-        for start in starts:
-            effect = start.model.effects[-1]
-            of_shape = kept.setdefault((effect.key, effect.shape), [])
-            if start.expected < self.without.noiseless_q and len(of_shape) < 2:
-                of_shape.append(start)
-        first, second = ([of_shape[k] for of_shape in kept.values() if len(of_shape) > k] for k in (0, 1))
+        """The best start of each shape, and one more elsewhere, where screening expects that it explains something.
+
+        Events at each of them say what it is worth, since theta follows an effect otherwise than screening knows.
+        """
+        promising = [start for start in starts if start.expected < self.without.noiseless_q]
+        tried = self.work(check, [each for some in by_shape(promising) for each in some[:2]], self.effort.fit // 2)
+        seen = sorted((start for start in tried if start is not None), key=lambda start: start.expected)
+        first, second = ([some[k] for some in by_shape(seen or promising) if len(some) > k] for k in (0, 1))
         first = varied(first, lambda start: start.expected / 2, lambda start: start.model)
         return [*first[: self.effort.starts], *second[: self.effort.starts // 4]]
 
@@ -155,7 +155,7 @@ class Candidates:
         events, rng = int(self.effort.reference * self.target.num_events), np.random.default_rng(self.seed)
         return self.without.reference(self.target, events, rng)
 
-    def work(self, fitting: Callable[..., Fit], begun: list, *how: int) -> list[Fit | None]:
+    def work(self, fitting: Callable[..., T], begun: list, *how: int) -> list[T | None]:
         """The fits of all, from one seed, by so many processes as were asked for; None where events end."""
         seed = int(self.rng.integers(2**63))
         reference = self.reference()
@@ -190,6 +190,34 @@ def varied(some: list[T], cost: Callable[[T], float], model: Callable[[T], Model
         costs.append((cost(one) + SEARCH.alike * places[effects], one))
         places[effects] += 1
     return [one for _, one in sorted(costs, key=lambda each: each[0])]
+
+
+def by_shape(starts: list[Start]) -> list[list[Start]]:
+    """Starts, best first, of each shape."""
+    kept: dict[tuple, list[Start]] = {}
+    for start in starts:
+        effect = start.model.effects[-1]
+        kept.setdefault((effect.key, effect.shape), []).append(start)
+    return list(kept.values())
+
+
+def check(start: Start, reference: ReferenceModel, target: Target, rng: np.random.Generator, num_events: int) -> Start:
+    """The same start, or part of the way to it from the model without the effect, with the Q that events have there."""
+    model, origin = start.model, reference.surrogate.design.centre
+    last = len(origin)
+    null = model.nulls[last]
+    tried = []
+    for share in SEARCH.shares:
+        point = start.point.copy()
+        point[:last] = origin + share * (point[:last] - origin)
+        point[last] = null + share * (point[last] - null)
+        x = model.simulate(np.tile(model.from_cube(point), (num_events, 1)), rng)
+        left = target.whiten(target.mean - target.summary.mean(x)[0])
+        q = float(left @ left) - target.num_events / num_events * target.rank
+        tried.append(replace(start, point=point, expected=q, near=share * start.near))
+        if q < reference.surrogate.noiseless_q_at_centre(target)[0]:
+            break
+    return min(tried, key=lambda one: one.expected)
 
 
 def begin(start: Start, reference: ReferenceModel, target: Target, rng: np.random.Generator, num_events: int) -> Fit:
@@ -234,8 +262,8 @@ def same(fit: Fit, other: Fit) -> bool:
 
 
 def in_processes(
-    jobs: int, events: Bank | Pool | None, fitting: Callable[..., Fit], calls: list[tuple]
-) -> list[Fit | None]:
+    jobs: int, events: Bank | Pool | None, fitting: Callable[..., T], calls: list[tuple]
+) -> list[T | None]:
     """The fits of all calls, by so many processes; `events` is what simulates, and its meter counts it.
 
     With a bank it is one process, so that all find the events that others had made; the bank simulates in many.
@@ -248,7 +276,7 @@ def in_processes(
     share = None if jobs == 1 or left is None else max(left, 0) // max(len(calls), 1)
     try:
         work = joblib.Parallel(n_jobs=jobs, return_as="generator")
-        made: list[Fit | None] = []
+        made: list[T | None] = []
         for fit, used, process in work(joblib.delayed(_apart)(share, fitting, *call) for call in calls):
             made.append(fit)
             if process != os.getpid() and events is not None:
@@ -261,9 +289,7 @@ def in_processes(
     return [fit and replace(fit, model=replace(fit.model, events=events)) for fit in made]
 
 
-def _apart(
-    share: int | None, fitting: Callable[..., Fit], begun: Start | Fit, *more: Any
-) -> tuple[Fit | None, int, int]:
+def _apart(share: int | None, fitting: Callable[..., T], begun: Start | Fit, *more: Any) -> tuple[T | None, int, int]:
     """A fit without this process's copy of what simulates, how many events that made, and which process it is.
 
     No more than a `share` of events is made, which a process of its own has; None where the fit needs more.
