@@ -7,8 +7,8 @@ from measurements import with_effect
 from avobench import task as task_of
 from avobench.diagnosis.effort import Effort, effort_for
 from avobench.diagnosis.fit.null import fit_null
-from avobench.diagnosis.search.candidates import begin, go_on
-from avobench.diagnosis.search.screening import Around, Sample, closer, glance, hidden, starts_of
+from avobench.diagnosis.search.candidates import begin, check, go_on
+from avobench.diagnosis.search.screening import Around, Sample, Start, closer, glance, hidden, starts_of
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.tasks.weinberg import Weinberg
@@ -27,6 +27,21 @@ def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
     # In a valley: a longer dead time at a higher rate.
     np.testing.assert_allclose(strong.params, counter.truth.strong, atol=0.5)
     assert strong.noiseless_q < strong.dof + 3 * np.sqrt(2 * strong.dof)
+
+
+def test_a_start_that_goes_too_far_is_tried_on_the_way():
+    task, rng = task_of(lambda theta, rng: rng.normal(theta, 1), prior={"mean": (0, 1)}, name="normal"), np.random
+    x = with_effect(task, "flat_background", [0.4], [0.1], 8000)
+    null, target = fit_null(Model(task), x, rng.default_rng(2), Effort(), None)
+    reference = null.reference(target, int(Effort().reference * target.num_events), rng.default_rng(3))
+    effect = next(effect for effect in catalogue(task) if effect.name == "flat_background")
+    model = null.model.plus(effect)
+    points = [np.r_[null.point, model.to_cube(np.array([*null.params, share]))[1:]] for share in (0.1, 0.25, 0.9)]
+    starts = [Start(model, point, np.nan, 0.1) for point in points]
+    right, far, farther = (check(start, reference, target, rng.default_rng(4), 20_000) for start in starts)
+    assert right.expected < null.noiseless_q
+    np.testing.assert_allclose(far.point, right.point, atol=1e-9)  # 0.4 of the way to 0.25 is 0.1
+    assert farther.expected > right.expected
 
 
 def test_theta_is_not_expected_beyond_its_range():
