@@ -136,7 +136,7 @@ def weighed(posterior: Posterior, labels: tuple[str, ...]) -> list[dict[str, Any
         }
         for names, marks in posterior.marks.items()
     ]
-    return [*sets, {"effects": None, "marks": [0, 0, posterior.looks_outside, 0, 0]}]
+    return [*sets, {"effects": None, "marks": [0, 0, posterior.looks_outside, 0, 0, 0, 0]}]
 
 
 def read(folder: Path) -> list[dict[str, Any]]:

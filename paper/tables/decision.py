@@ -27,9 +27,11 @@ from paper.tables.cases import case_of, true
 OPENED = FOLDER / "opened" / Configuration().name
 FAMILIES = sorted({family.name for family in of_domain("continuous", "counts")})
 """Of the catalogue, each of which has a weight."""
-ABOUT = np.r_[1, 0.25, 0.7, 0, 0, 0, 0, np.zeros(len(FAMILIES))]
-PRECISION = np.r_[1, 4, 1, 1, 4, 0, 0, np.full(len(FAMILIES), 4)]
-"""Means and inverse variances of the normal priors of the five weights of marks, of two constants, and of families."""
+MARKS = 7
+"""Of a set of effects."""
+ABOUT = np.r_[1, 0.25, 0.7, np.zeros(MARKS - 1 + len(FAMILIES))]
+PRECISION = np.r_[1, 4, 1, 1, 4, 1, 1, 0, 0, np.full(len(FAMILIES), 4)]
+"""Means and inverse variances of the normal priors of the weights of marks, of two constants, and of families."""
 PARTS = 8
 Array = NDArray[np.float64]
 
@@ -43,7 +45,7 @@ class Told:
     kind: str
     """`single`, `pair` or `outside`."""
     marks: Array
-    """What each answer is told by (k + 2, 7 + f): k sets, outside, and other sets, with a constant of either, and how
+    """What each answer is told by (k + 2, 9 + f): k sets, outside, and other sets, with a constant of either, and how
     many effects of each of f families it has."""
     right: NDArray[np.bool_]
     """Which of the answers is right (k + 2,)."""
@@ -52,11 +54,11 @@ class Told:
     def of(cls, record: dict[str, Any]) -> "Told":
         case, sets = case_of(record), record["sets"]
         marks = np.zeros((len(sets) + 1, len(ABOUT)))
-        marks[:-1, :5] = [each["marks"] for each in sets]
-        marks[-2, 5] = marks[-1, 6] = 1
+        marks[:-1, :MARKS] = [each["marks"] for each in sets]
+        marks[-2, MARKS] = marks[-1, MARKS + 1] = 1
         for row, each in zip(marks, sets, strict=False):
             for effect in each["effects"] or ():
-                row[7 + FAMILIES.index(effect["name"])] += 1
+                row[MARKS + 2 + FAMILIES.index(effect["name"])] += 1
         right = [
             bool(each["effects"]) and case.kind != "outside" and true(record, each["effects"]) for each in sets[:-1]
         ]
@@ -72,7 +74,7 @@ def told(folder: Path = OPENED) -> list[Told]:
 
 
 def fitted(cases: Iterable[Told]) -> Array:
-    """The weights of marks, of outside and other sets, and of families (7 + f,)."""
+    """The weights of marks, of outside and other sets, and of families (9 + f,)."""
 
     def loss(numbers: Array) -> tuple[float, Array]:
         value, slope = PRECISION @ (numbers - ABOUT) ** 2 / 2, PRECISION * (numbers - ABOUT)
@@ -116,8 +118,8 @@ def table() -> None:
     """Print the numbers, and how good the probabilities are of simulators to which they were not fitted."""
     cases = told()
     numbers, shares = fitted(cases), by_others(cases)
-    click.echo(f"{len(cases)} data sets; " + ", ".join(f"{number:.3f}" for number in numbers[:7]) + "\n")
-    families = pd.Series(numbers[7:], FAMILIES, name="weight").sort_values(ascending=False)
+    click.echo(f"{len(cases)} data sets; " + ", ".join(f"{number:.3f}" for number in numbers[: MARKS + 2]) + "\n")
+    families = pd.Series(numbers[MARKS + 2 :], FAMILIES, name="weight").sort_values(ascending=False)
     click.echo(families.to_string(float_format=lambda value: f"{value:.2f}") + "\n")
     groups = {group: [k for k, case in enumerate(cases) if case.group == group] for group in ("simulated", "measured")}
     rows = {

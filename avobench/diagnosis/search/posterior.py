@@ -33,7 +33,7 @@ class Posterior:
     shapes: dict[Names, list[Weighed]]
     """The fits of each set, a shape each, best first."""
     marks: dict[Names, NDArray[np.float64]] = field(default_factory=dict)
-    """What each set is told by: (5,)."""
+    """What each set is told by: (7,)."""
     looks_outside: float = -np.inf
     """Logarithm of how much the events look like what is outside the catalogue."""
 
@@ -149,21 +149,26 @@ class Posterior:
 
 
 def marks_of(fits: dict[Names, list[Weighed]], prior: "Prior") -> dict[Names, NDArray[np.float64]]:
-    """What each set of effects is told by: (5,).
+    """What each set of effects is told by: (7,).
 
     How much its log evidence falls short of the best, as -ln(1 + deficit), since no shape of the catalogue is exactly
-    that of nature; the log prior; how much the events look like its effects; whether it has more than one; and how far
-    down the list of its family its shape is. The simulator as it is has no shape, so that its deficit counts in full.
+    that of nature; the log prior; how much the events look like its effects; whether it has more than one; how far down
+    the list of its family its shape is; the logarithm of the share of the most events with which its fit was made; and
+    how far it is from describing the events, as -ln(Q / dof) where Q is larger. The simulator as it is has no shape, so
+    that its deficit counts in full.
     """
     values = {names: logsumexp([one.evidence.value for one in some]) for names, some in fits.items()}
     most, looks = max(values.values()), [some[0].resemblance for names, some in fits.items() if names]
+    events = max((some[0].fit.num_events for names, some in fits.items() if names), default=1)
     marks = {}
     for names, (best, *_) in fits.items():
-        deficit, log = most - values[names], prior.log(names)
+        deficit, log, fit = most - values[names], prior.log(names), best.fit
         if names:
-            told = -np.log1p(deficit), log, best.resemblance, len(names) > 1, -prior.plainness(best)
+            kind = best.resemblance, len(names) > 1, -prior.plainness(best)
+            reached = np.log(fit.num_events / events), -np.log(max(fit.noiseless_q / max(fit.dof, 1), 1))
+            told = -np.log1p(deficit), log, *kind, *reached
         else:
-            told = -deficit, log, np.mean(looks or [0.0]), 0, 0
+            told = -deficit, log, np.mean(looks or [0.0]), 0, 0, 0, 0
         marks[names] = np.array(told, dtype=float)
     return marks
 

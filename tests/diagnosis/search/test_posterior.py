@@ -21,7 +21,8 @@ EFFECTS = {effect.name: effect for effect in CATALOGUE}
 
 def weighed(value, *names, shape=0, likeness=-2.0):
     effects = tuple(EFFECTS[name].shapes()[shape] for name in names)
-    return Weighed(SimpleNamespace(model=SimpleNamespace(effects=effects)), Evidence(value, 0.0), likeness)
+    fit = SimpleNamespace(model=SimpleNamespace(effects=effects), num_events=1000, noiseless_q=10.0, dof=10)
+    return Weighed(fit, Evidence(value, 0.0), likeness)
 
 
 def posterior(models, outside=-2.0):
