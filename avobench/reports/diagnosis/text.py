@@ -30,6 +30,8 @@ MEANT = (
     "them outside the catalogue."
 )
 """What the probabilities mean."""
+FAINT = 0.02
+"""Probability of a model below which `summary` counts it and `details` names it."""
 CLEARLY = 1.5
 """Factor by which the largest excess must exceed the largest deficit, or be exceeded, to be all that there is."""
 THETA = (
@@ -46,7 +48,7 @@ def summary(diagnosis: Diagnosis) -> str:
     """The verdict, each effect with its size, the 95 % set, and the gap and theta before and after."""
     lines = [_verdict(diagnosis), meaning(diagnosis)]
     lines += [f"{_role(diagnosis)}: {_effect(effect)}" for effect in diagnosis.effects]
-    lines += [f"95 % set of models: {models}\n{MEANT}" for models in [likely_models(diagnosis)] if models]
+    lines += [f"95 % set of models: {models}\n{MEANT}" for models in [likely_models(diagnosis, FAINT)] if models]
     asked = [each for each in diagnosis.decisions if each.events and not each.condition]
     lines += [_decision(each, diagnosis) for each in asked[:1]]
     lines += [*_chi_squared(diagnosis), _gap(diagnosis), *_theta(diagnosis)]
@@ -210,11 +212,16 @@ def probabilities(diagnosis: Diagnosis) -> str:
     return _ranked(names)
 
 
-def likely_models(diagnosis: Diagnosis) -> str:
-    """The smallest set of models that holds 95 % of what was weighed, and what else it may be; empty where none was."""
-    models = [(model(each.effects), each.probability) for each in diagnosis.models]
-    beside = [(OTHERS, diagnosis.others), (OUTSIDE, diagnosis.outside)] if models else []
-    return _ranked(models + [(name, p) for name, p in beside if p is not None])
+def likely_models(diagnosis: Diagnosis, least: float = 0.0) -> str:
+    """The smallest set of models that holds 95 % of what was weighed, and what else it may be; empty where none was.
+
+    Models whose probability is below `least` are counted only.
+    """
+    models = [(model(each.effects), each.probability) for each in diagnosis.models if each.probability >= least]
+    beside = [(OTHERS, diagnosis.others), (OUTSIDE, diagnosis.outside)] if diagnosis.models else []
+    told = _ranked(models + [(name, p) for name, p in beside if p is not None])
+    counted = len(diagnosis.models) - len(models)
+    return told + (f"; {counted} more, each below {least:g}" if counted else "")
 
 
 def model(effects: list[Named]) -> str:
