@@ -1,4 +1,4 @@
-"""Simulated cases of counts: deer before a camera, neutrons in a monitor, misprints of a page, tickets of a booking."""
+"""Simulated cases of counts: dicentric chromosomes, larvae in maize, neutrons of cosmic rays, transcripts in a cell."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,210 +15,204 @@ def one(of: Task, rng: Rng, n: int, *theta: float) -> NDArray:
     return draw(of, rng, n, *theta)[:, 0]
 
 
-def passing(theta: NDArray, rng: Rng) -> NDArray:
-    """Return how many deer pass a camera in a night: some places are liked better than others."""
-    return rng.poisson(rng.gamma(theta[:, 1], theta[:, 0] / theta[:, 1]))
+def dicentrics(theta: NDArray, rng: Rng) -> NDArray:
+    """Return the dicentric chromosomes in a white blood cell, of which gamma rays make more than in step with dose."""
+    dose = theta[:, 0]
+    return rng.poisson(0.001 + 0.03 * dose + 0.06 * dose**2)
 
 
-def neutrons(theta: NDArray, rng: Rng) -> NDArray:
-    """Return the neutrons that a tube counts in a second: hadrons hit the lead, and each sets free a number of them."""
+def larvae(theta: NDArray, rng: Rng) -> NDArray:
+    """Return the larvae of the corn borer in a plant: of some masses of eggs, each with some that live (Neyman's A)."""
     return rng.poisson(theta[:, 1] * rng.poisson(theta[:, 0]))
 
 
-def misprints(theta: NDArray, rng: Rng) -> NDArray:
-    """Return the misprints of a page; one page in ten is the last of a chapter, and filled in part."""
-    n = len(theta)
-    return rng.poisson(theta[:, 0] * np.where(some(rng, n, 0.1), rng.uniform(0.3, 1.0, n), 1.0))
+def neutrons(theta: NDArray, rng: Rng) -> NDArray:
+    """Return the neutrons that a monitor counts in a second: of some showers, each with one neutron or more."""
+    showers = rng.poisson(theta[:, 0])
+    return showers + rng.poisson(theta[:, 1] * showers)
 
 
-def tickets(theta: NDArray, rng: Rng) -> NDArray:
-    """Return the tickets of a booking: somebody and a number of friends, each of whom may bring a partner."""
-    people = 1 + rng.poisson(theta[:, 0])
-    return people + rng.binomial(people, theta[:, 1])
+def transcripts(theta: NDArray, rng: Rng) -> NDArray:
+    """Return the transcripts of a gene in a cell, which makes them in bursts: a negative binomial number."""
+    return rng.poisson(rng.gamma(theta[:, 1], theta[:, 0] / theta[:, 1]))
 
 
-DEER = task(passing, prior={"rate": (3, 40), "evenness": (0.8, 10)}, features=["deer"], name="camera-traps")
+DICENTRICS = task(dicentrics, prior={"dose": (1, 8)}, features=["dicentrics"], name="dicentric-chromosomes")
+BORERS = task(larvae, prior={"masses": (0.5, 5), "living": (1, 8)}, features=["larvae"], name="corn-borers")
 MONITOR = task(
-    neutrons, prior={"hadrons": (2, 20), "multiplicity": (0.5, 5)}, features=["neutrons"], name="neutron-monitor"
+    neutrons, prior={"showers": (5, 60), "further": (0.1, 0.6)}, features=["neutrons"], name="neutron-monitor"
 )
-MISPRINTS = task(misprints, prior={"rate": (2, 40)}, features=["misprints"], name="misprints")
-TICKETS = task(tickets, prior={"friends": (0.5, 8), "couples": (0.05, 0.95)}, features=["tickets"], name="ticket-sales")
-
-
-@case(DEER, "single", right=("censoring",))
-def deer_on_a_full_card(rng: Rng) -> NDArray:
-    """When the card of the camera is full, no further deer is seen: the count of such a night is what the card holds.
-
-    This depends a little on how bright the pictures are: 27 to 30 fit on it. One camera in eight has a larger card.
-    """
-    n = 1500
-    holds = np.where(some(rng, n, 1 / 8), 60, rng.choice([27, 28, 29, 30], n, p=[0.1, 0.25, 0.45, 0.2]))
-    return np.minimum(one(DEER, rng, n, 17.0, 2.4), holds)
+GENE = task(transcripts, prior={"mean": (2, 40), "bursts": (0.8, 12)}, features=["transcripts"], name="transcripts")
 
 
 @case(
-    DEER,
-    "pair",
-    right=("dead_time", "zero_inflation"),
-    defensible=("mixture", "inefficiency", "overdispersion", "flat_background"),
+    DICENTRICS,
+    "single",
+    right=("zero_inflation",),
+    defensible=("mixture", "overdispersion", "spread", "flat_background"),
 )
-def deer_during_the_pause_and_empty_batteries(rng: Rng) -> NDArray:
-    """After each picture the camera pauses for 2 % of the night, and twice as long while its flash must be recharged.
+def dicentrics_of_a_shielded_body(rng: Rng) -> NDArray:
+    """A wall shielded a part of the body: 3 in 10 of the cells in the blood have seen next to none of the dose.
 
-    At 5 % of the cameras the battery was empty: two thirds of these saw nothing, the others a small part of the night.
+    They have no dicentrics, but for one cell in a hundred. The others are Poisson, as the simulator says.
     """
-    n = 2700
-    x = one(DEER, rng, n, 21.0, 6.5)
-    times = np.sort(np.where(np.arange(x.max()) < x[:, None], rng.random((n, x.max())), np.inf), axis=1)
+    n = 410
+    x = one(DICENTRICS, rng, n, 5.2)
+    return np.where(some(rng, n, 0.3), some(rng, n, 0.01), x).astype(int)
+
+
+@case(DICENTRICS, "single", right=("truncation",))
+def dicentrics_in_tangled_cells(rng: Rng) -> NDArray:
+    """Cells with many dicentrics lie tangled on the slide, and are passed over: half of those with five.
+
+    Of cells with four one in five is passed over, and of those with seven and more almost each.
+    """
+    x = one(DICENTRICS, rng, 1750, 7.0)
+    return x[rng.random(len(x)) > 1 / (1 + np.exp(-(x - 5.0) / 0.7))]
+
+
+@case(
+    DICENTRICS,
+    "pair",
+    right=("double_counting", "threshold_loss"),
+    defensible=("overdispersion", "mixture", "spread", "pile_up"),
+)
+def dicentrics_in_overlapping_pictures(rng: Rng) -> NDArray:
+    """Pictures of a cell overlap, and a dicentric in the overlap is counted in both: 22 % are, 6 % in a third picture.
+
+    Cells without any are mostly not filed: one in four of them is.
+    """
+    x = one(DICENTRICS, rng, 7300, 5.6)
+    x = x[(x > 0) | some(rng, len(x), 0.25)]
+    twice = rng.binomial(x, 0.22)
+    return x + twice + rng.binomial(twice, 0.06 / 0.22)
+
+
+@case(BORERS, "single", right=("threshold_loss",), defensible=("edge_acceptance",))
+def borers_seen_by_their_holes(rng: Rng) -> NDArray:
+    """Only plants that show a hole are opened. Each larva makes one that is seen with a chance of 35 %.
+
+    So plants with none are lost, and those with one, two or three mostly, often and at times.
+    """
+    x = one(BORERS, rng, 1300, 3.0, 1.9)
+    return x[rng.random(len(x)) > 0.65**x]
+
+
+@case(
+    BORERS,
+    "pair",
+    right=("censoring", "zero_inflation"),
+    defensible=("mixture", "threshold_loss", "quantisation", "heaping", "overdispersion", "spread"),
+)
+def borers_sprayed_and_fifteen_and_more(rng: Rng) -> NDArray:
+    """In a strip that had been sprayed, 14 % of the field, nine plants in ten hold no larva and the others few.
+
+    One man stops to count at 15 larvae and writes 15. Another, who opens a third of the plants, stops at 20.
+    """
+    n = 2580
+    x = one(BORERS, rng, n, 2.9, 3.6)
+    sprayed = some(rng, n, 0.14)
+    x = np.where(sprayed, np.where(some(rng, n, 0.9), 0, rng.binomial(x, 0.3)), x)
+    return np.minimum(x, np.where(some(rng, n, 1 / 3), 20, 15))
+
+
+@case(BORERS, "outside")
+def borers_with_digits_exchanged(rng: Rng) -> NDArray:
+    """Who typed the field book exchanged the two digits of a number in three of ten: 12 became 21, and 20 became 2.
+
+    Numbers below ten and those like 11 stay. No larva was missed or counted twice, and nothing was rounded.
+    """
+    n = 8800
+    x = one(BORERS, rng, n, 3.6, 4.2)
+    swapped = 10 * (x % 10) + x // 10
+    return np.where((x > 9) & (x < 100) & some(rng, n, 0.3), swapped, x)
+
+
+@case(MONITOR, "single", right=("dead_time",), defensible=("inefficiency",))
+def monitor_with_a_slow_discriminator(rng: Rng) -> NDArray:
+    """After a pulse the discriminator needs 14 ms, and 40 ms after one pulse in eight, which is a large one.
+
+    The neutrons of a shower come within some milliseconds of each other, so that few showers show more than one.
+    """
+    n = 560
+    showers = rng.poisson(34.0, n)
+    start = np.where(np.arange(showers.max()) < showers[:, None], rng.random((n, showers.max())), np.inf)
+    follow = [
+        np.where(rng.poisson(0.35, start.shape) >= k, start + rng.gamma(k, 0.004, start.shape), np.inf) for k in (1, 2)
+    ]
+    times = np.sort(np.concatenate([start, *follow], axis=1), axis=1)
     free, seen = np.zeros(n), np.zeros(n, dtype=int)
     for t in times.T:
         hit = np.isfinite(t) & (t >= free)
         seen += hit
-        free = np.where(hit, t + np.where(some(rng, n, 0.2), 0.04, 0.02), free)
+        free = np.where(hit, t + np.where(some(rng, n, 1 / 8), 0.040, 0.014), free)
+    return seen
+
+
+@case(MONITOR, "single", right=("readout_noise",), defensible=("overdispersion", "spread", "mixture"))
+def monitor_read_by_its_charge(rng: Rng) -> NDArray:
+    """An old monitor does not count pulses, but reads the charge on a condenser in units of a neutron.
+
+    The reading is off by 4.5 neutrons, and by twice that while the pump of the laboratory runs, a fifth of the time.
+    """
+    n = 1030
+    x = one(MONITOR, rng, n, 31.0, 0.25) + rng.normal(0, np.where(some(rng, n, 0.2), 9.0, 4.5))
+    return np.maximum(np.round(x), 0).astype(int)
+
+
+@case(MONITOR, "outside")
+def monitor_halves_compared(rng: Rng) -> NDArray:
+    """What was filed is by how many neutrons the two halves of the monitor differed, whichever had more.
+
+    An event is the distance between two counts: neither is there by itself, and most of the sum cancels.
+    """
+    n = 5000
+    return np.abs(one(MONITOR, rng, n, 44.0, 0.3) - one(MONITOR, rng, n, 44.0, 0.3))
+
+
+@case(GENE, "single", right=("double_counting", "pile_up"), defensible=("mixture", "overdispersion", "flat_background"))
+def gene_in_droplets_of_two_cells(rng: Rng) -> NDArray:
+    """A droplet should hold one cell, but 14 % hold two, and 1 % three: their transcripts are read as of one cell.
+
+    The cells of a doublet are drawn as all others are. The smaller of them has burst a little in three of ten.
+    """
+    n = 12000
+    first, second, third = (one(GENE, rng, n, 14.0, 7.0) for _ in range(3))
+    second = np.where(some(rng, n, 0.3), rng.binomial(second, 0.75), second)
     u = rng.random(n)
-    return np.where(u < 0.033, 0, np.where(u < 0.05, rng.binomial(seen, rng.uniform(0.05, 0.3, n)), seen))
-
-
-@case(DEER, "outside")
-def deer_told_by_telephone(rng: Rng) -> NDArray:
-    """German foresters tell counts by telephone, and say the ones before the tens: 31 is often written as 13.
-
-    Of the numbers from 21 to 99, other than whole tens, 45 % have their digits exchanged. Such a count is neither
-    rounded, nor lost, nor one that has nothing to do with the deer: it is another number of the same digits.
-    """
-    x = one(DEER, rng, 8600, 27.0, 5.5)
-    swapped = 10 * (x % 10) + x // 10
-    return np.where((x > 20) & (x < 100) & (x % 10 > 0) & some(rng, len(x), 0.45), swapped, x)
-
-
-@case(MONITOR, "single", right=("quantisation",), defensible=("heaping",))
-def neutrons_divided_by_four(rng: Rng) -> NDArray:
-    """In one old station of three the scaler passes on each fourth pulse only, and the reading is taken times four.
-
-    What is left over goes on into the next second, so that a count is rounded up or down with the rest as its chance.
-    """
-    n = 4800
-    x = one(MONITOR, rng, n, 9.0, 1.6)
-    return np.where(some(rng, n, 1 / 3), (x + rng.integers(0, 4, n)) // 4 * 4, x)
+    return first + np.where(u < 0.15, second, 0) + np.where(u < 0.01, third, 0)
 
 
 @case(
-    MONITOR,
-    "single",
-    right=("readout_noise",),
-    defensible=("flat_background", "mixture", "overdispersion", "spread", "quantisation", "pile_up"),
-)
-def neutrons_with_bits_upset(rng: Rng) -> NDArray:
-    """A noisy line from the mountain turns over one bit in 3 % of the numbers that it sends.
-
-    Each of the lowest seven bits may be hit, but that of 32, whose contact is bad, is in a third of the cases.
-    """
-    n = 11500
-    x = one(MONITOR, rng, n, 6.5, 2.2)
-    bit = rng.choice(7, n, p=[0.11, 0.11, 0.11, 0.11, 0.11, 0.34, 0.11])
-    return np.where(some(rng, n, 0.03), x ^ (1 << bit), x)
-
-
-@case(
-    MONITOR,
+    GENE,
     "pair",
-    right=("truncation", "zero_inflation"),
-    defensible=("mixture", "flat_background", "censoring"),
+    right=("mixture", "truncation"),
+    defensible=("overdispersion", "spread", "flat_background", "zero_inflation"),
 )
-def neutrons_without_spikes_and_high_voltage(rng: Rng) -> NDArray:
-    """A filter takes high counts for spikes: it drops half of those of 27, fewer of those below, and most above.
+def gene_in_two_types_of_cells(rng: Rng) -> NDArray:
+    """One cell in seven is of another type, which makes four times as many transcripts of this gene.
 
-    In 2.5 % of the seconds the high voltage had tripped: in half of these nothing is counted, else up to a third.
+    Cells with many are taken for doublets and are left out: from 34 transcripts on, in one batch from 40 on.
     """
-    n = 21000
-    x = one(MONITOR, rng, n, 8.0, 2.3)
-    x = x[rng.random(n) < 1 / (1 + np.exp((x - 27) / 0.8))]
-    u = rng.random(len(x))
-    weak = rng.binomial(x, rng.uniform(0.0, 1 / 3, len(x)))
-    return np.where(u < 0.0125, 0, np.where(u < 0.025, weak, x))
+    n = 17500
+    x = np.where(some(rng, n, 1 / 7), one(GENE, rng, n, 27.0, 8.0), one(GENE, rng, n, 6.5, 3.5))
+    return x[x < np.where(some(rng, n, 0.25), 40, 34)]
 
 
-@case(
-    MISPRINTS,
-    "single",
-    right=("double_counting",),
-    defensible=("overdispersion", "spread", "mixture", "pile_up"),
-)
-def misprints_that_lead_to_others(rng: Rng) -> NDArray:
-    """A misprint distracts the typist, so that with a chance of 16 % he makes another, which may lead to one more.
+@case(GENE, "outside")
+def gene_smoothed_over_neighbours(rng: Rng) -> NDArray:
+    """To fill the zeros, the count of a cell was replaced by the mean of it and its five neighbours, rounded.
 
-    Late in the day, on one page of four, the chance is 33 %.
+    The cells that are averaged are alike but for chance, so that counts scatter less than those of any cell can.
     """
-    n = 850
-    x = one(MISPRINTS, rng, n, 11.0)
-    follows = np.where(some(rng, n, 0.25), 0.33, 0.16)
-    return x + np.where(x > 0, rng.negative_binomial(np.maximum(x, 1), 1 - follows), 0)
-
-
-@case(MISPRINTS, "single", right=("mixture",), defensible=("overdispersion", "spread", "flat_background", "pile_up"))
-def misprints_of_the_apprentice(rng: Rng) -> NDArray:
-    """The master set most of the book, with 7 misprints on a page, and his apprentice a sixth of it, with 16."""
-    n = 480
-    apprentice = some(rng, n, 1 / 6)
-    return np.where(apprentice, one(MISPRINTS, rng, n, 16.0), one(MISPRINTS, rng, n, 7.0))
-
-
-@case(MISPRINTS, "outside")
-def misprints_by_which_editions_differ(rng: Rng) -> NDArray:
-    """The table says by how many misprints the two editions of a page differ, whichever has more of them.
-
-    So an event is the size of the difference of two counts. Many are small or nothing, but not since misprints were
-    missed or pages left out: each page was counted well, twice, and the difference is no count of misprints at all.
-    """
-    n = 3600
-    return np.abs(one(MISPRINTS, rng, n, 23.0) - one(MISPRINTS, rng, n, 23.0))
-
-
-@case(TICKETS, "single", right=("truncation",))
-def tickets_of_large_groups_by_letter(rng: Rng) -> NDArray:
-    """Large groups book by letter, and are not in the list of the web shop: seven in ten of those of ten tickets.
-
-    Of groups of eight one in eight writes a letter, and of those of twelve or more nobody books in the shop.
-    """
-    x = one(TICKETS, rng, 2300, 3.9, 0.45)
-    by_letter = np.select([x >= 12, x == 11, x == 10, x == 9, x == 8], [1.0, 0.9, 0.7, 0.4, 0.125], 0.0)
-    return x[rng.random(len(x)) > by_letter]
-
-
-@case(
-    TICKETS,
-    "pair",
-    right=("threshold_loss", "double_counting"),
-    defensible=("pile_up", "mixture", "spread", "overdispersion"),
-)
-def tickets_without_lone_seats_of_one_account(rng: Rng) -> NDArray:
-    """The shop refuses what would leave a lone seat: 75 % of the bookings of one ticket, and 20 % of those of three.
-
-    It enters two bookings as one if a customer comes back within the hour, as 11 % of them do.
-    """
-    n = 18500
-    x = one(TICKETS, rng, n, 2.2, 0.6)
-    x = x[rng.random(n) > np.select([x == 1, x == 3], [0.75, 0.2], 0.0)]
-    again = rng.permutation(x)
-    return np.where(some(rng, len(x), 0.11), x + again, x)
-
-
-@case(TICKETS, "outside")
-def tickets_for_the_price_of_a_group(rng: Rng) -> NDArray:
-    """From ten tickets on each is cheaper by a fifth, so that who needs eight or nine buys ten, as do a few with seven.
-
-    Counts of seven to nine are moved up to ten. There is no heap at another ten, and none comes down to it from above,
-    as in rounding; nobody with more is recorded as ten, as at a limit; and no booking is lost.
-    """
-    x = one(TICKETS, rng, 6400, 4.8, 0.5)
-    cheaper = np.select([x == 9, x == 8, x == 7], [0.8, 0.65, 0.15], 0.0)
-    return np.where(rng.random(len(x)) < cheaper, 10, x)
+    n = 3500
+    return np.round(one(GENE, rng, 6 * n, 5.5, 9.0).reshape(n, 6).mean(axis=1)).astype(int)
 
 
 CASES: list[Case] = [
-    plain("deer_alone", DEER, 640, 12.0, 3.6),
-    plain("neutrons_alone", MONITOR, 28000, 12.0, 1.3),
-    plain("misprints_alone", MISPRINTS, 330, 16.0),
-    plain("tickets_alone", TICKETS, 1100, 1.9, 0.35),
+    plain("dicentrics_alone", DICENTRICS, 300, 4.4),
+    plain("borers_alone", BORERS, 22000, 1.7, 4.9),
+    plain("monitor_alone", MONITOR, 760, 22.0, 0.42),
+    plain("gene_alone", GENE, 30000, 18.0, 2.6),
     *(made for made in list(globals().values()) if isinstance(made, Case)),
 ]
