@@ -44,12 +44,14 @@ def test_a_start_that_goes_too_far_is_tried_on_the_way():
     assert farther.expected > right.expected
 
 
-def test_theta_is_not_expected_beyond_its_range():
-    task = task_of(lambda theta, rng: rng.normal(theta, 1), prior={"mean": (0, 1)}, name="normal")
-    rng, effort = np.random.default_rng(2), Effort()
-    x = rng.normal(1.2, 1, (8000, 1))
-    null, target = fit_null(Model(task), x, rng, effort, None)
-    reference = null.reference(target, int(effort.reference * target.num_events), rng)
+@pytest.mark.parametrize("seed", [2, 3])
+def test_theta_is_not_expected_beyond_its_range(seed):
+    def normal(theta, rng):
+        return rng.normal(theta[:, 0], theta[:, 1])
+
+    task, rng = task_of(normal, prior={"mean": (0, 1), "width": (0.5, 2)}, name="normal"), np.random.default_rng(seed)
+    null, target = fit_null(Model(task), rng.normal(2, 1, (8000, 1)), rng, Effort(), None)
+    reference = null.reference(target, int(Effort().reference * target.num_events), rng)
     nothing = np.zeros((1, target.rank))
     expected = Around(reference, target).expected(nothing, np.zeros(1), np.ones(1), null.point, 4)
     assert null.at_bound[0] == 1
