@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import avobench
 from avobench.bench.events.checks import SHARE
 from avobench.diagnosis import Diagnosis, diagnose
 from avobench.diagnosis.checks import Checks
@@ -150,3 +151,19 @@ def test_of_millions_of_events_a_random_sample_is_compared(monkeypatch):
     assert diagnosis.num_events == 1000
     assert any("A random 1000 of the 3000 events were compared" in note for note in diagnosis.notes)
     assert diagnosis.order[0].at == pytest.approx(1500, abs=150)  # an index of all events
+
+
+def test_where_events_end_while_effects_are_screened_the_others_are_weighed():
+    """Spread and mixture have all events simulated anew: where that is too much, the rest of the search goes on."""
+    task = avobench.task(
+        lambda theta, rng: rng.gamma(theta[:, 0], theta[:, 1]),
+        prior={"shape": (0.5, 5), "scale": (0.5, 5)},
+        features=["time"],
+        name="gamma",
+    )
+    rng = np.random.default_rng(4)
+    x = rng.gamma(2, 2, 5000)
+    x = np.where(rng.random(5000) < 0.06, rng.normal(6, 0.15, 5000), x)
+    said = avobench.diagnose(task, x, simulations=300_000, progress=False).diagnosis
+    assert said.num_simulations <= 300_000
+    assert "peak_background" in [effect.name for effect in said.models[0].effects]

@@ -55,6 +55,12 @@ class Candidates:
     def without(self) -> Fit:
         return self.parent.fit
 
+    @property
+    def meter(self) -> Meter:
+        """What counts simulated events; one without a limit where nothing is counted."""
+        events = self.without.model.events
+        return Meter() if events is None else events.meter
+
     @cached_property
     def sample(self) -> Sample:
         """Events from which all effects are screened."""
@@ -71,23 +77,37 @@ class Candidates:
         return float(look.expected(self.sample).q.min())
 
     def screened(self, glances: list[Look]) -> list[Start]:
-        """Starts, most promising first, of what looked so at first, also beside other effects, which hardly matter."""
+        """Starts, most promising first, of what looked so at first, also beside other effects, which hardly matter.
+
+        Where few events may be simulated, half of them are for that. What needs more is left at its first look.
+        """
         free = {effect.key for effect in self.effects}
         best_first = sorted((look for look in glances if look.effect.key in free), key=self.promise)
-        looks = [closer(self.sample, first, self.rng) for first in best_first[: SEARCH.looked_at * self.effort.starts]]
-        begun = sorted(((starts_of(self.sample, look), look) for look in looks), key=lambda one: one[0][0].expected)
+        with self.meter.keeping(max(self.meter.remaining or 0, 0) // 2):
+            looks = best_first[: SEARCH.looked_at * self.effort.starts]
+            for k, look in enumerate(looks):
+                with suppress(BudgetExhausted):
+                    looks[k] = closer(self.sample, look, self.rng)
+            begun = [(starts_of(self.sample, look), look) for look in looks]
+            return self.elsewhere(sorted(begun, key=lambda one: one[0][0].expected))
+
+    def elsewhere(self, begun: list[tuple[list[Start], Look]]) -> list[Start]:
+        """Starts of looks, and others at other thetas or strengths where theta follows far, or hides an effect."""
         all_alone = not self.parent.effects and len(self.effects) <= SEARCH.of_one_feature
         starts, again = [], 0
         for of_shape, look in begun:
             first = of_shape[0]
-            if again < SEARCH.again and self.moved(first):  # an effect does something else to events of another theta
-                there = self.sample.elsewhere(first.point[: self.without.model.dim], self.effort.fit, self.rng)
-                of_shape, again = starts_of(there, closer(there, look, self.rng)), again + 1
-            second = look.effect.second
-            if not self.parent.effects and 1 < len(second) == self.without.model.num_theta:
-                of_shape = populations(self.without, self.target, look.effect, self.rng, self.effort)
-            if all_alone and not look.guessed and any(look.effect is effect for effect in self.effects):
-                of_shape += hidden(self.sample, first, self.rng, self.effort)
+            with suppress(BudgetExhausted):
+                if again < SEARCH.again and self.moved(
+                    first
+                ):  # an effect does something else to events of another theta
+                    there = self.sample.elsewhere(first.point[: self.without.model.dim], self.effort.fit, self.rng)
+                    of_shape, again = starts_of(there, closer(there, look, self.rng)), again + 1
+                second = look.effect.second
+                if not self.parent.effects and 1 < len(second) == self.without.model.num_theta:
+                    of_shape = populations(self.without, self.target, look.effect, self.rng, self.effort)
+                if all_alone and not look.guessed and any(look.effect is effect for effect in self.effects):
+                    of_shape += hidden(self.sample, first, self.rng, self.effort)
             starts += of_shape
         return sorted(starts, key=lambda start: start.expected)
 
@@ -104,10 +124,12 @@ class Candidates:
     def hopeful(self, starts: list[Start]) -> list[Start]:
         """The best start of each shape, and one more elsewhere, where screening expects that it explains something.
 
-        Events at each of them say what it is worth, since theta follows an effect otherwise than screening knows.
+        Events at each of them say what it is worth, since theta follows an effect otherwise than screening knows. Where
+        few may be simulated, a quarter of them is for that.
         """
         promising = [start for start in starts if start.expected < self.without.noiseless_q]
-        tried = self.work(check, [each for some in by_shape(promising) for each in some[:2]], self.effort.fit // 2)
+        with self.meter.keeping(3 * max(self.meter.remaining or 0, 0) // 4):
+            tried = self.work(check, [each for some in by_shape(promising) for each in some[:2]], self.effort.fit // 2)
         seen = sorted((start for start in tried if start is not None), key=lambda start: start.expected)
         first, second = ([some[k] for some in by_shape(seen or promising) if len(some) > k] for k in (0, 1))
         first = varied(first, lambda start: start.expected / 2, lambda start: start.model)
@@ -125,8 +147,7 @@ class Candidates:
         Where few events may be simulated, half of them are for fits that begin, of the best starts first, and what was
         fitted when they end is weighed.
         """
-        meter = self.without.model.events.meter if self.without.model.events is not None else Meter()
-        with meter.keeping(max(meter.remaining or 0, 0) // 2):
+        with self.meter.keeping(max(self.meter.remaining or 0, 0) // 2):
             begun = [fit for fit in self.work(begin, starts, self.effort.fit) if fit is not None]
         begun = distinct(sorted(begun, key=lambda fit: fit.noiseless_q))
         fits = varied(begun, lambda fit: fit.noiseless_q / 2, lambda fit: fit.model)[: self.effort.begun]
