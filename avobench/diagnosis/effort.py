@@ -36,27 +36,27 @@ class Phases:
 class Effort:
     """Numbers of simulated events. What is `a measured one` is multiplied by the number of measured events."""
 
-    rounds: float = 3
+    rounds: float = 1
     """Events of each round of the first fit, a measured one."""
     sharpen: float = 8
     """Events where a p-value is at stake, a measured one: simulation then adds a quarter to the variance."""
-    reference: float = 10
+    reference: float = 5
     """Events of the model that candidates are added to, a measured one."""
-    rounds_of_search: tuple[tuple[float, int], ...] = ((1, 7), (3, 4), (8, 2))
+    rounds_of_search: tuple[tuple[float, int], ...] = ((0.4, 7), (1.2, 4), (3.2, 2))
     """Events of the fits that go on, a measured one, and the steps of each."""
     few: int = 1000
     """Measured events that fewer count as in the line above."""
     settle: tuple[float, ...] = (1, 2)
     """Multiples of a sharpening, for the last step of a fit, and to tell what the data say nothing about."""
-    least: int = 3000
+    least: int = 1500
     """Events of a round, at least."""
-    fit: int = 20_000
+    fit: int = 6_000
     """Events of each round of a candidate's first fit."""
-    sample: int = 50_000
+    sample: int = 15_000
     """Events from which effects are screened."""
     generated: float = 10
     """Events of a slow generator that is asked only once, a measured one."""
-    screen: int = 20_000
+    screen: int = 6_000
     """Events of a screening grid; each of its points gets a fiftieth of them at least."""
     card: int = 3_000
     """Events of each strength on the identifiability card."""
@@ -82,7 +82,7 @@ class Effort:
         return replace(
             self,
             fit=min(self.fit, max(num_events, 2000)),
-            sample=min(self.sample, max(3 * num_events, 10_000)),
+            sample=min(self.sample, max(3 * num_events, 8000)),
             card=min(self.card, max(3 * num_events // 20, 300)),
             covariance=min(self.covariance, max(3 * num_events, 2000)),
             scan=(points, min(events, max(num_events // 100, 20))),
@@ -96,15 +96,16 @@ class Effort:
             sharpen=max(self.sharpen * share, 1),
             reference=max(self.reference * share, 1),
             rounds_of_search=tuple((n * max(share, BUDGET.coarsest), steps) for n, steps in self.rounds_of_search),
-            few=max(int(self.few * share), 1000),
-            least=max(int(self.least * share), 1000),
-            fit=max(int(self.fit * share), 2000),
-            sample=max(int(self.sample * share), 10_000),
+            few=max(int(self.few * share), 500),
+            least=max(int(self.least * share), 500),
+            fit=max(int(self.fit * share), 1000),
+            sample=max(int(self.sample * share), 3000),
             generated=max(self.generated * share, 2),
-            screen=max(int(self.screen * share), 4000),
+            screen=max(int(self.screen * share), 2000),
             card=max(int(self.card * share), 300),
             covariance=max(int(self.covariance * share), 2000),
             scan=(self.scan[0], max(int(self.scan[1] * share), 20)),
+            pairs=(self.pairs[0], max(int(self.pairs[1] * share), 20)),
         )
 
 
@@ -126,7 +127,7 @@ IMAGES = Effort(
     begun=6,
 )
 """The effort for images, which are slow to simulate and to summarise."""
-MANY = Effort(rounds_of_search=((1, 6), (3, 2), (8, 1)), screen=8000, starts=15, begun=12)
+MANY = Effort(rounds_of_search=((0.4, 6), (1.2, 2), (3.2, 1)), screen=4000, starts=15, begun=12)
 """The effort for several features, each of which has its entries in the catalogue."""
 
 

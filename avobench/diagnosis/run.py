@@ -194,7 +194,7 @@ class Run:
                 if null is None or null.p_value < self.alpha:
                     tried = [fit] if null is None else [fit, null.efficient]
                     with self.affordable("a second search for theta"):
-                        with self.meter.keeping(BUDGET.added * len(x)):
+                        with self.meter.keeping(max(BUDGET.added * len(x), (self.meter.remaining or 0) // 2)):
                             fit = best_null(tried, self.target, rng, effort)
                         null = self.tested(fit)
                     null = null or self.tested(fit)
@@ -276,7 +276,7 @@ class Run:
             fit = outcome.final_fit(target, rng, effort)
         with self.affordable("theta with other effects: its error may be too small"):
             if outcome.posterior and outcome.effects and self.task.parameter_names:
-                events = int(effort.sharpen * target.num_events)
+                events = int(effort.reference * target.num_events)
                 moves = ambiguity(fit, final.fit, outcome.posterior.allowed, target, rng, events)
         view = target.summary.view(self.events)
         regions = outcome.regions(self.task, target, view, rng)

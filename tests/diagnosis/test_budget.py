@@ -93,14 +93,14 @@ def test_a_second_question_from_a_kept_bank_simulates_nothing(tmp_path, often_of
 
 def test_a_search_that_fitted_nothing_claims_nothing(often_off):
     """That nothing in the catalogue is missing has no probability where the catalogue was not tried."""
-    diagnosis = diagnose(Poisson(), often_off, num_simulations=30_000).diagnosis
+    diagnosis = diagnose(Poisson(), often_off, num_simulations=15_000).diagnosis
     assert short(diagnosis)
     assert (diagnosis.outside, diagnosis.probabilities, diagnosis.effects) == (None, [], [])
     assert "no effect was fitted" in meaning(diagnosis)
 
 
 def test_what_was_fitted_until_the_events_ended_is_weighed_and_tested(often_off):
-    diagnosis = diagnose(Poisson(), often_off, num_simulations=75_000).diagnosis
+    diagnosis = diagnose(Poisson(), often_off, num_simulations=22_000).diagnosis
     assert short(diagnosis)
     assert [one.name for one in diagnosis.effects] == ["zero_inflation"]
     assert diagnosis.outside < 0.5

@@ -82,7 +82,7 @@ def fit_null(
     near = 0.03
     if centre is None:
         centre, near = scan(model, target, rng, size=effort.scan)
-    coarse, per_round = max(effort.least, len(x)), max(effort.least, int(effort.rounds * len(x)))
+    coarse, per_round = (max(effort.least, int(share * effort.rounds * len(x))) for share in (FIT.coarse_share, 1))
     fit = refine(model, target, centre, np.maximum(near, 0.005), rng, num_events=coarse)
     if isinstance(model.events, Bank):
         model.events.resolve(FIT.cell / np.maximum(np.linalg.norm(fit.jacobian, axis=0), 1))
@@ -107,4 +107,4 @@ def best_null(tried: list[Fit], target: Target, rng: np.random.Generator, effort
     ]
     # The lowest of a few values is low by chance: it is simulated anew, and that counts.
     best = min(fits, key=lambda fit: fit.noiseless_q)
-    return sharpen(best, target, rng, int(effort.sharpen * target.num_events))
+    return sharpen(best, target, rng, max(effort.least, int(effort.reference * target.num_events)))

@@ -34,7 +34,8 @@ def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, effort: Eff
     summary has, less those that theta takes up, and one at least: where nothing is free to scatter, a distance is left
     because theta cannot reach the measurement.
     """
-    num_events = int(effort.sharpen * target.num_events)
+    ratio = effort.sharpen if fit.p_value > TEST.hopeless else effort.reference
+    num_events = int(ratio * target.num_events)
     of_covariance = min(num_events, effort.covariance)
     metric, lacking = model_metric(fit, target.summary, target.mean, target.num_events, rng, of_covariance)
     # The fit has found its place: wide designs would only show a quadratic where it is none.

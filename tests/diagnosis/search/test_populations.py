@@ -34,7 +34,7 @@ def test_the_pair_of_which_a_mean_is_the_mixture_is_found_with_its_share(share, 
 def test_two_narrow_populations_far_from_where_one_wide_one_fits_are_found():
     rng = np.random.default_rng(1)
     x = np.concatenate([rng.normal(-4, 0.5, 1400), rng.normal(3, 0.5, 600)])[:, None]
-    null, target = fit_null(Model(HEIGHTS), x, rng, Effort(), None)
+    null, target = fit_null(Model(HEIGHTS), x, rng, Effort(rounds=3), None)
     effect = next(effect for effect in catalogue(HEIGHTS) if effect.name == "mixture")
     start = populations(null, target, effect, rng, Effort())[0]
     np.testing.assert_allclose(start.model.from_cube(start.point), [-4, 0.5, 0.3, 3, 0.5], atol=0.3)
