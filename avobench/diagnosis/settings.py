@@ -95,6 +95,8 @@ class FitSettings:
     """Rounds of a sharpening, at most. Chosen on development cases."""
     inside: float = 0.9
     """Share of a design within which a minimum is believed: further out it may lie beyond."""
+    coarse_share: float = 0.5
+    """Share of the events of a round, in the rounds before the bins suit what is simulated."""
     scans: int = 2
     """Scans from which theta is fitted again before a disagreement is believed: a single one may go astray."""
     method_events: int = 160_000
@@ -248,6 +250,14 @@ class SearchSettings:
     shapes_kept: int = 3
     """Shapes of each family in which fits go on: the plainest may be right, or need a parameter more, and families of
     many shapes must not crowd out the others."""
+    far: float = 10.0
+    """Chi-squared per degree of freedom beyond which a first fit says little about where it will end."""
+    not_much_worse: float = 2.0
+    """The factor of the chi-squared of the best shape of a family up to which others are kept there."""
+    astray: int = 6
+    """First fits, the best ones, that are looked for all around where they have so far to go."""
+    all_around: float = 0.5
+    """How far from such a fit, in cube coordinates, a better one is looked for."""
     nearby: float = 0.05
     """Distance in cube coordinates below which fits of one shape are one. Chosen on development cases."""
 
@@ -397,11 +407,11 @@ class BudgetSettings:
     most_events: int = 2_000_000
     """Measured events that are compared, a random sample of more: its errors are far below what a simulator is trusted
     to, and it bounds memory and time."""
-    coarsest: float = 0.25
+    coarsest: float = 0.5
     """Least share of events of the fits that go on: by fewer, all that they tell would be noise."""
     usual_events: int = 50_000
     """Measured events for which `usual` was counted: as many as a data set of `avobench challenge` has."""
-    usual: tuple[tuple[str, int], ...] = (("counts", 2_000_000), ("continuous", 2_500_000), ("images", 1_500_000))
+    usual: tuple[tuple[str, int], ...] = (("counts", 6_000_000), ("continuous", 7_000_000), ("images", 1_500_000))
     """Simulated events that a diagnosis of so many takes, by domain; a little more or less with what it finds."""
     step: float = 0.8
     """The factor by which the effort is made less until it fits."""
@@ -410,13 +420,13 @@ class BudgetSettings:
     what is allowed, and some."""
     least_share: float = 1e-3
     """Share of the effort below which all is at its least."""
-    rounds: int = 2
+    rounds: int = 6
     """Rounds of the fits of theta, in events that are simulated: most rounds find those of others."""
     scans: int = 4
     """Events of a scan of theta, in those of all its points: three searches, each with a tenth more."""
     tests: int = 4
     """Events of the tests beside those of a sharpening, a measured one. Most find those of the fit."""
-    added: int = 2
+    added: int = 12
     """Events that are kept for the fit and the tests of an effect that was chosen, a measured one: most were simulated
     when it was looked for."""
     refined: int = 8

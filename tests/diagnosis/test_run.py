@@ -35,9 +35,6 @@ def test_nothing_is_missing_in_counts_that_are_poisson():
     assert sorted(rows) == sorted({e.name for e in catalogue(Poisson())})  # one of each family
 
 
-@pytest.mark.xfail(
-    strict=True, reason="from so far a theta the fit of a sharp window does not arrive: a scale beside it wins"
-)
 def test_angles_within_a_fiducial_cut_of_unequal_ends():
     """Nothing is left beyond the ends, so that theta alone is far off, and a scale beside an offset is as sharp."""
     task, rng = Weinberg(), np.random.default_rng(0)

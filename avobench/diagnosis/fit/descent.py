@@ -165,6 +165,7 @@ def scan(
     *,
     fixed: NDArray[np.float64] | None = None,
     around: NDArray[np.float64] | None = None,
+    half: float = FIT.searched,
     size: tuple[int, int] = (200, 300),
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """A point (P,) of the unit cube near the best, and how near in each coordinate that was searched, from three
@@ -186,7 +187,7 @@ def scan(
         q, noise = (target.whiten(target.mean - means) ** 2).sum(axis=1), target.num_events / events
         return q, np.sqrt(2 * target.rank * noise**2 + 4 * q * noise)
 
-    centre, half = (np.full(p, 0.5), np.full(p, 0.5)) if around is None else (around, np.full(p, FIT.searched))
+    centre, half = (np.full(p, 0.5), np.full(p, 0.5)) if around is None else (around, np.full(p, half))
     for _ in range(3):
         u = rng.uniform(np.maximum(centre - half, 0), np.minimum(centre + half, 1), (points, p))
         u = model.allowed(np.hstack([u, np.tile(fixed, (points, 1))]))[:, :p]

@@ -18,7 +18,7 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from numpy.typing import NDArray
 
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit.descent import descend, sharpen
+from avobench.diagnosis.fit.descent import descend, refine, scan, sharpen
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.surrogate import ReferenceModel
 from avobench.diagnosis.search.evidence import Weighed
@@ -149,7 +149,10 @@ class Candidates:
         """
         with self.meter.keeping(max(self.meter.remaining or 0, 0) // 2):
             begun = [fit for fit in self.work(begin, starts, self.effort.fit) if fit is not None]
-        begun = distinct(sorted(begun, key=lambda fit: fit.noiseless_q))
+            begun = distinct(sorted(begun, key=lambda fit: fit.noiseless_q))
+            astray = [fit for fit in begun if fit.noiseless_q > SEARCH.far * fit.dof][: SEARCH.astray]
+            again = self.work(search_again, astray, self.effort.fit, *self.effort.scan) if astray else []
+        begun = distinct(sorted([*begun, *(fit for fit in again if fit)], key=lambda fit: fit.noiseless_q))
         fits = varied(begun, lambda fit: fit.noiseless_q / 2, lambda fit: fit.model)[: self.effort.begun]
         ranked: list[Weighed] = []
         left: list[Weighed] = []
@@ -257,6 +260,24 @@ def begin(start: Start, reference: ReferenceModel, target: Target, rng: np.rando
     return descend(model, target, design, rng, num_events, SEARCH.first_rounds, reference)
 
 
+def search_again(
+    fit: Fit,
+    reference: ReferenceModel,
+    target: Target,
+    rng: np.random.Generator,
+    num_events: int,
+    points: int,
+    events: int,
+) -> Fit:
+    """The fit, or one of the same model that begins where points all around it come closest to the measured events.
+
+    Steps do not get far where the way is bent, as where an edge moves and theta follows.
+    """
+    point, near = scan(fit.model, target, rng, around=fit.point, half=SEARCH.all_around, size=(points, events))
+    other = refine(fit.model, target, point, near, rng, num_events=num_events, max_rounds=SEARCH.first_rounds)
+    return min(fit, other, key=lambda fit: fit.noiseless_q)
+
+
 def go_on(
     fit: Fit, reference: ReferenceModel, target: Target, rng: np.random.Generator, num_events: int, rounds: int
 ) -> Fit:
@@ -265,11 +286,16 @@ def go_on(
 
 
 def distinct(fits: list[Fit]) -> list[Fit]:
-    """Of fits, best first, each once, and of each family the best SEARCH.shapes_kept."""
+    """Of fits, best first, each once, and of each family the best SEARCH.shapes_kept.
+
+    Where even the best has far to go, all that are not much worse are kept: the order may change on the way.
+    """
     kept: list[Fit] = []
     for fit in fits:
-        of_shape = [one for one in kept if one.model.effects[-1].key == fit.model.effects[-1].key]
-        if len(of_shape) < SEARCH.shapes_kept and not any(same(fit, one) for one in of_shape):
+        of_family = [one for one in kept if one.model.effects[-1].key == fit.model.effects[-1].key]
+        far = bool(of_family) and fit.noiseless_q > SEARCH.far * fit.dof
+        open_yet = far and fit.noiseless_q < SEARCH.not_much_worse * of_family[0].noiseless_q
+        if (len(of_family) < SEARCH.shapes_kept or open_yet) and not any(same(fit, one) for one in of_family):
             kept.append(fit)
     return kept
 

@@ -138,6 +138,6 @@ def refined(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) 
             name = f"{effect.name}: {effect.parameters[0].name}"
             notes.append(f"the bound of {name} was doubled, since the fit ended there")
         at += len(effect.parameters)
-    ratio, _ = effort.rounds_of_search[-2]
+    ratio, _ = effort.rounds_of_search[-1]
     again = sharpen(fit, target, rng, int(ratio * target.num_events), BUDGET.refined)
     return min(again, fit, key=lambda fit: fit.noiseless_q + fit.noiseless_q_error), notes

@@ -7,7 +7,7 @@ from measurements import with_effect
 from avobench import task as task_of
 from avobench.diagnosis.effort import Effort, effort_for
 from avobench.diagnosis.fit.null import fit_null
-from avobench.diagnosis.search.candidates import begin, check, go_on
+from avobench.diagnosis.search.candidates import begin, check, go_on, search_again
 from avobench.diagnosis.search.screening import Around, Sample, Start, closer, glance, hidden, starts_of
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
@@ -21,8 +21,8 @@ def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
     sample = Sample(null, counter.target, effort.sample, rng, Around(reference, counter.target))
     look = closer(sample, glance(sample, counter.effect, counter.effect.guess(counter.x), rng, effort), rng)
     starts = hidden(sample, starts_of(sample, look)[0], rng, effort)
-    fits = [begin(start, reference, counter.target, rng, effort.fit) for start in starts]
-    fits = [go_on(fit, reference, counter.target, rng, effort.fit, 7) for fit in fits]
+    fits = [begin(start, reference, counter.target, rng, 20_000) for start in starts]
+    fits = [go_on(fit, reference, counter.target, rng, 20_000, 7) for fit in fits]
     strong = min(fits, key=lambda fit: abs(fit.params[1] - counter.truth.strong[1]))
     # In a valley: a longer dead time at a higher rate.
     np.testing.assert_allclose(strong.params, counter.truth.strong, atol=0.5)
@@ -50,7 +50,7 @@ def test_theta_is_not_expected_beyond_its_range(seed):
         return rng.normal(theta[:, 0], theta[:, 1])
 
     task, rng = task_of(normal, prior={"mean": (0, 1), "width": (0.5, 2)}, name="normal"), np.random.default_rng(seed)
-    null, target = fit_null(Model(task), rng.normal(2, 1, (8000, 1)), rng, Effort(), None)
+    null, target = fit_null(Model(task), rng.normal(2, 1, (8000, 1)), rng, Effort(rounds=3), None)
     reference = null.reference(target, int(Effort().reference * target.num_events), rng)
     nothing = np.zeros((1, target.rank))
     expected = Around(reference, target).expected(nothing, np.zeros(1), np.ones(1), null.point, 4)
@@ -73,3 +73,22 @@ def test_a_fit_begins_where_a_gap_is_that_is_narrower_than_any_grid():
     assert centre == pytest.approx(at, abs=0.03)
     assert width < 0.1
     assert best.expected < 0.8 * base.noiseless_q
+
+
+def test_a_fit_that_went_astray_is_looked_for_all_around():
+    """Theta and the edge of an exponential that was moved follow each other along a bent way."""
+
+    def decay(theta, rng):
+        return rng.exponential(theta[:, 0])
+
+    task, rng = task_of(decay, prior={"tau": (1, 4)}, name="decay"), np.random.default_rng(1)
+    null, target = fit_null(Model(task), 0.5 + rng.exponential(2, (4000, 1)), rng, Effort(), None)
+    effect = next(effect for effect in catalogue(task) if effect.name == "offset")
+    model = null.model.plus(effect)
+    reference = null.reference(target, 20_000, rng)
+    start = Start(model, model.to_cube(np.array([3.5, 0.9])), np.nan, 0.05)
+    astray = begin(start, reference, target, rng, 4000)
+    found = search_again(astray, reference, target, rng, 4000, *Effort().scan)
+    assert astray.noiseless_q > 10 * astray.dof
+    assert abs(found.params[0] - 2) < 0.4 * abs(astray.params[0] - 2)
+    assert found.noiseless_q < 0.3 * astray.noiseless_q
