@@ -193,9 +193,10 @@ class Run:
                 null = None if fit.p_value < TEST.hopeless else self.tested(fit)
                 if null is None or null.p_value < self.alpha:
                     tried = [fit] if null is None else [fit, null.efficient]
-                    with self.affordable("a second search for theta"):
-                        with self.meter.keeping(max(BUDGET.added * len(x), (self.meter.remaining or 0) // 2)):
-                            fit = best_null(tried, self.target, rng, effort)
+                    # A theta that is missed looks like a missing effect: no limit leaves this search out, or coarser.
+                    whole = replace(effort, rounds=max(effort.rounds, 1), reference=max(effort.reference, BUDGET.sure))
+                    with self.affordable("a second search for theta", required=self.meter.limit is not None):
+                        fit = best_null(tried, self.target, rng, whole)
                         null = self.tested(fit)
                     null = null or self.tested(fit)
         return null, inferred

@@ -426,6 +426,8 @@ class BudgetSettings:
     """Events of a scan of theta, in those of all its points: three searches, each with a tenth more."""
     tests: int = 4
     """Events of the tests beside those of a sharpening, a measured one. Most find those of the fit."""
+    sure: float = 3.0
+    """Events of the last fit of theta before a disagreement is believed, a measured one, at least."""
     added: int = 12
     """Events that are kept for the fit and the tests of an effect that was chosen, a measured one: most were simulated
     when it was looked for."""
