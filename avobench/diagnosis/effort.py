@@ -92,7 +92,7 @@ class Effort:
         """The effort with less of everything, but not so little that fits fail."""
         return replace(
             self,
-            rounds=max(self.rounds * share, 0.3),
+            rounds=max(self.rounds * share, 0.5),
             sharpen=max(self.sharpen * share, 1),
             reference=max(self.reference * share, 1),
             rounds_of_search=tuple((n * max(share, BUDGET.coarsest), steps) for n, steps in self.rounds_of_search),

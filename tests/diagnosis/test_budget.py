@@ -68,9 +68,9 @@ def test_too_few_simulated_events_are_refused_with_the_least_number(often_off):
     assert diagnosis.diagnosis.p_value_before < 0.05
 
 
-@pytest.mark.parametrize(("num_events", "allowed"), [(200, 2e4), (2000, 2e4), (50_000, 5e5), (2_000_000, 2e7)])
+@pytest.mark.parametrize(("num_events", "allowed"), [(200, 2e4), (2000, 4e4), (50_000, 1e6), (2_000_000, 4e7)])
 @pytest.mark.parametrize("task", [Poisson(), Carl()], ids=lambda task: task.name)
-def test_ten_simulated_events_a_measured_one_are_never_too_few(task, num_events, allowed):
+def test_twenty_simulated_events_a_measured_one_are_never_too_few(task, num_events, allowed):
     """The effort that they pay for leaves room for the search, whatever the checks took."""
     fitted, checks = num_events - int(TEST.held_out_share * num_events), int(allowed) // SHARE
     effort = effort_for(task, domain(task), int(allowed), fitted, checks)
@@ -166,4 +166,4 @@ def test_where_events_end_while_effects_are_screened_the_others_are_weighed():
     x = np.where(rng.random(5000) < 0.06, rng.normal(6, 0.15, 5000), x)
     said = avobench.diagnose(task, x, simulations=300_000, progress=False).diagnosis
     assert said.num_simulations <= 300_000
-    assert "peak_background" in [effect.name for effect in said.models[0].effects]
+    assert "peak_background" in [effect.name for model in said.models for effect in model.effects]
