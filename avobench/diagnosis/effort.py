@@ -62,6 +62,9 @@ class Effort:
     """Events of each strength on the identifiability card."""
     covariance: int = 60_000
     """Events from which the covariance that a model predicts is taken."""
+    metrics: int = 4
+    """Tests of a rejected model, at most, each with the covariance of where the one before ended. Chosen on development
+    cases."""
     scan: tuple[int, int] = (60, 150)
     """Points of each search for theta, and events at each."""
     pairs: tuple[int, int] = (60, 100)
@@ -70,6 +73,21 @@ class Effort:
     """Fits that begin, at most."""
     begun: int = 18
     """Fits that go on, at most."""
+
+    @property
+    def repeated(self) -> float:
+        """Events with which a fit is repeated where no p-value is at stake, a measured one."""
+        return min(self.reference, self.sharpen)
+
+    @property
+    def sure(self) -> "Effort":
+        """The effort of the search for theta before a disagreement is believed: no limit makes it coarser than this."""
+        return replace(
+            self,
+            rounds=max(self.rounds, 1),
+            reference=max(self.reference, BUDGET.sure),
+            sharpen=max(self.sharpen, BUDGET.sure),
+        )
 
     @property
     def beside(self) -> "Effort":
@@ -103,7 +121,6 @@ class Effort:
             generated=max(self.generated * share, 2),
             screen=max(int(self.screen * share), 2000),
             card=max(int(self.card * share), 300),
-            covariance=max(int(self.covariance * share), 2000),
             scan=(self.scan[0], max(int(self.scan[1] * share), 20)),
             pairs=(self.pairs[0], max(int(self.pairs[1] * share), 20)),
         )

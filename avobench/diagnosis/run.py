@@ -190,21 +190,20 @@ class Run:
             with self.meter.keeping(self.later):
                 fit, self.target = fit_null(model, x, rng, effort, inferred and inferred.centre(model))
                 self.phases.begin("gates")
-                null = None if fit.p_value < TEST.hopeless else self.tested(fit)
+                null = None if fit.p_value < TEST.hopeless else self.tested(fit, replace(effort, metrics=1))
                 if null is None or null.p_value < self.alpha:
                     tried = [fit] if null is None else [fit, null.efficient]
-                    # A theta that is missed looks like a missing effect: no limit leaves this search out, or coarser.
-                    whole = replace(effort, rounds=max(effort.rounds, 1), reference=max(effort.reference, BUDGET.sure))
+                    # A theta that is missed looks like a missing effect, so that no limit leaves this search out.
                     with self.affordable("a second search for theta", required=self.meter.limit is not None):
-                        fit = best_null(tried, self.target, rng, whole)
+                        fit = best_null(tried, self.target, rng, effort.sure)
                         null = self.tested(fit)
                     null = null or self.tested(fit)
         return null, inferred
 
-    def tested(self, fit: Fit) -> ExtendedModel:
+    def tested(self, fit: Fit, effort: Effort | None = None) -> ExtendedModel:
         """A fitted model with all tests of it."""
         measured = None if self.of_tables else self.events
-        return ExtendedModel.of(fit, self.target, measured, self.rng, self.effort, self.affordable)
+        return ExtendedModel.of(fit, self.target, measured, self.rng, effort or self.effort, self.affordable)
 
     def extended_model(
         self, null: ExtendedModel, max_effects: int, experience: bool
@@ -277,7 +276,7 @@ class Run:
             fit = outcome.final_fit(target, rng, effort)
         with self.affordable("theta with other effects: its error may be too small"):
             if outcome.posterior and outcome.effects and self.task.parameter_names:
-                events = int(effort.reference * target.num_events)
+                events = int(effort.repeated * target.num_events)
                 moves = ambiguity(fit, final.fit, outcome.posterior.allowed, target, rng, events)
         view = target.summary.view(self.events)
         regions = outcome.regions(self.task, target, view, rng)

@@ -99,6 +99,12 @@ class FitSettings:
     """Share of the events of a round, in the rounds before the bins suit what is simulated."""
     scans: int = 2
     """Scans from which theta is fitted again before a disagreement is believed: a single one may go astray."""
+    far: float = 10.0
+    """Chi-squared per degree of freedom beyond which a model is plainly wrong, and a first fit says little about where
+    it will end."""
+    repeats: int = 4
+    """How often the best of these fits is repeated, at most, until it stands still. Chosen on development cases without
+    an effect."""
     method_events: int = 160_000
     """Simulated events of a registered method that looks for theta first: its budget in the benchmark."""
     method_share: int = 4
@@ -117,6 +123,11 @@ class TestSettings:
     """The shares where events are images."""
     hopeless: float = 1e-12
     """P-value below which no care in the fit helps a model."""
+    doubted: float = 0.05
+    """P-value of the summary up to which it is tested anew, with the covariance of where the fit ended."""
+    plainly: float = 4.0
+    """Chi-squared per degree of freedom, in the metric of the measured events, beyond which it is not: no covariance
+    makes that right. Chosen on development cases."""
     biased: float = 0.1
     """Share of the scatter of chi-squared, above which what it is too high by for a covariance of few events counts."""
     trees: int = 60
@@ -250,12 +261,11 @@ class SearchSettings:
     shapes_kept: int = 3
     """Shapes of each family in which fits go on: the plainest may be right, or need a parameter more, and families of
     many shapes must not crowd out the others."""
-    far: float = 10.0
-    """Chi-squared per degree of freedom beyond which a first fit says little about where it will end."""
     not_much_worse: float = 2.0
     """The factor of the chi-squared of the best shape of a family up to which others are kept there."""
     astray: int = 6
-    """First fits, the best ones, that are looked for all around where they have so far to go."""
+    """First fits, the best ones, that are looked for all around where they have so far to go. Chosen on development
+    cases, as the three numbers beside it."""
     all_around: float = 0.5
     """How far from such a fit, in cube coordinates, a better one is looked for."""
     nearby: float = 0.05
@@ -410,9 +420,10 @@ class BudgetSettings:
     coarsest: float = 0.5
     """Least share of events of the fits that go on: by fewer, all that they tell would be noise."""
     usual_events: int = 50_000
-    """Measured events for which `usual` was counted: as many as a data set of `avobench challenge` has."""
+    """Measured events to which `usual` refers: as many as a data set of `avobench challenge` has."""
     usual: tuple[tuple[str, int], ...] = (("counts", 6_000_000), ("continuous", 7_000_000), ("images", 1_500_000))
-    """Simulated events that a diagnosis of so many takes, by domain; a little more or less with what it finds."""
+    """Simulated events that are mostly enough for a diagnosis of so many, by domain. Of the sixteenth series three of
+    four diagnoses of counts took less, and half of the others. That of images is of the challenge."""
     step: float = 0.8
     """The factor by which the effort is made less until it fits."""
     with_checks: float = 1.06
@@ -427,7 +438,8 @@ class BudgetSettings:
     tests: int = 4
     """Events of the tests beside those of a sharpening, a measured one. Most find those of the fit."""
     sure: float = 3.0
-    """Events of the last fit of theta before a disagreement is believed, a measured one, at least."""
+    """Events of the last fit of theta before a disagreement is believed, a measured one, at least. Chosen on
+    development cases without an effect, under limits."""
     added: int = 12
     """Events that are kept for the fit and the tests of an effect that was chosen, a measured one: most were simulated
     when it was looked for."""

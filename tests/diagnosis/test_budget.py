@@ -18,6 +18,8 @@ from avobench.reports.diagnosis.text import meaning
 from avobench.tasks.carl import Carl
 from avobench.tasks.errors import UsageError
 from avobench.tasks.poisson import Poisson
+from paper.cases.case import Case
+from paper.studies.cases import CASES
 
 
 class Counting(Poisson):
@@ -93,7 +95,7 @@ def test_a_second_question_from_a_kept_bank_simulates_nothing(tmp_path, often_of
 
 def test_a_search_that_fitted_nothing_claims_nothing(often_off):
     """That nothing in the catalogue is missing has no probability where the catalogue was not tried."""
-    diagnosis = diagnose(Poisson(), often_off, num_simulations=15_000).diagnosis
+    diagnosis = diagnose(Poisson(), often_off, num_simulations=16_000).diagnosis
     assert short(diagnosis)
     assert (diagnosis.outside, diagnosis.probabilities, diagnosis.effects) == (None, [], [])
     assert "no effect was fitted" in meaning(diagnosis)
@@ -167,3 +169,22 @@ def test_where_events_end_while_effects_are_screened_the_others_are_weighed():
     said = avobench.diagnose(task, x, simulations=300_000, progress=False).diagnosis
     assert said.num_simulations <= 300_000
     assert "peak_background" in [effect.name for model in said.models for effect in model.effects]
+
+
+def opened(name: str) -> Case:
+    """An opened case in which the simulator is right."""
+    return next(case for case in CASES["opened"]["simulated"] if case.name == name)
+
+
+def test_a_limit_does_not_reject_a_right_simulator():
+    """Its bins hold few of the events from which a model's covariance is taken, if these are few."""
+    case = opened("marathon_as_told")
+    limit = 20 * len(case.x())
+    assert diagnose(case.task, case.x(), num_simulations=limit, seed=0, max_effects=0).diagnosis.p_value_before > 1e-3
+
+
+@pytest.mark.parametrize("seed", [2, 5])
+def test_a_right_simulator_is_not_rejected_by_the_covariance_of_another_theta(seed):
+    """Two of its parameters are hardly told apart, and some of its bins are nearly empty."""
+    case = opened("star_plain")
+    assert diagnose(case.task, case.x(), seed=seed, max_effects=0).diagnosis.p_value_before > 1e-3

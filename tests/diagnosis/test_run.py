@@ -38,8 +38,8 @@ def test_nothing_is_missing_in_counts_that_are_poisson():
 def test_angles_within_a_fiducial_cut_of_unequal_ends():
     """Nothing is left beyond the ends, so that theta alone is far off, and a scale beside an offset is as sharp."""
     task, rng = Weinberg(), np.random.default_rng(0)
-    x = task.simulate(np.tile([45.0, 1.0], (4000, 1)), rng)
-    seen = x[(x[:, 0] > -0.7) & (x[:, 0] < 0.9)][:2000]
+    x = task.simulate(np.tile([45.0, 1.0], (20_000, 1)), rng)
+    seen = x[(x[:, 0] > -0.7) & (x[:, 0] < 0.9)][:10_000]
     chosen = [e for e in catalogue(task) if e.name in ("edge_acceptance", "offset", "scale", "dead_region")]
     diagnosis = diagnose(task, seen, effects=chosen, num_simulations=6_000_000).diagnosis
     (found,) = diagnosis.effects

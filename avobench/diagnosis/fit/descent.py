@@ -149,9 +149,7 @@ def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int,
         at_edge = np.abs(s.design.to_t(step.point)).max() > FIT.inside
         believed = not at_edge and step.noiseless_q > here.noiseless_q - FIT.worse * here.noiseless_q_error
         fit, centre = step if believed else here, step.point
-        if best is None or fit.noiseless_q < best.noiseless_q + FIT.worse * np.hypot(
-            fit.noiseless_q_error, best.noiseless_q_error
-        ):
+        if best is None or not best.clearly_below(fit):
             best = fit
         if believed and not best.undecided:
             break

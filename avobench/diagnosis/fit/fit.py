@@ -92,6 +92,22 @@ class Fit:
         return float(np.sqrt(2 * self.dof * self.noise**2 + 4 * max(self.noiseless_q, self.dof) * self.noise))
 
     @property
+    def far(self) -> bool:
+        """True if its distance is many times what its degrees of freedom explain."""
+        return self.noiseless_q > FIT.far * self.dof
+
+    def distance_to(self, other: "Fit") -> float:
+        """How far the point of another fit lies, in standard errors of all parameters together, of either fit."""
+        moved = self.point - other.point
+        squares = [moved @ np.linalg.solve(fit.point_covariance, moved) for fit in (self, other)]
+        return float(np.sqrt(max(squares)))
+
+    def clearly_below(self, other: "Fit") -> bool:
+        """True if it is closer to the events than another fit, by more than simulation explains."""
+        error = np.hypot(self.noiseless_q_error, other.noiseless_q_error)
+        return bool(self.noiseless_q < other.noiseless_q - FIT.worse * error)
+
+    @property
     def num_identified(self) -> int:
         return self.information[1]
 

@@ -84,11 +84,16 @@ def fit_null(
         centre, near = scan(model, target, rng, size=effort.scan)
     coarse, per_round = (max(effort.least, int(share * effort.rounds * len(x))) for share in (FIT.coarse_share, 1))
     fit = refine(model, target, centre, np.maximum(near, 0.005), rng, num_events=coarse)
-    if isinstance(model.events, Bank):
-        model.events.resolve(FIT.cell / np.maximum(np.linalg.norm(fit.jacobian, axis=0), 1))
+    resolve(fit)
     simulated = np.concatenate([model.simulate(np.tile(fit.params, (len(x), 1)), rng), others])
     target = target_for(model.task, x, simulated)
     return refine(model, target, fit.point, 0.005, rng, num_events=per_round), target
+
+
+def resolve(fit: Fit) -> None:
+    """Make the bank's lattice so fine that between its nodes the mean of events is linear, as far as a fit knows."""
+    if isinstance(fit.model.events, Bank):
+        fit.model.events.resolve(FIT.cell / np.maximum(np.linalg.norm(fit.jacobian, axis=0), 1))
 
 
 def best_null(tried: list[Fit], target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
@@ -105,6 +110,15 @@ def best_null(tried: list[Fit], target: Target, rng: np.random.Generator, effort
     fits = [first] + [
         refine(model, target, start, np.maximum(near, 0.005), rng, num_events=per_round) for start, near in starts
     ]
-    # The lowest of a few values is low by chance: it is simulated anew, and that counts.
-    best = min(fits, key=lambda fit: fit.noiseless_q)
-    return sharpen(best, target, rng, max(effort.least, int(effort.reference * target.num_events)))
+    # The lowest of a few values is low by chance, and ways may be long and bent. So it is simulated anew until it
+    # stands still: once, or twice where the noise may hide a slope.
+    best, still = min(fits, key=lambda fit: fit.noiseless_q), 0
+    num_events = max(effort.least, int(effort.repeated * target.num_events))
+    for _ in range(FIT.repeats):
+        resolve(best)
+        last, best = best, sharpen(best, target, rng, num_events)
+        still += not best.clearly_below(last)
+        if still > best.undecided or best.far:
+            break
+        num_events *= 2 if best.undecided else 1
+    return best

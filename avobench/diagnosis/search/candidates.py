@@ -150,7 +150,7 @@ class Candidates:
         with self.meter.keeping(max(self.meter.remaining or 0, 0) // 2):
             begun = [fit for fit in self.work(begin, starts, self.effort.fit) if fit is not None]
             begun = distinct(sorted(begun, key=lambda fit: fit.noiseless_q))
-            astray = [fit for fit in begun if fit.noiseless_q > SEARCH.far * fit.dof][: SEARCH.astray]
+            astray = [fit for fit in begun if fit.far][: SEARCH.astray]
             again = self.work(search_again, astray, self.effort.fit, *self.effort.scan) if astray else []
         begun = distinct(sorted([*begun, *(fit for fit in again if fit)], key=lambda fit: fit.noiseless_q))
         fits = varied(begun, lambda fit: fit.noiseless_q / 2, lambda fit: fit.model)[: self.effort.begun]
@@ -293,7 +293,7 @@ def distinct(fits: list[Fit]) -> list[Fit]:
     kept: list[Fit] = []
     for fit in fits:
         of_family = [one for one in kept if one.model.effects[-1].key == fit.model.effects[-1].key]
-        far = bool(of_family) and fit.noiseless_q > SEARCH.far * fit.dof
+        far = bool(of_family) and fit.far
         open_yet = far and fit.noiseless_q < SEARCH.not_much_worse * of_family[0].noiseless_q
         if (len(of_family) < SEARCH.shapes_kept or open_yet) and not any(same(fit, one) for one in of_family):
             kept.append(fit)
