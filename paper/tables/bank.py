@@ -12,8 +12,6 @@ from paper.studies.bank import FOLDER
 
 Row = dict[str, Any]
 FORMER, BANK, NOTHING = "hidden-4c8d801", "hidden-bank", "nothing-bank"
-LIMITS = (20, 50)
-"""Simulated events for each measured one, at most, of the diagnoses in `hidden-20` and so on."""
 ALPHA = 0.05
 
 
@@ -67,34 +65,12 @@ def alarms(rows: list[Row]) -> pd.DataFrame:
     return pd.DataFrame(lines)
 
 
-def limited() -> pd.DataFrame:
-    """What is said under a limit, over all tasks."""
-    lines = []
-    for limit in LIMITS:
-        hidden, nothing = (rows_of(f"{what}-{limit}") for what in ("hidden", "nothing"))
-        answered, null = ([row for row in rows if "refused" not in row] for rows in (hidden, nothing))
-        lines.append(
-            {
-                "limit": limit,
-                "nothing hidden: refused": f"{len(nothing) - len(null)} of {len(nothing)}",
-                "alarms": f"{sum(row['p_value'] < ALPHA for row in null)} of {len(null)}",
-                "hidden: refused": f"{len(hidden) - len(answered)} of {len(hidden)}",
-                "detected": sum(row["p_value"] < ALPHA for row in answered),
-                "first right": sum(map(first, answered)),
-                "in the set": sum(row["truth"] in row["models"] for row in answered),
-            }
-        )
-    return pd.DataFrame(lines)
-
-
 @click.command()
 def main() -> None:
-    """Print the three tables."""
+    """Print both tables."""
     click.echo(table(rows_of(FORMER), rows_of(BANK)).to_string(index=False))
     click.echo()
     click.echo(alarms(rows_of(NOTHING)).to_string(index=False))
-    click.echo()
-    click.echo(limited().to_string(index=False))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 """Files that are written whole or not at all, at places that a name cannot lead out of, and folders that take them."""
 
+import errno
 import os
 import stat
 import tempfile
@@ -11,6 +12,8 @@ from avobench.tasks.errors import StoreError, UsageError
 
 NAMES = ("store.json", "records", "records.parquet", "running", "damaged", "sweeps.jsonl", ".lock", ".writer")
 """The names in the folder of a store. None may be a link: a folder from elsewhere could lead out by it."""
+NO_LOCKS = (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP)
+"""A file system without locks raises one of these errors."""
 
 
 def write_atomically(path: Path, content: bytes, check: Callable[[Path], None] | None = None) -> Path:

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
 from avobench.bench.plugins.source import source_hash
-from avobench.bench.store.files import not_plain, require_folder, write_file
+from avobench.bench.store.files import NO_LOCKS, not_plain, require_folder, write_file
 from avobench.effects.bank import Bank
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
@@ -36,13 +37,15 @@ class KeptBank(Bank):
 
     Events of the folder are handed out before any is simulated, and are not counted by the meter. A file is written
     whole before its events are used, so what ends the process loses what was being simulated and no more. A file is
-    named by the number of its time, or by the first and the last of those that it was merged from.
+    named by the number of its time, or by the first and the last of those that it was merged from. One process at a
+    time may use a folder: the events of two would take each other's place, and be made by the same random numbers.
     """
 
     def __init__(self, task: Task, meter: Meter, seed: int, jobs: int, folder: Path) -> None:
         """Raises UsageError where the folder cannot be used, or holds events of another simulator."""
         require_folder(folder)
         self.folder, self.task = folder, task
+        self._lock = _lock(folder)
         self._claim()
         self._recall()
         super().__init__(task, meter, seed, jobs)
@@ -61,8 +64,11 @@ class KeptBank(Bank):
                     continue
                 self._read(path, kind == ASIDE)
                 single += [path] if first == last else []
-        # Where a damaged file was deleted there are fewer than their numbers say, and none may be written again.
-        self.fills = max((_numbers(path)[1] + 1 for path in folder.glob("*-*.parquet")), default=0)
+        self.fills = self._next()
+
+    def _next(self) -> int:
+        """The number of the next file: where a damaged one was deleted there are fewer than their numbers say."""
+        return max((_numbers(path)[1] + 1 for path in self.folder.glob("*-*.parquet")), default=0)
 
     def _claim(self) -> None:
         """Write whose events the folder holds, or raise UsageError if they are another simulator's."""
@@ -113,6 +119,11 @@ class KeptBank(Bank):
             ) from error
         self.add(at, x, aside)
 
+    def _make(self, rows: NDArray[np.int64], aside: bool) -> None:
+        if len(rows) and self._next() != self.fills:
+            raise UsageError(f"{self.folder} was filled or emptied since it was read; ask again")
+        super()._make(rows, aside)
+
     def _keep(self, nodes: NDArray[np.int64], theta: NDArray[np.float64], x: NDArray, aside: bool) -> None:
         columns, names, features = self._columns()
         if (region := getattr(self.task, "region", None)) is not None:
@@ -130,6 +141,19 @@ class KeptBank(Bank):
             for each in single:
                 each.unlink()
             self._single[kind] = []
+
+
+def _lock(folder: Path) -> FileLock:
+    """A lock that this process holds as long as it refers to it. Raises UsageError where another one holds it."""
+    lock = FileLock(folder / ".lock", fallback_to_soft=False, is_singleton=True)
+    try:
+        lock.acquire(timeout=0)
+    except Timeout as error:
+        raise UsageError(f"another process simulates into {folder}; wait for it, or choose another folder") from error
+    except OSError as error:
+        if error.errno not in NO_LOCKS:
+            raise UsageError(f"{folder} cannot be locked for writing: {error.strerror or error}") from error
+    return lock
 
 
 def _write(path: Path, table: pd.DataFrame) -> None:

@@ -1,6 +1,5 @@
 """Records on disk: a JSON file a cell, or many packed in one table. docs/records.md describes them."""
 
-import errno
 import json
 import os
 import sys
@@ -16,14 +15,12 @@ from filelock import FileLock, Timeout
 
 from avobench.bench.store.claim import claim
 from avobench.bench.store.damage import DamagedRecord
-from avobench.bench.store.files import NAMES, not_plain, store_errors, within, write_atomically
+from avobench.bench.store.files import NAMES, NO_LOCKS, not_plain, store_errors, within, write_atomically
 from avobench.bench.store.packed import Unreadable, read_rows
 from avobench.bench.store.record import NEWER, SCHEMA_VERSION, UNREAD, decode_record, encode, file_name
 from avobench.tasks.errors import StoreError, UsageError
 
 SCHEMA = {"schema": "avobench-records", "version": SCHEMA_VERSION}
-NO_LOCKS = (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP)
-"""A file system without locks raises one of these errors."""
 
 
 @dataclass(frozen=True)

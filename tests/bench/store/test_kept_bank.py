@@ -1,5 +1,9 @@
 """A bank in a folder is read again, belongs to one simulator, and says what is wrong with it."""
 
+import subprocess
+import sys
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -10,6 +14,14 @@ from avobench.tasks.meter import Meter
 from avobench.tasks.poisson import Poisson
 
 THETA = np.tile([[2.0]], (50, 1))
+OPENED = """
+import sys
+from pathlib import Path
+from avobench.bench.store.kept_bank import KeptBank
+from avobench.tasks.meter import Meter
+from avobench.tasks.poisson import Poisson
+KeptBank(Poisson(), Meter(), 0, 1, Path(sys.argv[1]))
+"""
 
 
 def taken(folder, task=None):
@@ -23,6 +35,18 @@ def test_what_was_simulated_costs_nothing_later(tmp_path):
     np.testing.assert_array_equal(first, again)
     assert first.dtype == again.dtype
     assert (cost, later) == (50, 0)
+
+
+def test_two_that_simulate_into_one_folder_lose_and_double_nothing(tmp_path):
+    banks = [KeptBank(Poisson(), Meter(), 0, 1, tmp_path) for _ in range(2)]
+    banks[0].session()(THETA, np.random.default_rng(0))
+    with pytest.raises(UsageError, match="since it was read"):
+        banks[1].session()(2 * THETA, np.random.default_rng(0))
+    run = partial(subprocess.run, [sys.executable, "-c", OPENED, tmp_path], capture_output=True, text=True)
+    assert "another process simulates into" in run().stderr
+    del banks
+    assert run().returncode == 0
+    assert taken(tmp_path)[1] == 0
 
 
 def test_events_of_another_simulator_are_refused(tmp_path):
