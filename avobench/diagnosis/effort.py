@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from avobench.diagnosis.settings import BUDGET
+from avobench.diagnosis.settings import BUDGET, TEST
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 from avobench.tasks.joint import JointTask
@@ -154,7 +154,7 @@ def first_fit_events(effort: Effort, task: Task, num_events: int) -> int:
         return int(max(effort.generated * num_events, effort.least)) + 2 * num_events
     points, events = effort.scan
     rounds = BUDGET.rounds * max(effort.least, effort.rounds * num_events)
-    tests = (effort.sharpen + BUDGET.tests) * num_events
+    tests = effort.sharpen * max(num_events, TEST.few) + BUDGET.tests * num_events
     return int(BUDGET.scans * points * events + rounds + tests) + later_events(effort, num_events)
 
 

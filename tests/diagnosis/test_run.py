@@ -166,3 +166,16 @@ def test_an_effect_of_the_users_is_tried_before_anything_is_fitted():
         require_events(Own(lambda x: x * np.nan), Weinberg(), Weinberg().simulate)
     with pytest.raises(UsageError, match="must make finite events of int64, and makes float64: "):
         require_events(Own(lambda x: x / 2), Poisson(), Poisson().simulate)
+
+
+def test_few_events_tell_a_parameter_by_its_error():
+    """By few simulated events its slope hid in their noise, and its error was its whole range for one in ten."""
+    task = task_of(lambda theta, rng: rng.exponential(theta), prior={"mean": (0.5, 3)}, features=["time"])
+    errors = []
+    for seed in range(8):
+        x = np.random.default_rng(seed).exponential(1.2, (200, 1))
+        mean = diagnose(task, x, seed=seed + 100, max_effects=0).diagnosis.theta_before["mean"]
+        errors.append([mean.std, (mean.value - 1.2) / mean.std])
+    std, pull = np.array(errors).T
+    assert std.max() < 4 * 1.2 / np.sqrt(200)
+    assert np.abs(pull).max() < 4

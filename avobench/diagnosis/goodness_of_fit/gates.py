@@ -37,7 +37,7 @@ def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, effort: Eff
     tested anew, with that of where it ended (L. P. Hansen, J. Heaton and A. Yaron, J. Bus. Econ. Stat. 14 (1996) 262).
     """
     ratio = effort.sharpen if fit.p_value > TEST.hopeless else effort.repeated
-    num_events = int(ratio * target.num_events)
+    num_events = int(ratio * max(target.num_events, TEST.few))
     efficient, plainly_wrong = fit, fit.noiseless_q > TEST.plainly * fit.dof
     for _ in range(effort.metrics):
         fit = efficient
