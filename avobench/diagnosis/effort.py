@@ -46,7 +46,7 @@ class Effort:
     """Events of the fits that go on, a measured one, and the steps of each."""
     few: int = 1000
     """Measured events that fewer count as in the line above."""
-    settle: tuple[float, ...] = (1, 2)
+    settle: tuple[float, ...] = (1, 2, 4)
     """Multiples of a sharpening, for the last step of a fit, and to tell what the data say nothing about."""
     least: int = 1500
     """Events of a round, at least."""

@@ -134,12 +134,12 @@ def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int,
 
     The degrees of freedom that a fit takes up, and the errors of its parameters, depend on it. A step to the edge of
     a design, or one that promises much, only says where to look next: slopes at an edge are hardly known, and a promise
-    may be none. It uses no `ReferenceModel`: a polynomial over so wide a design is not exact enough where the data say
-    nearly nothing.
+    may be none. Where it stays open, the slopes are those of the last fit that knew them, if one did. It uses no
+    `ReferenceModel`: a polynomial over so wide a design is not exact enough where the data say nearly nothing.
     """
     if fit.model.dim == 0:
         return descend(fit.model, target, fit.design, rng, num_events, 1)
-    centre, best = fit.point, None
+    centre, best, tried = fit.point, None, [fit]
     for ratio in ratios:
         more = int(ratio * num_events)
         axes = fit.next_design(ratio=max(more / fit.num_events, 1)).axes
@@ -149,11 +149,13 @@ def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int,
         at_edge = np.abs(s.design.to_t(step.point)).max() > FIT.inside
         believed = not at_edge and step.noiseless_q > here.noiseless_q - FIT.worse * here.noiseless_q_error
         fit, centre = step if believed else here, step.point
+        tried.append(fit)
         if best is None or not best.clearly_below(fit):
             best = fit
         if believed and not best.undecided:
             break
-    return best
+    plain = [one for one in tried if not one.undecided]
+    return best.with_slopes_of(plain[-1]) if best.undecided and plain else best
 
 
 def scan(

@@ -1,6 +1,6 @@
 """What a fit is: the best parameters of a model for a target, and what may be said of them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -138,6 +138,11 @@ class Fit:
     def at_bound(self) -> NDArray[np.int_]:
         """1 for parameters that ended within half a thousandth of the upper end of their range, -1 for the lower."""
         return (self.point > 1 - 5e-4).astype(int) - (self.point < 5e-4)
+
+    def with_slopes_of(self, other: "Fit") -> "Fit":
+        """The same fit with the derivatives of another one close to it, which knows them better."""
+        fields = ("jacobian", "jacobian_noise", "slope_error", "design")
+        return replace(self, **{name: getattr(other, name) for name in fields})
 
     def follow(self, change: NDArray[np.float64]) -> NDArray[np.float64]:
         """How far the parameters move, in cube coordinates (P,), if the whitened mean of the data moves by `change`."""

@@ -131,9 +131,6 @@ def test_where_theta_takes_up_all_there_is_nothing_disagrees_and_nowhere():
     assert regions(own, target, target.summary.view(x).spans, rng, 0.05, ()) == []
 
 
-@pytest.mark.xfail(
-    strict=True, reason="of four seeds one has 15 degrees of freedom of 18, where 14 are right; its p-value is 0.33"
-)
 def test_where_nothing_is_expected_and_nothing_measured_a_fit_makes_nothing():
     """Without counts below 6, the model's own covariance knows none either, and would let the threshold fall."""
     (effect,) = (e for e in catalogue(Poisson()) if e.name == "threshold_loss")
