@@ -145,7 +145,7 @@ class KeptBank(Bank):
 
 def _lock(folder: Path) -> FileLock:
     """A lock that this process holds as long as it refers to it. Raises UsageError where another one holds it."""
-    lock = FileLock(folder / ".lock", fallback_to_soft=False, is_singleton=True)
+    lock = FileLock(folder / ".lock", fallback_to_soft=False, thread_local=False, is_singleton=True)
     try:
         lock.acquire(timeout=0)
     except Timeout as error:

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 import numpy as np
@@ -47,6 +48,13 @@ def test_two_that_simulate_into_one_folder_lose_and_double_nothing(tmp_path):
     del banks
     assert run().returncode == 0
     assert taken(tmp_path)[1] == 0
+
+
+def test_threads_of_one_process_may_use_a_folder_in_turn(tmp_path):
+    bank = KeptBank(Poisson(), Meter(), 0, 1, tmp_path)
+    bank.session()(THETA, np.random.default_rng(0))
+    with ThreadPoolExecutor(1) as pool:
+        assert pool.submit(taken, tmp_path).result()[1] == 0
 
 
 def test_events_of_another_simulator_are_refused(tmp_path):
