@@ -67,6 +67,9 @@ class Effort:
     cases."""
     scan: tuple[int, int] = (60, 150)
     """Points of each search for theta, and events at each."""
+    rescan: tuple[int, int] = (240, 60)
+    """The same where theta was missed, or the simulator is wrong: one of more points is near a narrow minimum, as that
+    of a peak of unknown place. Chosen on development cases."""
     pairs: tuple[int, int] = (60, 100)
     """Thetas of each round of a search for two populations, and events at each."""
     starts: int = 30
@@ -87,6 +90,7 @@ class Effort:
             rounds=max(self.rounds, 1),
             reference=max(self.reference, BUDGET.sure),
             sharpen=max(self.sharpen, BUDGET.sure),
+            scan=self.rescan,
         )
 
     @property
@@ -122,6 +126,7 @@ class Effort:
             screen=max(int(self.screen * share), 2000),
             card=max(int(self.card * share), 300),
             scan=(self.scan[0], max(int(self.scan[1] * share), 20)),
+            rescan=(max(int(self.rescan[0] * share), self.scan[0]), max(int(self.rescan[1] * share), 20)),
             pairs=(self.pairs[0], max(int(self.pairs[1] * share), 20)),
         )
 
@@ -140,6 +145,7 @@ IMAGES = Effort(
     card=600,
     covariance=30_000,
     scan=(60, 150),
+    rescan=(60, 150),
     starts=12,
     begun=6,
 )

@@ -93,6 +93,9 @@ class FitSettings:
     """How many times fewer events suffice to see where a point is hopeless. Chosen on development cases."""
     sharpenings: int = 4
     """Rounds of a sharpening, at most. Chosen on development cases."""
+    settled: float = 0.5
+    """Share of the range of theta over which the last step of a fit looks, at most, to either side: where that is no
+    quadratic, it looks less far."""
     inside: float = 0.9
     """Share of a design within which a minimum is believed: further out it may lie beyond."""
     coarse_share: float = 0.5

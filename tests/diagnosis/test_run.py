@@ -179,3 +179,36 @@ def test_few_events_tell_a_parameter_by_its_error():
     std, pull = np.array(errors).T
     assert std.max() < 4 * 1.2 / np.sqrt(200)
     assert np.abs(pull).max() < 4
+
+
+def theta_of(simulate, prior, x, seed):
+    """The first parameter of a plain fit without effects."""
+    found = diagnose(task_of(simulate, prior=prior, features=["x"]), x, seed=seed, max_effects=0).diagnosis
+    return next(iter(found.theta_before.values())), found.p_value_before
+
+
+def test_the_error_of_a_lifetime_is_that_of_its_mean_near_an_end_of_the_prior():
+    """Over a tenth of the range the slopes were mostly noise, and the error the whole range for one in three."""
+    exact, errors, pulls = 2.8 / np.sqrt(0.75 * 2000), [], []
+    for seed in range(3000, 3016):
+        x = np.random.default_rng(seed).exponential(2.8, (2000, 1))
+        value, _ = theta_of(lambda theta, rng: rng.exponential(theta), {"mean": (1, 3)}, x, seed)
+        errors.append(value.std / exact)
+        pulls.append((value.value - 2.8) / value.std)
+    assert np.sum(np.array(errors) > 3) <= 2
+    assert np.sqrt(np.mean(np.square(pulls))) < 1.45  # of sixteen right ones above in one of 500
+
+
+def test_a_peak_of_unknown_place_is_mostly_found_before_anything_is_said_to_be_missing():
+    """A search of few points went past it, and right simulators were rejected with p below 1e-10, one of four."""
+
+    def simulate(theta, rng):
+        within = rng.random(len(theta)) < theta[:, 1]
+        return np.where(within, rng.normal(theta[:, 0], 0.03), rng.uniform(0, 1, len(theta)))[:, None]
+
+    missed = 0
+    for seed in range(16):
+        x = simulate(np.tile([0.437, 0.15], (2000, 1)), np.random.default_rng(seed))
+        _, p = theta_of(simulate, {"place": (0.1, 0.9), "share": (0, 1)}, x, seed)
+        missed += p < 1e-10
+    assert missed <= 2

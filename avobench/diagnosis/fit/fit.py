@@ -122,9 +122,16 @@ class Fit:
 
     @cached_property
     def point_covariance(self) -> NDArray[np.float64]:
-        """The covariance of the cube coordinates (P, P); where the data say less than the range, that of the range."""
+        """The covariance of the cube coordinates (P, P); where the data say less than the range, that of the range.
+
+        The fit follows slopes to which simulation adds noise, so that it scatters by more than the information says.
+        """
         values, vectors = np.linalg.eigh(self.information[0])
-        return (vectors / np.maximum(values, 12)) @ vectors.T
+        known = values > 12
+        by_noise = (vectors.T @ self.jacobian_noise @ vectors / (1 + self.noise))[np.ix_(known, known)]
+        variances = np.diag(1 / np.maximum(values, 12))
+        variances[np.ix_(known, known)] += by_noise / np.outer(values[known], values[known])
+        return vectors @ variances @ vectors.T
 
     @property
     def std(self) -> NDArray[np.float64]:
@@ -158,9 +165,9 @@ class Fit:
         """Projects whitened means (r, r) onto what no change of the parameters can make."""
         return np.eye(len(self.residual)) - self.reach @ self.reach.T
 
-    def next_design(self, least: float = 0.0, ratio: float = 1.0) -> Design:
-        """A design around the fit for `ratio` times its events, with `least` as in `around`."""
-        return self.around(max(FIT.min_sigmas, self.slope_error / np.sqrt(ratio) / FIT.slope_noise), least)
+    def next_design(self, least: float = 0.0, ratio: float = 1.0, most: float = 0.0) -> Design:
+        """A design around the fit for `ratio` times its events, with `least` and `most` as in `around`."""
+        return self.around(max(FIT.min_sigmas, self.slope_error / np.sqrt(ratio) / FIT.slope_noise), least, most)
 
     def afforded(self, num_events: int) -> int:
         """So many events of the model, or fewer where each takes many simulated ones, as of rare events."""
@@ -176,12 +183,14 @@ class Fit:
         make = partial(surrogate, self.model, target, num_events=self.afforded(num_events), rng=rng)
         return ReferenceModel(self.model, quadratic(make, self.around(FIT.reference_sigmas), target))
 
-    def around(self, sigmas: float, least: float = 0.0) -> Design:
+    def around(self, sigmas: float, least: float = 0.0, most: float = 0.0) -> Design:
         """A design along the directions of the Fisher information, so many standard errors wide to either side.
 
-        At most as wide as the model can bear, see `Model.reach`, and `least` of that at least.
+        At most as wide as the model can bear, see `Model.reach`, of theta `most` of its range if that is more, and
+        `least` of that at least.
         """
-        reach = self.model.reach(self.point)
+        reach, p = self.model.reach(self.point), self.model.num_theta
+        reach[:p] = np.maximum(reach[:p], most)
         values, vectors = np.linalg.eigh(self.information[0] * np.outer(reach, reach))
         half = np.clip(sigmas / np.sqrt(np.maximum(values, 1e-9)), max(least, 1e-4), 1)
         return Design(self.point, reach[:, None] * vectors * half)

@@ -11,7 +11,8 @@ from avobench.diagnosis.report.uncertainties import Move, QuotedFit, ambiguity, 
 def test_theta_s_error_covers_another_solution_that_the_data_allow(counter):
     weak, strong = counter.weak, counter.strong
     assert strong.params[0] - weak.params[0] > 1.5
-    moves = ambiguity(weak, weak, [strong], counter.target, np.random.default_rng(0), 300_000)
+    some = [ambiguity(weak, weak, [strong], counter.target, np.random.default_rng(s), 300_000) for s in range(5)]
+    moves = sorted(some, key=lambda moves: abs(moves[0].theta[0]))[2]  # the way is told by events, which scatter
     (before,), (after,) = QuotedFit(weak).theta.values(), QuotedFit(weak, moves).theta.values()
     assert before.value == after.value
     assert abs(counter.truth.strong[0] - before.value) > 2 * before.std
