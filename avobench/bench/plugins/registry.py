@@ -18,7 +18,7 @@ import joblib
 from pydantic import TypeAdapter, ValidationError
 
 from avobench.bench.plugins import user_files
-from avobench.bench.plugins.source import source_hash
+from avobench.bench.plugins.source import is_ours, source_hash
 from avobench.effects.catalogue import GROUP, families
 from avobench.effects.contract import Effect
 from avobench.effects.model_file import EFFECT_NAME, AugmentedTask
@@ -231,7 +231,7 @@ def identity(kind: str, spec: str, instance: Any) -> dict[str, Any]:
     old results.
     """
     parts = {kind: instance.name, f"{kind}_version": instance.version, f"{kind}_settings": settings_of(instance)}
-    if source := blamed(partial(source_hash, _made_of(instance)), f"{kind} '{spec}'"):
+    if source := blamed(partial(source_hash, made_of(instance)), f"{kind} '{spec}'"):
         parts[f"{kind}_source_sha256"] = source
     return parts
 
@@ -249,10 +249,15 @@ def _fields(found: Any) -> list[dataclasses.Field]:
     return [field for field in dataclasses.fields(found) if field.init] if dataclasses.is_dataclass(found) else []
 
 
-def _made_of(instance: Any) -> list[Any]:
-    """The class of a task or method, and the parts of a task, with those of tasks among them."""
-    parts = [one for part in instance.parts for one in _made_of(part)] if isinstance(instance, Task) else []
-    return [type(instance) if isinstance(instance, Task | Method | Effect) else instance, *parts]
+def made_of(instance: Any) -> list[Any]:
+    """What `source_hash` is to tell of a task, method or effect, and of the parts of a task, with those of tasks there.
+
+    Settings and parts, and what a model file says of an effect, identify it elsewhere: then its class is enough.
+    """
+    parts = [one for part in instance.parts for one in made_of(part)] if isinstance(instance, Task) else []
+    kinds = isinstance(instance, Task | Method | Effect)
+    told = isinstance(instance, Effect) or dataclasses.is_dataclass(instance) or is_ours(type(instance))
+    return [type(instance) if kinds and told else instance, *parts]
 
 
 def missing_package(instance: Any) -> str | None:

@@ -1,8 +1,11 @@
-"""The source of a user's class or function, with the parts of its module that it uses.
+"""The source of a user's class or function, with the parts of its module that it uses, and the values that it holds.
 
 Only those top-level statements count that bind a name which it uses, directly or not. The hash of the whole file would
 take 50 lines in place of 160, but then every edit of a script's plots or budget would run all cells again. Other
 modules of the user's are not followed, except for base classes.
+
+No source tells the values in objects, partials and functions that were made inside others. They are read each time, as
+a user may change them in between.
 """
 
 import ast
@@ -15,9 +18,13 @@ import symtable
 import sys
 import textwrap
 from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from types import FunctionType
 from typing import Any, NamedTuple
 
 import joblib
+import numpy as np
 
 from avobench.bench.plugins import user_files
 
@@ -27,6 +34,12 @@ EVERYTHING = "*"
 
 CODE = '"""Code that a model names which avobench saved beside it."""'
 """The first line of a module that is made of another one."""
+
+
+PLAIN = (bool, int, float, complex, str, bytes, type(None))
+"""The types of values that their text tells."""
+WRAPPED = "__wrapped__"
+"""The attribute by which what `functools.cache` or a compiler made of a function has that function."""
 
 
 class Statement(NamedTuple):
@@ -47,6 +60,8 @@ def is_ours(thing: Any) -> bool:
 
 def source_hash(things: list[Any]) -> str | None:
     """SHA-256 of texts, and of the source of those classes, functions and objects that are not ours; None if all are.
+
+    With the source of a function or an object count the values that it holds.
 
     Raises OSError or TypeError where a source cannot be read, as of what was typed at a prompt.
     """
@@ -83,32 +98,130 @@ def _is_python(cell: str) -> bool:
     return True
 
 
-def _sources(thing: Any) -> Iterator[str]:
+def _sources(thing: Any, within: tuple[int, ...] = ()) -> Iterator[str]:
+    """The texts that tell a thing; `within` has the ids of the values that it is a part of."""
     if isinstance(thing, str):
         yield thing
     elif isinstance(thing, functools.partial):
-        yield from _sources(thing.func)
-        yield repr((thing.args, sorted(thing.keywords.items())))
+        yield from _sources(thing.func, within)
+        yield told((thing.args, thing.keywords), within)
+    elif inspect.ismethod(thing):
+        yield from _sources(thing.__func__, within)
+        yield told(thing.__self__, within)
     elif inspect.isclass(thing):
         bases = [base for base in thing.__mro__ if not is_ours(base)]
         yield from (base.__qualname__ for base in bases[:1])
         for module in dict.fromkeys(base.__module__ for base in bases):
-            yield from _used(module, [base for base in bases if base.__module__ == module])
-    elif inspect.isfunction(thing) and not is_ours(thing):
-        yield thing.__qualname__
-        yield from _used(thing.__module__, [thing])
-    elif not inspect.isfunction(thing) and not is_ours(type(thing)):
-        yield from _sources(type(thing))
+            yield from _used(module, [base for base in bases if base.__module__ == module], within)
+        yield from (told(_attributes(base), within) for base in bases if not _has_a_name(base))
+    elif inspect.isfunction(thing):
+        if not is_ours(thing):
+            yield thing.__qualname__
+            yield from _used(thing.__module__, [thing], within)
+        if not _has_a_name(thing) and (values := _values(thing)):
+            yield told(values, within)
+    elif WRAPPED in getattr(thing, "__dict__", ()):
+        yield from _sources(thing.__wrapped__, within)
+    else:
+        yield from _sources(type(thing), within)
+        if _is_installed(type(thing)):
+            yield told(thing, within)
+        elif state := _state(thing):
+            yield told(state, within)
 
 
-def _used(module: str, things: list[Any]) -> list[str]:
+def told(value: Any, within: tuple[int, ...] = ()) -> str:
+    """A text that differs where values do, and is the same in every process.
+
+    Code is told by its source, and an object by its class and what it holds, unless they are an installed package's.
+    All else is told by its hash; what has none, such as a lock, an open file or a compiled simulator, by its type.
+    """
+    if type(value) in PLAIN:
+        return repr(value)
+    if id(value) in within:
+        return "itself"
+    within = (*within, id(value))
+    tell, code = functools.partial(told, within=within), inspect.isclass(value) or inspect.isfunction(value)
+    texts = [type(value).__qualname__]
+    if isinstance(value, functools.partial):
+        texts += map(tell, (value.func, value.args, value.keywords))
+    elif inspect.ismethod(value):
+        texts += map(tell, (value.__func__, value.__self__))
+    elif not code and WRAPPED in getattr(value, "__dict__", ()):
+        texts.append(tell(value.__wrapped__))
+    elif not _is_installed(value if code else type(value)):
+        texts += [value.__qualname__ if code else "", *_sources(value, within)]
+    elif isinstance(value, dict):
+        texts += sorted(f"{tell(key)}: {tell(each)}" for key, each in value.items())
+    elif isinstance(value, set | frozenset):
+        texts += sorted(map(tell, value))
+    elif isinstance(value, list | tuple):
+        texts += map(tell, value)
+    else:
+        with suppress(Exception):  # what cannot be pickled may raise anything
+            texts.append(joblib.hash(value))
+    return joblib.hash(texts)
+
+
+def _is_installed(thing: Any) -> bool:
+    """Tell whether a class or function belongs to Python or to an installed package, so that its name tells it."""
+    module = thing.__module__ or "builtins"
+    if module.partition(".")[0] == "avobench":  # with the modules of a user's files
+        return False
+    file = getattr(sys.modules.get(module), "__file__", None) or ""
+    return is_ours(thing) or not {"site-packages", "dist-packages"}.isdisjoint(Path(file).parts)
+
+
+def _has_a_name(thing: Any) -> bool:
+    """Tell whether its module has a class or function by its name, so that the source of the module tells it."""
+    found = sys.modules.get(thing.__module__)
+    for name in thing.__qualname__.split("."):
+        found = getattr(found, name, None)
+    return found is thing
+
+
+def _values(function: FunctionType) -> dict[str, Any]:
+    """The values that a function keeps, by their names: of the functions around it, defaults and attributes."""
+    values = dict(vars(function))
+    for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
+        with suppress(ValueError):  # it has no value yet
+            values[name] = cell.cell_contents
+    defaults = {"defaults": function.__defaults__, "keyword defaults": function.__kwdefaults__}
+    return values | {name: value for name, value in defaults.items() if value}
+
+
+def _attributes(cls: type) -> dict[str, Any]:
+    """The attributes of a class, and the values that its methods keep."""
+    return {
+        name: _values(value) if inspect.isfunction(value) else value
+        for name, value in vars(cls).items()
+        if inspect.isfunction(value) or not name.startswith("__")
+    }
+
+
+def _state(thing: Any) -> list[Any]:
+    """What an object holds: what pickle would keep of it, but for cached properties, and its elements."""
+    try:
+        state = thing.__getstate__()
+    except Exception:  # a user's class may refuse to be pickled
+        state = vars(thing)
+    if isinstance(state, dict):
+        own = functools.partial(inspect.getattr_static, type(thing))
+        state = {k: value for k, value in state.items() if not isinstance(own(k, None), functools.cached_property)}
+    held = [state] if state else []
+    if isinstance(thing, np.ndarray):
+        held.append(np.asarray(thing))
+    return held + [kind(thing) for kind in (dict, list, tuple, set, frozenset, int, float) if isinstance(thing, kind)]
+
+
+def _used(module: str, things: list[Any], within: tuple[int, ...]) -> list[str]:
     """The statements of a module that these classes or functions of it consist of and use, in their order."""
     try:
         statements = _statements(inspect.getsource(sys.modules[module]))
     except (OSError, TypeError):  # what was typed in a notebook has no file, nor has what is compiled
-        return [text for thing in things for text in _of_values(thing, set())]
+        return [text for thing in things for text in _of_values(thing, set(), within)]
     wanted = {thing.__qualname__.partition(".")[0] for thing in things}
-    if "<lambda>" in wanted:
+    if any(name.startswith("<") for name in wanted):  # a lambda, alone or in a comprehension
         return [*map(inspect.getsource, things), *_closure(statements, _names(_text(things[0])))]
     return _closure(statements, wanted)
 
@@ -182,7 +295,7 @@ def _text(thing: Any) -> str:
     return textwrap.dedent(inspect.getsource(thing))
 
 
-def _of_values(thing: Any, seen: set[str]) -> Iterator[str]:
+def _of_values(thing: Any, seen: set[str], within: tuple[int, ...]) -> Iterator[str]:
     """The text of a class or function without a file, and the values in its module of the names that it uses."""
     text, home = _text(thing), vars(sys.modules[thing.__module__])
     yield text
@@ -191,6 +304,6 @@ def _of_values(thing: Any, seen: set[str]) -> Iterator[str]:
         value = home[name]
         if inspect.isfunction(value) or inspect.isclass(value):
             if value.__module__ == thing.__module__:
-                yield from _of_values(value, seen)
+                yield from _of_values(value, seen, within)
         elif not inspect.ismodule(value):
-            yield f"{name} = {joblib.hash(value)}"
+            yield f"{name} = {told(value, within)}"

@@ -10,7 +10,8 @@ import pandas as pd
 from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
-from avobench.bench.plugins.source import source_hash
+from avobench.bench.plugins.registry import made_of, settings_of
+from avobench.bench.plugins.source import source_hash, told
 from avobench.bench.store.files import NO_LOCKS, not_plain, require_folder, write_file
 from avobench.effects.bank import Bank
 from avobench.tasks import Task
@@ -174,10 +175,10 @@ def _numbers(path: Path) -> tuple[int, int]:
 def _identity(task: Task) -> dict[str, Any]:
     """All that decides which events a task makes. Raises UsageError where its source cannot be read."""
     try:
-        source = source_hash([type(task), *task.parts])
+        source = source_hash(made_of(task))
     except (OSError, TypeError) as error:
         raise UsageError(f"a bank can only be kept of a task whose source is in a file ({error})") from error
-    return {
+    identity = {
         "schema": SCHEMA,
         "version": VERSION,
         "task": task.name,
@@ -187,3 +188,6 @@ def _identity(task: Task) -> dict[str, Any]:
         "parameters": list(task.parameter_names),
         "features": list(task.labels),
     }
+    if settings := settings_of(task):
+        identity["settings"] = json.loads(json.dumps(settings, default=told))  # as the file has them
+    return identity

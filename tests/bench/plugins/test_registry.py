@@ -269,6 +269,120 @@ def test_a_base_class_of_another_file_of_the_user_s_counts(tmp_path):
     assert found[0] == found[2] != found[1]
 
 
+HOLDING = """
+import functools, os, threading
+from typing import NamedTuple
+import numpy as np
+import avobench
+from avobench.methods import Method
+from avobench.tasks import Box, Task
+
+SIGMA = float(os.environ["SIGMA"])
+
+def made(sigma):
+    def simulate(theta, rng, times=sigma):
+        return theta[:, 0] + times * sigma * rng.normal(size=len(theta))
+    def again(theta, rng):
+        return again.first(theta, rng) if theta is None else simulate(theta, rng)
+    again.first = again
+    return again
+
+def narrow(theta, rng):
+    return theta[:, 0] + rng.normal(size=len(theta))
+
+def wide(theta, rng):
+    return theta[:, 0] + 2 * rng.normal(size=len(theta))
+
+def chosen(theta, rng, simulators, table=None):
+    return simulators[0](theta, rng)
+
+class Detector:
+    def __init__(self, sigma):
+        self.sigma, self.lock, self.itself = sigma, threading.Lock(), self
+
+    @functools.cached_property
+    def table(self):
+        return np.zeros(3)
+
+    def simulate(self, theta, rng):
+        return theta[:, 0] + self.sigma * rng.normal(size=len(theta))
+
+class Point(NamedTuple):
+    sigma: float
+
+    def __call__(self, theta, rng):
+        return theta[:, 0] + self.sigma * rng.normal(size=len(theta))
+
+class Own(Task):
+    name, parameter_names, parameter_units, source, num_features = "own", ("mu",), ("1",), "x", 1
+    prior = support = Box((-2.0,), (2.0,))
+
+    def __init__(self, sigma):
+        self.sigma = sigma
+
+    def simulate(self, theta, rng):
+        return theta + self.sigma * rng.normal(size=theta.shape)
+
+    def summary(self, x):
+        return x.mean(axis=0)
+
+class Fixed(Method):
+    name, source = "fixed", "x"
+
+    def __init__(self, sigma):
+        self.sigma = sigma
+
+    def min_simulations(self, num_parameters):
+        return 1
+
+    def infer(self, problem, rng):
+        raise NotImplementedError
+
+task = functools.partial(avobench.task, prior={"mu": (-2, 2)}, name="it")
+table = np.zeros(5000)
+table[2500] = SIGMA
+closure = task(made(SIGMA))
+bound = task(Detector(SIGMA).simulate)
+held = task(functools.partial(chosen, simulators=[Detector(SIGMA).simulate]))
+code = task(functools.partial(chosen, simulators={0: narrow if SIGMA == 1 else wide}))
+cached = task(functools.partial(chosen, simulators=[narrow, functools.cache(made(SIGMA))]))
+point = task(Point(SIGMA))
+array = task(functools.partial(chosen, simulators=[narrow], table=table))
+loop = [task(lambda theta, rng, sigma=sigma: theta[:, 0] + sigma) for sigma in (SIGMA, 9.0)][0]
+own, fixed = Own(SIGMA), Fixed(SIGMA)
+detector = Detector(SIGMA)
+lazy = task(detector.simulate)
+"""
+HOLDS = ("closure", "bound", "held", "code", "cached", "point", "array", "loop", "own", "fixed")
+
+
+def test_values_that_functions_and_objects_hold_identify_them(tmp_path, monkeypatch):
+    def found(sigma):
+        monkeypatch.setenv("SIGMA", str(sigma))
+        return [identity_of(tmp_path, HOLDING, name, "method" if name == "fixed" else "task") for name in HOLDS]
+
+    first = found(1)
+    assert found(1) == first
+    assert [name for name, one, other in zip(HOLDS, first, found(2), strict=True) if one == other] == []
+    path = tmp_path / "variant_0.py"
+    code = "import sys; from avobench.bench.plugins import registry as r; print([r.identity(k, n, r.build(k, n, {}))"
+    code += f" for k, n in [('task', '{path}:' + n) for n in {HOLDS[:-1]}]])"
+    monkeypatch.setenv("SIGMA", "1")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout.strip() == str(first[:-1]), done.stderr
+
+
+def test_values_that_change_are_read_again_but_not_those_that_are_derived(tmp_path, monkeypatch):
+    monkeypatch.setenv("SIGMA", "1")
+    before = identity_of(tmp_path, HOLDING, "lazy")
+    module = sys.modules[user_files.module_name(tmp_path / "variant_0.py")]
+    detector, spec = module.detector, f"{tmp_path / 'variant_0.py'}:lazy"
+    assert detector.table.sum() == 0
+    assert registry.identity("task", spec, module.lazy) == before
+    detector.sigma = 3.0
+    assert registry.identity("task", spec, module.lazy) != before
+
+
 def test_what_has_no_file_is_identified_by_the_values_that_it_uses():
     made = []
     for shift in (1, 1, 2):

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -11,6 +12,8 @@ import pytest
 from avobench.bench.store.kept_bank import KeptBank
 from avobench.tasks.carl import Carl
 from avobench.tasks.errors import UsageError
+from avobench.tasks.function import task
+from avobench.tasks.joint import JointTask
 from avobench.tasks.meter import Meter
 from avobench.tasks.poisson import Poisson
 
@@ -23,6 +26,17 @@ from avobench.tasks.meter import Meter
 from avobench.tasks.poisson import Poisson
 KeptBank(Poisson(), Meter(), 0, 1, Path(sys.argv[1]))
 """
+
+
+@dataclass(frozen=True)
+class Shifted(Poisson):
+    """A task with settings, one of them none that a file of JSON can hold as it is."""
+
+    shift: float = 0.0
+    table: np.ndarray = field(default_factory=lambda: np.zeros(2))
+
+    def simulate(self, theta, rng):
+        return super().simulate(theta, rng) + int(self.shift)
 
 
 def taken(folder, task=None):
@@ -61,6 +75,25 @@ def test_events_of_another_simulator_are_refused(tmp_path):
     taken(tmp_path)
     with pytest.raises(UsageError, match="another simulator"):
         KeptBank(Carl(), Meter(), 0, 1, tmp_path)
+
+
+@pytest.mark.parametrize("other", [Shifted(shift=1.0), Shifted(table=np.ones(2))])
+def test_so_are_those_of_a_task_with_other_settings(tmp_path, other):
+    _, cost = taken(tmp_path, Shifted())
+    with pytest.raises(UsageError, match="another simulator"):
+        taken(tmp_path, other)
+    assert (cost, taken(tmp_path, Shifted(shift=0))[1]) == (50, 0)
+
+
+def test_so_are_those_of_other_data_sets_put_together(tmp_path):
+    def joined(shift):
+        made = task(lambda theta, rng: theta[:, 0] + shift, prior={"mu": (0, 9)}, name="one")
+        return JointTask({"one": made, "two": made}, shared=["mu"])
+
+    taken(tmp_path, joined(0.0))
+    assert taken(tmp_path, joined(0.0))[1] == 0
+    with pytest.raises(UsageError, match="another simulator"):
+        taken(tmp_path, joined(1.0))
 
 
 def test_no_file_is_written_over_where_another_was_deleted(tmp_path):
