@@ -1,5 +1,6 @@
 """The metered simulator: the only way a method can simulate, and the place where events are counted."""
 
+import os
 import time
 from collections.abc import Callable
 
@@ -9,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from avobench.methods import Problem
 from avobench.tasks import Task
 from avobench.tasks.checked import checked_events
-from avobench.tasks.errors import SimulatorError, SupportError, raised, text_of
+from avobench.tasks.errors import SimulatorError, SupportError, UsageError, raised, text_of
 from avobench.tasks.meter import Meter
 
 
@@ -18,7 +19,7 @@ class MeteredSimulator:
 
     A request that would exceed the budget is refused whole: it raises BudgetExhausted, its events are added to
     `refused`, and nothing is simulated. `requested == used + refused` always holds. An event is charged before it
-    is simulated, so a simulator that fails is charged too.
+    is simulated, so a simulator that fails is charged too. A copy in another process raises UsageError.
     """
 
     def __init__(
@@ -26,6 +27,7 @@ class MeteredSimulator:
     ) -> None:
         self._task, self._rng, self._progress = task, rng, progress
         self._meter, self._budget, self._seconds = Meter(budget), budget, 0.0
+        self._process = os.getpid()
 
     @property
     def budget(self) -> int:
@@ -72,6 +74,8 @@ class MeteredSimulator:
         return self._simulate(np.repeat(theta, n, axis=0)).reshape(len(theta), n, -1)
 
     def _simulate(self, theta: NDArray[np.float64]) -> NDArray:
+        if os.getpid() != self._process:  # a copy would count for itself, and draw the same random numbers
+            raise UsageError("a method called problem.simulate in a process that it started; call it where infer runs")
         self._meter.charge(len(theta))
         start = time.perf_counter()
         try:

@@ -1,5 +1,8 @@
 """The budget is a hard limit of the simulator, whatever a method asks for."""
 
+import multiprocessing
+from concurrent.futures import ProcessPoolExecutor
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,7 +10,7 @@ from hypothesis import strategies as st
 from toys import Normal
 
 from avobench.bench.cells.budget import MeteredSimulator
-from avobench.tasks.errors import BudgetExhausted, SimulatorError, SupportError
+from avobench.tasks.errors import BudgetExhausted, SimulatorError, SupportError, UsageError
 from avobench.tasks.weinberg import Weinberg
 
 THETA = [45.5, 1.0]
@@ -40,6 +43,15 @@ def test_repeat_needs_an_event_of_each_row():
     with pytest.raises(SupportError, match="outside the support"):
         simulate.repeat([50.0, 1.0], 2)
     assert simulate.requested == 0
+
+
+def test_no_event_is_made_in_another_process_where_none_is_counted():
+    simulate = metered(10)
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+        for asked in (pool.submit(simulate, [THETA]), pool.submit(simulate.repeat, THETA, 1)):
+            with pytest.raises(UsageError, match="process"):
+                asked.result()
+    assert simulate([THETA] * 10).shape == (10, 1)
 
 
 @pytest.mark.parametrize(
