@@ -1,5 +1,7 @@
 """A backend carries out cells for a sweep, and a cell tells it by a heartbeat how far it is."""
 
+import dataclasses
+import json
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
@@ -11,6 +13,8 @@ HEARTBEAT_SECONDS = 1.0
 """A cell tells this often how far it is: as often as the display is drawn."""
 ATTEMPTS = 2
 """A cell is recorded as crashed when it has lost its worker so often."""
+_SAME: set[str] = set()
+"""The tasks and methods, with their identities, that were found in this process as they were planned."""
 
 
 class Backend(ABC):
@@ -52,3 +56,23 @@ def heartbeat(cell: Cell, tell: Callable[[float], None]) -> Callable[[int], None
 
     tell(0)
     return beat
+
+
+def differing(cell: Cell) -> str:
+    """The task or method that is another one in this process than the cell was planned with, in words; "" if none is.
+
+    They are compared at their first cell only: an object may change what it holds while it works.
+    """
+    planned = {kind: _identity(kind, cell, cell.identity) for kind in ("task", "method")}
+    new = [kind for kind in planned if planned[kind] not in _SAME]
+    found = dataclasses.replace(cell).identity if new else {}  # made anew from what this process imports
+    for kind in new:
+        if _identity(kind, cell, found) != planned[kind]:
+            return f"{kind} '{getattr(cell, kind)}'"
+        _SAME.add(planned[kind])
+    return ""
+
+
+def _identity(kind: str, cell: Cell, identity: dict[str, Any]) -> str:
+    parts = {name: value for name, value in identity.items() if name.startswith(kind)}
+    return json.dumps([getattr(cell, kind), parts], sort_keys=True)

@@ -4,7 +4,6 @@ joblib has a Dask backend too, but there an error of one cell ends all others th
 whose worker died nor how far the others are can be told. So this asks `distributed` directly.
 """
 
-import dataclasses
 import hashlib
 import os
 import time
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.trial import blank_record, execute
-from avobench.bench.processes.contract import ATTEMPTS, Backend, heartbeat
+from avobench.bench.processes.contract import ATTEMPTS, Backend, differing, heartbeat
 from avobench.bench.store.status import Status
 from avobench.bench.store.versions import versions
 from avobench.tasks.errors import AvobenchError, UsageError, optional
@@ -179,7 +178,7 @@ def _work(cell: Cell, wanted: dict[str, Any], debug: bool) -> dict[str, Any]:
 
     worker = get_worker()
     require_equal(worker.address, facts(worker), wanted)
-    if dataclasses.replace(cell).identity != cell.identity:  # made anew from what is installed here
-        raise UsageError(f"the worker at {worker.address} has another version of {cell.task} or {cell.method}")
+    if what := differing(cell):
+        raise UsageError(f"the worker at {worker.address} has another version of {what}; give it the same files")
     topic = {"id": cell.id, "worker": worker.address}
     return execute(cell, heartbeat(cell, lambda share: worker.log_event(TOPIC, {**topic, "share": share})), debug)

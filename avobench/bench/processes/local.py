@@ -12,10 +12,10 @@ from typing import Any
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.trial import blank_record, execute, execute_together, told
 from avobench.bench.processes.calls import Call, Limits, here, outcomes
-from avobench.bench.processes.contract import ATTEMPTS, Backend, heartbeat
+from avobench.bench.processes.contract import ATTEMPTS, Backend, differing, heartbeat
 from avobench.bench.store.files import store_errors, write_atomically
 from avobench.bench.store.status import Status
-from avobench.tasks.errors import ProcessEnded
+from avobench.tasks.errors import ProcessEnded, UsageError
 
 LIMITS = Limits(seconds=6 * 3600, mib=8192)
 """The limits of a cell. The longest of the committed records took 21 minutes, the largest 3.3 GiB."""
@@ -119,7 +119,15 @@ def label(piece: Piece) -> str:
 
 
 def _work(piece: Piece, marks: Path, debug: bool) -> list[dict[str, Any]] | str:
-    """A piece in a worker: the records of its cells, or the reason why there are none."""
+    """A piece in a worker: the records of its cells, or the reason why there are none.
+
+    Raises UsageError where its task or method is not the one that was planned: its records would be under a wrong name.
+    """
+    if what := differing(piece[0]):
+        raise UsageError(
+            f"{what} was changed while the sweep runs; give the same command again, which keeps what is finished (if "
+            "you changed no file, make the values that it holds the same in every process)"
+        )
     progress = [heartbeat(cell, partial(_mark, marks / cell.id)) for cell in piece]
     if len(piece) == 1:
         return [execute(piece[0], progress[0], debug)]

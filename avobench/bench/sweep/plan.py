@@ -56,9 +56,6 @@ def plan(
         for spec in specs:
             built[kind][spec] = registry.build(kind, spec, chosen[spec])
             registry.require_packages(kind, built[kind][spec])
-    for spec, task in built["task"].items():
-        if tried and ":" in spec:
-            require_generator(task)
     for spec, method in built["method"].items():
         for task in built["task"].values():
             least = registry.blamed(partial(method.min_simulations, len(task.parameter_names)), f"method '{spec}'")
@@ -66,13 +63,18 @@ def plan(
                 raise UsageError(f"min_simulations of method '{spec}' must return a whole number, got {least!r}")
             if budget < least:
                 raise UsageError(f"--budget {budget} is too small for {method.name} on {task.name}: at least {least}")
-    return [
+    cells = [
         Cell(task, chosen[task], method, chosen[method], target, repetition, budget, num_observations, seed)
         for repetition in range(repetitions)
         for target in indices
         for method in dict.fromkeys(methods)
         for task in dict.fromkeys(tasks)
     ]
+    # After that, as a ready-made object may change what it holds, and with it its identity, while it simulates.
+    for spec, task in built["task"].items():
+        if tried and ":" in spec:
+            require_generator(task)
+    return cells
 
 
 def on_device(methods: list[str], device: str) -> list[str]:

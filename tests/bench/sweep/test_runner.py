@@ -15,7 +15,7 @@ from avobench.bench.processes.local import LocalBackend
 from avobench.bench.store.store import Store
 from avobench.bench.sweep.plan import plan
 from avobench.bench.sweep.runner import run
-from avobench.tasks.errors import StoreError
+from avobench.tasks.errors import StoreError, UsageError
 from robustness.warm import SWEEP
 
 HERE = Path(__file__).parents[2] / "users"
@@ -65,6 +65,34 @@ def test_a_failed_cell_does_not_stop_the_sweep_and_is_tried_again_only_on_reques
     assert view.order == []
     _, view = sweep(tmp_path, settings=["moment.fault=raises"], retry_failed=True)
     assert len(view.order) == 4
+
+
+OWN = """
+import avobench
+
+class Counting:
+    calls = 0
+
+    def simulate(self, theta, rng):
+        self.calls += 1
+        return theta[:, 0] + rng.normal(0, SIGMA, len(theta))
+
+SIGMA = 1.0
+made = avobench.task(Counting().simulate, prior={"mu": (-2, 2)}, support={"mu": (-9, 9)})
+"""
+
+
+def test_a_file_that_is_edited_while_a_sweep_runs_ends_it(tmp_path):
+    """Else a worker that is started later makes records of the new file under the identity of the old one."""
+    path, store = tmp_path / "own.py", Store(tmp_path / "r", create=True)
+    path.write_text(OWN)
+    cells = plan([f"{path}:made"], ["toys:Lockstep", "toys:Moment"], "0-1", 1, 400, 100, 0, [])
+    path.write_text(OWN.replace("SIGMA = 1.0", "SIGMA = 30.0"))
+    with pytest.raises(UsageError, match="changed"):
+        run(cells, store, LocalBackend(1, store.running), Watch())
+    assert not store.read_sound()
+    path.write_text(OWN)
+    assert len(run(cells, store, LocalBackend(1, store.running), Watch())) == 4  # though the object counts its calls
 
 
 def test_damaged_records_are_set_aside_and_made_again(tmp_path):
