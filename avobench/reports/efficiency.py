@@ -56,8 +56,11 @@ def numbers(cells: pd.DataFrame) -> pd.DataFrame:
 
 
 def errors_at(record: dict[str, Any], simulations: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Squared error of the last estimate made with at most so many simulations, NaN before the first: (n,) -> (n,)."""
-    trace = record["trace"] or [{"simulations": record["simulations_used"], "theta": record["theta_hat"]}]
+    """Squared error of the last estimate made with at most so many simulations, NaN before the first: (n,) -> (n,).
+
+    The last of all is the estimate itself, which need not be the last point of the trace.
+    """
+    trace = [*(record["trace"] or []), {"simulations": record["simulations_used"], "theta": record["theta_hat"]}]
     theta = np.array([point["theta"] for point in trace], float).reshape(len(trace), -1)
     errors = ((theta - record["theta_true"]) ** 2).sum(axis=1)
     last = np.searchsorted([point["simulations"] for point in trace], simulations, side="right")

@@ -22,6 +22,13 @@ def test_efficiency_reads_the_trace_as_it_was_known_at_the_time(make_record):
     np.testing.assert_allclose(errors, [np.nan, 1, 1, 0.01, 0.01])
 
 
+def test_efficiency_ends_at_the_estimate_where_the_trace_ends_before(make_record):
+    record = make_record("poisson", "avo", 0, 0.1)
+    record["trace"] = record["trace"][:1]  # at half the budget, ten times as far
+    np.testing.assert_allclose(errors_at(record, np.array([15_999, 16_000])), [1, 0.01])
+    assert errors_at(record, np.array([16_000])) == pytest.approx(record["squared_error"])
+
+
 def test_efficiency_shows_medians_from_the_first_estimate_of_all(benchmark, make_record):
     lost = make_record("poisson", "bolfi", 5, 3.0)  # one far run moves no median
     others = [record for record in benchmark if record["task"] == "poisson" and record["id"] != lost["id"]]

@@ -85,13 +85,16 @@ def _labels(
         | record[f"{kind}_settings"]
         for record in records
     ]
-    seen: dict[Any, dict[str, set[str]]] = {}
+    alike: dict[Any, list[dict[str, str]]] = {}
     for record, part in zip(records, parts, strict=True):
-        for name, value in part.items():
-            seen.setdefault(group(record), {}).setdefault(name, set()).add(json.dumps(value))
+        alike.setdefault(group(record), []).append({name: json.dumps(value) for name, value in part.items()})
+    differ = {  # from one that lacks a setting, too: it may be left out at its default
+        key: {name for name in set().union(*texts) if len({text.get(name) for text in texts}) > 1}
+        for key, texts in alike.items()
+    }
     result = []
     for record, part in zip(records, parts, strict=True):
-        values = seen[group(record)]
-        extra = [f"{name}={value}".replace(" ", "") for name, value in part.items() if len(values[name]) > 1]
+        names = differ[group(record)]
+        extra = [f"{name}={value}".replace(" ", "") for name, value in part.items() if name in names]
         result.append(" ".join([record[kind], *extra]))
     return result

@@ -32,6 +32,14 @@ def test_like_named_methods_of_other_settings_are_never_pooled():
     assert labels(records()) == (["normal"] * 2, ["moment"] * 2)
 
 
+def test_nor_are_those_of_which_some_leave_a_setting_out_at_its_default():
+    plain, other = records(), records()
+    for record in other:
+        record["method_settings"] = {**record["method_settings"], "added_later": 2}
+    _, methods = labels([*plain, *other])
+    assert methods == ["moment"] * 2 + ["moment added_later=2"] * 2
+
+
 @pytest.mark.parametrize("text", ["=1+1", "+cmd|' /C calc'!A0", "-2+3", "@SUM(A1)", "\t=1", "x\r=1"])
 def test_no_text_of_a_csv_is_a_formula_and_all_else_is_as_it_was(text):
     frame = to_frame(records())
