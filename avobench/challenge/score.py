@@ -106,6 +106,7 @@ def _one(cases: list[Case]) -> dict[str, Any]:
         "another_would_do": rate(bool(case.ties and case.ties[0] - {case.hidden[0]}) for case in found),
         "more_named": rate(len(case.named) > 1 for case in found),
         "visible_right_first": rate(case.first() for case in visible),
+        "visible_in_tie_set": rate(case.in_first_tie for case in visible),
         "explained": rate(case.explained for case in found),
         **_before_and_after(found),
         "theta_within_2": rate(_near(explained, "after")),
@@ -127,7 +128,7 @@ def _withheld(cases: list[Case]) -> dict[str, Any]:
 
 def _two(cases: list[Case]) -> dict[str, Any]:
     found = [case for case in cases if case.detected]
-    visible = [case for case in found if case.both_visible]
+    visible = [case for case in cases if case.both_visible]
     missed = [case for case in visible if not case.both]
     return {
         "cases": len(cases),

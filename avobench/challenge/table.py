@@ -21,6 +21,7 @@ LABELS = {
     "another_would_do": "another effect named or tied",
     "more_named": "a further effect named, though none was hidden",
     "visible_right_first": f"right name first, of all with a power of {VISIBLE:.0%} or more",
+    "visible_in_tie_set": f"truth in the tie set, of all with a power of {VISIBLE:.0%} or more",
     "explained": f'"{Verdict.NAMED}"',
     "falsely_explained_by_gap": "falsely explained, chi2/ndf before",
     "both": "both named",

@@ -267,6 +267,7 @@ def test_the_score_counts_what_it_says():
     assert [counts(part) for part in own["right_first_by_gap"]] == [(0, 0), (1, 3), (0, 0), (0, 0)]
     assert counts(own["in_tie_set"]) == (2, 3)
     assert counts(own["visible_right_first"]) == (1, 4)
+    assert counts(own["visible_in_tie_set"]) == (2, 4)
     assert own["tie_size"] == pytest.approx(5 / 3)
     assert counts(own["another_would_do"]) == (3, 3)
     assert counts(own["explained"]) == (2, 3)
@@ -287,6 +288,13 @@ def test_the_score_counts_what_it_says():
     assert [counts(two[name]) for name in ("visible_both", "visible_at_least_one")] == [(1, 2), (1, 2)]
     assert counts(two["visible_missed_explained"]) == (1, 1)
     assert counts(own["more_named"]) == (0, 3)
+    missed = score([head, *lines, row(14, "two", ["dead_time", "pile_up"])])["two"]["own"]
+    assert [counts(missed[name]) for name in ("visible_both", "visible_at_least_one", "both")] == [
+        (1, 3),
+        (1, 3),
+        (1, 3),
+    ]
+    assert counts(missed["visible_missed_explained"]) == (1, 2)
     both = score([head, *lines], [{**head, "seed": 1}, row(3, "own", ["dead_time"], power=0.95), row(0, "none")])
     assert counts(both["none"]["false_alarms"]) == (1, 3)
     assert (both["cases"], both["solved"], both["one"]["own"]["cases"]) == (40, 16, 6)
