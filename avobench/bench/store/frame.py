@@ -13,13 +13,17 @@ FORMULA = ("=", "+", "-", "@")
 
 
 def to_frame(records: Iterable[dict[str, Any]]) -> pd.DataFrame:
-    """One row per cell; lists over parameters become columns `theta_true_0`, `theta_true_1`, ...; no trace."""
+    """One row per cell; lists over parameters become columns `theta_true_0`, `theta_true_1`, ...; no trace.
+
+    There are columns of `standard_error` only where a record has one.
+    """
     rows, once = [], {}  # many records have the same settings: each text is kept once
     for record in records:
         row = dict(record)
         for name in ("theta_true", "theta_hat", "mean", "std"):
             values = row.pop(name) or [None] * len(record["theta_true"])
             row |= {f"{name}_{i}": value for i, value in enumerate(values)}
+        row |= {f"standard_error_{i}": value for i, value in enumerate(row.pop("standard_error", None) or [])}
         for name in ("task_settings", "method_settings", "versions"):
             text = json.dumps(row[name], sort_keys=True)
             row[name] = once.setdefault(text, text)
@@ -27,7 +31,7 @@ def to_frame(records: Iterable[dict[str, Any]]) -> pd.DataFrame:
         row.pop("trace", None)  # a sweep keeps none
         rows.append(row)
     frame = pd.DataFrame(rows)
-    per_parameter = frame.columns[frame.columns.str.fullmatch(r"(theta_true|theta_hat|mean|std)_\d+")]
+    per_parameter = frame.columns[frame.columns.str.fullmatch(r"(theta_true|theta_hat|mean|std|standard_error)_\d+")]
     numbers = [*per_parameter, "squared_error", "floor", "floor_likelihood", "peak_memory_mib"]
     frame[numbers] = frame[numbers].astype(float)
     counts = [f"simulations_{what}" for what in ("requested", "used", "discarded", "refused")]

@@ -24,6 +24,16 @@ def test_the_table_has_a_row_a_cell_and_the_promised_columns():
     assert frame.loc[frame["status"] != "ok", ["theta_hat_0", "squared_error"]].isna().all(axis=None)
 
 
+def test_standard_errors_are_a_column_for_each_parameter_as_the_estimates_are():
+    made = records()
+    assert not any(name.startswith("standard_error") for name in to_frame(made))
+    frame = to_frame([{**made[0], "standard_error": [0.5] * len(made[0]["theta_true"])}, made[1]])
+    assert "standard_error" not in frame
+    assert frame["standard_error_0"].dtype == float
+    assert frame["standard_error_0"].tolist()[0] == 0.5
+    assert pd.isna(frame["standard_error_0"][1])
+
+
 def test_like_named_methods_of_other_settings_are_never_pooled():
     mixed = [*records(), *records(settings=["moment.steps=2"]), *records(budget=800)]
     tasks, methods = labels(mixed)
