@@ -233,15 +233,17 @@ def _floors(task: Task, cell: Cell) -> dict[str, float | None]:
 
 
 def _scored(estimate: Estimate, task: Task, cell: Cell) -> dict[str, Any]:
+    """The fields of a record that tell its estimate, as the task quotes it: an integer is whole there."""
     theta_true = task.targets()[cell.target]
+    theta, error = task.quoted(estimate.theta, np.zeros_like(theta_true) if estimate.error is None else estimate.error)
     return {
-        "theta_hat": estimate.theta.tolist(),
-        "squared_error": float(((estimate.theta - theta_true) ** 2).sum()),
+        "theta_hat": theta.tolist(),
+        "squared_error": float(((theta - theta_true) ** 2).sum()),
         "how": estimate.how,
         "spread_of": estimate.spread_of,
         "mean": _numbers(estimate.mean),
         "std": _numbers(estimate.std),
-        **({} if estimate.error is None else {"standard_error": _numbers(estimate.error)}),
+        **({} if estimate.error is None else {"standard_error": _numbers(error)}),
         "trace": [
             {"simulations": int(point.simulations), "theta": _numbers(point.theta), "std": _numbers(point.std)}
             for point in estimate.trace

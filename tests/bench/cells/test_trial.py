@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.streams import observe
 from avobench.bench.cells.trial import blank_record, execute
 from avobench.bench.store.record import check
@@ -83,6 +84,28 @@ def test_a_standard_error_is_recorded_where_the_method_tells_one():
     with pytest.raises(ValueError, match="standard_error is negative"):
         check({**record, "standard_error": [-0.1]})
     assert "standard_error" not in execute(cell())
+
+
+WHOLE = """
+import avobench
+
+def simulate(theta, rng):
+    return theta[:, 0] + rng.normal(0, 20, len(theta))
+
+made = avobench.task(simulate, prior={"number": (0, 90)}, support={"number": (0, 99)}, kinds={"number": "integer"})
+"""
+
+
+def test_an_integer_is_recorded_whole_with_an_error_that_covers_the_rounding(tmp_path):
+    path = tmp_path / "whole.py"
+    path.write_text(WHOLE)
+    for target in range(3):
+        record = execute(Cell(f"{path}:made", {}, "smm", {}, target, 0, 2000, 200, 0))
+        (theta,), (mean,), (error,) = (record[name] for name in ("theta_hat", "mean", "standard_error"))
+        assert theta == round(theta)
+        assert error >= abs(theta - mean) > 0
+        assert record["squared_error"] == (theta - record["theta_true"][0]) ** 2
+        check(record)
 
 
 def test_a_summary_that_is_not_finite_is_named():
