@@ -128,7 +128,7 @@ def calibrate(
     Raises
     ------
     UsageError
-        If `infer` would refuse, or the folder holds fits of something else.
+        If `infer` would refuse, or the folder holds fits of something else, such as a simulator of another source.
     AvobenchError
         What the first fit raised, if none gave an answer. Others that fail are counted.
     """
@@ -138,8 +138,9 @@ def calibrate(
     seed = whole("seed", seed, 0)
     truth = np.concatenate([task.prior.sample(1, stream(seed, "calibrate", task.name, i)) for i in range(n)])
     truth = task.quoted(truth, np.zeros_like(truth))[0]
-    identity = {"task": task.name, "method": method, "settings": dict(settings or {})}
-    identity |= {"events": events, "budget": budget, "seed": seed}
+    identity = {"method": method, "settings": dict(settings or {}), "events": events, "budget": budget, "seed": seed}
+    if folder is not None:
+        identity |= registry.identity("task", task.name, task) | {"prior": repr(task.prior)}
     with _opened(folder, identity) as path, shown(progress) as tell:
         files = [path / f"fit-{i}.json" for i in range(n)]
         lacking = [i for i in range(n) if _read(files[i]) is None]
@@ -188,6 +189,8 @@ def _opened(folder: str | Path | None, identity: dict[str, Any]) -> Iterator[Pat
     require_folder(path := Path(folder))
     file, said = path / IDENTITY, (json.dumps(identity, indent=1, default=repr) + "\n").encode()
     if file.exists() and file.read_bytes() != said:
-        raise UsageError(f"{path} holds fits with other arguments than these ({file} has them); choose another folder")
+        raise UsageError(
+            f"{path} holds fits of another task or with other arguments ({file} has them); choose another folder"
+        )
     write_file(file, said)
     yield path

@@ -42,6 +42,19 @@ def test_the_errors_of_smm_hold_and_smaller_ones_do_not(tmp_path):
         avobench.calibrate(task, n=24, folder=tmp_path, seed=1, **HOW)
 
 
+@pytest.mark.parametrize(
+    "other",
+    [
+        lambda: avobench.task(lambda theta, rng: rng.normal(theta[:, 0], 50), prior={"mean": (-2, 2)}, name="normal"),
+        lambda: avobench.task(Normal(), prior={"mean": (-2, 3)}, name="normal"),
+    ],
+)
+def test_a_folder_is_of_one_simulator_and_one_prior(tmp_path, other):
+    avobench.calibrate(avobench.task(Normal(), prior={"mean": (-2, 2)}, name="normal"), n=1, folder=tmp_path, **HOW)
+    with pytest.raises(avobench.UsageError, match="another task"):
+        avobench.calibrate(other(), n=1, folder=tmp_path, **HOW)
+
+
 def test_jobs_change_nothing_and_a_damaged_fit_is_made_again(tmp_path):
     task = avobench.task(Normal(), prior={"mean": (-2, 2)}, name="normal")
     one = avobench.calibrate(task, n=2, folder=tmp_path, **HOW)
