@@ -136,7 +136,8 @@ def calibrate(
     counts = {"n": n, "events": events, "budget": budget, "jobs": jobs}
     n, events, budget, jobs = (whole(name, value, 1) for name, value in counts.items())
     seed = whole("seed", seed, 0)
-    truth = np.concatenate([task.prior.sample(1, stream(seed, "calibrate", task.name, i)) for i in range(n)])
+    streams = [stream(seed, "calibrate", task.name, i) for i in range(n)]
+    truth = np.concatenate([task.at_whole(task.prior.sample(1, rng), rng) for rng in streams])
     truth = task.quoted(truth, np.zeros_like(truth))[0]
     identity = {"method": method, "settings": dict(settings or {}), "events": events, "budget": budget, "seed": seed}
     if folder is not None:

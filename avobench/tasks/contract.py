@@ -247,7 +247,8 @@ class Task(ABC):
 
     def targets(self, n: int = NUM_TARGETS) -> NDArray[np.float64]:
         """Target parameters, drawn from the prior with a seed that belongs to the task's name: (n, p)."""
-        theta = self.prior.sample(n, np.random.default_rng(stable_hash("targets", self.name)))
+        rng = np.random.default_rng(stable_hash("targets", self.name))
+        theta = self.at_whole(self.prior.sample(n, rng), rng)
         return self.quoted(theta, np.zeros_like(theta))[0]
 
 

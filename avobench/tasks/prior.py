@@ -33,8 +33,8 @@ class Distribution(Protocol):
 class Law:
     """A distribution of SciPy's by its name and arguments, so that a file can hold it.
 
-    Of whole numbers it is made continuous: the share below one is that of all smaller ones and half of its own. Others
-    that can tell their quantiles, such as `scipy.stats.rv_histogram`, are kept as TABULATED.
+    Of whole numbers it is made continuous, such that a draw which `Task.at_whole` makes whole has their probabilities.
+    Others that can tell their quantiles, such as `scipy.stats.rv_histogram`, are kept as TABULATED.
     """
 
     name: str
@@ -135,10 +135,20 @@ class Law:
 
     @cached_property
     def _steps(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The whole numbers, and the share below each: (k,) twice."""
+        """Points between which the density is flat, and the share below each: (2k - 1,) twice, for k whole numbers.
+
+        A whole number gives half of its probability p to either side, or all to one at the ends. So between two of them
+        lie `low` of the lower one and `high` of the upper one. Draws must then be rounded up with a probability of
+        f = high / (low + high) on average: `low` lie evenly below f, and `high` above.
+        """
         values = np.arange(self.ends[0], self.ends[1] + 1)
-        below = self._frozen.cdf(values) - self._frozen.pmf(values) / 2
-        return values, (below - below[0]) / (below[-1] - below[0])
+        p = self._frozen.pmf(values)
+        low, high = p[:-1] / 2, p[1:] / 2
+        low[0], high[-1] = p[0], p[-1]
+        points, shares = np.repeat(values, 2)[:-1], np.zeros(2 * len(values) - 1)
+        points[1::2] += np.divide(high, low + high, out=np.full(len(low), 0.5), where=low + high > 0)
+        shares[1:] = np.cumsum(np.column_stack([low, high]).ravel())
+        return points, shares / shares[-1]
 
 
 @dataclass(frozen=True)

@@ -57,6 +57,41 @@ def test_draws_are_of_the_distribution():
 
 
 @pytest.mark.parametrize(
+    "law",
+    [
+        *(stats.bernoulli(0.9), stats.binom(3, 0.1), stats.geom(0.5), stats.poisson(1), stats.poisson(300)),
+        *(stats.randint(0, 3), stats.nbinom(2, 0.01), stats.hypergeom(20, 7, 12), stats.poisson(3, loc=-5)),
+    ],
+    ids=lambda law: law.dist.name,
+)
+def test_draws_made_whole_have_the_probabilities_of_the_law(law):
+    """A draw at every share, of which the part above a whole number is the probability to be rounded up."""
+    prior = made({"a": law}, kinds={"a": "integer"}).prior
+    draws = prior.at((np.arange(200_000)[:, None] + 0.5) / 200_000)[:, 0]
+    values = np.arange(prior.low[0], prior.high[0] + 1)
+    up, index = draws % 1, np.floor(draws - values[0]).astype(int)
+    found = np.bincount(index, 1 - up, len(values)) + np.bincount(index + 1, up, len(values) + 1)[:-1]
+    wanted = law.pmf(values) / law.pmf(values).sum()
+    np.testing.assert_allclose(found / 200_000, wanted, atol=1e-4)
+
+
+def test_parameters_at_random_and_the_posterior_of_no_events_have_the_probabilities_of_the_law():
+    """Of 2 000 truths, and of an inference from events that do not depend on the parameter."""
+    task = avobench.task(
+        lambda theta, rng: rng.normal(size=len(theta)),
+        prior={"a": stats.bernoulli(0.9)},
+        kinds={"a": "integer"},
+        name="law",
+    )
+    held = (task.targets(2000)[:, 0] == 1).sum()
+    assert stats.binomtest(int(held), 2000, 0.9).pvalue > 1e-4
+    drawn = task.at_whole(task.prior.sample(2000, rng := np.random.default_rng(0)), rng)
+    assert stats.binomtest(int(drawn.sum()), 2000, 0.9).pvalue > 1e-4
+    fit = avobench.infer(task, np.random.default_rng(0).normal(size=20), "abc-smc", budget=60_000, progress=False)
+    assert fit.estimate.mean[0] == pytest.approx(0.9, abs=0.07)
+
+
+@pytest.mark.parametrize(
     ("prior", "kind", "said"),
     [
         (stats.norm, None, "lacks its parameters"),
