@@ -19,9 +19,11 @@ class Described(Task):
         self.name = str(said["name"])
         for name in ("parameter_names", "parameter_units", "feature_names", "feature_units"):
             setattr(self, name, tuple(map(str, said[name])))
+        self.parameter_kinds = tuple(map(str, said.get("parameter_kinds", ())))  # older files have none
         self.num_features = int(said["num_features"])
         self.prior, self.support = Box(*said["prior"]), Box(*said["support"])
-        if not len(self.parameter_names) == len(self.parameter_units) == self.prior.dim == self.support.dim:
+        sizes = {len(self.parameter_names), len(self.parameter_units), self.prior.dim, self.support.dim}
+        if len(sizes | {len(self.parameter_kinds) or self.prior.dim}) > 1:
             raise ValueError("parameters and bounds differ in number")
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
@@ -33,7 +35,8 @@ class Described(Task):
 
 def description(task: Task) -> dict[str, Any]:
     """What a file keeps of a task, of plain numbers and texts."""
-    names = ("name", "parameter_names", "parameter_units", "feature_names", "feature_units", "num_features")
+    names = ("name", "parameter_names", "parameter_units", "parameter_kinds", "feature_names", "feature_units")
+    names += ("num_features",)
     return {name: getattr(task, name) for name in names} | {
         box: [getattr(task, box).low, getattr(task, box).high] for box in ("prior", "support")
     }

@@ -96,6 +96,8 @@ class Inference:
     """Other answers by name of the parameter, mirror images of `theta`, at which simulated events agree as well."""
     versions: Mapping[str, Any] = field(default_factory=versions)
     """The versions of Python and of the packages with which it was made."""
+    quoted: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+    """Value and spread of each parameter, (p,) twice, as a file has them; None where the task tells them."""
 
     @property
     def theta(self) -> dict[str, float]:
@@ -115,6 +117,8 @@ class Inference:
     @property
     def _quoted(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Value and spread of each parameter: (p,) twice. An integer is whole."""
+        if self.quoted is not None:
+            return self.quoted
         estimate = self.estimate
         return self.task.quoted(estimate.theta, estimate.std if estimate.error is None else estimate.error)
 
@@ -183,7 +187,9 @@ class Inference:
         names = ("method", "num_events", "num_simulations", "seconds", "seed", "versions")
         kept = {name: content[name] for name in names}
         kept |= {"warnings": tuple(content["warnings"]), "others": tuple(content.get("others", ()))}
-        return cls(task, estimate=estimate, **kept)
+        names = task.parameter_names
+        value, std = (np.array([content[what][name] for name in names], float) for what in ("theta", "std"))
+        return cls(task, estimate=estimate, quoted=(value, std), **kept)
 
     @property
     def samples_of(self) -> str:
@@ -196,14 +202,16 @@ class Inference:
     def covariance(self) -> pd.DataFrame:
         """The covariance (p, p) of what `samples_of` says, by the names of the parameters.
 
-        Raises UsageError where the method does not tell how its parameters are correlated.
+        It has what was added to `std` when the answer was made whole, or moved to where the simulator works. Raises
+        UsageError where the method does not tell how its parameters are correlated.
         """
         estimate, sample = self.estimate, self.estimate.sample
+        moved = np.diag((estimate.theta - self._quoted[0]) ** 2)
         if sample is not None:
             away = sample.theta - sample.weights @ sample.theta
-            values = (sample.weights * away.T) @ away
+            values = (sample.weights * away.T) @ away + moved
         elif estimate.covariance is not None:
-            values = estimate.covariance
+            values = estimate.covariance + moved
         elif len(self._quoted[1]) == 1:
             values = self._quoted[1][:, None] ** 2
         else:
@@ -224,21 +232,23 @@ class Inference:
         """Draws (n, p) of the parameters, a column each; `samples_of` says from what.
 
         Of a posterior they are drawn again from the points that the method has. The sampling distribution of the
-        estimate, and a proposal, is a Gaussian with `covariance` within the support. Raises UsageError where the method
-        does not tell how its parameters are correlated, or no finite spread.
+        estimate, and a proposal, is a Gaussian with `covariance` within the support. Draws of an integer are whole.
+        Raises UsageError where the method does not tell how its parameters are correlated, or no finite spread.
         """
         n, rng, sample = whole("n", n, 1), np.random.default_rng(seed), self.estimate.sample
         if sample is not None:
             draws = sample.theta[rng.choice(len(sample.theta), n, p=sample.weights / sample.weights.sum())]
+            draws = self.task.at_whole(draws, rng)  # as its events were made
         else:
             draws = self._gaussian(n, rng)
+            draws = np.where(self.task.is_integer, np.rint(draws), draws)
         return pd.DataFrame(draws, columns=self.task.parameter_names)
 
     def _gaussian(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
         estimate, covariance = self.estimate, self.covariance.to_numpy()
         if not np.isfinite(covariance).all():
             raise UsageError(f"{self.method} tells no finite spread of the parameters")
-        centre, std = estimate.theta if estimate.error is not None else estimate.mean, np.sqrt(np.diag(covariance))
+        centre, std = self._quoted[0] if estimate.error is not None else estimate.mean, np.sqrt(np.diag(covariance))
         units = np.outer(std, std)
         correlation = np.divide(covariance, units, out=np.eye(len(std)), where=units > 0)
         draws = np.empty((0, len(std)))

@@ -36,7 +36,7 @@ def test_the_errors_of_smm_hold_and_smaller_ones_do_not(tmp_path):
     assert simulator.used <= 700 + 100
     assert again.ranks[:24].equals(found.ranks)
     for fit in again.fits:  # a tenth of the error
-        fit.estimate.error[:] /= 10
+        fit.quoted[1][:] /= 10
     assert again.to_frame()["in 68%"].iloc[0] < 0.4
     with pytest.raises(avobench.UsageError, match="other arguments"):
         avobench.calibrate(task, n=24, folder=tmp_path, seed=1, **HOW)

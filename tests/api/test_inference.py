@@ -94,6 +94,51 @@ def test_a_fit_that_was_saved_is_read_again(which, request, tmp_path):
         again.task.simulate(np.zeros((1, 2)), RNG)
 
 
+def counted():
+    """A whole number which 100 events tell to be 4.5 +- 0.15, so that it is quoted with the rounding."""
+    task = avobench.task(
+        lambda theta, rng: rng.normal(theta[:, 0], 1.5), prior={"k": (0, 12)}, kinds={"k": "integer"}, name="counted"
+    )
+    x = np.random.default_rng(0).normal(size=100)
+    return avobench.infer(task, 4.5 + 1.5 * (x - x.mean()) / x.std(), "smm", budget=4000, progress=False)
+
+
+def working():
+    """A simulator that fails above 1, of events around 1.2."""
+    task = avobench.task(
+        lambda theta, rng: np.where(theta[:, 0] > 1, np.nan, rng.normal(theta[:, 0], 1)),
+        prior={"m": (-2, 2)},
+        name="working",
+        failed="region",
+    )
+    x, settings = np.random.default_rng(0).normal(1.2, 1, 300), {"iterations": 20}
+    return avobench.infer(task, x, "avo", budget=4000, settings=settings, progress=False)
+
+
+@pytest.mark.parametrize("made", [counted, working])
+def test_a_saved_answer_that_was_made_whole_or_moved_is_read_as_it_was_quoted(made, tmp_path):
+    fit = made()
+    again = avobench.load(path := fit.save(tmp_path / "fit.json"))
+    for one in (fit, again):
+        assert one.covariance.to_numpy()[0, 0] == pytest.approx(next(iter(fit.std.values())) ** 2)
+    assert (again.theta, again.std, str(again)) == (fit.theta, fit.std, str(fit))
+    assert again.samples(100).equals(fit.samples(100))
+    content = json.loads(path.read_text())
+    content["described"].pop("parameter_kinds")  # as older files
+    path.write_text(json.dumps(content))
+    assert avobench.load(path).theta == fit.theta
+
+
+def test_draws_of_an_integer_are_whole_and_no_prior_of_a_real_number(tmp_path):
+    fit = counted()
+    for one in (fit, avobench.load(fit.save(tmp_path / "fit.json"))):
+        draws = one.samples(4000)["k"]
+        assert (draws == np.rint(draws)).all()
+        assert draws.std() == pytest.approx(fit.std["k"], rel=0.2)
+        with pytest.raises(UsageError, match="integer"):
+            one.as_prior()
+
+
 @pytest.mark.parametrize("content", ["", "[]", "{}", '{"kind": "avobench-fit"}', '{"kind": 3}', None])
 def test_what_is_no_saved_result_is_said_in_a_line(content, tmp_path):
     path = tmp_path / "x.json"
