@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from avobench.api.described import Described, array, description, plain
 from avobench.api.joint import Joint, require_measured, tables_in
 from avobench.api.progress import Progress, limited, shown
-from avobench.bench.events.checks import NUM_REFERENCE, Simulate, with_times
+from avobench.bench.events.checks import NUM_REFERENCE, Simulate, require_order, valid, with_times
 from avobench.bench.plugins import registry
 from avobench.bench.plugins.source import CODE, as_module
 from avobench.bench.store.files import require_folder, write_atomically
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from avobench.diagnosis import Diagnosis, Result
+    from avobench.diagnosis.checks import Checks
     from avobench.diagnosis.report.model_file import ModelFile
 
 TRIED = 50
@@ -391,15 +392,12 @@ def diagnose(
     possible = registry.blamed(checks.entries, f"task {task.name}")
     tried = list(possible) if effects is None else chosen(possible, effects, spec or task.name)
     theirs = _theirs(own, possible, task, checks.simulate)
-    notes = []
-    if time is not None:
-        x, time, notes = with_times(x, time, drop_invalid=drop_invalid)
     if joint or tables:
         if ordered or time is not None or fit != "surrogate" or (tables and drop_invalid):
             raise UsageError("tables and several data sets are no single sample: leave ordered, time and fit out")
         part, remarks = checks.joint(joint.sets, drop_invalid=drop_invalid) if joint else (checks.tables(tables), [])
     else:
-        x, remarks = checks.events(x, drop_invalid=drop_invalid)
+        x, time, remarks = _timed(checks, x, time, drop_invalid)
     measured: Any = x if part is None else part
     if not task.parameter_names:
         require_enough(task, np.empty(0), len(measured))
@@ -426,7 +424,7 @@ def diagnose(
     require_enough(task, result.fit.params[:p], len(measured))
     remarks += failures(task, result.fit.params[:p], result.fit.std[:p])
     told = {
-        "notes": notes + remarks + said.notes,
+        "notes": remarks + said.notes,
         "num_simulations": calls * (said.num_simulations - checks.bank.meter.failed) + beside(task) - before,
     }
     diagnosis = said.model_copy(update=told)
@@ -448,6 +446,20 @@ def require_condition(name: str, task: Task, measured: Task, chosen: Mapping[str
         if not task.support.low[k] <= value <= task.support.high[k]:
             low, high = task.support.low[k], task.support.high[k]
             raise UsageError(f"{name}: {parameter} lies between {low:g} and {high:g}, got {value:g}")
+
+
+def _timed(
+    checks: "Checks", x: ArrayLike | pd.DataFrame, time: ArrayLike | None, drop_invalid: bool
+) -> tuple[NDArray, NDArray[np.float64] | None, list[str]]:
+    """The measured events (n, d), when each was (n,) where that is told, and warnings. Raises UsageError."""
+    if time is None:
+        x, warnings = checks.events(x, drop_invalid=drop_invalid)
+        return x, None, warnings
+    given, when, warnings = with_times(x, time, drop_invalid=drop_invalid)
+    x, more = checks.events(given, drop_invalid=drop_invalid)
+    if len(x) < len(when):
+        require_order(when := when[valid(checks.task, given)])
+    return x, when, warnings + more
 
 
 def _rows(x: ArrayLike | pd.DataFrame) -> int:

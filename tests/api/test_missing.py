@@ -7,6 +7,7 @@ import pytest
 import avobench
 from avobench.api.diagnosis import require_events
 from avobench.bench import conformance
+from avobench.bench.events.checks import valid
 from avobench.bench.processes.workers import Workers
 from avobench.diagnosis.summary.bins import bins_of
 from avobench.effects.catalogue import catalogue
@@ -53,6 +54,22 @@ def test_it_is_saved_with_its_figures_and_model(too_often, tmp_path):
     x = model.simulate(np.tile(fitted, (4000, 1)), np.random.default_rng(0))
     assert np.isnan(x[:, 0]).mean() == pytest.approx(np.isnan(measured[:, 0]).mean(), abs=0.04)
     assert np.isfinite(x[:, 1]).all()
+
+
+def test_with_times_those_events_alone_are_dropped_that_the_task_cannot_have():
+    """A value that may be missing stays, and so does a column that is no feature; other gaps go with their times."""
+    x, rng = detector(THETA, np.random.default_rng(3)), np.random.default_rng(4)
+    x[rng.random(4000) < 0.05, 1] = np.nan
+    spare = {"quality": np.where(rng.random(4000) < 0.7, np.nan, 1), "flag": rng.random(4000) < 0.5}
+    frame = pd.DataFrame({"energy": x[:, 0], "angle": x[:, 1], **spare})
+    how = {"drop_invalid": True, "effects": [], "simulations": 100_000, "progress": False}
+    found = avobench.diagnose(TASK, frame, time=np.arange(4000), **how).diagnosis
+    kept = np.isfinite(x[:, 1])
+    assert found.num_events == kept.sum()
+    assert found.order is not None
+    assert any(f"{(~kept).sum()} of 4000 rows" in note for note in found.notes)
+    assert abs(found.theta_before["mean"].value - 2) < 5 * found.theta_before["mean"].std < 0.5
+    np.testing.assert_array_equal(valid(TASK, frame), kept)
 
 
 def test_what_is_missing_as_often_is_no_disagreement_and_tells_theta():

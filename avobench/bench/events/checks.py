@@ -190,10 +190,10 @@ def num_repeated(x: NDArray) -> int:
 def with_times(
     x: ArrayLike, time: ArrayLike, *, drop_invalid: bool = False
 ) -> tuple[NDArray, NDArray[np.float64], list[str]]:
-    """Events (n, ...) and their times (n,), without rows that are not finite if `drop_invalid` says so; and warnings.
+    """Events (n, ...) and their times (n,), without those of no finite time if `drop_invalid` says so; and warnings.
 
-    Times are numbers or dates. Raises UsageError for others, for times that are not one an event, not finite, or all
-    alike.
+    Times are numbers or dates. Which events are valid their task alone knows, see `valid`. Raises UsageError for other
+    times, and for those that are not one an event, not finite, or all alike.
     """
     try:
         x, time = x if isinstance(x, pd.DataFrame) else np.asarray(x), np.asarray(time)
@@ -208,12 +208,20 @@ def with_times(
         if not drop_invalid:
             raise UsageError(f"{count}; mend them, or drop them with --drop-invalid")
         warnings.append(f"{count}, and their events were dropped")
-    values = np.asarray(x)
-    if drop_invalid and values.dtype.kind == "f":
-        keep &= np.isfinite(values.reshape(len(x), -1)).all(axis=1)
-    if len(np.unique(time[keep])) < 2:
-        raise UsageError("all times are equal, so that the order of the events cannot be tested")
+    require_order(time[keep])
     return x[keep], time[keep], warnings
+
+
+def require_order(time: NDArray[np.float64]) -> None:
+    """Raise UsageError for times (n,) that are all alike."""
+    if len(np.unique(time)) < 2:
+        raise UsageError("all times are equal, so that the order of the events cannot be tested")
+
+
+def valid(task: Task, x: ArrayLike) -> NDArray[np.bool_]:
+    """Which rows of events that `check_events` takes it keeps where it drops those that are not finite: (n,)."""
+    x, _ = by_name(task, x)
+    return ~task.broken(x[:, None] if x.ndim == 1 else x)
 
 
 def _cast(task: Task, x: NDArray) -> NDArray:
