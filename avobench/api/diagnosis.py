@@ -487,7 +487,7 @@ def _diagnosed(result: "Result", spec: str | None, own: Mapping[str, "Own"], ent
 
     `spec` loads the task again, `own` are the user's effects by name, `entries` those of the catalogue.
     """
-    found = {each.source or name: each.found for name, each in own.items()}
+    found = {registry.absolute(each.source or name): each.found for name, each in own.items()}
     return Diagnosed(result, _content(result, spec, own), partial(_in_memory, result.task, found, entries))
 
 
@@ -505,7 +505,7 @@ def _in_memory(task: Task, own: Mapping[str, Effect], entries: Sequence[Effect],
     """The task with effects of a content, of the objects that this process has."""
     from avobench.effects.model_file import AugmentedTask
 
-    return AugmentedTask.of(content, lambda spec, settings: task, own.__getitem__, entries=list(entries))
+    return AugmentedTask.of(content, task, own.__getitem__, entries=list(entries))
 
 
 def _from_file(spec: str, content: "ModelFile") -> Task:

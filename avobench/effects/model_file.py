@@ -91,26 +91,28 @@ class AugmentedTask(Task):
             raise UsageError(f"{path} cannot be read: {error.strerror or error}") from error
         except ValidationError as error:
             raise UsageError(f"{path} is not a model: {_fault(error)}") from error
-        return cls.of(content, find_task, find_effect, hashlib.sha256(text).hexdigest(), str(path))
+        levels, sha256 = [content], hashlib.sha256(text).hexdigest()
+        while isinstance(levels[-1].task, ModelFile):
+            levels.append(levels[-1].task)
+        task = find_task(levels[-1].task, levels[-1].task_settings)
+        for level in reversed(levels):
+            task = cls.of(level, task, find_effect, sha256, str(path))
+        return task
 
     @classmethod
     def of(
         cls,
         content: ModelFile,
-        find_task: FindTask,
+        base: Task,
         find_effect: FindEffect,
         sha256: str = "",
         path: str = "the model",
         entries: list[Effect] | None = None,
     ) -> "AugmentedTask":
-        """The task of a file's content. Raises UsageError if there is none, naming `path`.
+        """The task `base` with the effects of a file's content. Raises UsageError if it has none such, naming `path`.
 
-        `entries` are those of the catalogue for the task where they are known, so that nothing is simulated for them.
+        `entries` are those of the catalogue for `base` where they are known, so that nothing is simulated for them.
         """
-        if isinstance(content.task, ModelFile):
-            base = cls.of(content.task, find_task, find_effect, sha256, path)
-        else:
-            base = find_task(content.task, content.task_settings)
         effects = tuple(_effect(added, base, path, find_effect, entries) for added in content.effects)
         model, task = Model(base, effects), cls(sha256)
         if len(content.parameters) != model.dim:
@@ -119,6 +121,9 @@ class AugmentedTask(Task):
         task.content, task.model, task.name, task.tasks = content, model, content.name, (base,)
         task.parameter_names = tuple(p.name for p in content.parameters)
         task.parameter_units = tuple(p.unit for p in content.parameters)
+        if kinds := base.parameter_kinds:
+            task.parameter_kinds = (*kinds, *("continuous",) * (model.dim - len(kinds)))
+        task.per_theta = getattr(base, "per_theta", False)
         try:
             task.prior, task.support = (
                 Box(*zip(*(getattr(p, box) for p in content.parameters), strict=True)) for box in ("prior", "support")

@@ -117,6 +117,38 @@ def test_an_effect_of_a_script_is_found_again_with_its_settings(tmp_path, monkey
     assert np.array_equal(model.simulate(theta, rngs[0]), found.model.simulate(theta, rngs[1]))
 
 
+SMEAR = """
+from avobench import Effect, Parameter
+
+
+class Smear(Effect):
+    name, sentence, source = "smear", "is smeared", "a test"
+    parameters = (Parameter("sigma", 0, 2, 0, "1"),)
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        return x + phi * rng.normal(size=x.shape)
+"""
+
+
+def test_a_model_is_diagnosed_and_extended_in_turn(tmp_path, monkeypatch):
+    """By an effect of a file in the working folder: normal events of a variance of 2 in place of 1."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "smears.py").write_text(SMEAR)
+    task = avobench.task(
+        lambda theta, rng: rng.normal(theta[:, 0], 1), prior={"mean": (-2, 2)}, features=["e"], name="normal"
+    )
+    x, how = np.random.default_rng(0).normal(0, 2**0.5, 1000), {"effects": [], "simulations": 60_000, "progress": False}
+    model = avobench.diagnose(task, x, own=["smears.py:Smear"], **how).model
+    assert model.parameter_names == ("mean", "smear_sigma")
+    theta = np.tile([0.5, 1.0], (50_000, 1))
+    further = avobench.diagnose(model, x, **how).model
+    assert further.parameter_names == model.parameter_names
+    for each in (model, further):
+        y = each.simulate(theta, np.random.default_rng(1))
+        assert (y.mean(), y.var()) == pytest.approx((0.5, 2), abs=0.1)  # at least five standard errors
+
+
 def test_a_file_of_the_user_is_not_replaced(found, tmp_path):
     (tmp_path / "task.py").write_text("# the thesis\n")
     with pytest.raises(avobench.UsageError, match=r"task\.py is not of a diagnosis"):

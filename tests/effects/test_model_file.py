@@ -7,7 +7,10 @@ import sys
 import numpy as np
 import pytest
 
+import avobench
+from avobench.bench.events.checks import check_events
 from avobench.bench.plugins import registry
+from avobench.effects.model_file import AugmentedTask, ModelFile
 from avobench.tasks.errors import UsageError
 
 MODEL = {
@@ -142,3 +145,23 @@ def test_trust_reaches_worker_processes(written):
     there = pickle.loads(pickle.dumps({"task": path}))["task"]
     assert there == path
     assert registry.build("task", there, {}).model.task.name == "evil"
+
+
+@pytest.mark.parametrize("kind", ["continuous", "integer"])
+def test_a_model_of_a_program_starts_it_at_as_few_thetas_as_the_task_and_at_whole_ones_if_it_must(kind):
+    started = []
+
+    def program(theta, n, rng):
+        started.append(theta[0])
+        return rng.normal(theta[0], 1, n)
+
+    task = avobench.task(program, prior={"m": (0, 8)}, kinds={"m": kind}, name="program", per_theta=True)
+    m = {"name": "m", "unit": "1", "value": 4, "std": 1, "prior": [0, 8], "support": [0, 8]}
+    model = AugmentedTask.of(ModelFile(**{**MODEL, "task": "program", "effects": [], "parameters": [m]}), task, None)
+    numbers = []
+    for one in (task, model):
+        started.clear()
+        check_events(one, np.random.default_rng(0).normal(4, 1, 1000))
+        numbers.append(len(started))
+        assert kind == "continuous" or not np.mod(started, 1).any()
+    assert numbers[0] == numbers[1]
