@@ -251,7 +251,8 @@ def task(
     prior
         Ends of the uniform prior of each parameter by its name, such as `{"lifetime": (1, 4)}`; or in the order of
         `names`. In place of ends a distribution of one number, such as `scipy.stats.norm(0, 1)`; one that goes on for
-        ever ends where a share of 0.0001 is left at either side. Of whole numbers it needs the kind "integer".
+        ever ends where a share of 0.0001 is left at either side. Of whole numbers it needs the kind "integer". Ends of
+        an integer are half as probable as each number between; `scipy.stats.randint(0, 13)` has 0 to 12 alike.
     names
         Names of the parameters, where `prior` does not give them.
     support
