@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 from scipy.stats import chi2
 
-from avobench.tables.table import ROUNDING, Table, Tables
+from avobench.tables.table import ROUNDING, Table, Tables, shape_only
 from avobench.tasks.arguments import checked
 from avobench.tasks.errors import UsageError
 
@@ -45,6 +46,45 @@ class Reduced:
         expected = tables.predict(self.mean)
         slopes = tables.slopes(self.mean, expected)
         return expected, slopes @ self.covariance @ slopes.T / self.num_events
+
+    def scatter(self, tables: Tables, mean: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What each event adds to the covariance of the entries of all (K, K), where its mean entries are others (K,).
+
+        In a normalised table the number of events scatters too, as Poisson says; else it is known. How entries go
+        together is as it is in these events. A bin with less than one entry in all of them is taken to have one.
+        """
+        rare = 1 / self.num_events
+        unknown = self.mean * np.repeat([table.normalised for table in tables], [len(t.values) for t in tables])
+        one = self.covariance + np.outer(unknown, unknown)
+        one += np.diag(np.maximum(rare - np.diag(one), 0))
+        for table, part in zip(tables, tables.parts, strict=True):
+            measured, simulated = table.values @ table.widths / table.scale, self.mean[part]
+            # If all events have the same number of entries, but had another one where it was measured: then one in all
+            # simulated events is taken to have none.
+            if table.num_events and not np.isclose(measured, simulated.sum(), rtol=1e-9, atol=0):
+                one[part, part] += rare * np.outer(simulated, simulated)
+        root = np.sqrt(np.maximum(mean, rare) / np.maximum(self.mean, rare))
+        return one * np.outer(root, root)
+
+    def errors_of(self, tables: Tables, around: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
+        """The covariance of the published values (K, K), if these are right (K,), or those that the events give.
+
+        Errors are as published. Counts scatter as the entries of simulated events do, of which one may have several.
+        """
+        mean = self.mean if around is None else tables.entries_of(around, self.mean)
+        one, mean, blocks = self.scatter(tables, mean), np.maximum(mean, 1 / self.num_events), []
+        for table, part in zip(tables, tables.parts, strict=True):
+            values, cov = table.values, table.covariance
+            if tables.covariance is not None:
+                cov = tables.covariance[part, part]
+            elif cov is None:
+                num_events = table.scale / mean[part].sum() if table.normalised else table.scale
+                values = num_events * mean[part] / table.widths
+                cov = num_events * one[part, part] / np.outer(table.widths, table.widths)
+            blocks.append((cov, shape_only(table, values)))
+        shape = block_diag(*(shape for _, shape in blocks))
+        cov = block_diag(*(cov for cov, _ in blocks)) if tables.covariance is None else tables.covariance
+        return shape @ cov @ shape.T
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,10 +125,10 @@ class Comparison:
 
     @classmethod
     def of(
-        cls, tables: Tables, expected: NDArray[np.float64], noise: NDArray[np.float64], num_simulations: int
+        cls, tables: Tables, expected: NDArray[np.float64], cov: NDArray[np.float64], num_simulations: int
     ) -> "Comparison":
-        """Compare what a simulator gives for all values (K,), with its covariance by simulation (K, K)."""
-        cov, away = tables.covariance_of(expected, num_simulations) + noise, expected - tables.values
+        """Compare what a simulator gives for all values (K,). The covariance of the difference is `cov` (K, K)."""
+        away = expected - tables.values
         pulls = away / np.sqrt(np.diag(cov))
         rows = [
             TableRow(table, expected[part], pulls[part], *distance(away[part], cov[part, part]))
@@ -120,7 +160,8 @@ def compare_tables(tables: Table | Tables | list[Table], events: Any) -> Compari
     """
     tables = Tables.of(tables)
     reduced = events if isinstance(events, Reduced) else Reduced.of(tables, events)
-    return Comparison.of(tables, *reduced.predicted(tables), reduced.num_events)
+    expected, noise = reduced.predicted(tables)
+    return Comparison.of(tables, expected, reduced.errors_of(tables) + noise, reduced.num_events)
 
 
 def whitening(cov: NDArray[np.float64]) -> NDArray[np.float64]:

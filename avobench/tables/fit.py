@@ -1,7 +1,7 @@
 """Theta from published tables and a bank of simulated events at a few thetas, without another simulator call."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -42,6 +42,8 @@ class TablePolynomial:
     """What each theta gives for the values: (k, K)."""
     covariances: NDArray[np.float64]
     """The covariance of each theta's values by simulation: (k, K, K)."""
+    errors: NDArray[np.float64]
+    """The covariance of the published values, if each theta is right: (k, K, K)."""
     num_events: NDArray[np.int64]
     """(k,)"""
 
@@ -101,13 +103,21 @@ class TablePolynomial:
         noise = np.tensordot(share**2, self.covariances, 1) + np.outer(missed, missed) * self.covariances.mean(axis=0)
         return share @ self.values, noise
 
+    def covariance_at(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The covariance of the differences from the tables at theta (p,), by measurement and simulation: (K, K).
+
+        That by measurement is the mean of those of the thetas near it, which is a covariance too.
+        """
+        near = np.maximum((self.basis(theta[None]) @ self.solver)[0], 0)
+        return np.tensordot(near / near.sum(), self.errors, 1) + self.at(theta)[1]
+
     def whitening_at(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
         """What makes the differences from the tables at theta (p,) uncorrelated, with variance 1: (K, r)."""
-        expected, noise = self.at(theta)
-        return whitening(self.tables.covariance_of(expected, self.num_events.sum()) + noise)
+        return whitening(self.covariance_at(theta))
 
     def compare(self, theta: NDArray[np.float64]) -> Comparison:
-        return Comparison.of(self.tables, *self.at(theta), int(self.num_events.sum()))
+        count = int(self.num_events.sum())
+        return Comparison.of(self.tables, self.at(theta)[0], self.covariance_at(theta), count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,7 +208,9 @@ def fit_tables(
             raise UsageError(f"a {what} lies outside the box, where the polynomial is not known")
     values, covariances = zip(*(r.predicted(tables) for r in reduced), strict=True)
     count = np.array([r.num_events for r in reduced])
-    polynomial = TablePolynomial(tables, limits, at, np.array(values), np.array(covariances), count)
+    # What is rare is so among the events of all thetas.
+    errors = np.array([replace(r, num_events=int(count.sum())).errors_of(tables) for r in reduced])
+    polynomial = TablePolynomial(tables, limits, at, np.array(values), np.array(covariances), errors, count)
     if np.linalg.matrix_rank(polynomial.basis(at)) < terms:
         raise UsageError("the thetas do not spread over the box in all directions: take a Latin hypercube")
     names = [f"theta{i}" for i in range(p)] if names is None else list(names)

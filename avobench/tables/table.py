@@ -28,12 +28,12 @@ class Table:
     events: a function from n events to one number for each, (n,), or several, (n, k) or a list of n arrays, such as
     the momenta of all its particles. NaN is no entry.
 
-    Without `errors` (K,) and `covariance` (K, K) the values are counts, and scatter as Poisson says of the expected
-    ones. `density` says that values are divided by the widths of their bins. `num_events` is how many events the values
-    are of: 1, the default where errors are given, if they are entries per event. `normalised` says that only the shape
-    is compared: the simulated table is scaled to the sum of the values, and one degree of freedom is lost. That is the
-    default for counts, whose `num_events` is not known. `unit` is that of the edges, if it is to be compared with what
-    a task says of its feature.
+    Without `errors` (K,) and `covariance` (K, K) the values are counts, and scatter as those of as many simulated
+    events do, whose entries may go together. `density` says that values are divided by the widths of their bins.
+    `num_events` is how many events the values are of: 1, the default where errors are given, if they are entries per
+    event. `normalised` says that only the shape is compared: the simulated table is scaled to the sum of the values,
+    and one degree of freedom is lost. That is the default for counts, whose `num_events` is not known. `unit` is that
+    of the edges, if it is to be compared with what a task says of its feature.
 
     Raises UsageError for values below zero, for what is no number, for edges that do not increase, and for errors and
     covariances that are of the wrong size, zero or impossible.
@@ -95,7 +95,7 @@ class Table:
 
     @property
     def are_counts(self) -> bool:
-        """True if the values are whole numbers of entries, and Poisson gives their errors."""
+        """True if the values are whole numbers of entries, and simulated events tell their errors."""
         counts = self.values * self.widths
         return self.covariance is None and bool(np.abs(counts - np.round(counts)).max() <= 1e-6 * counts.max())
 
@@ -213,6 +213,16 @@ class Tables:
             expected[..., part] = table.scale * mean[..., part] / total / table.widths
         return expected
 
+    def entries_of(self, values: NDArray[np.float64], mean: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The mean entries per event that belong to values (K,): (K,).
+
+        In each normalised table they are as many as these mean entries (K,).
+        """
+        found = np.maximum(values, 0)
+        for table, part in zip(self.tables, self.parts, strict=True):
+            found[part] *= table.widths / table.scale * (mean[part].sum() if table.normalised else 1.0)
+        return found
+
     def slopes(self, mean: NDArray[np.float64], around: NDArray[np.float64]) -> NDArray[np.float64]:
         """The derivative of the values with respect to the mean entries per event (K,), where the values are `around`.
 
@@ -223,25 +233,6 @@ class Tables:
             total = mean[part].sum() if table.normalised else 1.0
             blocks.append(table.scale / total * shape_only(table, around[part]) / table.widths)
         return block_diag(*blocks)
-
-    def covariance_of(self, expected: NDArray[np.float64], num_simulated: float) -> NDArray[np.float64]:
-        """The covariance of the published values (K, K), with Poisson errors of the expected values (K,).
-
-        A bin with less than one expected entry in all simulated events is taken to have one.
-        """
-        blocks = []
-        for table, part in zip(self.tables, self.parts, strict=True):
-            around, cov = table.values, table.covariance
-            if self.covariance is not None:
-                cov = np.zeros((len(around), len(around)))
-            elif cov is None:
-                around = np.maximum(expected[part], table.scale / table.widths / num_simulated)
-                around = around * table.scale / (around @ table.widths) if table.normalised else around
-                cov = np.diag(around / table.widths)
-            blocks.append((cov, shape_only(table, around) if table.normalised else np.eye(len(around))))
-        shape = block_diag(*(shape for _, shape in blocks))
-        cov = block_diag(*(cov for cov, _ in blocks)) if self.covariance is None else self.covariance
-        return shape @ cov @ shape.T
 
 
 def shape_only(table: Table, around: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -63,6 +63,19 @@ def test_errors_cover_the_truth_with_the_noise_of_the_bank():
     assert np.abs(np.mean(pulls, axis=0)).max() < 4 / np.sqrt(16)
 
 
+@pytest.mark.parametrize("entries", [1, 10])
+def test_theta_has_the_error_of_the_events_however_many_entries_each_has(entries):
+    """Which share of 1 000 events is below 5, told once or ten times an event: binomially."""
+    thetas = np.linspace(1.9, 2.1, 9)
+    shares = stats.expon.cdf(5, scale=thetas)
+    bank = [Reduced(np.array([entries * f]), np.array([[entries**2 * f * (1 - f)]]), 10**9) for f in shares]
+    f = stats.expon.cdf(5, scale=2)
+    counts = avobench.Table([0, 5], [entries * round(1000 * f)], num_events=1000, of=lambda events: events)
+    fit = avobench.fit_tables(counts, thetas, bank, box=[(1.5, 2.5)])
+    slope = (stats.expon.cdf(5, scale=2.01) - stats.expon.cdf(5, scale=1.99)) / 0.02
+    assert fit.std[0] == pytest.approx(np.sqrt(f * (1 - f) / 1000) / abs(slope), rel=0.05)
+
+
 def test_what_the_tables_do_not_tell_is_as_wide_as_the_box():
     """Only the mean is told by a table of two bins around it, whatever the width."""
     of = [Reduced(np.array([0.5 - t[0], 0.5 + t[0]]), np.eye(2) / 4, 10**6) for t in THETAS]

@@ -12,15 +12,15 @@ from avobench.tasks.errors import UsageError
 EDGES = [0.0, 1, 2, 4]
 
 
-def compared(tables, mean, covariance=0.0):
-    """The comparison with a simulator whose mean entries are known."""
-    k = len(mean)
-    return avobench.compare_tables(tables, Reduced(np.array(mean), covariance * np.eye(k), 10**12))
+def compared(tables, mean):
+    """The comparison with a simulator whose mean entries are known, of which an event has one at most."""
+    mean = np.array(mean)
+    return avobench.compare_tables(tables, Reduced(mean, np.diag(mean) - np.outer(mean, mean), 10**12))
 
 
 @given(st.lists(st.integers(1, 500), min_size=3, max_size=8), st.data())
 def test_counts_have_the_chi_squared_of_pearson(counts, data):
-    """Of shapes if the number of events is unknown, with one degree of freedom less; else of the rates too."""
+    """Of shapes if the number of events is unknown, with one degree of freedom less; else of those outside too."""
     shares = np.array(data.draw(st.lists(st.integers(1, 50), min_size=len(counts), max_size=len(counts))), float)
     shares /= shares.sum()
     edges = np.arange(len(counts) + 1)
@@ -29,9 +29,9 @@ def test_counts_have_the_chi_squared_of_pearson(counts, data):
     assert shape.chi_squared == pytest.approx(expected.statistic, rel=1e-6, abs=1e-6)
     assert shape.dof == len(counts) - 1
     assert shape.p_value == pytest.approx(expected.pvalue, rel=1e-4)
-    rate = 2.0 * sum(counts) * shares
-    rated = compared(avobench.Table(edges, counts, num_events=2 * sum(counts)), shares)
-    assert rated.chi_squared == pytest.approx((((counts - rate) ** 2) / rate).sum(), rel=1e-6)
+    rated = compared(avobench.Table(edges, counts, num_events=2 * sum(counts)), 0.6 * shares)
+    every = stats.chisquare([*counts, sum(counts)], 2 * sum(counts) * np.append(0.6 * shares, 0.4))
+    assert rated.chi_squared == pytest.approx(every.statistic, rel=1e-6)
     assert rated.dof == len(counts)
 
 
@@ -43,6 +43,32 @@ def test_chi_squared_of_a_right_simulator_is_distributed_as_one():
         x, simulated = rng.exponential(1, (2, 3000, 1))
         found.append(avobench.compare_tables(avobench.Table(edges, np.histogram(x, edges)[0]), simulated).p_value)
     assert stats.kstest(found, "uniform").pvalue > 0.001
+
+
+@pytest.mark.parametrize("more", [{}, {"num_events": 300}])
+def test_a_right_simulator_of_particles_that_go_together_is_rarely_rejected(more):
+    """Ten of each event follow its energy, so that their counts scatter far more than as Poisson says."""
+    rng, found, edges = np.random.default_rng(0), [], [0, 0.5, 1, 2, 4, 30]
+
+    def particles(n):
+        return rng.exponential(1.0, (n, 1)) * rng.uniform(0.8, 1.2, (n, 10))
+
+    for _ in range(200):
+        table = avobench.Table(edges, np.histogram(particles(300), edges)[0], of=lambda events: events, **more)
+        found.append(avobench.compare_tables(table, particles(3000)).p_value)
+    assert stats.binomtest(int((np.array(found) < 0.05).sum()), 200, 0.05).pvalue > 0.001
+
+
+def test_how_many_of_known_events_are_in_a_bin_scatters_binomially():
+    """Also where it is nearly all of them; no bin is then left to scatter, unless one was measured outside."""
+    row = compared(avobench.Table([0, 5], [900], num_events=1000), [0.92]).rows[0]
+    assert row.chi_squared == pytest.approx((900 - 920) ** 2 / (1000 * 0.92 * 0.08))
+    x = np.repeat([0.5, 1.5, 3], 400)
+    within = avobench.compare_tables(avobench.Table(EDGES, [100, 105, 95], num_events=300), x)
+    outside = avobench.compare_tables(avobench.Table(EDGES, [93, 93, 93], num_events=300), x)
+    assert within.dof == 2
+    assert within.p_value > 0.1
+    assert outside.p_value < 1e-6
 
 
 def test_a_normalised_density_is_that_of_its_distribution_whatever_lies_outside():

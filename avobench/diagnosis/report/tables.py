@@ -34,7 +34,8 @@ def _of_set(name: str, summary: Summary, part: slice, target: Target, before: Fi
     def compared(fit: Fit) -> list[tuple[float, int]]:
         predicted: NDArray[np.float64] = fit.predicted[part]
         if isinstance(summary, TableSummary):
-            rows = Comparison.of(summary.tables, predicted, fit.noise * cov, fit.num_events).rows
+            errors = summary.simulated.errors_of(summary.tables, predicted)
+            rows = Comparison.of(summary.tables, predicted, errors + fit.noise * cov, fit.num_events).rows
             return [(row.chi_squared, row.dof) for row in rows]
         return [distance(target.mean[part] - predicted, (1 + fit.noise) * cov)]
 

@@ -20,6 +20,9 @@ from avobench.tasks import Task
 MOST_VALUES = 200_000
 """Values of a feature that are drawn from a table, at most: ranges and limits of effects are read off them."""
 
+MOST_DRAWN = 10**9 - 1
+"""Events that NumPy draws from without replacement, at most."""
+
 PLAIN = 3
 """Times as many measured entries as fill a bin by themselves: from so many, where few are expected, no chance makes."""
 
@@ -44,19 +47,21 @@ class TablePart(Part):
     def split(self, aside: float, rng: np.random.Generator) -> tuple["TablePart", "TablePart"]:
         """The whole in two parts.
 
-        Counts are drawn without replacement, as events are that are kept aside. Of values v with errors of covariance C
-        the parts are v + z sqrt(a / (1 - a)) and v - z sqrt((1 - a) / a) with z ~ N(0, C), which have the covariances
-        C / (1 - a) and C / a (A. Neufeld et al., J. Mach. Learn. Res. 25 (2024), no. 57).
+        Counts of events are drawn without replacement, as events are that are kept aside. Of values v with errors of
+        covariance C the parts are v + z sqrt(a / (1 - a)) and v - z sqrt((1 - a) / a) with z ~ N(0, C), which have the
+        covariances C / (1 - a) and C / a (A. Neufeld et al., J. Mach. Learn. Res. 25 (2024), no. 57). So are those of
+        counts of which an event may have several: which of them are of the same event is not published.
         """
         tables, reference = self.tables, self.reference
-        cov = tables.covariance_of(tables.values, len(reference))
+        entries = tables.entries(reference)
+        cov = Reduced.of(tables, reference).errors_of(tables, tables.values)
         scale = np.sqrt(np.maximum(np.diag(cov), np.finfo(float).tiny))  # of tables whose units differ by far
         variances, vectors = np.linalg.eigh(cov / np.outer(scale, scale))
         noise = scale * (vectors @ (np.sqrt(np.maximum(variances, 0)) * rng.standard_normal(len(variances))))
         fitted = tables.values + np.sqrt(aside / (1 - aside)) * noise
         held_out = tables.values - np.sqrt((1 - aside) / aside) * noise
         for table, part in zip(tables, tables.parts, strict=True):
-            if _is_counts(tables, table):
+            if _is_counts(tables, table) and entries[:, part].sum(axis=1).max() <= 1:
                 fitted[part], held_out[part] = _split_counts(table, aside, rng)
         return TablePart(tables, fitted, 1 - aside, reference), TablePart(tables, held_out, aside, reference)
 
@@ -65,13 +70,11 @@ class TablePart(Part):
         target = self._target(self.reference)
         tables, near = target.summary.tables, target.summary.simulated
         # Events over the prior scatter most where few were measured. Of how many those that were measured are, is told
-        # by Poisson errors of as many entries as they have.
-        entries = np.maximum(target.mean, 0)
-        for table, part in zip(tables, tables.parts, strict=True):
-            of_all = near[part].sum() if table.normalised else 1.0
-            entries[part] *= table.widths / table.scale * of_all
-        slopes = tables.slopes(entries, tables.predict(entries))
-        return self._of(target, replace(target.summary, simulated=entries), slopes @ np.diag(entries) @ slopes.T)
+        # by the scatter of as many entries as they have.
+        entries = tables.entries_of(target.mean, near.mean)
+        slopes, one = tables.slopes(entries, tables.predict(entries)), near.scatter(tables, entries)
+        summary = replace(target.summary, simulated=replace(near, mean=entries, covariance=one))
+        return self._of(target, summary, slopes @ one @ slopes.T)
 
     def first(self) -> Target:
         """The target beside events over the prior."""
@@ -97,10 +100,9 @@ class TablePart(Part):
     def _target(self, simulated: NDArray) -> Target:
         """What is fitted, with the scales and the bins of simulated events (n, d) near the fit.
 
-        Bins of counts are merged until each is filled. The covariance is that of the tables,
-        with Poisson errors of counts that are mostly the measured ones and a little the simulated. Noise of simulation
-        is told in a number of events: that at which simulated events would have, on average over what is fitted, the
-        errors of the tables. Here it is 1.
+        Bins of counts are merged until each is filled. The covariance is that of the tables, with errors of counts that
+        are mostly the measured ones and a little the simulated. Noise of simulation is told in a number of events: that
+        at which simulated events would have, on average over what is fitted, the errors of the tables. Here it is 1.
         """
         expected = self.tables.predict(Reduced.of(self.tables, simulated).mean)
         # As many entries as are expected, or many more measured ones: what is merged by measured counts that are just
@@ -115,8 +117,8 @@ class TablePart(Part):
         )
         values, reduced = self._in_bins_of(tables), Reduced.of(tables, simulated)
         expected = (1 - SUMMARY.mixed_in) * values + SUMMARY.mixed_in * tables.predict(reduced.mean)
-        cov = tables.covariance_of(expected, reduced.num_events)
-        return Target.of(TableSummary(tables, reduced.mean), values, 1, cov)
+        cov = reduced.errors_of(tables, expected)
+        return Target.of(TableSummary(tables, reduced), values, 1, cov)
 
     def _in_bins_of(self, tables: Tables) -> NDArray[np.float64]:
         """The values in wider bins, into which those of the tables were merged."""
@@ -142,13 +144,13 @@ class TablePart(Part):
 def _split_counts(
     table: Table, aside: float, rng: np.random.Generator
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The values of both parts of a table of counts: (K,) twice."""
+    """The values of both parts of a table of counts, of which each event has one at most: (K,) twice."""
     counts = np.rint(table.values * table.widths).astype(np.int64)
-    if table.normalised:
-        drawn = rng.multivariate_hypergeometric(counts, round(aside * counts.sum()), method="marginals")
-        aside = drawn.sum() / counts.sum()
-    else:
-        drawn = rng.binomial(counts, aside)
+    outside = 0 if table.normalised else max(round(min(table.scale, MOST_DRAWN)) - counts.sum(), 0)
+    every = np.append(counts, outside)
+    number = round(aside * every.sum())
+    drawn = rng.multivariate_hypergeometric(every, number, method="marginals")[:-1]
+    aside = number / every.sum()
     return (counts - drawn) / (1 - aside) / table.widths, drawn / aside / table.widths
 
 
@@ -209,5 +211,5 @@ def _of_feature(task: Task, table: Table) -> dict[str, Any]:
 
 
 def _is_counts(tables: Tables, table: Table) -> bool:
-    """Whether the errors of a table are those of Poisson."""
+    """Whether the errors of a table are those of counts."""
     return tables.covariance is None and table.covariance is None

@@ -25,14 +25,14 @@ class TableSummary(Summary):
     """
 
     tables: Tables
-    simulated: NDArray[np.float64]
-    """Mean entries of a simulated event near the fit: (K,)."""
+    simulated: Reduced
+    """The entries of a simulated event near the fit."""
     worth: float = 1.0
     """Simulated events that would have, on average over what is fitted, the errors of the tables."""
 
     @cached_property
     def size(self) -> int:
-        return len(self.simulated)
+        return len(self.simulated.mean)
 
     def values(self, entries: NDArray[np.float64]) -> NDArray[np.float64]:
         """The values that mean entries give: (..., K) -> (..., K)."""
@@ -48,7 +48,7 @@ class TableSummary(Summary):
         filled = entries.copy()
         for table, part in self._each:
             if table.normalised:
-                lacking = EMPTY * self.simulated[part].sum() - entries[..., part].sum(axis=-1, keepdims=True)
+                lacking = EMPTY * self.simulated.mean[part].sum() - entries[..., part].sum(axis=-1, keepdims=True)
                 filled[..., part] += np.maximum(lacking, 0) / len(table.values)
         return filled
 
@@ -59,7 +59,7 @@ class TableSummary(Summary):
     @cached_property
     def _near(self) -> NDArray[np.float64]:
         """What an entry adds to the values near the fit: (K, K)."""
-        return self.tables.slopes(self.simulated, self.values(self.simulated))
+        return self.tables.slopes(self.simulated.mean, self.values(self.simulated.mean))
 
     def mean(self, x: NDArray, pieces: int = 1) -> NDArray[np.float64]:
         n = len(x) // pieces
@@ -82,8 +82,8 @@ class TableSummary(Summary):
         return self._near @ Reduced.of(self.tables, x).covariance @ self._near.T
 
     def model_covariance(self, x: NDArray, num_events: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """That of the tables, whose errors are as published, or those of Poisson for what the model expects."""
-        return self.worth * self.tables.covariance_of(self.mean(x)[0], len(x)), np.zeros(self.size)
+        """That of the tables, whose errors are as published; counts scatter as the model expects."""
+        return self.worth * Reduced.of(self.tables, x).errors_of(self.tables), np.zeros(self.size)
 
     def chi_squared_variance(self, rank: int, num_events: int) -> float:
         """The variance of a chi-squared of so many degrees of freedom, more than a Gaussian's where counts are few."""
@@ -99,5 +99,5 @@ class TableSummary(Summary):
             unit.append(table.widths / table.scale)
         values, scale = self.tables.values, np.concatenate(unit)
         at_least_one = np.maximum(values, np.concatenate([1 / table.widths for table in self.tables]))
-        errors = np.sqrt(np.diag(self.tables.covariance_of(at_least_one, np.inf)))
+        errors = np.sqrt(np.diag(self.simulated.errors_of(self.tables, at_least_one)))
         return View(spans, shown=Shown(values * scale, errors * scale, scale))

@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
+from scipy.linalg import block_diag
 
 import avobench
 from avobench.diagnosis.summary.published import TablePart, tables_of
@@ -110,25 +111,35 @@ def test_bins_of_few_counts_are_merged_and_no_count_is_lost(counts, seed):
     assert set(table.edges) <= set(range(len(counts) + 1))
 
 
-@pytest.mark.parametrize("rates", [False, True])
-def test_both_parts_of_tables_are_independent_and_scatter_as_their_shares_do(rates):
-    """Of counts and of a density with correlated errors, a quarter kept aside."""
+@pytest.mark.parametrize(
+    ("more", "entries"),
+    [({}, 1), ({"num_events": 4000}, 1), ({"num_events": 4000, "of": lambda x: np.hstack([x, x, x])}, 3)],
+)
+def test_both_parts_of_tables_are_independent_and_scatter_as_their_shares_do(more, entries):
+    """Of counts, one or three of each event, and of a density with correlated errors, a quarter kept aside."""
     rng, published = np.random.default_rng(0), []
-    shares, x = np.diff(stats.expon.cdf(EDGES)), events(2000)
+    shares, x = np.diff(stats.expon.cdf(EDGES)), events(20_000)
     cov = 1e-4 * np.diag(shares) + 0.003**2
-    more = {"num_events": 4000} if rates else {}
+    every = np.append(shares, 1 - shares.sum()) if more else shares / shares.sum()
     for _ in range(400):
-        counts = rng.poisson(4000 * shares) if rates else rng.multinomial(4000, shares / shares.sum())
+        counts = entries * rng.multinomial(4000, every)[:4]
         density = rng.multivariate_normal(shares, cov)
         both = [avobench.Table(EDGES, counts, **more), avobench.Table(EDGES, density, covariance=cov)]
         published.append(TablePart.whole(tables_of(DECAYS, avobench.Tables(both)), x).split(0.25, rng))
     values = np.array([np.concatenate([fitted.values, aside.values]) for fitted, aside in published])
-    scatter, whole = np.cov(values, rowvar=False), published[0][0].tables
-    exact = whole.covariance_of(np.concatenate([4000 * shares / (1 if rates else shares.sum()), shares]), 2000)
+    scatter, p = np.cov(values, rowvar=False), every[:4]
+    exact = block_diag(entries**2 * 4000 * (np.diag(p) - np.outer(p, p)), cov)
     error = np.sqrt(np.outer(np.diag(exact), np.diag(exact)) * 2 / 400)
     for part, expected in ((scatter[:8, :8], exact / 0.75), (scatter[8:, 8:], 4 * exact), (scatter[:8, 8:], 0)):
         assert np.abs((part - expected) / (4 * error)).max() < 4.5
     assert values[:, :8].mean(axis=0) == pytest.approx(values[:, 8:].mean(axis=0), rel=0.02)
+
+
+def test_rare_counts_of_any_number_of_events_are_kept_aside():
+    table = avobench.Table(EDGES, [4000, 2000, 1000, 400], num_events=10**12)
+    part = TablePart.whole(tables_of(DECAYS, avobench.Tables([table])), events(2000))
+    for each in part.split(0.25, np.random.default_rng(0)):
+        assert np.abs((each.values - table.values) / np.sqrt(4 * table.values)).max() < 4.5
 
 
 def test_events_as_a_table_shows_them_have_its_counts():
