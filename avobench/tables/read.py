@@ -45,11 +45,13 @@ def read_table(source: Any, table: str | None = None, **settings: Any) -> Table:
     `source` is one of
 
     - a .csv file with the columns low, high, value and error, without the last of counts. Further columns are left
-      out; a column `table` says which of several tables a row is of;
+      out, but numbers behind the value are refused if no column is called error; a column `table` says which of
+      several tables a row is of;
     - a .csv, .yaml or .yml file of a table from HEPData. Errors are added in quadrature, the two sides of asymmetric
       ones averaged;
     - a one-dimensional histogram in a ROOT file, `file.root:histogram`;
-    - a histogram with the PlottableHistogram protocol, such as those of hist, boost-histogram and uproot.
+    - a histogram with the PlottableHistogram protocol, such as those of hist, boost-histogram and uproot. On an axis of
+      whole numbers each has a bin around it.
 
     `table` chooses one of several by its name; where a table of HEPData has several columns of values, by the column's.
     `settings` are those of `Table` that a file does not tell, such as `of`, `density` and `normalised`.
@@ -110,16 +112,27 @@ def _of_rows(
         return
     low, high = _column(file, header, "low"), _column(file, header, "high")
     behind = header[header.index(high) + 1 :]
-    value = "value" if "value" in header else next(iter(behind), None)
+    named = {column.lower(): column for column in header}
+    value = named.get("value", next(iter(behind), None))
     if value is None:
         raise UsageError(f"{file} has no column of values behind '{high}'")
     # HEPData has two columns an error, for its upper and its lower side.
     sides = [column for column in behind if column.endswith((" +", " -"))]
-    errors = [["error"]] if "error" in header else list(zip(sides[::2], sides[1::2], strict=True))
-    for one in dict.fromkeys(row.get("table", name) for _, row in rows):
+    if [column[:-2] for column in sides[::2]] != [column[:-2] for column in sides[1::2]]:
+        raise UsageError(f"{file}: errors have two sides, ' +' and ' -' side by side, got: {', '.join(sides)}")
+    errors = [[named["error"]]] if "error" in named else list(zip(sides[::2], sides[1::2], strict=True))
+    others = [
+        column
+        for column in header[header.index(value) + 1 :]
+        if column not in (low, high, named.get("table")) and any(_is_number(row[column]) for _, row in rows)
+    ]
+    if others and not errors:
+        raise UsageError(f"{file} has no column 'error' beside '{', '.join(others)}': call it error, or drop it")
+    of = named.get("table", "")
+    for one in dict.fromkeys(row.get(of, name) for _, row in rows):
         bins = []
         for number, row in rows:
-            if row.get("table", name) == one:
+            if row.get(of, name) == one:
                 where = f"{file}: line {number}"
                 at = _number(row[value], where)
                 told = [[_number(row[c], where, at) for c in pair if row[c] not in ("", "-")] for pair in errors]
@@ -206,6 +219,8 @@ def _of_histogram(histogram: Any, name: str) -> Published:
         raise UsageError(f"the histogram holds a {str(histogram.kind).lower()} in each bin: give one of counts")
     axis = histogram.axes[0]
     bins = [axis[i] for i in range(len(axis))]
+    if all(isinstance(at, int) for at in bins):  # of whole numbers, around which a bin has its edges
+        bins = [(at - 0.5, at + 0.5) for at in bins]
     if any(np.size(ends) != 2 for ends in bins):
         raise UsageError("the axis of the histogram has names in place of bins with edges")
     low, high = ([float(ends[k]) for ends in bins] for k in (0, 1))

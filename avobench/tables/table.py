@@ -248,12 +248,13 @@ def checked_covariance(covariance: ArrayLike, size: int, wrong: Callable[[str], 
         raise wrong(f"covariance must have shape ({size}, {size}), one row a bin, got {cov.shape}")
     if not np.isfinite(cov).all():
         raise wrong("covariance has values that are not finite")
-    if not np.allclose(cov, cov.T, rtol=1e-6, atol=0):
-        raise wrong("covariance is not symmetric")
     variances = np.diag(cov)
     if (variances <= 0).any():
         raise wrong(f"covariance gives bin {1 + int(np.argmin(variances))} a variance of {variances.min():g}")
-    values = np.linalg.eigvalsh(cov / np.sqrt(np.outer(variances, variances)))
+    correlation = cov / np.sqrt(np.outer(variances, variances))
+    if not np.allclose(correlation, correlation.T, rtol=1e-6, atol=ROUNDING):
+        raise wrong("covariance is not symmetric")
+    values = np.linalg.eigvalsh(correlation)
     if values[0] < -ROUNDING * values[-1]:
         raise wrong(f"covariance is not positive: its correlation has an eigenvalue of {values[0]:.3g}")
-    return cov
+    return (cov + cov.T) / 2

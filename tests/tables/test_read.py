@@ -114,6 +114,17 @@ def test_histograms_are_read_from_memory_and_from_root(weights, tmp_path):
             assert errors(table) == pytest.approx([0.5, 2, np.sqrt(2)])
 
 
+def test_names_of_columns_are_known_with_capitals(written):
+    told = PLAIN.replace("table,low,high,value,error", "Table,Low,High,Value,Error")
+    assert errors(avobench.read_table(written("a.csv", told), "b", normalised=True)) == pytest.approx([0.7])
+
+
+def test_an_axis_of_whole_numbers_has_a_bin_around_each():
+    x = np.random.default_rng(0).poisson(3, 200)
+    table = avobench.read_table(bh.Histogram(bh.axis.Integer(0, 6)).fill(x))
+    assert table.entries(x).sum(axis=0).tolist() == table.values.tolist() == np.bincount(x)[:6].tolist()
+
+
 @pytest.mark.parametrize(
     ("name", "text", "table", "word"),
     [
@@ -125,6 +136,9 @@ def test_histograms_are_read_from_memory_and_from_root(weights, tmp_path):
         ("a.csv", "low,high,value\n0,1\n", None, "line 2 has 2 cells and the columns are 3"),
         ("a.csv", "low,high,value\n0,1,-\n", None, "line 2 has '-' in place of a number"),
         ("a.csv", "low,high,value,error\n0,1,2,\n", None, "must be positive"),
+        ("a.csv", "low,high,value,stat,syst\n0,1,2,1,1\n", None, "stat, syst"),
+        ("a.csv", "low,high,value,stat +\n0,1,2,1\n", None, "stat"),
+        ("a.csv", "low,high,value,a +,b -\n0,1,2,1,1\n", None, "two sides"),
         ("a.csv", "", None, "holds no table"),
         ("a.dat", "", None, "tables are read from"),
         ("a.yaml", "a: [", None, "no YAML"),

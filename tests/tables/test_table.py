@@ -105,6 +105,13 @@ def test_a_joint_covariance_in_blocks_is_that_of_the_tables_alone():
     assert compared(shared, [2.0, 3, 4] * 2).chi_squared < 1 < compared(shared, [2.0, 2, 4] * 2).chi_squared
 
 
+def test_a_covariance_may_be_symmetric_up_to_rounding():
+    given = np.diag([400.0, 300, 200])
+    given[0, 2] = 2e-18
+    cov = avobench.Table(EDGES, [1, 2, 3], covariance=given, normalised=True).covariance
+    assert (cov == cov.T).all()
+
+
 def test_entries_are_counted_for_particles_as_for_events():
     """NaN is none, an event may have none, the last upper edge belongs to its bin, and what lies outside to none."""
     particles = [np.array([0.0, 0.5, 4.0]), np.array([]), np.array([1.0, np.nan, -0.1, 4.1])]
