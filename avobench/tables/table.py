@@ -13,6 +13,8 @@ from scipy.sparse import csr_array, hstack
 from avobench.tasks.arguments import numbers
 from avobench.tasks.errors import UsageError, shown
 
+FAR = 5
+"""Errors by which the sum of a table may be larger than its number of events."""
 ROUNDING = 1e-8
 """Share of the largest eigenvalue of a correlation matrix below which another one is rounding, of either sign."""
 
@@ -36,7 +38,8 @@ class Table:
     of the edges, if it is to be compared with what a task says of its feature.
 
     Raises UsageError for values below zero, for what is no number, for edges that do not increase, and for errors and
-    covariances that are of the wrong size, zero or impossible.
+    covariances that are of the wrong size, zero or impossible. So it does for more entries than `num_events` where each
+    event has one at most.
     """
 
     edges: NDArray[np.float64]
@@ -75,6 +78,15 @@ class Table:
             put(self, "covariance", checked_covariance(self.covariance, len(self.values), self.wrong))
         if self.num_events is None:
             put(self, "normalised", self.normalised or self.are_counts)
+        if self.covariance is not None or self.are_counts:
+            self.check_sum(np.zeros((len(self.values),) * 2) if self.covariance is None else self.covariance)
+
+    def check_sum(self, covariance: NDArray[np.float64]) -> None:
+        """Raise UsageError if there are more entries than events that have one each, by far more than errors (K, K)."""
+        entries, variance = self.values @ self.widths, self.widths @ covariance @ self.widths
+        if self.of is None and not self.normalised and entries > self.scale * (1 + 1e-6) + FAR * np.sqrt(abs(variance)):
+            told = f"{entries:g} entries are more than num_events={self.scale:g}"
+            raise self.wrong(f"{told}: give num_events=, normalised=True to compare the shape alone, or density=True")
 
     def wrong(self, what: str) -> UsageError:
         """An error that names the table."""
@@ -177,7 +189,9 @@ class Tables:
         ends = np.cumsum([0, *(len(table.values) for table in self.tables)]).tolist()
         self.parts = tuple(slice(a, b) for a, b in pairwise(ends))
         self.covariance = None if covariance is None else checked_covariance(covariance, ends[-1], UsageError)
-        for table in self.tables:
+        for table, part in zip(self.tables, self.parts, strict=True):
+            if self.covariance is not None:
+                table.check_sum(self.covariance[part, part])
             if covariance is None and table.covariance is None and not table.are_counts:
                 raise table.wrong("the values are no counts: give their errors= or covariance=")
 

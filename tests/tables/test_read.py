@@ -76,7 +76,7 @@ def errors(table):
 
 def test_tables_of_hepdata_are_the_same_from_csv_and_yaml(written):
     csv = avobench.read_table(written("a.csv", HEPDATA_CSV), "Table 1", density=True)
-    yaml = avobench.read_table(written("a.yaml", HEPDATA_YAML), "1/SIG*D(SIG)/DS")
+    yaml = avobench.read_table(written("a.yaml", HEPDATA_YAML), "1/SIG*D(SIG)/DS", density=True)
     for table in (csv, yaml):
         assert table.edges.tolist() == [0, 0.01, 0.03]
         assert table.values.tolist() == [12.36, 23.33]
@@ -94,7 +94,7 @@ def test_a_plain_text_holds_several_tables(written):
     table = avobench.read_table(written("a.csv", PLAIN), "a", normalised=True, name="mine")
     assert (table.edges.tolist(), table.values.tolist(), table.name) == ([0, 1, 3], [5, 6], "mine")
     assert errors(table) == pytest.approx([0.5, 0.6])
-    joint = avobench.read_table(written("a.csv", PLAIN), "a", covariance=[[1, 0.5], [0.5, 1]])
+    joint = avobench.read_table(written("a.csv", PLAIN), "a", normalised=True, covariance=[[1, 0.5], [0.5, 1]])
     assert joint.covariance[0, 1] == 0.5
 
 

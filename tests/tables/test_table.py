@@ -177,6 +177,8 @@ GOOD = {"edges": EDGES, "values": [1.0, 2, 3]}
         ({"covariance": np.full((3, 3), np.nan)}, "finite"),
         ({"normalised": True, "num_events": 5}, "num_events or normalised"),
         ({"num_events": -1}, "positive"),
+        ({"num_events": 5}, "6 entries are more than num_events=5"),
+        ({"values": [10, 20, 30], "errors": [3, 4, 5]}, "normalised=True"),
     ],
 )
 def test_what_cannot_be_a_table_is_told_in_one_line(changed, word):
@@ -219,6 +221,13 @@ def test_a_feature_is_a_column_by_number_or_name():
     for events, feature in [(x, 1), (frame, 1), (frame, "b"), (x[:, 1], 0)]:
         got = avobench.Table(**GOOD, feature=feature).entries(events).sum(axis=0)
         assert got.tolist() == np.histogram(x[:, 1], EDGES)[0].tolist()
+
+
+def test_sums_are_refused_where_their_joint_covariance_tells_that_they_are_no_entries_per_event():
+    tables, cov = [avobench.Table(EDGES, [10.5, 20, 30], name="sums")], 9 * np.eye(3)
+    with pytest.raises(UsageError, match="table sums"):
+        avobench.Tables(tables, covariance=cov)
+    assert avobench.Tables([avobench.Table(EDGES, [10.5, 20, 30], normalised=True)], covariance=cov)
 
 
 @pytest.mark.parametrize("tables", [[], [GOOD]])
