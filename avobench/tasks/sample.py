@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from avobench.tasks.arguments import box_of, checked, numbers
 from avobench.tasks.contract import Box, Task, histogram
 from avobench.tasks.errors import UsageError, whole
-from avobench.tasks.weights import column, drawn, effective, weights_of, without_negative
+from avobench.tasks.weights import column, drawn, effective_drawn, weights_of, without_negative
 
 ASIDE = 5
 """One in so many events of each theta is kept aside, for whoever needs events that nothing has learned from."""
@@ -33,6 +33,7 @@ class SampleTask(Task):
         self,
         events: NDArray,
         theta: NDArray[np.float64],
+        source: NDArray[np.intp],
         parameters: Sequence[str],
         features: Sequence[str],
         prior: Box,
@@ -43,7 +44,8 @@ class SampleTask(Task):
     ) -> None:
         """Events (M, d) without weights, in random order, at theta (M, p).
 
-        Weighted ones were `worth` so many each, and their weights added up to a `total`.
+        Copies of one event have the same `source` (M,), a number without a meaning. Weighted events were `worth` so
+        many each, and their weights added up to a `total`.
         """
         self.name, self.events, self.worth, self.total = name, events, worth, total
         self.parameter_names, self.parameter_units = tuple(parameters), ("1",) * len(parameters)
@@ -52,12 +54,16 @@ class SampleTask(Task):
         self.missing = tuple(self.labels.index(one) for one in missing)
         self.nodes, which = np.unique(theta, axis=0, return_inverse=True)
         order = np.argsort(which, kind="stable")
-        groups = np.split(order, np.cumsum(np.bincount(which, minlength=len(self.nodes)))[:-1])
-        self.groups = [group[len(group) // ASIDE :] for group in groups]
+        self.groups: list[NDArray[np.intp]] = []
         """The rows of the events of each node, but for those kept aside."""
+        self.aside: list[NDArray[np.intp]] = []
+        """The rows of those. They have no event in common with the others: all copies of one are on the same side."""
+        for group in np.split(order, np.cumsum(np.bincount(which, minlength=len(self.nodes)))[:-1]):
+            distinct = np.unique(source[group])
+            aside = source[group] < distinct[len(distinct) // ASIDE]
+            self.groups.append(group[~aside])
+            self.aside.append(group[aside])
         self._grouped = np.concatenate(self.groups)
-        self.aside = [group[: len(group) // ASIDE] for group in groups]
-        """The rows of those."""
         self.num_aside = min(map(len, self.aside))
         """So many of them may be asked for at any theta, and none comes twice."""
 
@@ -202,9 +208,11 @@ def bank(
     names, columns, box = _parameters(theta, prior, len(x))
     if weights is None:
         rows, worth, total = rng.permutation(len(x)), 1.0, float(len(x))
+        source = np.arange(len(x))
     else:
         rows, worth, total = _drawn(x, columns, weights, rng)
-    made = SampleTask(x[rows], columns[rows], names, features, box, worth, total, name, missing)
+        source = rng.permutation(len(x))[rows]
+    made = SampleTask(x[rows], columns[rows], source, names, features, box, worth, total, name, missing)
     least = min(range(len(made.groups)), key=lambda k: len(made.groups[k]))
     if (few := len(made.groups[least]) + len(made.aside[least])) < LEAST:
         where = f" at theta = {made.nodes[least].tolist()}" if names else ""
@@ -269,10 +277,11 @@ def _drawn(
         where = f" at theta = {node.tolist()}" if node.size else ""
         if not w[own].sum() > 0:
             raise UsageError(f"the weights of simulated events{where} do not add up to a positive number")
-        if (tell := effective(w[own])) < LEAST:
+        positive = without_negative(x[own], w[own])
+        if (tell := effective_drawn(w[own], positive)) < LEAST:
             raise UsageError(
                 f"{len(own)} weighted events{where} are worth {tell:.1f} of equal weight; at least {LEAST} are needed"
             )
-        rows.append(own[drawn(without_negative(x[own], w[own]), rng)])
+        rows.append(own[drawn(positive, rng)])
         worth += tell / len(x)
     return rng.permutation(np.concatenate(rows)), worth, float(w.sum())

@@ -71,6 +71,16 @@ def drawn(w: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.intp]:
     return rng.permutation(np.minimum(rows, len(w) - 1))
 
 
+def effective_drawn(w: NDArray[np.float64], positive: NDArray[np.float64]) -> float:
+    """How many events of equal weight tell as much as those drawn: n^2 over the sum of E[c^2], c copies of an event.
+
+    An event's share k = n w / sum w of the rows is rounded down or up to c, which is k on average, and f (1 - f) is the
+    variance of c where f is the fraction of k. The `positive` weights (n,) are drawn, in place of those given, w (n,).
+    """
+    k, fraction = len(w) * w / w.sum(), len(w) * positive / positive.sum() % 1
+    return float(len(w) ** 2 / (k**2 + fraction * (1 - fraction)).sum())
+
+
 @checked
 def unweighted(events: ArrayLike, weights: ArrayLike | str, *, seed: int = 0) -> NDArray | pd.DataFrame:
     """Measured events of which each is kept with a probability as its weight: a sample without weights.

@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import binom
 
 import avobench
 from avobench.tasks.errors import UsageError
@@ -31,7 +32,21 @@ def test_weights_are_those_of_the_events():
     sample = avobench.bank(table, weights="w")
     assert sample.labels == ("x",)
     assert (sample.events == 1).mean() == pytest.approx(0.75, abs=0.01)
-    assert sample.worth == pytest.approx(16 / 30)  # (1 + 3)^2 / (1 + 9) of three
+    # The shares of three rows are 3/4 and 9/4, in copies of variance 3/16 each: 3 / (9/16 + 81/16 + 6/16).
+    assert sample.worth == pytest.approx(1 / 2)
+
+
+def test_copies_of_an_event_of_large_weight_raise_no_alarm():
+    """Of 40 right samples: a classifier that has learnt from copies of the events of its test fails on half of them."""
+    alarms = 0
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        weights = np.where(rng.random(6000) < 0.05, 20.0, 1.0)
+        sample = avobench.bank(rng.normal(size=6000), weights=weights, seed=seed)
+        assert not np.isin(sample.events[sample.aside[0]], sample.events[sample.groups[0]]).any()
+        found = avobench.diagnose(sample, rng.normal(size=1000), seed=seed, effects=[], progress=False).diagnosis
+        alarms += found.gates["classifier"].p_value < 0.05
+    assert alarms <= binom.isf(1e-4, 40, 0.05)
 
 
 @pytest.mark.parametrize(
