@@ -13,14 +13,13 @@ from scipy.stats import binom, chi2, f, norm
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.descent import settled, sharpen
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.fit.surrogate import surrogate
+from avobench.diagnosis.fit.surrogate import repeats, surrogate
 from avobench.diagnosis.goodness_of_fit.regions import dependences
 from avobench.diagnosis.schema import GateResult
 from avobench.diagnosis.settings import TEST
-from avobench.diagnosis.summary.bins import Summary
 from avobench.diagnosis.summary.pixels import Pixels
 from avobench.diagnosis.summary.target import Target
-from avobench.effects.bank import Bank
+from avobench.effects.bank import Bank, Given
 from avobench.effects.pool import Pool
 
 if TYPE_CHECKING:
@@ -41,13 +40,13 @@ def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, effort: Eff
     num_events = int(ratio * max(target.num_events, TEST.few))
     plainly_wrong, tested = fit.noiseless_q > TEST.plainly * fit.dof, []
     for _ in range(effort.metrics):
-        metric, lacking = model_metric(fit, target.summary, target.mean, target.num_events, rng, effort.covariance)
+        metric, lacking, known = model_metric(fit, target, target.mean, target.num_events, rng, effort.covariance)
         # The fit has found its place: wide designs would only show a quadratic where it is none.
         efficient = sharpen(fit, metric, rng, num_events, least=0.0)
         if efficient.p_value > TEST.hopeless:
             efficient = settled(efficient, metric, rng, num_events, effort.settle)
         dof = max(efficient.dof - round(lacking), 1)
-        p_value = distance_p(efficient.q, dof, effort.covariance)
+        p_value = distance_p(efficient.q, dof, known)
         tested.append((GateResult(statistic=efficient.q, dof=dof, p_value=p_value), efficient, metric))
         if plainly_wrong or p_value > TEST.doubted or efficient.distance_to(fit) < 1:
             break
@@ -55,7 +54,7 @@ def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, effort: Eff
     return max(tested, key=lambda each: each[0].p_value)
 
 
-def distance_p(q: float, dof: int, num_events: int) -> float:
+def distance_p(q: float, dof: int, num_events: float) -> float:
     """The p-value of a squared distance q in so many dimensions, by a covariance from so many events.
 
     By H. Hotelling, Ann. Math. Stat. 2 (1931) 360. The share `dof / num_events` by which such a distance is too large
@@ -68,17 +67,27 @@ def distance_p(q: float, dof: int, num_events: int) -> float:
 
 
 def model_metric(
-    fit: Fit, summary: Summary, mean: NDArray[np.float64], num_events: int, rng: np.random.Generator, num_simulated: int
-) -> tuple[Target, float]:
+    fit: Fit, target: Target, mean: NDArray[np.float64], num_events: int, rng: np.random.Generator, num_simulated: int
+) -> tuple[Target, float, float]:
     """A measured mean (K,) of so many events in the metric that the fitted model itself predicts.
 
-    The covariance is the model's, because that of few measured events is biased where they are fewest. The second
-    return value is the number of degrees of freedom that is added where the model makes no events.
+    The covariance is the model's, because that of few measured events is biased where they are fewest. Simulated events
+    that were given are few as well, and the mean that is compared is theirs too. The covariance is then that within
+    both samples, as in any test of two: the measured one is that of the `target`. The other return values are the
+    number of degrees of freedom that is added where the model makes no events, and of how many distinct events the
+    covariance is.
     """
-    simulated = fit.model.simulate(np.tile(fit.params, (num_simulated, 1)), rng)
-    cov, lacking = summary.model_covariance(simulated, num_events)
-    target = Target.of(summary, mean, num_events, cov)
-    return target, float(lacking @ (target.whitening**2).sum(axis=1))
+    source = fit.model.source()
+    simulated = fit.model.simulate(np.tile(fit.params, (num_simulated, 1)), rng, source)
+    cov, lacking = target.summary.model_covariance(simulated, num_events)
+    known = num_simulated / repeats(source)
+    if isinstance(fit.model.events, Given):
+        given = fit.model.events.num_around(fit.params[: fit.model.num_theta])
+        share = given / (given + target.num_events)
+        cov, lacking = share * cov + (1 - share) * target.cov, share * lacking
+        known = 1 / (share**2 / known + (1 - share) ** 2 / target.num_events)
+    metric = Target.of(target.summary, mean, num_events, cov)
+    return metric, float(lacking @ (metric.whitening**2).sum(axis=1)), known
 
 
 def cell_gate(fit: Fit, x: NDArray, rng: np.random.Generator, effort: Effort) -> GateResult:

@@ -42,7 +42,7 @@ class HeldOut:
         as Gaussians do. How large chi-squared is of events of the model, and how far it scatters, is therefore taken
         from as many other ones.
         """
-        metric, _ = model_metric(fit, self.target.summary, self.mean, self.num_events, rng, num_simulated)
+        metric, *_ = model_metric(fit, self.target, self.mean, self.num_events, rng, num_simulated)
         others = fit.model.simulate(np.tile(fit.params, (num_simulated, 1)), rng)
         mean, variance = null_moments(metric, others)
         share = self.num_events / self.target.num_events

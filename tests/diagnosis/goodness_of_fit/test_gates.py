@@ -35,6 +35,7 @@ from avobench.effects.model import Model
 from avobench.tasks import Box, Task
 from avobench.tasks.function import task
 from avobench.tasks.poisson import Poisson
+from avobench.tasks.sample import bank
 from avobench.tasks.weinberg import Weinberg
 
 
@@ -80,6 +81,16 @@ def test_many_features_of_few_events_raise_no_alarm(seed):
     found = diagnose(wide, x, seed=seed, effects=[]).diagnosis
     assert min(gate.corrected for gate in found.gates.values()) > 1e-3
     assert found.theta_before["s"].value == pytest.approx(0.3, abs=4 * found.theta_before["s"].std)
+
+
+def test_a_small_sample_of_right_events_raises_no_alarm():
+    """Of 10: ten features by a covariance of the same few events as the mean failed in seven."""
+    alarms = 0
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        sample, x = bank(rng.normal(size=(640, 10))), rng.normal(size=(1000, 10))
+        alarms += diagnose(sample, x, seed=seed, effects=[]).diagnosis.gates["summary"].p_value < 0.05
+    assert alarms <= binom.isf(1e-3, 10, 0.05)
 
 
 def test_the_features_that_disagree_are_those_that_are_searched():

@@ -50,7 +50,7 @@ def test_the_interval_of_a_true_model_covers_one_with_any_number_of_features(d, 
 
     target = target_of(events(2250), bins_of(events(2250), events(2250)), events(2250))
     fit = SimpleNamespace(model=model, params=[0.0])
-    metric, _ = model_metric(fit, target.summary, target.mean, 750, rng, 30_000)
+    metric, *_ = model_metric(fit, target, target.mean, 750, rng, 30_000)
     mean, variance = null_moments(metric, events(30_000))
     sets_of = target.summary.mean(events(750 * sets), sets)
     q = (metric.whiten(sets_of - sets_of.mean(axis=0)) ** 2).sum(axis=1) / (1 - 1 / sets)
