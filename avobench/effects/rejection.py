@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.effects.contract import Simulate
+from avobench.tasks.errors import SimulatorError
 
 MAX_ROUNDS = 200
 """Rounds of rejection: of a detector that records one event in ten, all but 1e-9 have been recorded by then."""
@@ -13,6 +14,10 @@ DRAWN = 12
 """Draws for one recorded event, at most and on average: enough where one in ten is recorded."""
 FEW = 100
 """What fewer events count as in that average."""
+NEAREST = (1, 30, 1000)
+"""So many recorded events next to a row that has none are tried for it, one after the other."""
+TIE = 1e-9
+"""In shares of the range of theta: so far rows are moved at random, that equal ones do not all have the same event."""
 
 
 def accepted(
@@ -25,7 +30,8 @@ def accepted(
 
     `keep(x, rows)` is the chance that the events x, of these rows of theta, are recorded. Where a value is missing,
     and it is NaN, it is that of the others on average: a selection does not change how often values are missing. What a
-    detector never records cannot be waited for: the event of the last round stays, recorded or not.
+    detector hardly ever records cannot be waited for: such a row has the recorded event of another one, whose theta is
+    next to its own. Raises SimulatorError where no row has any.
     """
     x = simulate(theta, rng)
     rows, left = np.arange(len(theta)), DRAWN * max(len(theta), FEW)
@@ -38,4 +44,38 @@ def accepted(
         if len(rows) == 0 or left < 0:
             break
         x[rows] = simulate(theta[rows], rng)
+    return _filled(x, rows, theta, keep, rng) if len(rows) else x
+
+
+def _filled(
+    x: NDArray,
+    rows: NDArray[np.intp],
+    theta: NDArray[np.float64],
+    keep: Callable[[NDArray, NDArray[np.intp]], NDArray[np.float64]],
+    rng: np.random.Generator,
+) -> NDArray:
+    """Events (n, d) of which these rows have the nearest other one in theta (n, p) that can be recorded there.
+
+    Where none near can, it is the nearest that was recorded. So a fit that tries such parameters goes on.
+    """
+    from scipy.spatial import cKDTree
+
+    recorded = np.setdiff1d(np.arange(len(x)), rows)
+    if not len(recorded):
+        raise SimulatorError(
+            f"a detector records none of the events that were simulated for {len(x)} rows of parameters, the first "
+            f"at {theta[0].tolist()}: give parameters at which events are recorded"
+        )
+    width = np.ptp(theta, axis=0)
+    at = np.c_[(theta - theta.min(axis=0)) / np.where(width > 0, width, 1), np.zeros(len(x))]
+    at += TIE * rng.standard_normal(at.shape)
+    tree = cKDTree(at[recorded])
+    for most in NEAREST:
+        near = recorded[tree.query(at[rows], range(1, min(most, len(recorded)) + 1))[1]]
+        chance = keep(x[near.ravel()], np.repeat(rows, near.shape[1])).reshape(near.shape)
+        suits = ~(chance <= 0)  # nor is it 0 where it is NaN
+        x[rows] = x[near[np.arange(len(rows)), suits.argmax(axis=1)]]
+        rows = rows[~suits.any(axis=1)]
+        if not len(rows):
+            break
     return x
