@@ -224,7 +224,7 @@ def bank(
 def require_enough(task: Task, theta: NDArray[np.float64], num_measured: int) -> None:
     """Raise UsageError where a sample has fewer events near theta (p,) than half of so many measured ones.
 
-    The scatter of so few is not known well enough, so that tests reject what is right.
+    Those kept aside do not count. The scatter of so few is not known well enough, so that tests reject what is right.
     """
     if not isinstance(task, SampleTask):
         return

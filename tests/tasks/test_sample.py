@@ -85,6 +85,14 @@ def test_fewer_simulated_events_near_the_fit_than_half_of_the_measured_ones_are_
         ask(sample, rng.exponential(2.0, 2000), progress=False)
 
 
+def test_as_many_simulated_events_as_the_line_asks_for_are_enough():
+    rng = np.random.default_rng(0)
+    measured = rng.exponential(2.0, 2000)
+    with pytest.raises(UsageError, match="at least 1250"):
+        avobench.diagnose(rng.exponential(2.0, 1200), measured, effects=[], progress=False)
+    avobench.diagnose(rng.exponential(2.0, 1250), measured, effects=[], progress=False)
+
+
 @pytest.mark.parametrize("events", [[[1, 2], [3]] * 200, pd.DataFrame({"a": [np.arange(k % 3) for k in range(400)]})])
 def test_events_of_different_lengths_are_to_be_reduced(events):
     with pytest.raises(UsageError, match=r"reduce events .* `\[\(len\(e\), sum\(e\)\) for e in events\]`"):
