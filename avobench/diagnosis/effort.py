@@ -58,8 +58,6 @@ class Effort:
     """Events of a slow generator that is asked only once, a measured one."""
     screen: int = 6_000
     """Events of a screening grid; each of its points gets a fiftieth of them at least."""
-    card: int = 3_000
-    """Events of each strength on the identifiability card."""
     covariance: int = 60_000
     """Events from which the covariance that a model predicts is taken."""
     metrics: int = 4
@@ -105,7 +103,6 @@ class Effort:
             self,
             fit=min(self.fit, max(num_events, 2000)),
             sample=min(self.sample, max(3 * num_events, 8000)),
-            card=min(self.card, max(3 * num_events // 20, 300)),
             covariance=min(self.covariance, max(3 * num_events, 2000)),
             scan=(points, min(events, max(num_events // 100, 20))),
         )
@@ -124,7 +121,6 @@ class Effort:
             sample=max(int(self.sample * share), 3000),
             generated=max(self.generated * share, 2),
             screen=max(int(self.screen * share), 2000),
-            card=max(int(self.card * share), 300),
             scan=(self.scan[0], max(int(self.scan[1] * share), 20)),
             rescan=(max(int(self.rescan[0] * share), self.scan[0]), max(int(self.rescan[1] * share), 20)),
             pairs=(self.pairs[0], max(int(self.pairs[1] * share), 20)),
@@ -142,7 +138,6 @@ IMAGES = Effort(
     fit=8000,
     sample=12_000,
     screen=8000,
-    card=600,
     covariance=30_000,
     scan=(60, 150),
     rescan=(60, 150),

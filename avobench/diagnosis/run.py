@@ -284,7 +284,8 @@ class Run:
             shown = self.effects
             if not self.of_tables and len(some := disagreeing(fit, target, self.events)) < self.events.shape[1]:
                 shown = [each for each in shown if not isinstance(each.feature, int) or each.feature in some]
-            rows = card(final.fit, target, shown, self.alpha * final.gates["summary"].share, rng, effort)
+            share = final.gates["summary"].share
+            rows = card(final.efficient, final.metric, shown, self.alpha * share, rng, effort)
         drawn = pictures(view, target, outcome.first, fit if outcome.effects else None, self.task.labels)
         if outcome.verdict in (Verdict.FAMILY, Verdict.UNEXPLAINED) and not self.of_tables:
             with self.affordable("the correction"):

@@ -150,11 +150,15 @@ class Identifiable(Named):
     """What these data could show of an effect."""
 
     retained: float | None
-    """Share of its signal that is left once theta is fitted."""
+    """Share of its signal that is left once theta is fitted, with the strength `theta_bias_at`; None where no signal
+    stands out of the noise of simulation."""
     minimum_detectable: float | None
-    """The smallest strength seen with 90 % probability; None where no strength within its bounds is."""
+    """The smallest strength seen with 90 % probability; None where none is up to `theta_bias_at`."""
     theta_bias: dict[str, float]
-    """The shift of theta if the effect is there, at that strength, and unnoticed."""
+    """The shift of theta if the effect is there unnoticed, with the strength `theta_bias_at`."""
+    theta_bias_at: float | None = None
+    """The smallest strength seen, or else the largest one up to which theta was followed; None where simulated events
+    did not suffice to tell."""
     rivals: list[Named]
 
 

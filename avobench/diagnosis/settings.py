@@ -391,6 +391,22 @@ class ReportSettings:
     """Probability with which the smallest strength on the identifiability card is seen: a usual power of a test."""
     shown: float = 3.0
     """Times the scatter of the simulated events, from which a difference on the card is one."""
+    parts: tuple[int, ...] = (16, 4, 2, 1)
+    """Parts of the events at a fit, by which the card asks in turn whether a strength is seen. Effects for which each
+    event is simulated anew are not asked with the last one."""
+    compared_moves: int = 10_000
+    """Events, at most, from which it is taken on the card how many of them an effect moves: it may be few."""
+    followed: float = 0.6
+    """Share of the design around a fit within which theta is followed: further out, what simulation leaves open of the
+    slopes and bends is as much as a test sees."""
+    weakest: float = 1e-5
+    """Weakest strength on the card, as a share of its range."""
+    bisections: int = 8
+    """Steps in which a strength on the card is found: to a twentieth, from a hundred thousandth of its range on."""
+    unsure: float = 0.5
+    """Standard error by simulation, in what it takes to be seen, above which the card says nothing of an effect."""
+    plainer: float = 3.0
+    """Times the smallest strength seen, at which what two effects leave is compared: far above the noise."""
     rivals: float = 0.95
     """Correlation of what two effects leave after the fit, from which they are rivals. Chosen on development cases."""
     allowed: float = 4.0

@@ -215,6 +215,8 @@ class ExtendedModel:
     """The fit in the metric of the target, in which models are compared."""
     efficient: Fit
     """The fit in the metric that the model itself predicts, with more events; reported if the model is right."""
+    metric: Target
+    """The target in that metric."""
     gates: dict[str, GateResult]
 
     @classmethod
@@ -234,7 +236,7 @@ class ExtendedModel:
         gate, efficient, metric = summary_gate(fit, target, rng, effort)
         gates = {"summary": gate}
         if x is None:
-            return cls(fit, efficient, gates)
+            return cls(fit, efficient, metric, gates)
         if fit.model.task.event_shape:
             gates["cells"] = cell_gate(efficient, x, rng, effort)
         shares = TEST.image_shares if "cells" in gates else TEST.shares
@@ -245,6 +247,7 @@ class ExtendedModel:
         return cls(
             fit,
             efficient,
+            metric,
             {name: gate.model_copy(update={"share": dict(shares)[name]}) for name, gate in gates.items()},
         )
 

@@ -78,11 +78,17 @@ class Sample:
         return other
 
     def changes(
-        self, effect: Effect, points: NDArray[np.float64], events: int, rng: np.random.Generator
+        self,
+        effect: Effect,
+        points: NDArray[np.float64],
+        events: int,
+        rng: np.random.Generator,
+        compared: int = SEARCH.moved_events,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """What an effect at each of the points (m, q) does to the summary, whitened: (m, r).
 
-        Also the square (m,) that the scatter of its few events adds, which makes an effect look stronger than it is.
+        Also the square (m,) that the scatter of its few events adds, which makes an effect look stronger than it is. At
+        each point so many events as `compared` tell how many of them the effect moves.
         """
         m = len(points)
         params = np.tile(self.params, (m * events, 1))
@@ -92,7 +98,7 @@ class Sample:
             seed = rng.integers(2**63)
             untouched = self.fit.model.simulate(params, np.random.default_rng(seed))
             changed = model.simulate(np.hstack([params, phi]), np.random.default_rng(seed))
-            return self._change(untouched, changed, m, self.target.summary.mean(untouched, m))
+            return self._change(untouched, changed, m, self.target.summary.mean(untouched, m), compared)
         first = True
 
         def simulate(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
@@ -107,15 +113,15 @@ class Sample:
         untouched = self.x[np.arange(m * events) % len(self.x)]
         if (m, events) not in self._means:
             self._means[m, events] = self.target.summary.mean(untouched, m)
-        return self._change(untouched, changed, m, self._means[m, events])
+        return self._change(untouched, changed, m, self._means[m, events], compared)
 
     def _change(
-        self, untouched: NDArray, changed: NDArray, m: int, means: NDArray[np.float64]
+        self, untouched: NDArray, changed: NDArray, m: int, means: NDArray[np.float64], compared: int
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """What `changes` gives, from events at m points without and with an effect; the former have `means` (m, K)."""
         target, n = self.target, len(changed)
         change = target.whiten(target.summary.mean(changed, m) - means)
-        some = np.linspace(0, n, m * SEARCH.moved_events, endpoint=False, dtype=int)
+        some = np.linspace(0, n, m * compared, endpoint=False, dtype=int)
         moved = target.moved(untouched[some], changed[some]).reshape(m, -1).mean(axis=1)
         return change, target.num_events * m / n * target.rank * moved
 

@@ -180,9 +180,13 @@ def _identifiability(diagnosis: Diagnosis) -> html.Table:
         "change of θ if it is there unseen": html.texts(
             [", ".join(f"{name} {number(bias)}" for name, bias in row.theta_bias.items()) for row in card]
         ),
+        "at the strength": html.figures([row.theta_bias_at for row in card]),
         "cannot be told from": html.texts([_listed(row.rivals) for row in card]),
     }
-    text = "The smallest strength of each effect that these data would have shown."
+    text = (
+        "The smallest strength of each effect that these data would have shown. Where there is none, no strength up to "
+        "the one in the column of θ is seen; where that has none either, the simulated events did not suffice to tell."
+    )
     return html.Table.of("identifiability", "What these data could not have shown", text, columns)
 
 
