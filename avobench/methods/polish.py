@@ -29,6 +29,9 @@ FARTHEST = 2.0
 """Largest distance from the center of the fit, in kernel widths: beyond it the fit describes next to no events."""
 MANY = 20
 """Events for each feature from which a misfit can be told: the covariance of the features must be known well."""
+KNOWN = 40
+"""Observed events for each feature from which they tell its covariance. With fewer its noise would count as knowledge;
+then simulated events tell it, which show long tails as well."""
 UNLIKE = 100.0
 """Factor by which a simulated event would enlarge the observed variance along its direction, from which the observed
 events are said not to know that variance. It stayed below 30 on 15 targets of poisson and one or two of six other
@@ -132,12 +135,19 @@ class Fold:
     def near(self, center: NDArray[np.float64], kernel: NDArray[np.float64]) -> "Response":
         """How the mean of phi depends on theta near center (p,); the kernel's covariance is kernel @ kernel.T (p, p).
 
-        Raises TooFewEvents.
+        The covariance is that of the observed events, or of the simulated ones about their mean, see KNOWN. Raises
+        TooFewEvents.
         """
         near = Neighbours(self.u, center, kernel)
         synthetic = self.synthetic[near.rows]
-        known = self.inverse_beside(synthetic, near.weights)
-        return Response(center, near.unit, near.fit(synthetic), near.spread, known, self.num_observations)
+        coefficients = near.fit(synthetic)
+        if self.num_observations < KNOWN * synthetic.shape[1]:
+            scatter = synthetic - quadratic(near.z) @ coefficients
+            covariance = near.covariance(scatter, scatter)
+            known = np.linalg.inv(covariance + RIDGE * np.diag(1 + np.diag(covariance)))
+        else:
+            known = self.inverse_beside(synthetic, near.weights)
+        return Response(center, near.unit, coefficients, near.spread, known, self.num_observations)
 
     def inverse_beside(self, synthetic: NDArray[np.float32], weights: NDArray[np.float64]) -> NDArray[np.float64]:
         """The inverse covariance (k, k) of the observed events and of those simulated ones (n, k) that are unlike them.

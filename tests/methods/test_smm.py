@@ -27,3 +27,14 @@ def test_where_means_say_nothing_it_says_that_it_does_not_know():
     scale = task(lambda theta, rng: rng.normal(0, np.exp(theta[:, 0])), prior={"scale": (-1, 1)}, name="scale")
     estimate = inferred(scale, [0.8], 1)
     assert estimate.error[0] > 0.1
+
+
+@pytest.mark.parametrize("num_observed", [12, 30])
+def test_few_events_of_many_features_tell_no_more_than_they_know(num_observed):
+    """The mean of eight Gaussian features: the best error is known, and the covariance of 12 events is mostly noise."""
+    means = task(lambda theta, rng: rng.normal(theta, 1.0, (len(theta), 8)), prior={"mean": (-3, 3)}, name="means")
+    found = [inferred(means, [0.5], seed, num_observed=num_observed) for seed in range(20)]
+    errors = np.array([estimate.error[0] for estimate in found])
+    np.testing.assert_allclose(errors, 1 / np.sqrt(8 * num_observed), rtol=0.1)
+    pulls = np.array([estimate.theta[0] - 0.5 for estimate in found]) / errors
+    assert np.mean(pulls**2) < 2.8  # chi-squared of 20: p = 3e-5
