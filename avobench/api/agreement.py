@@ -221,7 +221,7 @@ def left_open(task: Task, theta: NDArray[np.float64], covariance: NDArray[np.flo
     """
     if not np.isfinite(covariance).all():
         return []
-    unit, names = task.prior.width / np.sqrt(12), task.parameter_names
+    unit, names = task.prior.std, task.parameter_names
     variance, axes = np.linalg.eigh(covariance / np.outer(unit, unit))
     said = []
     for each, axis in zip(variance, axes.T, strict=True):

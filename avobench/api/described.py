@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from avobench.tasks import Box, Task
 from avobench.tasks.errors import UsageError
+from avobench.tasks.prior import Distributed, Law
 
 
 class Described(Task):
@@ -22,6 +23,9 @@ class Described(Task):
         self.parameter_kinds = tuple(map(str, said.get("parameter_kinds", ())))  # older files have none
         self.num_features = int(said["num_features"])
         self.prior, self.support = Box(*said["prior"]), Box(*said["support"])
+        laws = [law and Law(law[0], tuple(law[1]), tuple(map(tuple, law[2]))) for law in said.get("laws", ())]
+        if laws:
+            self.prior = Distributed(self.prior.low, self.prior.high, tuple(laws))
         sizes = {len(self.parameter_names), len(self.parameter_units), self.prior.dim, self.support.dim}
         if len(sizes | {len(self.parameter_kinds) or self.prior.dim}) > 1:
             raise ValueError("parameters and bounds differ in number")
@@ -37,9 +41,12 @@ def description(task: Task) -> dict[str, Any]:
     """What a file keeps of a task, of plain numbers and texts."""
     names = ("name", "parameter_names", "parameter_units", "parameter_kinds", "feature_names", "feature_units")
     names += ("num_features",)
-    return {name: getattr(task, name) for name in names} | {
+    said = {name: getattr(task, name) for name in names} | {
         box: [getattr(task, box).low, getattr(task, box).high] for box in ("prior", "support")
     }
+    if isinstance(task.prior, Distributed):
+        said["laws"] = [law and [law.name, law.args, law.kwds] for law in task.prior.laws]
+    return said
 
 
 def plain(values: Any) -> Any:

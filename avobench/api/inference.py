@@ -460,7 +460,7 @@ def by_method(
     words, drawn = (task.name, method.name), drawing(task, source)
     known = Recorded(task, x_observed)
     x_observed = known.events(x_observed)
-    posed = in_shares(known.task(drawn))
+    posed = in_shares(known.task(drawn), method)
     held = min(budget // agreement.SHARE, budget - checks.used - least)
     with shown(progress) as tell:
 
@@ -473,7 +473,7 @@ def by_method(
         problem = pose(posed, x_observed, simulate)
         estimate = method.infer(problem, stream(seed, "method", *words))
         require_recordable(estimate, problem, simulate.used)
-        estimate = restricted(raw(estimate, task.prior), task)
+        estimate = restricted(raw(estimate, posed), task)
         fresh, rng = known.task(drawing(task, source, aside=True)), stream(seed, "test", *words)
         held = min(held, task.num_aside * 3 // 2) if sample else held
         test = metered("agreement", fresh, held, checks.used + simulate.used)

@@ -25,6 +25,8 @@ from avobench.methods.leeway import Leeway, is_open, leaves_open
 from avobench.methods.polish import Fold, Polished, TooFewEvents, narrower, polish_closer
 from avobench.methods.problem import Problem
 from avobench.methods.proposal import TruncatedGaussian
+from avobench.tasks.errors import UsageError
+from avobench.tasks.prior import Distributed
 
 if TYPE_CHECKING:
     import torch
@@ -59,6 +61,8 @@ class Inference:
         from avobench.methods.discriminator import mlp
         from avobench.methods.statistic import Statistic
 
+        if len(problem.x_observed) < 2:
+            raise UsageError(f"{settings.name} needs at least 2 observed events, got 1: take smm")
         # what is given
         self.settings, self.problem, self.rng = settings, problem, rng
         self.proposal, p = TruncatedGaussian(problem.prior, problem.support), problem.prior.dim
@@ -112,10 +116,12 @@ class Inference:
         for num_events in self.settings.local_rounds(self.num_adversarial, self.num_events):
             start, last = len(self.u), num_events == self.num_events
             if last and leaves_open(answer):  # many answers, of which the best is elsewhere
-                leeway = Leeway(self.matched())
+                leeway = Leeway(self.matched(), self.problem.prior)
                 toward = leeway.best(self.proposal.scale)
                 local = self.settings.shrink * np.eye(len(toward))
                 answer, root = self.polish(toward, local, toward, learn=False)
+                if isinstance(self.problem.prior, Distributed):  # no box to be averaged over: its moments decide
+                    leeway, toward = None, np.zeros_like(answer.mean)
             root = narrower(root, answer, self.settings.shrink, self.settings.errors)
             std = np.sqrt((root**2).sum(axis=1))
             self.note(answer.mean, std)
@@ -378,6 +384,7 @@ class Avo(Method):
     name = "avo"
     version = "3"
     packages, extra = ("torch",), "avo"
+    by_moments = True
     source = "after G. Louppe, J. Hermans, K. Cranmer, Adversarial Variational Optimization, AISTATS 2019"
     together = True
 

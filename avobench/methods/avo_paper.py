@@ -144,6 +144,7 @@ class AvoPaper(Method):
 
     name = "avo-paper"
     packages, extra = ("torch",), "avo"
+    by_moments = True
     source = "G. Louppe, J. Hermans, K. Cranmer, Adversarial Variational Optimization, AISTATS 2019, Algorithm 1"
 
     discriminator_steps: int = 1

@@ -90,6 +90,9 @@ class Method(ABC):
     All cells of a task and repetition then have the same random streams, hence the same simulated events, and their
     records say `amortised`: they are not to be compared with those of methods that have a budget for each target.
     """
+    by_moments: ClassVar[bool] = False
+    """True if it uses the mean and the standard deviation of a prior, whatever that is; a prior that is not uniform is
+    given to it as it is. For other methods the parameters are shares of such a prior, which are uniform."""
     together: ClassVar[bool] = False
     """True if `infer_together` takes less time than one problem after the other."""
 

@@ -19,6 +19,8 @@ from scipy.special import logsumexp
 from scipy.stats import qmc
 
 from avobench.methods.polish import SIGNIFICANT, Fold, Polished
+from avobench.tasks import Box
+from avobench.tasks.prior import Distributed
 
 OPEN = 0.5
 """Standard error of a combination of parameters, in standard deviations of the prior, above which it is open."""
@@ -50,12 +52,15 @@ def leaves_open(answer: Polished) -> bool:
 class Leeway:
     """The posterior of theta in standardised coordinates, given what the folds hold.
 
-    The points (n, p) fill the prior box evenly, and their weights (n,) sum to 1.
+    The points (n, p) fill the prior evenly, and their weights (n,) sum to 1. The prior is uniform where None.
     """
 
-    def __init__(self, folds: Sequence[Fold]) -> None:
+    def __init__(self, folds: Sequence[Fold], prior: Box | None = None) -> None:
         unit = qmc.Sobol(folds[0].u.shape[1], scramble=False).random_base2(LOG_POINTS)
-        self.points = EDGE * (2 * unit - 1)
+        if isinstance(prior, Distributed):
+            self.points = (prior.at(unit) - prior.mean) / prior.std
+        else:
+            self.points = EDGE * (2 * unit - 1)
         self.weights = tempered(log_likelihood(folds, self.points))
 
     def best(self, scale: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -43,7 +43,7 @@ class Problem:
 
     parameter_names: tuple[str, ...]
     prior: Box
-    """Uniform prior, in raw units."""
+    """Uniform prior, in raw units; any where the method says `by_moments`."""
     support: Box
     """The box in which the simulator may be called; it contains the prior."""
     x_observed: NDArray

@@ -12,14 +12,14 @@ SQRT_2PI = np.sqrt(2 * np.pi)
 class TruncatedGaussian:
     """q(theta | psi) with psi = (mean, log std) of shape (2, p), in standardised coordinates.
 
-    The coordinates are u = (theta - centre of the prior) / (standard deviation of the uniform prior): the prior box
+    The coordinates are u = (theta - mean of the prior) / (standard deviation of the prior): the box of a uniform prior
     becomes [-sqrt 3, sqrt 3], so that the paper's "zero mean and unit variance" has the moments of the prior.
     Every parameter is truncated to the support, where the simulator is defined; score and entropy contain the
     normalisation Z, so they are those of the distribution that is sampled.
     """
 
     def __init__(self, prior: Box, support: Box) -> None:
-        self.center, self.scale, self.support = prior.center, prior.width / np.sqrt(12), support
+        self.center, self.scale, self.support = prior.mean, prior.std, support
         self.low, self.high = self.to_standard(np.array(support.low)), self.to_standard(np.array(support.high))
 
     def to_standard(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -16,6 +16,7 @@ from avobench.methods.leeway import Leeway, leaves_open
 from avobench.methods.polish import Fold, Polished, polish
 from avobench.methods.problem import Problem
 from avobench.methods.proposal import TruncatedGaussian
+from avobench.tasks.prior import Distributed
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,7 @@ class Smm(Method):
 
     name: ClassVar[str] = "smm"
     version: ClassVar[str] = "2"
+    by_moments: ClassVar[bool] = True
     source: ClassVar[str] = "D. McFadden, Econometrica 57 (1989) 995; A. Pakes, D. Pollard, Econometrica 57 (1989) 1027"
 
     rounds: int = 8
@@ -61,9 +63,11 @@ class Smm(Method):
         leeway, toward = None, np.zeros_like(mean)
         for end in ends:
             if answer and end == ends[-1] and leaves_open(answer):  # many answers, of which the best is elsewhere
-                leeway = Leeway([fold])
+                leeway = Leeway([fold], problem.prior)
                 toward, std = leeway.best(proposal.scale), self.shrink * np.ones_like(std)
                 mean = polish([fold], toward, np.diag(std), proposal.low, proposal.high, toward).mean
+                if isinstance(problem.prior, Distributed):  # no box to be averaged over: its moments decide
+                    leeway, toward = None, np.zeros_like(mean)
             u = proposal.sample(np.stack([mean, np.log(std)]), end - problem.simulate.used, rng)
             synthetic = inputs.simulated(problem.simulate(proposal.to_raw(u)))
             if fold is None:

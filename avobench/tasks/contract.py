@@ -55,6 +55,16 @@ class Box:
         """(p,)"""
         return np.array(self.high) - np.array(self.low)
 
+    @property
+    def mean(self) -> NDArray[np.float64]:
+        """The mean of the prior that it stands for (p,)."""
+        return self.center
+
+    @property
+    def std(self) -> NDArray[np.float64]:
+        """The standard deviation of that prior (p,)."""
+        return self.width / np.sqrt(12)
+
     def contains(self, theta: ArrayLike) -> NDArray[np.bool_]:
         """Rows of theta (n, p) that lie in the box: (n,). Raises ValueError for another number of columns."""
         theta = np.atleast_2d(theta)

@@ -16,6 +16,8 @@ TABULATED = "quantiles"
 """The name of a law that is none of SciPy's by name: its arguments are the quantiles of equal shares."""
 STEPS = 100
 """So many shares it has."""
+EVEN = 20_000
+"""So many quantiles tell the moments of a law: a step is half of TAIL."""
 MOST_VALUES = 100_000
 """Whole numbers of a prior, at most: all are looked at for a share of it."""
 
@@ -161,6 +163,22 @@ class Distributed(Box):
     def center(self) -> NDArray[np.float64]:
         """The medians (p,)."""
         return self.at(np.full((1, self.dim), 0.5))[0]
+
+    @cached_property
+    def mean(self) -> NDArray[np.float64]:
+        """(p,)"""
+        return self._even.mean(axis=0)
+
+    @cached_property
+    def std(self) -> NDArray[np.float64]:
+        """(p,)"""
+        return self._even.std(axis=0)
+
+    @cached_property
+    def _even(self) -> NDArray[np.float64]:
+        """The quantiles in the middle of each of many equal shares (n, p): between its ends any law has moments."""
+        shares = (np.arange(EVEN) + 0.5) / EVEN
+        return self.at(np.tile(shares[:, None], self.dim))
 
     def sample(self, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
         """Draws: (n, p)."""

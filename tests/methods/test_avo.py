@@ -5,6 +5,7 @@ import pytest
 
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.methods.avo import Avo, regression
+from avobench.tasks.errors import UsageError
 from avobench.tasks.function import task
 from gaussian import GaussianMeans, gaussian_problem
 
@@ -88,3 +89,10 @@ def test_inputs_that_are_hardly_ever_hit_do_no_harm(num_rare):
     estimate = Avo(iterations=60, hidden=(16,), statistic_steps=200).infer(given, np.random.default_rng(2))
     assert not estimate.doubt
     assert abs(estimate.theta[0] - observed[:, 0].mean()) < 4 * estimate.error[0] < 0.05
+
+
+def test_one_observed_event_is_refused_in_a_line():
+    shift = task(lambda theta, rng: rng.normal(theta), prior={"mean": (-3, 3)}, name="shift")
+    rng = np.random.default_rng(0)
+    with pytest.raises(UsageError, match="at least 2 observed events"):
+        Avo().infer(pose(shift, np.ones((1, 1)), MeteredSimulator(shift, 5000, rng)), rng)

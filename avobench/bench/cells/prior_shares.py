@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.methods import Estimate, TracePoint, WeightedSample
+from avobench.methods import Estimate, Method, TracePoint, WeightedSample
 from avobench.tasks import Box, Task
 from avobench.tasks.prior import Distributed
 
@@ -33,18 +33,22 @@ class InShares(Task):
         return InShares(self.task.with_reference(x))
 
 
-def in_shares(task: Task) -> Task:
-    """The task by shares of its prior; itself where that is uniform."""
-    return InShares(task) if isinstance(task.prior, Distributed) else task
+def in_shares(task: Task, method: Method) -> Task:
+    """The task by shares of its prior; itself where that is uniform, or the method can do with its moments.
+
+    By shares even a mean is strongly curved in the tails, where a local quadratic of it would be biased.
+    """
+    return InShares(task) if isinstance(task.prior, Distributed) and not method.by_moments else task
 
 
-def raw(estimate: Estimate, prior: Box) -> Estimate:
-    """An estimate of `in_shares` in the units of the parameters; itself where the prior is uniform.
+def raw(estimate: Estimate, posed: Task) -> Estimate:
+    """An estimate of a task from `in_shares` in the units of the parameters.
 
     Points of a posterior are mapped one by one. Other errors follow the slope of the quantiles over their reach.
     """
-    if not isinstance(prior, Distributed):
+    if not isinstance(posed, InShares):
         return estimate
+    prior = posed.task.prior
 
     def slopes(at: NDArray, std: NDArray) -> NDArray[np.float64]:
         reach = np.maximum(np.nan_to_num(std, posinf=1.0), 1e-6)

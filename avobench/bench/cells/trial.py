@@ -84,9 +84,9 @@ class Trial:
             x = _observed(cell.task, settings, cell.target, cell.num_observations, cell.seed)
             reference = x if own else _observed(cell.task, settings, 0, cell.num_observations, cell.seed)
             known = Recorded(self._task, reference)
-            posed, self._x_observed = in_shares(known.task(self._task)), known.events(x)
-            self.simulate = metered(posed)
-            self.problem = pose(posed, self._x_observed.copy(), self.simulate, known.events(reference))
+            self._posed, self._x_observed = in_shares(known.task(self._task), self.method), known.events(x)
+            self.simulate = metered(self._posed)
+            self.problem = pose(self._posed, self._x_observed.copy(), self.simulate, known.events(reference))
         self._observation_seconds = time.perf_counter() - start
 
     @contextmanager
@@ -115,7 +115,7 @@ class Trial:
         if not np.array_equal(self.problem.x_observed, self._x_observed):
             raise InvalidEstimate("the method changed the observed events; let it work on a copy")
         require_recordable(self.estimate, self.problem, self.simulate.used)
-        self.estimate = raw(self.estimate, self._task.prior)
+        self.estimate = raw(self.estimate, self._posed)
         message = "; ".join(filter(None, (self.estimate.message, self.remark, self.estimate.doubt)))
         status = Status.DOUBTFUL if self.estimate.doubt else Status.OK
         try:

@@ -42,10 +42,10 @@ class Inferred:
         least = method.min_simulations(len(task.parameter_names))
         if num_events < least:
             raise UsageError(f"--fit {name} needs at least {least} simulated events, got {num_events}")
-        posed = in_shares(task)
+        posed = in_shares(task, method)
         simulate = MeteredSimulator(posed, num_events, rng.spawn(1)[0])
         estimate = method.infer(pose(posed, x, simulate), rng.spawn(1)[0])
-        return cls(name, task, raw(estimate, task.prior), simulate.used - simulate.failed)
+        return cls(name, task, raw(estimate, posed), simulate.used - simulate.failed)
 
     def centre(self, model: Model) -> NDArray[np.float64]:
         """The estimate in the unit cube of the task's own model (p,)."""
