@@ -36,7 +36,7 @@ from avobench.tasks.errors import BudgetExhausted, InvalidEstimate, UsageError, 
 from avobench.tasks.meter import Meter
 from avobench.tasks.missing import Recorded
 from avobench.tasks.pieces import spread
-from avobench.tasks.prior import STEPS
+from avobench.tasks.prior import STEPS, Distributed
 from avobench.tasks.region import beside, failing, failures, regions
 from avobench.tasks.sample import SampleTask, require_enough
 
@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from scipy.stats import rv_histogram
 
     from avobench.diagnosis.fit.fit import Fit
+    from avobench.diagnosis.fit.prior import Posterior
     from avobench.diagnosis.schema import GateResult
     from avobench.effects.bank import Bank
     from avobench.effects.model import Model
@@ -69,6 +70,11 @@ KEPT = 5
 """One in so many events of the limit is left for the last of them."""
 UNDECIDED = "too few simulated events to tell how well theta is known: errors may be far too large"
 """What is said of a fit whose slopes do not stand out of the noise of simulation."""
+PRIOR_LEFT_OUT = (
+    "the prior of {} counts by its ends alone, as theta moves too far with it for what the fit knows: allow more "
+    "simulated events, or fit one set of events without bank by avo or abc-smc"
+)
+"""What is said of a fit by moments that could not take account of a prior."""
 REPEATED = 1.1
 """So often the events of a bank may be used on average without a word."""
 DEFAULTS = ("avo", "smm")
@@ -559,14 +565,20 @@ def tested(
     return estimate, tuple(dict(zip(task.parameter_names, other.tolist(), strict=True)) for other in others)
 
 
-def by_effort(model: "Model", part: Any, meter: Meter, rng: np.random.Generator) -> tuple["GateResult", "Fit"]:
+def by_effort(
+    model: "Model", part: Any, meter: Meter, rng: np.random.Generator
+) -> tuple["GateResult", "Fit", "Posterior | None"]:
     """The test and the fit of a model to what was measured, with as much effort as the meter allows.
+
+    The third is what the fit and a prior that is not uniform say together, where that can be told.
 
     That of a diagnosis leaves room for a search, which is not asked for here. So those of some times the limit are
     tried first, and what one has simulated the next one uses. Raises UsageError where no effort is low enough.
     """
     from avobench.diagnosis.effort import effort_for
+    from avobench.diagnosis.fit.descent import refine
     from avobench.diagnosis.fit.null import fit_null
+    from avobench.diagnosis.fit.prior import with_prior
     from avobench.diagnosis.goodness_of_fit.gates import summary_gate
     from avobench.effects.catalogue import domain
 
@@ -577,10 +589,21 @@ def by_effort(model: "Model", part: Any, meter: Meter, rng: np.random.Generator)
         try:
             with meter.keeping(0 if more == 1 or limit is None else meter.limit // KEPT):
                 fit, target = fit_null(model, part, again, effort, None)
-                return summary_gate(fit, target, again, effort)[:2]
+                gate, fit = summary_gate(fit, target, again, effort)[:2]
         except BudgetExhausted:
             continue
-    raise UsageError(f"{meter.limit} simulated events did not suffice for a fit; allow {2 * meter.limit}")
+        break
+    else:
+        raise UsageError(f"{meter.limit} simulated events did not suffice for a fit; allow {2 * meter.limit}")
+    if not isinstance(task.prior, Distributed):
+        return gate, fit, None
+    num_events = max(effort.least, int(effort.rounds * len(part)))
+
+    def repeated(start: NDArray[np.float64]) -> "Fit":
+        found = refine(model, target, start, 0.005, again, num_events=num_events)
+        return summary_gate(found, target, again, effort)[1]
+
+    return gate, fit, with_prior(fit, task.prior, repeated)
 
 
 def moments(
@@ -619,18 +642,23 @@ def moments(
     with shown(progress) as tell:
         meter.progress = lambda used: tell("smm", calls * used, budget)
         source = checks.bank if isinstance(checks.bank, Bank) else Bank(task, meter, seed)
-        gate, fit = by_effort(Model(task, events=source), part, meter, stream(seed, "method", task.name, "smm"))
+        gate, fit, posterior = by_effort(
+            Model(task, events=source), part, meter, stream(seed, "method", task.name, "smm")
+        )
     require_enough(task, fit.params, num_events)
-    theta, width = fit.params, task.support.width
+    theta, std, width = fit.params, fit.std, task.support.width
     covariance = fit.point_covariance * np.outer(width, width)
+    if posterior:
+        (theta, covariance), std = posterior, np.sqrt(np.diag(posterior.covariance))
+    elif isinstance(task.prior, Distributed):
+        names = [one for one, law in zip(task.parameter_names, task.prior.laws, strict=True) if law]
+        warnings.append(PRIOR_LEFT_OUT.format(", ".join(names)))
     doubt = f"the fit and what was measured disagree: p = {gate.p_value:.2g}" if gate.p_value < DOUBTED else ""
     doubt = doubt or (UNDECIDED if fit.undecided else "")
     how = f"where the means of the summaries agree, chi-squared {gate.statistic:.1f}, dof {gate.dof}"
     used = calls * (meter.used - meter.failed) + beside(task) - before
-    trace = [TracePoint(used, theta, fit.std)]
-    warnings += failures(task, theta, fit.std)
-    estimate = Estimate(
-        theta, how, "proposal", theta, fit.std, trace, error=fit.std, covariance=covariance, doubt=doubt
-    )
+    trace = [TracePoint(used, theta, std)]
+    warnings += failures(task, theta, std)
+    estimate = Estimate(theta, how, "proposal", theta, std, trace, error=std, covariance=covariance, doubt=doubt)
     seconds = time.perf_counter() - start
     return Inference(task, "smm", estimate, num_events, used, seconds, seed, tuple(warnings))

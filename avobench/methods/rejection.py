@@ -1,7 +1,7 @@
 """ABC by rejection from events that were simulated before; nothing is simulated.
 
-Thetas are drawn uniformly, and for each a set of the events around it. Kept are the thetas whose sets are nearest to
-the observed events, by the linear regression of theta on the summaries (Fearnhead and Prangle, J. R. Stat. Soc. B 74
+Thetas are drawn from the prior, and for each a set of the events around it. Kept are the thetas whose sets are nearest
+to the observed events, by the linear regression of theta on the summaries (Fearnhead and Prangle, J. R. Stat. Soc. B 74
 (2012) 419). A local linear regression moves them to where their summaries would be the observed one (Beaumont, Zhang,
 Balding, Genetics 162 (2002) 2025). The next round does the same in a box around what this one has found.
 """
@@ -15,6 +15,7 @@ from scipy.special import expit, logit
 from avobench.methods.contract import Estimate, TracePoint, WeightedSample
 from avobench.methods.regression import STRENGTHS
 from avobench.tasks import Box, Task
+from avobench.tasks.prior import Distributed
 from avobench.tasks.sample import SampleTask
 
 ROUNDS = 3
@@ -40,7 +41,7 @@ def rejection(
     box, observed, trace = sample.prior, task.summary(x_observed), []
     sizes = np.array([len(group) for group in sample.groups])
     for begun in range(0, ROUNDS * SETS, SETS):
-        theta, summaries = box.sample(SETS, rng), []
+        theta, summaries = drawn(sample.prior, box, rng), []
         for made, one in enumerate(theta, start=begun + 1):
             noise = sample.around(one) @ (1 / sizes) / sample.worth
             size = max(1, round(1 / (1 / len(x_observed) + noise)))
@@ -56,6 +57,13 @@ def rejection(
     return Estimate(
         mean, "mean of the posterior", "posterior", mean, std, trace, sample=WeightedSample(points, weights)
     )
+
+
+def drawn(prior: Box, box: Box, rng: np.random.Generator) -> NDArray[np.float64]:
+    """SETS draws from what a prior has within a box (SETS, p)."""
+    if not isinstance(prior, Distributed):
+        return box.sample(SETS, rng)
+    return prior.at(rng.uniform(*prior.shares(np.array([box.low, box.high])), (SETS, prior.dim)))
 
 
 def adjusted(

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from avobench.tasks.contract import Box, Task
 from avobench.tasks.errors import UsageError
+from avobench.tasks.prior import Distributed, Law
 
 
 class JointTask(Task):
@@ -70,7 +71,19 @@ class JointTask(Task):
         for name, a, b in zip(self.parameter_names, low, high, strict=True):
             if a >= b:
                 raise UsageError(f"the {which}s of {name} do not overlap: the data sets cannot share it")
-        return Box(tuple(low.tolist()), tuple(high.tolist()))
+        box = Box(tuple(low.tolist()), tuple(high.tolist()))
+        laws = self._laws(box) if which == "prior" else ()
+        return Distributed(box.low, box.high, laws) if any(laws) else box
+
+    def _laws(self, box: Box) -> tuple[Law | None, ...]:
+        """The law of each parameter, None where all its priors are uniform. Raises UsageError where they differ."""
+        laws: list[Law | None] = [None] * box.dim
+        for task, at in zip(self.tasks, self._theta, strict=True):
+            for k, law in zip(at, task.prior.laws if isinstance(task.prior, Distributed) else (), strict=False):
+                if law and ((laws[k] or law) != law or law.ends != (box.low[k], box.high[k])):
+                    raise UsageError(f"the priors of {self.parameter_names[k]} differ: give all data sets the same one")
+                laws[k] = law or laws[k]
+        return tuple(laws)
 
     def theta_of(self, k: int, theta: NDArray[np.float64]) -> NDArray[np.float64]:
         """The parameters of the k-th task: (n, p) -> (n, p_k)."""

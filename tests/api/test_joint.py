@@ -102,3 +102,36 @@ def test_what_cannot_be_joined_is_told_in_one_line(call, word):
     with pytest.raises(UsageError, match=word) as raised:
         call(joint(measured(0)))
     assert "\n" not in str(raised.value)
+
+
+def shifts(**prior):
+    return avobench.task(
+        lambda theta, rng: rng.normal(theta.sum(axis=1)), name="shifts", prior={"mu": (-2, 2), **prior}, features=["x"]
+    )
+
+
+@pytest.mark.parametrize("how", ["bank", "joint"])
+def test_a_prior_that_is_not_uniform_counts_where_the_events_leave_it_open(how, tmp_path):
+    """Events know the sum of two parameters, so the prior of one is all that is known of it, and the other's error."""
+    task, x = shifts(b=stats.norm(0.2, 0.1)), np.random.default_rng(0).normal(1, 1, 1000)
+    if how == "bank":
+        fit = avobench.infer(task, x, bank=tmp_path, budget=200_000, progress=False)
+    else:
+        fit = avobench.infer(
+            avobench.joint({"a": (task, x[:500]), "b": (task, x[500:])}), budget=400_000, progress=False
+        )
+    assert fit.theta["b"] == pytest.approx(0.2, abs=0.03)
+    assert fit.std["b"] == pytest.approx(0.1, rel=0.1)
+    assert fit.theta["mu"] == pytest.approx(x.mean() - 0.2, abs=0.1)
+    assert 0.07 < fit.std["mu"] < 0.16
+
+
+@pytest.mark.parametrize("other", [stats.norm(0.2, 0.2), (-1, 1), (0.1, 0.3)])
+def test_data_sets_share_a_law_and_no_two_of_them(other):
+    law, x = stats.norm(0.2, 0.1), np.random.default_rng(0).normal(1, 1, 300)
+    sets = {"a": (shifts(b=law), x), "b": (shifts(b=other), x)}
+    if other == (-1, 1):  # it holds all of the law
+        assert avobench.joint(sets).task.prior.std == pytest.approx([4 / np.sqrt(12), 0.1], rel=0.01)
+    else:
+        with pytest.raises(UsageError, match="priors of b differ"):
+            avobench.joint(sets)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.stats import chi2, expon
+from scipy.stats import chi2, expon, norm
 
 import avobench
 from avobench.methods import rejection
@@ -54,3 +54,13 @@ def test_it_is_asked_for_by_its_name_and_of_a_bank_alone():
             avobench.infer(task, x, "abc", settings=settings)
     with pytest.raises(UsageError, match="no theta"):
         avobench.infer(avobench.bank(x), x, "abc")
+
+
+def test_a_prior_that_is_not_uniform_counts_in_every_round():
+    """Twenty events know a lifetime ten times worse than its prior; its ends alone would give twice its width."""
+    rng = np.random.default_rng(2)
+    lifetime = np.repeat(np.linspace(1.85, 2.15, 9), 2000)
+    known = avobench.bank(rng.exponential(lifetime), theta={"lifetime": lifetime}, prior={"lifetime": norm(2, 0.05)})
+    fit = avobench.infer(known, rng.exponential(2.0, 20), "abc", progress=False)
+    assert fit.std["lifetime"] == pytest.approx(0.05, rel=0.3)
+    assert fit.theta["lifetime"] == pytest.approx(2, abs=0.03)

@@ -76,6 +76,12 @@ class Fit:
         return (back[clear].T * values[clear]) @ back[clear] / (1 + self.noise), int(clear.sum())
 
     @property
+    def sure_information(self) -> NDArray[np.float64]:
+        """The Fisher information (P, P) without as much of it as noise of the slopes hardly ever shows by chance."""
+        back, values, by_chance, _ = self._directions
+        return (back.T * np.maximum(values - by_chance, 0)) @ back / (1 + self.noise)
+
+    @property
     def undecided(self) -> bool:
         """True if a direction may be identified, but its slope does not stand out of the simulation's noise."""
         _, values, by_chance, whole_range = self._directions
