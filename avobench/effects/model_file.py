@@ -73,7 +73,7 @@ class AugmentedTask(Task):
     """A task with effects: its parameters are those of the task and of the effects. Made by `read`."""
 
     sha256: str
-    """Checksum of the file, so that a record tells which model it is of."""
+    """Checksum of the file or of its content, so that a record tells which model it is of."""
 
     name = "model"
     source = "a task of avobench with the effects that a diagnosis added"
@@ -114,7 +114,8 @@ class AugmentedTask(Task):
         `entries` are those of the catalogue for `base` where they are known, so that nothing is simulated for them.
         """
         effects = tuple(_effect(added, base, path, find_effect, entries) for added in content.effects)
-        model, task = Model(base, effects), cls(sha256)
+        model = Model(base, effects)
+        task = cls(sha256 or hashlib.sha256(content.model_dump_json().encode()).hexdigest())
         if len(content.parameters) != model.dim:
             raise UsageError(f"{path} gives {len(content.parameters)} parameters to a model of {model.dim}")
         task.copy_events_of(base)

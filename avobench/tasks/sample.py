@@ -1,5 +1,6 @@
 """A task from events that were simulated before: a sample is a simulator, at the parameters that it was made at."""
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
@@ -69,7 +70,9 @@ class SampleTask(Task):
 
     @property
     def parts(self) -> tuple[object, ...]:
-        return (self.events.tobytes().hex()[:4096], len(self.events), repr(self.nodes))
+        sizes = np.array([len(group) for group in self.groups])
+        values = (self.events, self.nodes, self._grouped, sizes)
+        return tuple(hashlib.sha256(each.tobytes()).hexdigest() for each in values)
 
     def corner(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.intp]:
         """The number of a random node around each row of theta: (n, p) -> (n,)."""

@@ -9,7 +9,9 @@ from functools import partial
 import numpy as np
 import pytest
 
+import avobench
 from avobench.bench.store.kept_bank import KeptBank
+from avobench.effects.model_file import AugmentedTask, ModelFile
 from avobench.tasks.carl import Carl
 from avobench.tasks.errors import UsageError
 from avobench.tasks.function import task
@@ -94,6 +96,28 @@ def test_so_are_those_of_other_data_sets_put_together(tmp_path):
     assert taken(tmp_path, joined(0.0))[1] == 0
     with pytest.raises(UsageError, match="another simulator"):
         taken(tmp_path, joined(1.0))
+
+
+def model(shape):
+    """Poisson counts with a dead time."""
+    effect = {"name": "dead_time", "feature": None, "shape": shape, "source": None, "settings": {}}
+    each = {"unit": "1", "value": 0.2, "std": 0.1, "prior": (0, 0.5), "support": (0, 0.5)}
+    parameters = [{"name": name, **each} for name in ("log_rate", "tau")]
+    content = {"name": "model", "task": "poisson", "task_settings": {}, "effects": [effect], "parameters": parameters}
+    return AugmentedTask.of(ModelFile.model_validate(content), Poisson(), None)
+
+
+def sample(last):
+    return avobench.bank(np.append(np.random.default_rng(0).normal(size=3000), last))
+
+
+@pytest.mark.parametrize(
+    "tasks", [(model("paralysable"), model("non_paralysable")), (sample(0.0), sample(1.0))], ids=["model", "sample"]
+)
+def test_so_are_those_of_another_model_or_sample_of_the_same_name(tmp_path, tasks):
+    KeptBank(tasks[0], Meter(), 0, 1, tmp_path)
+    with pytest.raises(UsageError, match="another simulator"):
+        KeptBank(tasks[1], Meter(), 0, 1, tmp_path)
 
 
 def test_no_file_is_written_over_where_another_was_deleted(tmp_path):
