@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 from avobench.effects import Effect
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
+from avobench.effects.rejection import must_record
 from avobench.tasks import Box, Task
 from avobench.tasks.contract import NAME
 from avobench.tasks.errors import UsageError
@@ -140,9 +141,13 @@ class AugmentedTask(Task):
         return (self.model.task, *self.model.effects)
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
-        """One event per row: theta (n, P) -> (n, d). Raises ValueError outside the support."""
+        """One event per row: theta (n, P) -> (n, d). Raises ValueError outside the support.
+
+        Raises SimulatorError where its detector records none of them.
+        """
         self.require_support(theta)
-        return self.model.simulate(theta, rng)
+        with must_record():
+            return self.model.simulate(theta, rng)
 
     def summary(self, x: NDArray) -> NDArray[np.float64]:
         """The summary of the task without effects."""

@@ -1,6 +1,8 @@
 """Events that a detector does not record: others are drawn in their place."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +21,18 @@ NEAREST = (1, 30, 1000)
 TIE = 1e-9
 """In shares of the range of theta: so far rows are moved at random, that equal ones do not all have the same event."""
 
+_must_record: ContextVar[bool] = ContextVar("must_record", default=False)
+
+
+@contextmanager
+def must_record() -> Iterator[None]:
+    """Within this, a detector that records nothing at all is an error; a fit that tries such parameters goes on."""
+    token = _must_record.set(True)
+    try:
+        yield
+    finally:
+        _must_record.reset(token)
+
 
 def accepted(
     simulate: Simulate,
@@ -31,7 +45,8 @@ def accepted(
     `keep(x, rows)` is the chance that the events x, of these rows of theta, are recorded. Where a value is missing,
     and it is NaN, it is that of the others on average: a selection does not change how often values are missing. What a
     detector hardly ever records cannot be waited for: such a row has the recorded event of another one, whose theta is
-    next to its own. Raises SimulatorError where no row has any.
+    next to its own. Where no row has any, events stay that are not recorded; within `must_record` it raises
+    SimulatorError.
     """
     x = simulate(theta, rng)
     rows, left = np.arange(len(theta)), DRAWN * max(len(theta), FEW)
@@ -61,6 +76,8 @@ def _filled(
     from scipy.spatial import cKDTree
 
     recorded = np.setdiff1d(np.arange(len(x)), rows)
+    if not len(recorded) and not _must_record.get():
+        return x
     if not len(recorded):
         raise SimulatorError(
             f"a detector records none of the events that were simulated for {len(x)} rows of parameters, the first "

@@ -1,4 +1,5 @@
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from avobench.effects.contract import Parameter
 from avobench.effects.images.grid import odd_cells
 from avobench.effects.noise import skewed_noise
 from avobench.effects.ranges import Range, ends_sharply, ranges
-from avobench.effects.rejection import DRAWN, accepted
+from avobench.effects.rejection import DRAWN, accepted, must_record
 from avobench.tasks.alignment import Alignment
 from avobench.tasks.carl import Carl
 from avobench.tasks.errors import SimulatorError
@@ -191,14 +192,17 @@ def test_a_limit_that_few_events_pass_is_that_of_each_row():
     assert x.mean() == pytest.approx((norm.pdf(limits) / norm.sf(limits)).mean(), abs=0.1)
 
 
-def test_what_is_never_recorded_is_refused():
-    with pytest.raises(SimulatorError, match="recorded"):
-        accepted(
-            lambda theta, rng: rng.random((len(theta), 1)),
-            np.zeros((3, 1)),
-            lambda x, rows: 0 * x[:, 0],
-            np.random.default_rng(0),
-        )
+def test_a_model_whose_detector_records_nothing_is_refused_and_a_fit_that_tries_it_goes_on():
+    blind = partial(
+        accepted,
+        lambda theta, rng: rng.random((len(theta), 1)),
+        np.zeros((3, 1)),
+        lambda x, rows: 0 * x[:, 0],
+        np.random.default_rng(0),
+    )
+    assert blind().shape == (3, 1)
+    with pytest.raises(SimulatorError, match="recorded"), must_record():
+        blind()
 
 
 @pytest.mark.parametrize(("shape", "phi"), [("cut", [1, 0.8]), ("window", [1, -0.7, 0.9])])
