@@ -4,12 +4,13 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
+from scipy.optimize import least_squares, minimize
 
 from avobench.diagnosis.fit.fit import Fit, fit_at
 from avobench.diagnosis.fit.surrogate import Design, ReferenceModel, Surrogate, quadratic, surrogate
 from avobench.diagnosis.settings import FIT
 from avobench.diagnosis.summary.target import Target
+from avobench.effects.bank import Given
 from avobench.effects.model import Model
 
 
@@ -92,7 +93,9 @@ def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
     """The point of the design where the surrogate comes closest to the target.
 
     The noise of the coefficients adds to the distance, the more the further from the centre. That is left in: where the
-    slopes stand out of it, as `next_design` sees to, it hardly matters, and where they do not, nothing should move.
+    slopes stand out of it, as `next_design` sees to, it hardly matters, and where they do not, nothing should move. Of
+    a sample it is taken out: no step has other events than the one before, and between the nodes of a sample there is
+    less noise than at them, so that the minimum would lie there.
     """
     axes, centre, p = s.design.axes, s.design.centre, model.dim
     here, slopes, bends = s.residual(target)
@@ -111,6 +114,14 @@ def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
         return np.concatenate([steps.T, np.sqrt(FIT.anchor) * np.eye(p), wall])
 
     t = least_squares(residual, np.zeros(p), slope, bounds=(-1, 1), method="dogbox", max_nfev=60).x
+    if isinstance(model.events, Given):
+
+        def distance(t: NDArray[np.float64]) -> float:
+            noise = target.num_events * target.rank * s.variance_at(centre + axes @ t)
+            return float((residual(t) ** 2).sum()) - noise
+
+        found = [minimize(distance, start, method="L-BFGS-B", bounds=[(-1, 1)] * p) for start in (t, np.zeros(p))]
+        t = min(found, key=lambda one: one.fun).x
     return fit_at(model, s, target, s.design.to_u(t))
 
 
