@@ -14,6 +14,9 @@ class Normal:
     def __init__(self, least=np.inf):
         self.used, self.least = 0, least
 
+    def __getstate__(self):  # the calls that it counts are no part of what it is
+        return {"used": 0, "least": self.least}
+
     def __call__(self, theta, rng):
         self.used += len(theta)
         if len(theta) == 97 and theta[0, 0] > self.least:  # where the observed events are made

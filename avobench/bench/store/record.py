@@ -68,7 +68,9 @@ class Record(Strict):
     task_version: str = Field(description="raised when the task's events, summary or floor change their meaning")
     task_settings: dict[str, Any] = Field(description="the task's settings")
     task_source_sha256: Sha256 = Field(
-        None, description="checksum of the source of a task outside this package; no such field for one within it"
+        None,
+        description="checksum of the source of a task outside this package, and of the values that its functions and "
+        "objects hold; no such field for one within it",
     )
     method: Name = Field(description="how θ was inferred")
     method_version: str = Field(description="raised when the same settings and seed would give another estimate")
@@ -94,7 +96,8 @@ class Record(Strict):
     status: Annotated[Status, Field(strict=False)] = Field(description="how the inference ended, see below")
     message: str = Field(description="reason of a failure, or a remark such as why budget was left over")
     theta_hat: Vector | None = Field(
-        description="the estimate; null unless `status` is `ok` or `doubtful`, as the fields to `std`"
+        description="the estimate, whole numbers of integers; null unless `status` is `ok` or `doubtful`, as the "
+        "fields to `std`"
     )
     squared_error: Annotated[float, Field(ge=0)] | None = Field(
         description="squared distance of the estimate to `theta_true`"

@@ -145,16 +145,18 @@ def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int,
 
     The degrees of freedom that a fit takes up, and the errors of its parameters, depend on it. A step to the edge
     of a design, or one that promises much, only says where to look next: slopes at an edge are hardly known, and a
-    promise may be none. Designs are as wide as it takes for slopes to stand out of the noise of simulation. Where
-    it stays open, the slopes are those of the last fit that knew them, if one did. It uses no `ReferenceModel`: a
-    polynomial over so wide a design is not exact enough where the data say nearly nothing.
+    promise may be none. Designs are as wide as it takes for slopes to stand out of the noise of simulation, but for
+    effects, whose edges are sharp. Where it stays open, the slopes are those of the last fit that knew them, if one
+    did. It uses no `ReferenceModel`: a polynomial over so wide a design is not exact enough where the data say
+    nearly nothing.
     """
     if fit.model.dim == 0:
         return descend(fit.model, target, fit.design, rng, num_events, 1)
     centre, best, tried = fit.point, None, [fit]
+    most = 0.0 if fit.model.effects else FIT.settled
     for ratio in ratios:
         more = int(ratio * num_events)
-        axes = fit.next_design(ratio=max(more / fit.num_events, 1), most=FIT.settled).axes
+        axes = fit.next_design(ratio=max(more / fit.num_events, 1), most=most).axes
         make = partial(surrogate, fit.model, target, num_events=more, rng=rng)
         s = quadratic(make, Design(centre, axes), target)
         here, step = fit_at(fit.model, s, target, s.design.centre), minimise(fit.model, s, target)

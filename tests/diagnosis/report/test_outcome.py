@@ -21,7 +21,7 @@ from avobench.tasks.function import task
 def model(p, gap, *effects):
     """A model whose summary test has the p-value p before it is divided by its share of alpha, 0.8."""
     fit = SimpleNamespace(model=SimpleNamespace(effects=effects), gap=gap)
-    return ExtendedModel(fit, fit, {"summary": GateResult(statistic=1.0, dof=1, p_value=p, share=0.8)})
+    return ExtendedModel(fit, fit, None, {"summary": GateResult(statistic=1.0, dof=1, p_value=p, share=0.8)})
 
 
 def outcome(null, extended=None):
