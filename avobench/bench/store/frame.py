@@ -39,7 +39,7 @@ def to_frame(records: Iterable[dict[str, Any]]) -> pd.DataFrame:
     leading = ["task", "method", "target", "repetition", "seed", "status", "message", *sorted(per_parameter)]
     leading += ["squared_error", "floor", "num_observations", "budget", "simulations_used"]
     leading += ["simulator_seconds", "method_seconds"]
-    return frame[leading + [name for name in frame.columns if name not in leading]]
+    return frame[leading + [name for name in frame.columns if name not in leading]].copy()  # in one piece
 
 
 def as_csv(frame: pd.DataFrame) -> bytes:

@@ -133,11 +133,10 @@ class Fit:
         The fit follows slopes to which simulation adds noise, so that it scatters by more than the information says.
         """
         values, vectors = np.linalg.eigh(self.information[0])
-        known = values > 12
-        by_noise = (vectors.T @ self.jacobian_noise @ vectors / (1 + self.noise))[np.ix_(known, known)]
-        variances = np.diag(1 / np.maximum(values, 12))
-        variances[np.ix_(known, known)] += by_noise / np.outer(values[known], values[known])
-        return vectors @ variances @ vectors.T
+        known = vectors[:, values > 12]
+        noise = known.T @ self.jacobian_noise @ known / (1 + self.noise)
+        followed = known @ np.linalg.inv(np.diag(values[values > 12]) + noise)
+        return (vectors / np.maximum(values, 12)) @ vectors.T + followed @ noise @ followed.T
 
     @property
     def std(self) -> NDArray[np.float64]:

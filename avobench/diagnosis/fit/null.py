@@ -1,5 +1,6 @@
 """The null model is the task alone, with theta fitted, to which effects may be added."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,7 @@ from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.prior_shares import in_shares, raw
 from avobench.bench.plugins import registry
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit.descent import refine, scan, sharpen
+from avobench.diagnosis.fit.descent import refine, scan, settled, sharpen
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.settings import FIT
 from avobench.diagnosis.summary.part import Measured, Part, target_for
@@ -18,7 +19,7 @@ from avobench.effects.bank import Bank
 from avobench.effects.model import Model
 from avobench.methods import Estimate
 from avobench.tasks import Task
-from avobench.tasks.errors import UsageError
+from avobench.tasks.errors import BudgetExhausted, UsageError
 
 
 @dataclass(frozen=True)
@@ -121,4 +122,8 @@ def best_null(tried: list[Fit], target: Target, rng: np.random.Generator, effort
         if still > best.undecided or best.far:
             break
         num_events *= 2 if best.undecided else 1
+    if best.undecided:  # only its error is wanted, and no limit fails for that
+        with suppress(BudgetExhausted):
+            known = settled(best, target, rng, num_events, (1, 2))
+            return best if known.undecided else best.with_slopes_of(known)
     return best
