@@ -18,7 +18,7 @@ JOBS ?= 1
 ON_ALL_CORES := --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 .DEFAULT_GOAL := help
-.PHONY: help venv test-lowest test-latest test-wheel benchmark quick figures studies pages bench-avo bench-cost bench-diagnosis bench-scaling bench-speed bench-store challenge demo docs fuzz soak constraints audit test browser lint size clean
+.PHONY: help venv test-lowest test-latest test-wheel benchmark quick figures studies pages bench-avo bench-cost bench-diagnosis bench-gpu bench-scaling bench-speed bench-store challenge demo docs fuzz soak constraints audit test browser lint size clean
 
 help:  ## show these lines
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -68,6 +68,9 @@ bench-scaling: venv  ## time and memory against budget, observations, targets, w
 
 bench-diagnosis: venv  ## seconds of a diagnosis against measured events and against the size of the catalogue
 	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.diagnosis
+
+bench-gpu: venv  ## the methods' networks on a GPU beside the processor, on a machine that has one
+	OMP_NUM_THREADS=1 $(BIN)/python -m paper.speed.gpu --run
 
 bench-cost: venv  ## where the time goes, from results/reference
 	$(BIN)/python -m paper.speed.cost results/reference

@@ -12,7 +12,7 @@ from avobench.tasks.alignment import NUM_COLUMNS, NUM_ROWS, Alignment
 from avobench.tasks.carl import Carl
 from avobench.tasks.contract import NUM_TARGETS, Box, Task, stable_hash
 from avobench.tasks.poisson import Poisson
-from avobench.tasks.warped import Warped2, Warped5, Warped10
+from avobench.tasks.warped import KINDS, Mixed, Warped2, Warped5, Warped10
 from avobench.tasks.weinberg import Weinberg
 
 THETA_ITSELF = Box((-np.sqrt(3),), (np.sqrt(3),))
@@ -121,6 +121,10 @@ class FreshWarped5(Fresh, Warped5):
 class FreshWarped10(Fresh, Warped10):
     name = "warped-10-fresh"
     of = Warped10
+
+
+class Warped32(Mixed, p=32, kinds=KINDS, family="warped"):
+    """Eight of each kind, for what a GPU is worth."""
 
 
 FRESH = (FreshPoisson, FreshCarl, FreshWeinberg, FreshAlignment, FreshWarped2, FreshWarped5, FreshWarped10)
