@@ -1,8 +1,8 @@
 """What a GPU is worth to the methods that can use one: `make bench-gpu`, on a machine that has one.
 
-The same cells are carried out three times, one after the other: on the processor with a process per core, on the GPU all
-in one process, and on the GPU one by one in as many processes as there are cores. The processes of the last share the
-GPU. Records, sweeps and the name of the machine stay in a folder, from which the table is printed.
+The same cells are carried out three times, one after the other: on the processor with a process per core, on the GPU
+all in one process, and on the GPU one by one in as many processes as there are cores, which share it. Records, sweeps
+and the name of the machine stay in a folder, from which the table is printed.
 """
 
 import json
