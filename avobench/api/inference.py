@@ -41,6 +41,7 @@ from avobench.tasks.region import beside, failing, failures, regions
 from avobench.tasks.sample import SampleTask, require_enough
 
 if TYPE_CHECKING:
+    from arviz import InferenceData
     from matplotlib.figure import Figure
     from scipy.stats import rv_histogram
 
@@ -264,6 +265,20 @@ class Inference:
             if len(draws) >= n:
                 return draws[:n]
         raise UsageError(f"less than one in {TRIES} draws of {self.samples_of} lies within the support")
+
+    def to_inference_data(self, n: int = 4000, seed: int = 0) -> "InferenceData":
+        """The draws of `samples` for ArviZ, as one chain of the group `posterior`.
+
+        The attribute `samples_of` says what they are draws of. Raises UsageError as `samples` does, and where no
+        ArviZ below version 1 is installed.
+        """
+        try:
+            from arviz import InferenceData, from_dict
+        except ImportError as error:
+            raise UsageError("to_inference_data needs ArviZ below version 1: pip install 'arviz<1'") from error
+        draws = {name: column.to_numpy()[None] for name, column in self.samples(n, seed).items()}
+        told: InferenceData = from_dict(draws, attrs={"samples_of": self.samples_of, "method": self.method})
+        return told
 
     def as_prior(self, seed: int = 0) -> dict[str, "rv_histogram"]:
         """What is known of each parameter now, as the prior of a task that new events are fitted with.

@@ -94,6 +94,16 @@ def test_a_fit_that_was_saved_is_read_again(which, request, tmp_path):
         again.task.simulate(np.zeros((1, 2)), RNG)
 
 
+def test_arviz_is_given_the_draws(fitted):
+    arviz = pytest.importorskip("arviz", reason="ArviZ is not installed")
+    data = fitted.to_inference_data(400)
+    draws = fitted.samples(400)
+    assert data.attrs["samples_of"] == fitted.samples_of
+    summary = arviz.summary(data, kind="stats", round_to="none")
+    assert summary["mean"].to_dict() == pytest.approx(draws.mean().to_dict())
+    assert summary["sd"].to_dict() == pytest.approx(draws.std().to_dict())
+
+
 def counted():
     """A whole number which 100 events tell to be 4.5 +- 0.15, so that it is quoted with the rounding."""
     task = avobench.task(
