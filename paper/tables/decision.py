@@ -5,7 +5,7 @@ something outside of it. It is fitted to the opened cases, whose records say wha
 `SCORE` has its numbers. Each eighth of the simulators is also told by a fit to the others.
 """
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -73,19 +73,23 @@ def told(folder: Path = OPENED) -> list[Told]:
     return [Told.of(record) for record in detected if case_of(record).kind != "null" and record["sets"]]
 
 
-def fitted(cases: Iterable[Told]) -> Array:
+def fitted(cases: Sequence[Told]) -> Array:
     """The weights of marks, of outside and other sets, and of families (9 + f,)."""
+    shape = len(cases), max(len(case.right) for case in cases)
+    marks, right, there = np.zeros((*shape, len(ABOUT))), np.zeros(shape, bool), np.zeros(shape, bool)
+    for k, case in enumerate(cases):
+        answers = len(case.right)
+        marks[k, :answers], right[k, :answers], there[k, :answers] = case.marks, case.right, True
 
     def loss(numbers: Array) -> tuple[float, Array]:
-        value, slope = PRECISION @ (numbers - ABOUT) ** 2 / 2, PRECISION * (numbers - ABOUT)
-        for case in cases:
-            logs = case.marks @ numbers
-            right = np.where(case.right, logs, -np.inf)
-            value += logsumexp(logs) - logsumexp(right)
-            slope += (softmax(logs) - softmax(right)) @ case.marks
-        return value, slope
+        away = numbers - ABOUT
+        logs = np.where(there, marks @ numbers, -np.inf)
+        of_right = np.where(right, logs, -np.inf)
+        value = (logsumexp(logs, axis=1) - logsumexp(of_right, axis=1)).sum() + PRECISION @ away**2 / 2
+        too_high = softmax(logs, axis=1) - softmax(of_right, axis=1)
+        return value, np.einsum("ij,ijk->k", too_high, marks) + PRECISION * away
 
-    return minimize(loss, ABOUT, jac=True, method="BFGS").x
+    return minimize(loss, ABOUT, jac=True, method="L-BFGS-B", options={"maxiter": 2000}).x
 
 
 def by_others(cases: list[Told]) -> list[Array]:
