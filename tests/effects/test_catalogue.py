@@ -82,17 +82,20 @@ def test_shapes_that_the_data_show_have_names_of_their_own_too():
     assert len(set(shapes)) == len(shapes)
 
 
-def test_what_has_no_negative_values_may_have_lost_energy_or_decay_with_another_lifetime():
-    of_positive = {"radiative_tail", "second_exponential"}
-    assert of_positive <= {effect.name for effect in catalogue(DECAYS)}
-    for other in (Weinberg(), Carl(), BOTH):
-        assert not of_positive & {effect.name for effect in catalogue(other)}
+def test_tails_and_lifetimes_are_where_they_can_be():
+    def of(task, name):
+        return [effect for effect in catalogue(task) if effect.name == name]
 
     def a_time_and_an_angle(theta, rng):
         return np.column_stack([rng.standard_exponential(len(theta)), rng.normal(theta[:, 0])])
 
-    entries = catalogue(task(a_time_and_an_angle, prior={"mean": (0, 3)}))
-    assert [effect.feature for effect in entries if effect.name in of_positive] == [0, 0]
+    both = task(a_time_and_an_angle, prior={"mean": (0, 3)})
+    assert of(DECAYS, "second_exponential")
+    assert [effect.feature for effect in of(both, "second_exponential")] == [0]
+    assert not any(of(other, "second_exponential") for other in (Weinberg(), Carl(), BOTH))
+    assert not of(Weinberg(), "radiative_tail"), "a cosine has no tail beyond its ends"
+    time, angle = ({shape.shape for shape in effect.shapes()} for effect in of(both, "radiative_tail"))
+    assert time - angle == {"radiator"}, "a negative value has no energy to lose a share of"
 
 
 def test_a_rate_alone_has_no_spread_since_that_is_an_overdispersion():

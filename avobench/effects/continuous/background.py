@@ -92,12 +92,15 @@ class SecondExponential(Background):
     shape: str = "falling"
     stage = 1
     on_all = False
-    of_positive = True
     name = "second_exponential"
     position = 25
     sentence = "Some events decay with a lifetime of their own."
     source = "G. F. Knoll, Radiation Detection and Measurement, 4th ed. (2010), Chapter 1"
     STRENGTH = Parameter("fraction", 0, 0.95, 0, "1")
+
+    @classmethod
+    def acts_on(cls, span):
+        return span.positive
 
     def variants(self):
         length = Parameter("length", 0.02 * self.half, 3 * self.half, None, "of the feature")

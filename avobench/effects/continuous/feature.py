@@ -28,14 +28,17 @@ class FeatureEffect(Family):
 
     domains = ("continuous",)
     on_all: ClassVar[bool] = True
-    of_positive: ClassVar[bool] = False
-    """Whether it acts on features only that have no negative values."""
 
     @classmethod
     def entries(cls, site: Site) -> list[Effect]:
         """One a feature, and one that acts on all of them where there are several and it may."""
         features = [feature for feature in site.features if cls.on_all or feature != "all"]
-        return [cls(j, site.ranges) for j in features if not cls.of_positive or site.ranges[j].positive]
+        return [cls(j, site.ranges) for j in features if j == "all" or cls.acts_on(site.ranges[j])]
+
+    @classmethod
+    def acts_on(cls, span: Range) -> bool:
+        """Whether it may act on a single feature of this range."""
+        return True
 
     def unit(self, parameter: Parameter, units: Sequence[str] = ()) -> str:
         """The unit of the feature in place of `of the feature`; for half a range also which range is meant."""

@@ -220,17 +220,21 @@ class RadiativeTail(Change):
     """A share of the values is moved to one side, by an exponential or a power: by the range as a rule, at most.
 
     Or all lose a share z of their magnitude, with the density b z^(b - 1), where b is the thickness of a radiator in
-    units of 3/4 radiation length. `outliers` to one side are those that are moved by more.
+    units of 3/4 radiation length; this acts on features without negative values. `outliers` to one side are those that
+    are moved by more.
     """
 
     shape: str = "exponential_below"
     stage = 1
     on_all = False
-    of_positive = True
     name = "radiative_tail"
     position = 24
-    sentence = "Some events have lost a part of their energy, as by radiation before the measurement."
+    sentence = "Some values lie in a tail to one side, as of energy that was radiated, or of times with a delay."
     source = "Y.-S. Tsai, Rev. Mod. Phys. 46 (1974) 815"
+
+    @classmethod
+    def acts_on(cls, span):
+        return span.positive or not (span.bounded or span.periodic)
 
     def strength(self) -> Parameter:
         if self.shape == RADIATOR:
@@ -239,7 +243,8 @@ class RadiativeTail(Change):
 
     def variants(self):
         tail = Parameter("tail", 0.01 * self.half, self.half, None, "of the feature")
-        return {f"{law}_{side}": (tail,) for side in ("below", "above") for law in LOSSES} | {RADIATOR: ()}
+        tails = {f"{law}_{side}": (tail,) for side in ("below", "above") for law in LOSSES}
+        return tails | ({RADIATOR: ()} if self.ranges[self.feature].positive else {})
 
     def changed(self, x, span, phi, rng):
         if self.shape == RADIATOR:
