@@ -215,7 +215,16 @@ LAWS = [  # of events that are all at one value: the share that is moved, and wh
     (RadiativeTail, "exponential_above", WIDE, [0.3, 1.5], 0.0, 0.3, expon(scale=1.5), 1),
     (RadiativeTail, "power_below", WIDE, [0.3, 1.5], 0.0, 0.3, lomax(2, scale=1.5), -1),
     (RadiativeTail, "power_above", WIDE, [0.3, 1.5], 0.0, 0.3, lomax(2, scale=1.5), 1),
-    (RadiativeTail, "radiator", FROM_1_TO_7, [0.2], 5.0, 1.0, beta(0.2, 1, loc=-5, scale=5), -1),  # what is lost is a power
+    (
+        RadiativeTail,
+        "radiator",
+        FROM_1_TO_7,
+        [0.2],
+        5.0,
+        1.0,
+        beta(0.2, 1, loc=-5, scale=5),
+        -1,
+    ),  # what is lost is a power
     (SecondExponential, "falling", FROM_1_TO_7, [0.4, 0.8], 4.0, 0.4, expon(1, 0.8), 1),  # from the end of the range
     (SecondExponential, "rising", FROM_1_TO_7, [0.4, 0.8], 4.0, 0.4, expon(-7, 0.8), -1),
     (PeakBackground, "tail_below", WIDE, [0.9, 3.0, 0.5], 100.0, 0.9, crystalball(1, 3, 3, 0.5), 1),
