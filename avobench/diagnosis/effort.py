@@ -61,8 +61,8 @@ class Effort:
     covariance: int = 60_000
     """Events from which the covariance that a model predicts is taken."""
     metrics: int = 4
-    """Tests of a rejected model, at most, each with the covariance of where the one before ended. Chosen on development
-    cases."""
+    """Tests of a model, at most, each with the covariance of where the one before ended: of one that is rejected, and
+    never more of one that is not. Chosen on development cases."""
     scan: tuple[int, int] = (60, 150)
     """Points of each search for theta, and events at each."""
     rescan: tuple[int, int] = (240, 60)

@@ -131,6 +131,9 @@ class TestSettings:
     not stand out of the noise, and a parameter that the data know would have its whole range as its error."""
     doubted: float = 0.05
     """P-value of the summary up to which it is tested anew, with the covariance of where the fit ended."""
+    strayed: float = 3.0
+    """Standard errors from where its covariance is from, at which an accepted fit is tested anew too: its error depends
+    on that covariance."""
     plainly: float = 4.0
     """Chi-squared per degree of freedom, in the metric of the measured events, beyond which it is not: no covariance
     makes that right. Chosen on development cases."""

@@ -199,6 +199,16 @@ def test_the_error_of_a_lifetime_is_that_of_its_mean_near_an_end_of_the_prior():
     assert np.sqrt(np.mean(np.square(pulls))) < 1.45  # of sixteen right ones above in one of 500
 
 
+def test_the_error_of_a_sharp_end_is_by_the_scatter_where_theta_is():
+    """Where the first fit was too low, the outermost bin was expected nearly empty, and its scatter next to nothing."""
+    pulls = []
+    for seed in range(8):
+        x = np.random.default_rng(seed).uniform(0, 2.37, (5000, 1))
+        value, _ = theta_of(lambda theta, rng: rng.uniform(0, 1, (len(theta), 1)) * theta, {"end": (1, 5)}, x, seed)
+        pulls.append((value.value - 2.37) / value.std)
+    assert np.sqrt(np.mean(np.square(pulls))) < 1.6  # of eight right ones above in one of 500
+
+
 def test_a_peak_of_unknown_place_is_mostly_found_before_anything_is_said_to_be_missing():
     """A search of few points went past it, and right simulators were rejected with p below 1e-10, one of four."""
 

@@ -32,14 +32,14 @@ def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, effort: Eff
     The statistic is the whitened distance at the best theta. It is chi-squared with as many degrees of freedom as the
     summary has, less those that theta takes up, and one at least: where nothing is free to scatter, a distance is left
     because theta cannot reach the measurement. A model predicts another covariance where theta is another, and too
-    small a one for bins that it hardly fills there. So a fit that is rejected far from where its covariance is from is
-    tested anew, with that of where it ended, and the least distance counts, as where the covariance goes with theta
-    (L. P. Hansen, J. Heaton and A. Yaron, J. Bus. Econ. Stat. 14 (1996) 262).
+    small a one for bins that it hardly fills there. So a fit that ends far from where its covariance is from is tested
+    anew, with that of where it ended. Of rejected ones the least distance counts, as where the covariance goes with
+    theta (L. P. Hansen, J. Heaton and A. Yaron, J. Bus. Econ. Stat. 14 (1996) 262).
     """
     ratio = effort.sharpen if fit.p_value > TEST.hopeless else effort.repeated
     num_events = int(ratio * max(target.num_events, TEST.few))
     plainly_wrong, tested = fit.noiseless_q > TEST.plainly * fit.dof, []
-    for _ in range(effort.metrics):
+    for _ in range(Effort.metrics):
         metric, lacking, known = model_metric(fit, target, target.mean, target.num_events, rng, effort.covariance)
         # The fit has found its place: wide designs would only show a quadratic where it is none.
         efficient = sharpen(fit, metric, rng, num_events, least=0.0)
@@ -48,10 +48,12 @@ def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, effort: Eff
         dof = max(efficient.dof - round(lacking), 1)
         p_value = distance_p(efficient.q, dof, known)
         tested.append((GateResult(statistic=efficient.q, dof=dof, p_value=p_value), efficient, metric))
-        if plainly_wrong or p_value > TEST.doubted or efficient.distance_to(fit) < 1:
+        accepted, moved = p_value > TEST.doubted, efficient.distance_to(fit)
+        astray = moved > TEST.strayed if accepted else moved > 1 and len(tested) < effort.metrics
+        if plainly_wrong or not astray:
             break
         fit = efficient
-    return max(tested, key=lambda each: each[0].p_value)
+    return tested[-1] if accepted else max(tested, key=lambda each: each[0].p_value)
 
 
 def distance_p(q: float, dof: int, num_events: float) -> float:
