@@ -75,7 +75,7 @@ def told(folder: Path = OPENED) -> list[Told]:
 
 def fitted(cases: Sequence[Told]) -> Array:
     """The weights of marks, of outside and other sets, and of families (9 + f,)."""
-    shape = len(cases), max(len(case.right) for case in cases)
+    shape = len(cases), max((len(case.right) for case in cases), default=1)
     marks, right, there = np.zeros((*shape, len(ABOUT))), np.zeros(shape, bool), np.zeros(shape, bool)
     for k, case in enumerate(cases):
         answers = len(case.right)
