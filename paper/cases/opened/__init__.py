@@ -1,12 +1,22 @@
 """Cases on which the diagnosis is developed: a folder for each series, all but the first once sealed."""
 
 from paper.cases.case import Case
-from paper.cases.opened import eleventh, fifteenth, first, fourteenth, sixteenth, tenth, thirteenth, twelfth
+from paper.cases.opened import (
+    eleventh,
+    fifteenth,
+    first,
+    fourteenth,
+    seventeenth,
+    sixteenth,
+    tenth,
+    thirteenth,
+    twelfth,
+)
 
 CASES: dict[str, list[Case]] = {
     by: [
         case
-        for series in (first, tenth, eleventh, twelfth, thirteenth, fourteenth, fifteenth, sixteenth)
+        for series in (first, tenth, eleventh, twelfth, thirteenth, fourteenth, fifteenth, sixteenth, seventeenth)
         for case in series.CASES[by]
     ]
     for by in ("simulated", "measured")
