@@ -55,12 +55,15 @@ def test_angles_within_a_fiducial_cut_of_unequal_ends():
 def test_counts_of_which_the_zeros_are_not_recorded():
     x = np.random.default_rng(0).poisson(2.0, 6000)
     chosen = [e for e in catalogue(Poisson()) if e.name in ("threshold_loss", "zero_inflation", "inefficiency")]
-    diagnosis = diagnose(Poisson(), x[x > 0][:4000, None], effects=chosen).diagnosis
-    (found,) = diagnosis.effects
-    assert found.name == "threshold_loss"
-    log_rate = diagnosis.theta_after["log_rate"]
-    assert log_rate.value == pytest.approx(np.log(2), abs=3 * log_rate.std)
-    assert diagnosis.verdict == Verdict.NAMED
+    verdicts = []
+    for seed in range(3):  # that of a right model is rejected by its held-out events in one of 20
+        diagnosis = diagnose(Poisson(), x[x > 0][:4000, None], effects=chosen, seed=seed).diagnosis
+        (found,) = diagnosis.effects
+        assert found.name == "threshold_loss"
+        log_rate = diagnosis.theta_after["log_rate"]
+        assert log_rate.value == pytest.approx(np.log(2), abs=3 * log_rate.std)
+        verdicts.append(diagnosis.verdict)
+    assert verdicts.count(Verdict.NAMED) >= 2
 
 
 @pytest.fixture(scope="module")
