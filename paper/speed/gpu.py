@@ -16,6 +16,9 @@ import pandas as pd
 
 from avobench import Workers, records, run
 from avobench.bench.store.store import Store
+from avobench.cli.main import main
+from avobench.methods.device import require_device
+from avobench.tasks.errors import UsageError
 from paper.tasks import Warped32, spec
 
 FOLDER = Path("results/gpu")
@@ -34,9 +37,13 @@ CASES = {
 
 
 def carry_out(folder: Path, targets: str, cases: tuple[str, ...]) -> None:
-    """Carry out what the folder lacks, and write down the machine."""
+    """Carry out what the folder lacks, and write down the machine. Raises UsageError where there is no GPU."""
     import torch
 
+    try:
+        require_device("cuda")
+    except ValueError as error:
+        raise UsageError("PyTorch finds no CUDA device on this machine, which --run needs") from error
     machine = {
         "GPU": torch.cuda.get_device_name(),
         "CUDA": torch.version.cuda,
@@ -66,7 +73,8 @@ def table(folder: Path) -> pd.DataFrame:
     """A row per case and arrangement: seconds, their ratio to the processor's, and how far the estimates are apart.
 
     `cell [s]` is the time in the method per cell, without the simulator; `all [s]` is the time until the last cell was
-    finished, the simulator and the start of the processes included. `apart` is the largest difference from the
+    finished, the simulator and the start of the processes included; `processor / cell` and `processor / all` are the
+    ratios. `apart` is the largest difference from the
     processor's estimate in the standard deviations that it quotes: the median of the cells.
     """
     rows = []
@@ -100,14 +108,16 @@ def table(folder: Path) -> pd.DataFrame:
 @click.option("--run", "asked", is_flag=True, help="Carry out what the folder lacks; this needs a GPU.")
 @click.option("--targets", default="0-14", show_default=True)
 @click.option("--case", "cases", type=click.Choice(list(CASES)), multiple=True, help="Of all cases these.")
-def main(folder: Path, asked: bool, targets: str, cases: tuple[str, ...]) -> None:
+def gpu(folder: Path, asked: bool, targets: str, cases: tuple[str, ...]) -> None:
     """Print what the cells took on the processor and on the GPU."""
     if asked:
         carry_out(folder, targets, cases)
+    if not (folder / "machine.json").exists():
+        raise UsageError(f"no records in {folder}; --run makes them on a machine with a GPU")
     machine = json.loads((folder / "machine.json").read_text())
     click.echo(", ".join(f"{name} {value}" for name, value in machine.items()) + "\n")
     click.echo(table(folder).to_string(index=False, float_format="{:.3g}".format))
 
 
 if __name__ == "__main__":
-    main()
+    main(gpu)

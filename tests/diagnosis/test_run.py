@@ -56,7 +56,7 @@ def test_counts_of_which_the_zeros_are_not_recorded():
     x = np.random.default_rng(0).poisson(2.0, 6000)
     chosen = [e for e in catalogue(Poisson()) if e.name in ("threshold_loss", "zero_inflation", "inefficiency")]
     verdicts = []
-    for seed in range(3):  # that of a right model is rejected by its held-out events in one of 20
+    for seed in range(3):  # held-out events reject a right model in one of 40
         diagnosis = diagnose(Poisson(), x[x > 0][:4000, None], effects=chosen, seed=seed).diagnosis
         (found,) = diagnosis.effects
         assert found.name == "threshold_loss"
