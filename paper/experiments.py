@@ -325,8 +325,11 @@ EXPERIMENTS = {
         tuple(Runs(method, method, {}, _families(method), 5) for method in REACHED),
     ),
     "fresh": Experiment(
-        "avo and smm on a hundred targets per task that nothing was chosen on",
+        "avo and smm on targets that nothing was chosen on, a hundred of each task of the paper",
         Path("results/fresh"),
-        on(tuple(map(tasks.spec, tasks.FRESH)), "smm", "avo", targets=100),
+        (
+            *on(tuple(map(tasks.spec, tasks.FRESH)), "smm", "avo", targets=100),
+            *on(tuple(map(tasks.spec, tasks.FRESH_WARPED)), "smm", "avo"),
+        ),
     ),
 }

@@ -58,7 +58,7 @@ def test_the_row_sums_are_those_of_the_average_image():
     assert task.floor(task.targets()[0], 10, 10) == other.floor(task.targets()[0], 10, 10)
 
 
-@pytest.mark.parametrize("task", tasks.FRESH)
+@pytest.mark.parametrize("task", [*tasks.FRESH, *tasks.FRESH_WARPED])
 def test_fresh_targets_are_others_than_the_tasks_own_and_pose_the_same_problem(task):
     own, targets = task.of(), task().targets()
     assert targets.shape == (100, own.prior.dim)
