@@ -119,7 +119,7 @@ def fresh(records: Records) -> pd.DataFrame:
     is chance. `astray` counts runs above 100 floors, and `ok of these` those of them that the method vouched for. The
     last columns are coverage, as in `paper.tables.coverage`.
     """
-    names = {task.name: task.of.name for task in (*FRESH, *FRESH_WARPED)}  # the floor is known by that of the task itself
+    names = {task.name: task.of.name for task in (*FRESH, *FRESH_WARPED)}  # floors go by the task itself
     return pd.DataFrame(_fresh(labelled([{**record, "task": names[record["task"]]} for record in records])))
 
 
