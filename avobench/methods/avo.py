@@ -126,7 +126,9 @@ class Inference:
             std = np.sqrt((root**2).sum(axis=1))
             self.note(answer.mean, std)
             width = 1 / self.settings.errors if last else 1  # far events tell how phi moves with theta, near ones where
-            self.seen[start:num_events] = self.simulate(self.around(answer.mean, width * root, num_events - start))
+            self.seen[start:num_events] = self.simulate(
+                self.proposal.around(answer.mean, width * root, num_events - start, self.rng)
+            )
             answer, root = self.polish(answer.mean, root, toward, learn=not last)  # near events have nothing to teach
 
         state = "converged" if answer.converged else "did not converge"
@@ -288,14 +290,6 @@ class Inference:
         if self.settings.matched == "inputs":  # no network then, as in smm
             return halves
         return [last_layer(network, half) for network, half in zip(self.networks, halves, strict=True)]
-
-    def around(self, mean: NDArray[np.float64], root: NDArray[np.float64], n: int) -> NDArray[np.float64]:
-        """Draws from a Gaussian within the support, of this mean and root of the covariance: (n, p)."""
-        u = np.empty((0, len(mean)))
-        while len(u) < n:
-            more = mean + self.rng.standard_normal((n, len(mean))) @ root.T
-            u = np.concatenate([u, more[((more >= self.proposal.low) & (more <= self.proposal.high)).all(axis=1)]])
-        return u[:n]
 
     def note(self, mean: NDArray[np.float64], std: NDArray[np.float64]) -> None:
         scale = self.proposal.scale

@@ -304,6 +304,12 @@ def kernel_of(root: NDArray[np.float64]) -> NDArray[np.float64]:
     return WIDTH * len(root) ** 0.25 * root
 
 
+def within_reach(u: NDArray[np.float64], point: NDArray[np.float64], root: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The rows of u (n, p) that a polish from a point (p,) uses; the proposal's covariance has this root (p, p)."""
+    z = (u - point) @ np.linalg.inv(kernel_of(root)).T
+    return np.flatnonzero((z**2).sum(axis=1) < REACH**2 + len(point))
+
+
 def narrower(root: NDArray[np.float64], answer: Polished, shrink: float, errors: float) -> NDArray[np.float64]:
     """The root (p, p) of the next proposal's covariance: `errors` standard errors of the answer along each axis.
 

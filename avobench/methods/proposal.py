@@ -37,6 +37,16 @@ class TruncatedGaussian:
         z = np.where(near > 0, np.where(a > 0, -in_tail, in_tail), ndtri(ndtr(a) + uniform * (ndtr(b) - ndtr(a))))
         return np.clip(mean + std * z, self.low, self.high)
 
+    def around(
+        self, mean: NDArray[np.float64], root: NDArray[np.float64], n: int, rng: np.random.Generator
+    ) -> NDArray[np.float64]:
+        """Draws within the support from a Gaussian of this mean (p,) and root (p, p) of its covariance: (n, p)."""
+        u = np.empty((0, len(mean)))
+        while len(u) < n:
+            more = mean + rng.standard_normal((n, len(mean))) @ root.T
+            u = np.concatenate([u, more[((more >= self.low) & (more <= self.high)).all(axis=1)]])
+        return u[:n]
+
     def score(self, psi: NDArray[np.float64], u: NDArray[np.float64]) -> NDArray[np.float64]:
         """Gradient of log q(u | psi) with respect to psi: u (n, p) -> (n, 2, p)."""
         mean, std, a, b = self._standard_bounds(psi)

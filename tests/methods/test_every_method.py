@@ -17,6 +17,7 @@ from avobench.methods.bsl import Bsl
 from avobench.methods.nle import Nle
 from avobench.methods.npe import Npe, Tsnpe
 from avobench.methods.nre import Nre
+from avobench.methods.rank_moments import RankMoments
 from avobench.methods.smm import Smm
 from avobench.tasks.errors import BudgetExhausted, SimulatorError, UsageError
 from gaussian import Failing, GaussianMean, GaussianMeans, gaussian_problem
@@ -28,6 +29,7 @@ METHODS = [
     Bolfi(events_per_theta=16, num_trace_points=3, num_posterior_points=512),
     Bsl(events_per_set=2, chains=2),
     Smm(),
+    RankMoments(),
     Nle(steps=30),
     Nre(steps=30, hidden=10),
     Npe(steps=30, events_per_set=16),
@@ -105,7 +107,7 @@ def test_an_error_of_the_simulator_propagates(method):
 IN_OWN_UNITS = Bolfi(events_per_theta=16, num_trace_points=2, unit_box=False)
 
 
-@pytest.mark.parametrize("method", [METHODS[0], *METHODS[2:6], IN_OWN_UNITS], ids=lambda method: method.name)
+@pytest.mark.parametrize("method", [METHODS[0], *METHODS[2:7], IN_OWN_UNITS], ids=lambda method: method.name)
 def test_parameters_keep_their_order(method):
     truth = np.array([-1.5, 12.0])
     estimate, _ = infer(method, task=GaussianMeans(), budget=600 if method.name == "bolfi" else 20_000, truth=truth)
@@ -128,6 +130,7 @@ WRONG = {
     ],
     Bsl: [{"sets": 0}, {"events_per_set": 0}, {"chains": 0}, {"growth": 0.5}, {"nearest": 0.0}, {"nearest": 1.5}],
     Smm: [{"rounds": 0}, {"shrink": 0.0}, {"shrink": 1.5}, {"errors": 0.0}],
+    RankMoments: [{"rounds": 0}, {"degree": 0}, {"shrink": 0.0}, {"shrink": 1.5}, {"errors": 0.0}],
     Nre: [{"rounds": 0}, {"learning_rate": 0.0}, {"amortised": True, "rounds": 2}],
 }
 

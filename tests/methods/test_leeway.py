@@ -11,6 +11,7 @@ from avobench.methods import avo, smm
 from avobench.methods.avo import Avo
 from avobench.methods.leeway import EDGE, LEAST_POINTS, Leeway, leaves_open, tempered
 from avobench.methods.polish import Fold, Polished
+from avobench.methods.rank_moments import RankMoments
 from avobench.methods.smm import Smm
 from avobench.tasks.function import task
 from gaussian import GaussianMeans, gaussian_problem
@@ -106,7 +107,7 @@ def product_problem(rng, n=40_000):
     return pose(product, x, MeteredSimulator(product, n, rng))
 
 
-@pytest.mark.parametrize("method", [Avo(**FEW), Smm()], ids=["avo", "smm"])
+@pytest.mark.parametrize("method", [Avo(**FEW), Smm(), RankMoments()], ids=lambda method: method.name)
 def test_the_estimate_is_the_best_point_of_an_open_curve(method):
     rng = np.random.default_rng(5)
     estimate = method.infer(product_problem(rng), rng)

@@ -1,0 +1,221 @@
+"""Simulated method of moments on polynomials of ranks, within a hard budget: no network, no adversary.
+
+A feature is told by Legendre polynomials of its rank among the observed events, as in Neyman's smooth test, and a pair
+by the product of two ranks. All of them are bounded: no event counts for more than another because it is far off. A
+linear regression of theta on them makes one statistic a parameter. Near theta it is the projection of the score on the
+polynomials, so that its mean says all that theirs do. It is matched as in `avo`, with the means of the polynomials of
+lowest degree, in rounds that narrow.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.polynomial.legendre import legvander
+from numpy.typing import NDArray
+
+from avobench.methods.contract import Estimate, Method, TracePoint
+from avobench.methods.inputs import Inputs
+from avobench.methods.leeway import Leeway, is_open, leaves_open
+from avobench.methods.polish import Fold, Polished, TooFewEvents, narrower, polish_closer, within_reach
+from avobench.methods.problem import Problem
+from avobench.methods.proposal import TruncatedGaussian
+from avobench.tasks.prior import Distributed
+
+MOST_POLYNOMIALS = 250
+"""Polynomials of all features, at most. Of more features the degree is less, and if half of the polynomials were pairs,
+there are none."""
+LEAST_MATCHED = 8
+"""Polynomials of lowest degree that are matched beside the statistic, at least, if there are as many: the noise of few
+means could look like information on theta."""
+MOST_MATCHED = 32
+"""Features of which any are. How the means of more of them move with theta is mostly noise."""
+ROWS_AT_A_TIME = 8192
+"""Events whose polynomials are held at once: 16 MB."""
+MOST_TESTED = 50_000
+"""The latest events, at most, by which it is tested whether all polynomials agree: 100 MB of them."""
+RIDGE = 1e-4
+"""Share of the mean variance of the polynomials that is added to each, for those that are nearly copies of others."""
+MOST_MISFIT = 2.0
+"""Squared difference of the means of all polynomials, in units of their variance and averaged over polynomials, from
+which the answer is in doubt. With eight of them chance exceeds it once in twenty-five runs, with more hardly ever."""
+
+
+class Polynomials:
+    """Legendre polynomials, of unit variance, of the ranks of features among observed ones (N, d): (n, d) -> (n, k)."""
+
+    def __init__(self, observed: NDArray[np.float32], degree: int) -> None:
+        d = observed.shape[1]
+        pairs = d * (d - 1) // 2 if d * (d - 1) < MOST_POLYNOMIALS else 0
+        self.degree = max(min(degree, (MOST_POLYNOMIALS - pairs) // d), 1)
+        self.first, self.second = np.triu_indices(d, 1) if pairs else (np.empty(0, int), np.empty(0, int))
+        self.observed = np.sort(observed, axis=0)
+        lowest = min(max(LEAST_MATCHED // d, 1), self.degree) if d <= MOST_MATCHED else 0
+        self.lowest = (np.arange(d)[:, None] * self.degree + np.arange(lowest)).ravel()
+        """Those of lowest degree."""
+
+    def __call__(self, x: NDArray[np.float32]) -> NDArray[np.float32]:
+        centred = np.column_stack([self._rank(*column) for column in zip(self.observed.T, x.T, strict=True)])
+        each = legvander(centred, self.degree)[..., 1:] * np.sqrt(2 * np.arange(1, self.degree + 1) + 1)
+        pairs = each[:, self.first, 0] * each[:, self.second, 0]
+        return np.hstack([each.reshape(len(x), -1), pairs]).astype(np.float32)
+
+    @staticmethod
+    def _rank(observed: NDArray[np.float32], x: NDArray[np.float32]) -> NDArray[np.float64]:
+        """From -1 to 1, of equal values the mean: (N,), (n,) -> (n,)."""
+        return (np.searchsorted(observed, x, "left") + np.searchsorted(observed, x, "right")) / len(observed) - 1
+
+    def parts(self, x: NDArray[np.float32]) -> Iterator[NDArray[np.float32]]:
+        """The same a part of the events at a time."""
+        return (self(x[start : start + ROWS_AT_A_TIME]) for start in range(0, len(x), ROWS_AT_A_TIME))
+
+
+@dataclass(frozen=True)
+class RankMoments(Method):
+    """Where the means of the polynomials that tell theta are the observed ones, by a local quadratic in theta.
+
+    Where that leaves a combination of parameters open, the last round goes to the best point of all that agree, as in
+    `avo`. The answer is doubtful where the means of all polynomials together do not agree.
+    """
+
+    name: ClassVar[str] = "rank-moments"
+    version: ClassVar[str] = "1"
+    by_moments: ClassVar[bool] = True
+    source: ClassVar[str] = (
+        "J. Neyman, Skand. Aktuarietidskr. 20 (1937) 149; D. McFadden, Econometrica 57 (1989) 995; P. Fearnhead, "
+        "D. Prangle, J. R. Stat. Soc. B 74 (2012) 419"
+    )
+
+    rounds: int = 8
+    """Number of rounds of simulation, each with an equal share of the budget, as of `smm`."""
+    degree: int = 8
+    """Degree of the polynomials of each feature, at most, as in the test of `infer` whether an estimate agrees."""
+    shrink: float = 0.5
+    """Least width of a round in units of the one before, as of `smm`."""
+    errors: float = 5.0
+    """Least width of a round in standard errors of the answer before it. With 3 some fits went astray, and with 10 the
+    means were no quadratic over it, on development cases."""
+    symmetric: bool = True
+    """Sum an image over its cyclic axes, along which nothing depends on theta."""
+
+    def __post_init__(self) -> None:
+        if min(self.rounds, self.degree) < 1 or not 0 < self.shrink <= 1 or self.errors <= 0:
+            raise ValueError("rank-moments needs rounds and degree of at least 1, 0 < shrink <= 1 and errors above 0")
+
+    def min_simulations(self, num_parameters: int) -> int:
+        """The budget that gives each round ten events for each coefficient of the local quadratic."""
+        return self.rounds * 5 * (num_parameters + 1) * (num_parameters + 2)
+
+    def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
+        return _Rounds(self, problem, rng).estimate()
+
+
+class _Rounds:
+    """The inference of one problem: what it is given, and the events simulated so far."""
+
+    def __init__(self, settings: RankMoments, problem: Problem, rng: np.random.Generator) -> None:
+        self.settings, self.problem, self.rng = settings, problem, rng
+        self.proposal, self.p = TruncatedGaussian(problem.prior, problem.support), problem.prior.dim
+        self.inputs = Inputs(problem, symmetric=settings.symmetric, whiten=True)
+        self.u = np.empty((0, self.p))
+        self.x = np.empty((0, self.inputs(problem.x_observed[:1]).shape[1]), np.float32)
+        self.trace: list[TracePoint] = []
+
+    def estimate(self) -> Estimate:
+        settings, proposal, simulate = self.settings, self.proposal, self.problem.simulate
+        # With too little left the simulator refuses a round, rather than an answer being made of next to nothing.
+        total = max(simulate.remaining, settings.min_simulations(self.p))
+        ends = simulate.used + np.linspace(0, total, settings.rounds + 1).astype(int)[1:]
+        answer, root = Polished(np.zeros(self.p), np.eye(self.p), 0, converged=False), np.eye(self.p)
+        leeway, toward = None, np.zeros(self.p)
+        for end in ends:
+            last = end == ends[-1]
+            if last and self.trace and leaves_open(answer):  # many answers, of which the best is elsewhere
+                everywhere = self.folds(np.arange(len(self.u)))
+                leeway = Leeway(everywhere, self.problem.prior)
+                toward = leeway.best(proposal.scale)
+                answer, root = self.polish(toward, settings.shrink * np.eye(self.p), toward)
+                if isinstance(self.problem.prior, Distributed):  # no box to be averaged over: its moments decide
+                    leeway, toward = None, np.zeros(self.p)
+            if self.trace:
+                root = narrower(root, answer, settings.shrink, settings.errors)
+            std = np.sqrt((root**2).sum(axis=1))
+            self.simulate(proposal.around(answer.mean, root, end - simulate.used, self.rng))
+            answer, root = self.polish(answer.mean, root, toward)
+            error = leeway.error(answer.mean) if leeway else answer.error
+            self.trace.append(TracePoint(simulate.used, proposal.to_raw(answer.mean), error * proposal.scale))
+        covariance = leeway.covariance(answer.mean) if leeway else answer.covariance
+        theta = self.trace[-1].theta
+        return Estimate(
+            theta=theta,
+            how="where the simulated means of the polynomials of ranks agree with the observed ones",
+            spread_of="proposal",
+            mean=theta,
+            std=std * proposal.scale,
+            trace=self.trace,
+            message=f"the last of {settings.rounds} fits {'converged' if answer.converged else 'did not converge'}",
+            error=error * proposal.scale,
+            covariance=np.outer(proposal.scale, proposal.scale) * covariance,
+            doubt="; ".join(filter(None, (self.inputs.doubt, self.doubt(answer, root)))),
+        )
+
+    def simulate(self, u: NDArray[np.float64]) -> None:
+        """Simulate an event at each u (n, p), and keep it."""
+        new = self.inputs.simulated(self.problem.simulate(self.proposal.to_raw(u)))
+        if not len(self.u):  # from now on it is known which features the simulator never makes
+            self.observed = self.inputs(self.problem.x_observed)
+            self.polynomials = Polynomials(self.observed, self.settings.degree)
+        self.u, self.x = np.concatenate([self.u, u]), np.concatenate([self.x, new])
+
+    def polish(
+        self, mean: NDArray[np.float64], root: NDArray[np.float64], toward: NDArray[np.float64]
+    ) -> tuple[Polished, NDArray[np.float64]]:
+        """Where the means agree, from a point (p,) and how far to look (p, p), and how far that is to be believed."""
+        bounds, narrowing = (self.proposal.low, self.proposal.high), (self.settings.shrink, self.settings.errors)
+        rows = within_reach(self.u, mean, root)
+        folds = self.folds(rows if len(rows) > 1 else np.arange(len(self.u)))
+        return polish_closer(folds, mean, root, bounds, narrowing, toward)
+
+    def folds(self, rows: NDArray[np.int64]) -> list[Fold]:
+        """The halves of these simulated events and of all observed ones, by the statistic of the other half."""
+        halves = rows[::2], rows[1::2]
+        weights = [self.regression(half) for half in halves]
+        return [
+            Fold(self.told(self.observed[k::2], weights[1 - k]), self.told(self.x[half], weights[1 - k]), self.u[half])
+            for k, half in enumerate(halves)
+        ]
+
+    def told(self, x: NDArray[np.float32], weights: NDArray[np.float32]) -> NDArray[np.float32]:
+        """What is matched of events (n, d): the p statistics, and the polynomials of lowest degree."""
+        parts = self.polynomials.parts(x)
+        return np.concatenate([np.hstack([part @ weights, part[:, self.polynomials.lowest]]) for part in parts])
+
+    def regression(self, rows: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Coefficients of the linear regression of theta on the polynomials of these events: (k, p)."""
+        u, start, sums = self.u[rows] - self.u[rows].mean(axis=0), 0, None
+        for part in self.polynomials.parts(self.x[rows]):
+            beside = np.hstack([part, np.ones((len(part), 1))]).astype(np.float32)
+            both = beside.T @ np.hstack([beside, u[start : start + len(part)].astype(np.float32)])
+            sums, start = both if sums is None else sums + both, start + len(part)
+        k = len(sums) - 1
+        mean, n = sums[k, :k].astype(float) / len(rows), len(rows)
+        covariance, slopes = sums[:k, :k] / n - np.outer(mean, mean), sums[:k, k + 1 :].astype(float) / n
+        covariance[np.diag_indices(k)] += RIDGE * np.trace(covariance) / k
+        return np.linalg.solve(covariance, slopes).astype(np.float32)
+
+    def doubt(self, answer: Polished, root: NDArray[np.float64]) -> str:
+        """Say why the answer may be wrong, or "": no convergence, no information, or a remaining difference."""
+        if not answer.converged:
+            return "the match did not converge, so the estimate is its last step"
+        if is_open(answer) and not leaves_open(answer):
+            return "the events determine almost nothing about one combination of the parameters"
+        rows = within_reach(self.u, answer.mean, root)[-MOST_TESTED:]
+        real, synthetic = (np.concatenate(list(self.polynomials.parts(x))) for x in (self.observed, self.x[rows]))
+        try:
+            misfit = Fold(real, synthetic, self.u[rows]).misfit(answer.mean, root)
+        except TooFewEvents:
+            return "too few events were simulated near the estimate to test it"
+        if misfit < MOST_MISFIT:
+            return ""
+        return f"events simulated at the estimate differ from the observed ones: chi2/ndf is {misfit:.1f} in place of 1"

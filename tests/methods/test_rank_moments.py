@@ -1,0 +1,79 @@
+"""The simulated method of moments on polynomials of ranks."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from avobench.bench.cells.budget import MeteredSimulator, pose
+from avobench.methods.rank_moments import MOST_POLYNOMIALS, Polynomials, RankMoments
+from avobench.tasks.function import task
+
+N = 20_000
+
+
+def inferred(simulator, truth, seed, budget=20_000, num_observed=N, observed=None):
+    rng = np.random.default_rng(seed)
+    x = (observed or simulator).simulate(np.tile(truth, (num_observed, 1)), rng)
+    return RankMoments().infer(pose(simulator, x, MeteredSimulator(simulator, budget, rng)), rng)
+
+
+def cauchy(theta, rng):
+    return theta[:, 0] + rng.standard_cauchy(len(theta))
+
+
+def correlated(theta, rng):
+    a, b = rng.standard_normal((2, len(theta)))
+    return np.column_stack([a, theta[:, 0] * a + np.sqrt(1 - theta[:, 0] ** 2) * b])
+
+
+def scaled(theta, rng):
+    return rng.normal(0, np.exp(theta[:, 0]))
+
+
+@pytest.mark.parametrize(
+    ("function", "truth", "information"),
+    [(cauchy, 0.7, 0.5), (scaled, -0.4, 2.0), (correlated, 0.4, (1 + 0.4**2) / (1 - 0.4**2) ** 2)],
+)
+def test_its_error_is_that_of_repeated_answers_and_near_the_best(function, truth, information):
+    """The centre of a Cauchy, a scale and a correlation, of which the mean says nothing; pulls of 30 runs."""
+    simulator = task(function, prior={"theta": (-0.9, 0.9)})
+    found = [inferred(simulator, [truth], seed) for seed in range(30)]
+    pulls = np.array([(estimate.theta[0] - truth) / estimate.error[0] for estimate in found])
+    assert 0.35 < np.mean(pulls**2) < 2.5  # chi-squared of 30: p = 1e-5
+    best = np.sqrt((1 / N + 1 / 20_000) / information)
+    assert 0.8 < np.median([estimate.error[0] for estimate in found]) / best < 1.4
+    assert sum(estimate.doubt != "" for estimate in found) <= 4
+
+
+def test_a_change_of_scale_that_keeps_the_order_changes_nothing():
+    shift = task(lambda theta, rng: rng.normal(theta[:, 0]), prior={"mean": (-2, 2)}, name="shift")
+    bent = task(lambda theta, rng: np.exp(rng.normal(theta[:, 0])), prior={"mean": (-2, 2)}, name="bent")
+    first, second = (inferred(simulator, [0.7], 0) for simulator in (shift, bent))
+    assert first.theta == pytest.approx(second.theta, abs=0.05 * first.error[0])
+
+
+def test_few_outliers_move_it_little():
+    """Of outliers at a distance of 1000 a mean would move by 10, and a median by 0.013."""
+    shift = task(lambda theta, rng: rng.normal(theta[:, 0]), prior={"mean": (-2, 2)}, name="shift")
+
+    def with_outliers(theta, rng):
+        return np.where(rng.random(len(theta)) < 0.01, 1000.0, rng.normal(theta[:, 0]))
+
+    observed = task(with_outliers, prior={"mean": (-2, 2)}, name="with-outliers")
+    estimate = inferred(shift, [0.7], 0, observed=observed)
+    assert estimate.theta[0] == pytest.approx(0.7, abs=0.06)
+    assert "differ from the observed" in estimate.doubt
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 2**32), d=st.integers(1, 60), degree=st.integers(1, 12))
+def test_the_polynomials_of_independent_features_are_orthonormal(seed, d, degree):
+    x = np.random.default_rng(seed).standard_normal((3000, d)).astype(np.float32)
+    values = Polynomials(x, degree)(x)
+    assert values.shape[1] <= max(MOST_POLYNOMIALS, d)
+    assert np.abs(values.mean(axis=0)).max() < 0.15
+    covariance = np.cov(values, rowvar=False).reshape(values.shape[1], -1)
+    assert np.abs(covariance - np.eye(len(covariance))).max() < 0.25
+    later = np.concatenate(list(Polynomials(x, degree).parts(np.tile(x, (4, 1)))))
+    np.testing.assert_array_equal(later, np.tile(values, (4, 1)))
