@@ -39,6 +39,7 @@ TINY = 1e-250
 """Density below which both are taken as zero, before numbers underflow."""
 METHODS: dict[str, tuple[str, dict[str, Any]]] = {
     "smm": ("smm", {}),
+    "rank-moments": ("rank-moments", {}),
     "avo": ("avo", {}),
     "avo-robust": ("avo", {"matched": "divergence"}),
     "adversary alone": ("avo", {"polish": False}),

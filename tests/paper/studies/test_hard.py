@@ -19,7 +19,7 @@ def test_what_is_lacking_is_made(tmp_path, monkeypatch):
 
 def test_the_table_counts_what_is_far_off_without_a_doubt():
     def fit(off, error, doubt):
-        kept = {"task": "t", "method": "m", "theta": [0.0, 0.0], "floors": [1.0, 4.0], "seconds": 1.0}
+        kept = {"task": "t", "target": 0, "method": "m", "theta": [0.0, 0.0], "floors": [1.0, 4.0], "seconds": 1.0}
         return {**kept, "estimate": [0.0, off], "error": [1.0, error], "doubt": doubt}
 
     fits = [fit(2.0, 2.0, ""), fit(20.0, 2.0, "d"), fit(20.0, 20.0, ""), fit(20.0, 2.0, "")]
