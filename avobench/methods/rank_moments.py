@@ -14,11 +14,12 @@ from typing import ClassVar
 import numpy as np
 from numpy.polynomial.legendre import legvander
 from numpy.typing import NDArray
+from scipy.stats import chi2
 
 from avobench.methods.contract import Estimate, Method, TracePoint
 from avobench.methods.inputs import Inputs
 from avobench.methods.leeway import Leeway, is_open, leaves_open
-from avobench.methods.polish import Fold, Polished, TooFewEvents, narrower, polish_closer, within_reach
+from avobench.methods.polish import Fold, Polished, TooFewEvents, kernel_of, narrower, polish_closer, within_reach
 from avobench.methods.problem import Problem
 from avobench.methods.proposal import TruncatedGaussian
 from avobench.tasks.prior import Distributed
@@ -33,13 +34,15 @@ MOST_MATCHED = 32
 """Features of which any are. How the means of more of them move with theta is mostly noise."""
 ROWS_AT_A_TIME = 8192
 """Events whose polynomials are held at once: 16 MB."""
+EVENTS_PER_COEFFICIENT = 10
+"""Effective number of simulated events near the estimate for each coefficient of the local quadratic, at least."""
 MOST_TESTED = 50_000
 """The latest events, at most, by which it is tested whether all polynomials agree: 100 MB of them."""
 RIDGE = 1e-4
 """Share of the mean variance of the polynomials that is added to each, for those that are nearly copies of others."""
-MOST_MISFIT = 2.0
-"""Squared difference of the means of all polynomials, in units of their variance and averaged over polynomials, from
-which the answer is in doubt. With eight of them chance exceeds it once in twenty-five runs, with more hardly ever."""
+LEAST_AGREEMENT = 1e-3
+"""P-value of the difference of the means of all polynomials, below which the answer is in doubt. A test that many fits
+are put to should seldom be wrong."""
 
 
 class Polynomials:
@@ -212,10 +215,14 @@ class _Rounds:
             return "the events determine almost nothing about one combination of the parameters"
         rows = within_reach(self.u, answer.mean, root)[-MOST_TESTED:]
         real, synthetic = (np.concatenate(list(self.polynomials.parts(x))) for x in (self.observed, self.x[rows]))
+        fold, coefficients = Fold(real, synthetic, self.u[rows]), (self.p + 1) * (self.p + 2) // 2
         try:
-            misfit = Fold(real, synthetic, self.u[rows]).misfit(answer.mean, root)
+            near = fold.near(answer.mean, kernel_of(root))
         except TooFewEvents:
+            near = None
+        if near is None or near.spread[0, 0] * EVENTS_PER_COEFFICIENT * coefficients > 1:
             return "too few events were simulated near the estimate to test it"
-        if misfit < MOST_MISFIT:
+        misfit, dof = fold.misfit(answer.mean, root), len(fold.shift)
+        if chi2.sf(dof * misfit, dof) > LEAST_AGREEMENT:
             return ""
         return f"events simulated at the estimate differ from the observed ones: chi2/ndf is {misfit:.1f} in place of 1"
