@@ -22,6 +22,7 @@ from avobench.methods.leeway import Leeway, is_open, leaves_open
 from avobench.methods.polish import Fold, Polished, TooFewEvents, kernel_of, narrower, polish_closer, within_reach
 from avobench.methods.problem import Problem
 from avobench.methods.proposal import TruncatedGaussian
+from avobench.tasks.errors import UsageError
 from avobench.tasks.prior import Distributed
 
 MOST_POLYNOMIALS = 250
@@ -54,15 +55,19 @@ class Polynomials:
         self.degree = max(min(degree, (MOST_POLYNOMIALS - pairs) // d), 1)
         self.first, self.second = np.triu_indices(d, 1) if pairs else (np.empty(0, int), np.empty(0, int))
         self.observed = np.sort(observed, axis=0)
-        lowest = min(max(LEAST_MATCHED // d, 1), self.degree) if d <= MOST_MATCHED else 0
-        self.lowest = (np.arange(d)[:, None] * self.degree + np.arange(lowest)).ravel()
+        distinct = 1 + np.count_nonzero(np.diff(self.observed, axis=0), axis=0)
+        degrees = np.arange(1, self.degree + 1)
+        # of a feature with two values all polynomials are the same
+        self.kept = degrees <= np.maximum(distinct - 1, 1)[:, None]
+        lowest = max(LEAST_MATCHED // d, 1) if d <= MOST_MATCHED else 0
+        self.lowest = np.flatnonzero(np.broadcast_to(degrees <= lowest, self.kept.shape)[self.kept])
         """Those of lowest degree."""
 
     def __call__(self, x: NDArray[np.float32]) -> NDArray[np.float32]:
         centred = np.column_stack([self._rank(*column) for column in zip(self.observed.T, x.T, strict=True)])
         each = legvander(centred, self.degree)[..., 1:] * np.sqrt(2 * np.arange(1, self.degree + 1) + 1)
         pairs = each[:, self.first, 0] * each[:, self.second, 0]
-        return np.hstack([each.reshape(len(x), -1), pairs]).astype(np.float32)
+        return np.hstack([each[:, self.kept], pairs]).astype(np.float32)
 
     @staticmethod
     def _rank(observed: NDArray[np.float32], x: NDArray[np.float32]) -> NDArray[np.float64]:
@@ -118,6 +123,8 @@ class _Rounds:
     """The inference of one problem: what it is given, and the events simulated so far."""
 
     def __init__(self, settings: RankMoments, problem: Problem, rng: np.random.Generator) -> None:
+        if len(problem.x_observed) < 2:
+            raise UsageError(f"{settings.name} needs at least 2 observed events, got 1: take smm")
         self.settings, self.problem, self.rng = settings, problem, rng
         self.proposal, self.p = TruncatedGaussian(problem.prior, problem.support), problem.prior.dim
         self.inputs = Inputs(problem, symmetric=settings.symmetric, whiten=True)

@@ -77,3 +77,10 @@ def test_the_polynomials_of_independent_features_are_orthonormal(seed, d, degree
     assert np.abs(covariance - np.eye(len(covariance))).max() < 0.25
     later = np.concatenate(list(Polynomials(x, degree).parts(np.tile(x, (4, 1)))))
     np.testing.assert_array_equal(later, np.tile(values, (4, 1)))
+
+
+def test_of_a_rare_yes_or_no_the_error_is_binomial():
+    rare = task(lambda theta, rng: rng.random(len(theta)) < theta[:, 0], prior={"p": (0, 1)}, name="rare")
+    estimate = inferred(rare, [0.01], 0, num_observed=1000)
+    assert estimate.error[0] == pytest.approx(np.sqrt(0.01 * 0.99 / 1000), rel=0.3)
+    assert estimate.theta[0] == pytest.approx(0.01, abs=3 * estimate.error[0])
