@@ -66,7 +66,9 @@ class Inference:
         # what is given
         self.settings, self.problem, self.rng = settings, problem, rng
         self.proposal, p = TruncatedGaussian(problem.prior, problem.support), problem.prior.dim
-        self.inputs = Inputs(problem, symmetric=settings.symmetric, whiten=settings.whiten)
+        self.inputs = Inputs(
+            problem, symmetric=settings.symmetric, whiten=settings.whiten, ranks=settings.inputs == "ranks"
+        )
         self.real = self.inputs(problem.x_observed)[: even(len(problem.x_observed))]
         # with too little left the simulator refuses an iteration, rather than an answer being made of next to nothing
         self.num_events = even(max(problem.simulate.remaining, settings.min_simulations(p)))
@@ -412,6 +414,9 @@ class Avo(Method):
     """Bounds of the proposal's standard deviations; the upper one comes down from `initial_std`."""
     whiten: bool = True
     """Show the discriminator decorrelated features of equal variance, rather than only standardised ones."""
+    inputs: Literal["values", "ranks"] = field(default="values", metadata=LATER)
+    """Show the discriminator the features, or the Gaussian quantiles of their ranks among the observed events. Where
+    tails are heavy, or a wide prior makes events far from all observed ones, values would show nothing else."""
     symmetric: bool = True
     """Sum an image over its cyclic axes, along which nothing depends on theta, before the discriminator sees it."""
     cross_fit: bool = True

@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri
 
 from avobench.methods.problem import Problem
 
@@ -19,14 +20,16 @@ class Inputs:
     """Events as float32 rows of zero mean and, nearly, unit covariance among the observed ones.
 
     With `symmetric` an image is first summed over its cyclic axes: nothing there depends on theta. With `whiten` the
-    rows are decorrelated by the symmetric square root of the inverse covariance (ZCA), else each is only scaled.
+    rows are decorrelated by the symmetric square root of the inverse covariance (ZCA), else each is only scaled. With
+    `ranks` each number is then replaced by the Gaussian quantile of its rank among the observed ones, so that no event
+    counts for more because it is far off.
 
     A feature that is the same in all simulated events, and never that in an observed one, says nothing of theta, and
     would move the answer by what networks make of numbers that they have not learnt from. It is left out: from the
     first simulated events on, and for as long as no simulated one differs.
     """
 
-    def __init__(self, problem: Problem, *, symmetric: bool, whiten: bool) -> None:
+    def __init__(self, problem: Problem, *, symmetric: bool, whiten: bool, ranks: bool = False) -> None:
         self._shape, self._summed = (-1, *problem.event_shape), tuple(1 + axis for axis in problem.cyclic_axes)
         self._symmetric = symmetric and bool(self._summed)
         self._origin = origin(problem.x_observed)
@@ -40,12 +43,19 @@ class Inputs:
         self._problem, self._first = problem, np.empty((0, problem.x_observed.shape[1]))
         self._missed = np.zeros(problem.x_observed.shape[1], bool)
         self._shift, self._whitening = (a.astype(np.float32) for a in (x.mean(axis=0, dtype=float), whitening))
+        self._ranks, self._sorted = ranks, None
+        self._sort()
 
     def __call__(self, x: NDArray) -> NDArray[np.float32]:
         """x (n, d) -> (n, k), with k = d unless an image is summed."""
         if self._missed.any():
             x = np.where(self._missed, self._problem.x_observed.mean(axis=0), x)
-        return (self._sum(x) - self._shift) @ self._whitening
+        z = (self._sum(x) - self._shift) @ self._whitening
+        if self._sorted is None:
+            return z
+        share = (1 + ranks(self._sorted, z)) / 2  # from 0 to 1
+        n = len(self._sorted)
+        return ndtri((n * share + 0.5) / (n + 1)).astype(np.float32)
 
     def simulated(self, x: NDArray) -> NDArray[np.float32]:
         """The same of simulated events, from which it is learnt what to leave out."""
@@ -54,7 +64,14 @@ class Inputs:
             self._missed = ~(self._problem.x_observed == x[0]).any(axis=0)
         if self._missed.any():
             self._missed &= (x == self._first).all(axis=0)
+            self._sort()
         return self(x)
+
+    def _sort(self) -> None:
+        """Sort the observed events by each input, among which ranks are taken."""
+        self._sorted = None
+        if self._ranks:
+            self._sorted = np.sort(self(self._problem.x_observed), axis=0)
 
     @property
     def doubt(self) -> str:
@@ -75,6 +92,13 @@ class Inputs:
         if self._symmetric:
             x = x.reshape(self._shape).sum(axis=self._summed, dtype=np.float32)
         return x.reshape(len(x), -1).astype(np.float32)
+
+
+def ranks(observed: NDArray[np.float32], x: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Ranks of x (n, k) among sorted observed numbers (N, k), from -1 below all to 1 above, of equal ones the mean."""
+    columns = zip(observed.T, x.T, strict=True)
+    places = [np.searchsorted(known, new, "left") + np.searchsorted(known, new, "right") for known, new in columns]
+    return np.column_stack(places) / len(observed) - 1
 
 
 def origin(x: NDArray) -> NDArray[np.float64]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from avobench.methods.contract import Estimate, Method, TracePoint
-from avobench.methods.inputs import Inputs
+from avobench.methods.inputs import Inputs, ranks
 from avobench.methods.leeway import Leeway, is_open, leaves_open
 from avobench.methods.polish import Fold, Polished, TooFewEvents, kernel_of, narrower, polish_closer, within_reach
 from avobench.methods.problem import Problem
@@ -64,15 +64,9 @@ class Polynomials:
         """Those of lowest degree."""
 
     def __call__(self, x: NDArray[np.float32]) -> NDArray[np.float32]:
-        centred = np.column_stack([self._rank(*column) for column in zip(self.observed.T, x.T, strict=True)])
-        each = legvander(centred, self.degree)[..., 1:] * np.sqrt(2 * np.arange(1, self.degree + 1) + 1)
+        each = legvander(ranks(self.observed, x), self.degree)[..., 1:] * np.sqrt(2 * np.arange(1, self.degree + 1) + 1)
         pairs = each[:, self.first, 0] * each[:, self.second, 0]
         return np.hstack([each[:, self.kept], pairs]).astype(np.float32)
-
-    @staticmethod
-    def _rank(observed: NDArray[np.float32], x: NDArray[np.float32]) -> NDArray[np.float64]:
-        """From -1 to 1, of equal values the mean: (N,), (n,) -> (n,)."""
-        return (np.searchsorted(observed, x, "left") + np.searchsorted(observed, x, "right")) / len(observed) - 1
 
     def parts(self, x: NDArray[np.float32]) -> Iterator[NDArray[np.float32]]:
         """The same a part of the events at a time."""

@@ -23,9 +23,14 @@ NUM_EVENTS = 10_000
 NUM_TARGETS = 10
 """The first targets of each task. All fits of one take five minutes of a processor."""
 DEVELOPMENT_TARGETS = 5
-"""The first of these, on which `rank-moments` was developed."""
-METHODS: dict[str, dict[str, Any]] = {"avo": {}, "smm": {}, "rank-moments": {}}
-"""The settings of each method; `smm` is the simplest that could do the job."""
+"""The first of these, on which `rank-moments` and the ranks of `avo` were developed."""
+METHODS: dict[str, tuple[str, dict[str, Any]]] = {
+    "avo": ("avo", {}),
+    "smm": ("smm", {}),
+    "rank-moments": ("rank-moments", {}),
+    "avo, ranks": ("avo", {"inputs": "ranks"}),
+}
+"""The method and its settings behind each row; `smm` is the simplest that could do the job."""
 FAR = 5.0
 """Squared error over the floor from which a fit should be doubted. Chance alone takes one parameter in 40 beyond it."""
 
@@ -44,17 +49,17 @@ def made(
 ) -> dict[str, Any]:
     """The record of the study at `path`, of which each fit that is lacking is made and written at once.
 
-    `fits` holds for each the `task`, `target`, `method` and its `version`; its `theta`, the `floors` of its parameters,
-    `estimate`, `error`, `doubt` and `seconds`. Raises StoreError for a damaged file.
+    `fits` holds for each the `task`, `target`, `method` (a row of METHODS) and its `version`; its `theta`, the `floors`
+    of its parameters, `estimate`, `error`, `doubt` and `seconds`. Raises StoreError for a damaged file.
     """
     record = FILE.begun(path, "fits", seed=seed, num_observations=num_events, budget=budget)
-    methods = [registry.build("method", name, settings) for name, settings in METHODS.items()]
+    methods = {label: registry.build("method", *how) for label, how in METHODS.items()}
     wanted = [
         (
-            {"task": task.name, "target": target, "method": method.name, "version": method.version},
+            {"task": task.name, "target": target, "method": label, "version": method.version},
             partial(one, task(), target, method, seed, num_events, budget),
         )
-        for target, task, method in product(range(num_targets), tasks, methods)
+        for target, task, (label, method) in product(range(num_targets), tasks, methods.items())
     ]
     return FILE.completed(path, record, "fits", wanted, "torch")
 

@@ -96,3 +96,19 @@ def test_one_observed_event_is_refused_in_a_line():
     rng = np.random.default_rng(0)
     with pytest.raises(UsageError, match="at least 2 observed events"):
         Avo().infer(pose(shift, np.ones((1, 1)), MeteredSimulator(shift, 5000, rng)), rng)
+
+
+def test_ranks_keep_it_near_the_best_where_tails_are_heavy():
+    """A Cauchy of a width between 0.01 and 100, of whose events most of those simulated are far off."""
+
+    def simulate(theta, rng):
+        return theta[:, 0] + 10 ** theta[:, 1] * rng.standard_cauchy(len(theta))
+
+    cauchy = task(simulate, prior={"centre": (-3, 3), "log_width": (-2, 2)}, name="cauchy")
+    rng, truth, budget = np.random.default_rng(0), np.array([1.0, -0.5]), 40_000
+    x = simulate(np.tile(truth, (10_000, 1)), rng)[:, None]
+    best = np.sqrt(2 * (1 / len(x) + 1 / budget)) * np.array([10 ** truth[1], 1 / np.log(10)])
+    estimate = Avo(**FEW, inputs="ranks").infer(pose(cauchy, x, MeteredSimulator(cauchy, budget, rng)), rng)
+    assert (np.abs(estimate.theta - truth) < 4 * best).all()
+    assert (estimate.error < 2 * best).all()
+    assert estimate.doubt == ""

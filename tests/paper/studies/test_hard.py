@@ -7,7 +7,7 @@ from paper.studies import hard as study
 
 
 def test_what_is_lacking_is_made(tmp_path, monkeypatch):
-    monkeypatch.setattr(study, "METHODS", {"smm": {}})
+    monkeypatch.setattr(study, "METHODS", {"smm": ("smm", {})})
     small = {"tasks": (Bump,), "num_events": 300, "budget": 2000}
     path = tmp_path / study.FILE.name
     first = study.made(path, num_targets=1, **small)["fits"]
