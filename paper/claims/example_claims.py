@@ -231,7 +231,8 @@ def alignment_centres(evidence: Evidence) -> Finding:
 
 def _in_runs(good: pd.Series) -> str:
     """A verdict that says in how many runs: of one run it is no more than that."""
-    return f"{'reproduced' if good.all() else 'not reproduced'}: holds in {good.sum()} of {len(good)} runs"
+    verdict = "reproduced" if good.all() else "differs" if good.any() else "not reproduced"
+    return f"{verdict}: holds in {good.sum()} of {len(good)} runs"
 
 
 def alignment_unfinished(evidence: Evidence) -> Finding:
