@@ -24,7 +24,7 @@ def chosen(records: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
-    """The figure and its numbers; every repetition is a line of its own."""
+    """The figure and its numbers: each run has a line of its own."""
     records = chosen(records)
     figure = Figure(figsize=(6.4, 5.2), layout="constrained")
     axes = figure.subplot_mosaic([["proposal", "proposal"], ["distance", "loss"]])
@@ -36,11 +36,12 @@ def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
 
     true = records[0]["theta_true"][0]
     line("proposal", "before", 0, THETA, density(records[0], THETA, final=False), color=TRUTH, ls=":", label="before")
-    for record, style in zip(records, ("-", "--", "-."), strict=False):
+    look: dict[str, Any] = {"color": METHOD_COLOURS["avo-paper"], "alpha": 0.7}
+    for record in records:
         repetition, curve = record["repetition"], convergence(record)
-        look = {"color": METHOD_COLOURS["avo-paper"], "ls": style}
         after = density(record, THETA, final=True)
-        line("proposal", "after", repetition, THETA, after, label=f"after, run {repetition + 1}", **look)
+        label = None if repetition else f"after, {len(records)} runs"
+        line("proposal", "after", repetition, THETA, after, label=label, **look)
         line("distance", "after", repetition, curve["simulations"], curve["distance"], **look)
         line("loss", "after", repetition, curve["simulations"], curve["loss"], **look)
     axes["proposal"].axvline(true, color=TRUTH, lw=1)
