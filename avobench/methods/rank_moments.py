@@ -34,7 +34,7 @@ means could look like information on theta."""
 MOST_MATCHED = 32
 """Features of which any are. How the means of more of them move with theta is mostly noise."""
 ROWS_AT_A_TIME = 8192
-"""Events whose polynomials are held at once: 16 MB."""
+"""Events whose polynomials are held at once: 8 MB."""
 EVENTS_PER_COEFFICIENT = 10
 """Effective number of simulated events near the estimate for each coefficient of the local quadratic, at least."""
 MOST_TESTED = 50_000
@@ -47,15 +47,14 @@ are put to should seldom be wrong."""
 
 
 class Polynomials:
-    """Legendre polynomials, of unit variance, of the ranks of features among observed ones (N, d): (n, d) -> (n, k)."""
+    """Legendre polynomials of unit variance, of ranks from -1 to 1 as observed events have them: (n, d) -> (n, k)."""
 
     def __init__(self, observed: NDArray[np.float32], degree: int) -> None:
         d = observed.shape[1]
         pairs = d * (d - 1) // 2 if d * (d - 1) < MOST_POLYNOMIALS else 0
         self.degree = max(min(degree, (MOST_POLYNOMIALS - pairs) // d), 1)
         self.first, self.second = np.triu_indices(d, 1) if pairs else (np.empty(0, int), np.empty(0, int))
-        self.observed = np.sort(observed, axis=0)
-        distinct = 1 + np.count_nonzero(np.diff(self.observed, axis=0), axis=0)
+        distinct = np.array([len(np.unique(column)) for column in observed.T])
         degrees = np.arange(1, self.degree + 1)
         # of a feature with two values all polynomials are the same
         self.kept = degrees <= np.maximum(distinct - 1, 1)[:, None]
@@ -63,14 +62,13 @@ class Polynomials:
         self.lowest = np.flatnonzero(np.broadcast_to(degrees <= lowest, self.kept.shape)[self.kept])
         """Those of lowest degree."""
 
-    def __call__(self, x: NDArray[np.float32]) -> NDArray[np.float32]:
-        each = legvander(ranks(self.observed, x), self.degree)[..., 1:] * np.sqrt(2 * np.arange(1, self.degree + 1) + 1)
-        pairs = each[:, self.first, 0] * each[:, self.second, 0]
-        return np.hstack([each[:, self.kept], pairs]).astype(np.float32)
+    def __call__(self, ranks: NDArray[np.float32]) -> NDArray[np.float32]:
+        each = legvander(ranks, self.degree)[..., 1:] * np.sqrt(2 * np.arange(1, self.degree + 1, dtype=np.float32) + 1)
+        return np.hstack([each[:, self.kept], each[:, self.first, 0] * each[:, self.second, 0]])
 
-    def parts(self, x: NDArray[np.float32]) -> Iterator[NDArray[np.float32]]:
+    def parts(self, ranks: NDArray[np.float32]) -> Iterator[NDArray[np.float32]]:
         """The same a part of the events at a time."""
-        return (self(x[start : start + ROWS_AT_A_TIME]) for start in range(0, len(x), ROWS_AT_A_TIME))
+        return (self(ranks[start : start + ROWS_AT_A_TIME]) for start in range(0, len(ranks), ROWS_AT_A_TIME))
 
 
 @dataclass(frozen=True)
@@ -123,7 +121,7 @@ class _Rounds:
         self.proposal, self.p = TruncatedGaussian(problem.prior, problem.support), problem.prior.dim
         self.inputs = Inputs(problem, symmetric=settings.symmetric, whiten=True)
         self.u = np.empty((0, self.p))
-        self.x = np.empty((0, self.inputs(problem.x_observed[:1]).shape[1]), np.float32)
+        self.ranks = np.empty((0, self.inputs(problem.x_observed[:1]).shape[1]), np.float32)
         self.trace: list[TracePoint] = []
 
     def estimate(self) -> Estimate:
@@ -168,9 +166,12 @@ class _Rounds:
         """Simulate an event at each u (n, p), and keep it."""
         new = self.inputs.simulated(self.problem.simulate(self.proposal.to_raw(u)))
         if not len(self.u):  # from now on it is known which features the simulator never makes
-            self.observed = self.inputs(self.problem.x_observed)
+            observed = self.inputs(self.problem.x_observed)
+            self.sorted = np.sort(observed, axis=0)
+            self.observed = ranks(self.sorted, observed).astype(np.float32)
             self.polynomials = Polynomials(self.observed, self.settings.degree)
-        self.u, self.x = np.concatenate([self.u, u]), np.concatenate([self.x, new])
+        self.u = np.concatenate([self.u, u])
+        self.ranks = np.concatenate([self.ranks, ranks(self.sorted, new).astype(np.float32)])
 
     def polish(
         self, mean: NDArray[np.float64], root: NDArray[np.float64], toward: NDArray[np.float64]
@@ -186,19 +187,23 @@ class _Rounds:
         halves = rows[::2], rows[1::2]
         weights = [self.regression(half) for half in halves]
         return [
-            Fold(self.told(self.observed[k::2], weights[1 - k]), self.told(self.x[half], weights[1 - k]), self.u[half])
+            Fold(
+                self.told(self.observed[k::2], weights[1 - k]),
+                self.told(self.ranks[half], weights[1 - k]),
+                self.u[half],
+            )
             for k, half in enumerate(halves)
         ]
 
-    def told(self, x: NDArray[np.float32], weights: NDArray[np.float32]) -> NDArray[np.float32]:
-        """What is matched of events (n, d): the p statistics, and the polynomials of lowest degree."""
-        parts = self.polynomials.parts(x)
+    def told(self, ranks: NDArray[np.float32], weights: NDArray[np.float32]) -> NDArray[np.float32]:
+        """What is matched of events with these ranks (n, d): p statistics, and the polynomials of lowest degree."""
+        parts = self.polynomials.parts(ranks)
         return np.concatenate([np.hstack([part @ weights, part[:, self.polynomials.lowest]]) for part in parts])
 
     def regression(self, rows: NDArray[np.int64]) -> NDArray[np.float32]:
         """Coefficients of the linear regression of theta on the polynomials of these events: (k, p)."""
         u, start, sums = self.u[rows] - self.u[rows].mean(axis=0), 0, None
-        for part in self.polynomials.parts(self.x[rows]):
+        for part in self.polynomials.parts(self.ranks[rows]):
             beside = np.hstack([part, np.ones((len(part), 1))]).astype(np.float32)
             both = beside.T @ np.hstack([beside, u[start : start + len(part)].astype(np.float32)])
             sums, start = both if sums is None else sums + both, start + len(part)
@@ -215,7 +220,7 @@ class _Rounds:
         if is_open(answer) and not leaves_open(answer):
             return "the events determine almost nothing about one combination of the parameters"
         rows = within_reach(self.u, answer.mean, root)[-MOST_TESTED:]
-        real, synthetic = (np.concatenate(list(self.polynomials.parts(x))) for x in (self.observed, self.x[rows]))
+        real, synthetic = (np.concatenate(list(self.polynomials.parts(of))) for of in (self.observed, self.ranks[rows]))
         fold, coefficients = Fold(real, synthetic, self.u[rows]), (self.p + 1) * (self.p + 2) // 2
         try:
             near = fold.near(answer.mean, kernel_of(root))
