@@ -80,7 +80,7 @@ def one(task: Hard, target: int, method: Method, seed: int, num_events: int, bud
 
 
 def table(records: list[dict[str, Any]]) -> pd.DataFrame:
-    """A row a task and method, of the one record of the study: those targets first that were used in development.
+    """A row a task and method, of the one record of the study: of the targets first that were used in development.
 
     `error / floor` is of each target the largest squared error of a parameter over its floor, with a D where the fit
     was doubted; `median` is theirs. `rms pull` is the root mean square of the errors in quoted ones, of all parameters
@@ -90,7 +90,9 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     rows = []
     frame = pd.DataFrame(records[0]["fits"])
     frame["targets"] = np.where(frame["target"] < DEVELOPMENT_TARGETS, "seen", "unseen")
-    for (targets, task, method), fits in frame.groupby(["targets", "task", "method"], sort=False):
+    for name in ("task", "method"):  # in the order of the record
+        frame[name] = pd.Categorical(frame[name], frame[name].unique())
+    for (targets, task, method), fits in frame.groupby(["targets", "task", "method"], observed=True):
         off, floors, error = (np.stack(fits[name]) for name in ("estimate", "floors", "error"))
         off = off - np.stack(fits["theta"])
         pull = np.abs(off / error)
