@@ -78,11 +78,11 @@ def by_task(
     return figure
 
 
-def legend_below(figure: Figure, axes: Iterable[Axes], names: Iterable[str]) -> None:
+def legend_below(figure: Figure, axes: Iterable[Axes], names: Iterable[str], columns: int = 5) -> None:
     """One legend for all panels, of these names as far as one of them has each."""
     handles = {name: handle for axis in axes for handle, name in zip(*axis.get_legend_handles_labels(), strict=True)}
     shown = [name for name in names if name in handles]
-    figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(5, len(shown)))
+    figure.legend([handles[name] for name in shown], shown, loc="outside lower center", ncols=min(columns, len(shown)))
 
 
 def note(axis: Axes, text: str) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from avobench.reports.style import MARKERS, PALETTE, panels
+from avobench.reports.style import MARKERS, PALETTE, legend_below, panels
 from paper.studies.contamination import METHODS, SHARES, contaminated
 
 LEAST = 0.01
@@ -68,5 +68,5 @@ def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
                 axis.plot(of["share"], of["to theta"], label=method, **style)
         axis.set_xscale("symlog", linthresh=LEAST)
         axis.set(yscale="log", xlabel="share of outliers", ylabel="squared error", xlim=(-LEAST / 5, 0.3))
-    axes[0].legend(fontsize="small")
+    legend_below(figure, axes, METHODS, columns=3)
     return figure, numbers
