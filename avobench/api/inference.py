@@ -78,8 +78,8 @@ PRIOR_LEFT_OUT = (
 """What is said of a fit by moments that could not take account of a prior."""
 REPEATED = 1.1
 """So often the events of a bank may be used on average without a word."""
-DEFAULTS = ("avo", "smm")
-"""The first of these methods whose packages are installed is the default; `smm` needs none."""
+DEFAULTS = ("avo", "rank-moments")
+"""The first of these methods whose packages are installed is the default; `rank-moments` needs none."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -379,7 +379,7 @@ def infer(
         "abc", which is rejection by sets of these events with a regression adjustment.
     method
         A method, or its name, such as "avo", "abc-smc" or "bolfi". By default it is `avo` where PyTorch is
-        installed, and otherwise `smm`, which needs no more than the base install.
+        installed, and otherwise `rank-moments`, which needs no more than the base install.
     budget
         Simulated events, at most; of `avobench.bank` all that there are. A twentieth of them at most goes into a check
         of events and simulator, and a tenth is held back: fresh events at the estimate are compared with the observed

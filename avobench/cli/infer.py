@@ -18,7 +18,9 @@ from avobench.cli.terminal import say
 
 @click.command(cls=Isolated)
 @of_measurement
-@click.option("--method", default=None, metavar="NAME", help="Method, or file.py:Class.  [avo, or smm without PyTorch]")
+@click.option(
+    "--method", default=None, metavar="NAME", help="Method, or file.py:Class.  [avo, or rank-moments without PyTorch]"
+)
 @click.option("--budget", type=int, default=160_000, show_default=True, help="Simulated events, at most.")
 @SEED
 @SETTINGS

@@ -208,7 +208,7 @@ def test_without_pytorch_the_default_is_a_method_that_is_installed(monkeypatch):
     present = registry.find_spec
     monkeypatch.setattr(registry, "find_spec", lambda name: None if name == "torch" else present(name))
     found = avobench.infer("poisson", EVENTS, budget=4000)
-    assert found.method == "smm"
+    assert found.method == "rank-moments"
     assert not avobench.list_methods().loc["avo", "available"]
 
 
