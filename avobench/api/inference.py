@@ -78,10 +78,8 @@ PRIOR_LEFT_OUT = (
 """What is said of a fit by moments that could not take account of a prior."""
 REPEATED = 1.1
 """So often the events of a bank may be used on average without a word."""
-DEFAULTS = ("avo", "rank-moments", "smm")
-"""The first of these methods that can be used is the default; all but `avo` need no package."""
-MOST_BY_RANKS = 5
-"""Parameters up to which `rank-moments` is the default. With ten it is lost where `smm` is not (docs/methods.md)."""
+DEFAULTS = ("avo", "rank-moments")
+"""The first of these methods whose packages are installed is the default; `rank-moments` needs none."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -381,8 +379,7 @@ def infer(
         "abc", which is rejection by sets of these events with a regression adjustment.
     method
         A method, or its name, such as "avo", "abc-smc" or "bolfi". By default it is `avo` where PyTorch is
-        installed. Otherwise it is `rank-moments`, or `smm` with more than five parameters: they need no more than the
-        base install.
+        installed, and otherwise `rank-moments`, which needs no more than the base install.
     budget
         Simulated events, at most; of `avobench.bank` all that there are. A twentieth of them at most goes into a check
         of events and simulator, and a tenth is held back: fresh events at the estimate are compared with the observed
@@ -440,8 +437,7 @@ def infer(
             raise UsageError("abc is for avobench.bank, without settings; of a simulator take abc-smc")
         return by_rejection(task, x, seed, drop_invalid, progress)
     if method is None:
-        usable = [name for name in DEFAULTS if registry.missing_package(registry.load("method", name)) is None]
-        method = usable[usable[0] == "rank-moments" and len(task.parameter_names) > MOST_BY_RANKS]
+        method = next(name for name in DEFAULTS if registry.missing_package(registry.load("method", name)) is None)
     if isinstance(method, str):
         method = registry.build("method", method, dict(settings or {}))
     elif settings:

@@ -35,6 +35,8 @@ MOST_MATCHED = 32
 """Features of which any are. How the means of more of them move with theta is mostly noise."""
 ROWS_AT_A_TIME = 8192
 """Events whose polynomials are held at once: 8 MB."""
+SLOPES = 8.0
+"""Ratio of the information on a parameter to what noise alone would show, that a round is wide enough for."""
 EVENTS_PER_COEFFICIENT = 10
 """Effective number of simulated events near the estimate for each coefficient of the local quadratic, at least."""
 MOST_TESTED = 50_000
@@ -94,8 +96,9 @@ class RankMoments(Method):
     shrink: float = 0.5
     """Least width of a round in units of the one before, as of `smm`."""
     errors: float = 5.0
-    """Least width of a round in standard errors of the answer before it. With 3 some fits went astray, and with 10 the
-    means were no quadratic over it, on development cases."""
+    """Least width of a round in standard errors of the answer before it; more where many means are matched by few
+    simulated events. With 3 some fits went astray, and with 10 the means were no quadratic over it, on development
+    cases."""
     symmetric: bool = True
     """Sum an image over its cyclic axes, along which nothing depends on theta."""
 
@@ -127,8 +130,8 @@ class _Rounds:
     def estimate(self) -> Estimate:
         settings, proposal, simulate = self.settings, self.proposal, self.problem.simulate
         # With too little left the simulator refuses a round, rather than an answer being made of next to nothing.
-        total = max(simulate.remaining, settings.min_simulations(self.p))
-        ends = simulate.used + np.linspace(0, total, settings.rounds + 1).astype(int)[1:]
+        self.total = max(simulate.remaining, settings.min_simulations(self.p))
+        ends = simulate.used + np.linspace(0, self.total, settings.rounds + 1).astype(int)[1:]
         answer, root = Polished(np.zeros(self.p), np.eye(self.p), 0, converged=False), np.eye(self.p)
         leeway, toward = None, np.zeros(self.p)
         for end in ends:
@@ -141,7 +144,7 @@ class _Rounds:
                 if isinstance(self.problem.prior, Distributed):  # no box to be averaged over: its moments decide
                     leeway, toward = None, np.zeros(self.p)
             if self.trace:
-                root = narrower(root, answer, settings.shrink, settings.errors)
+                root = narrower(root, answer, settings.shrink, self.errors)
             std = np.sqrt((root**2).sum(axis=1))
             self.simulate(proposal.around(answer.mean, root, end - simulate.used, self.rng))
             answer, root = self.polish(answer.mean, root, toward)
@@ -170,6 +173,10 @@ class _Rounds:
             self.sorted = np.sort(observed, axis=0)
             self.observed = ranks(self.sorted, observed).astype(np.float32)
             self.polynomials = Polynomials(self.observed, self.settings.degree)
+            # over m standard errors a half of the events shows the information m^2 times as well as one error does
+            share = len(observed) / (len(observed) + self.total)
+            matched = self.p + len(self.polynomials.lowest)
+            self.errors = max(self.settings.errors, np.sqrt(2 * SLOPES * matched * share))
         self.u = np.concatenate([self.u, u])
         self.ranks = np.concatenate([self.ranks, ranks(self.sorted, new).astype(np.float32)])
 
@@ -177,7 +184,7 @@ class _Rounds:
         self, mean: NDArray[np.float64], root: NDArray[np.float64], toward: NDArray[np.float64]
     ) -> tuple[Polished, NDArray[np.float64]]:
         """Where the means agree, from a point (p,) and how far to look (p, p), and how far that is to be believed."""
-        bounds, narrowing = (self.proposal.low, self.proposal.high), (self.settings.shrink, self.settings.errors)
+        bounds, narrowing = (self.proposal.low, self.proposal.high), (self.settings.shrink, self.errors)
         rows = within_reach(self.u, mean, root)
         folds = self.folds(rows if len(rows) > 1 else np.arange(len(self.u)))
         return polish_closer(folds, mean, root, bounds, narrowing, toward)

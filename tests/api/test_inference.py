@@ -209,8 +209,6 @@ def test_without_pytorch_the_default_is_a_method_that_is_installed(monkeypatch):
     monkeypatch.setattr(registry, "find_spec", lambda name: None if name == "torch" else present(name))
     found = avobench.infer("poisson", EVENTS, budget=4000)
     assert found.method == "rank-moments"
-    many = avobench.task(lambda theta, rng: rng.normal(theta), prior={f"mu{k}": (-1, 1) for k in range(6)}, name="many")
-    assert avobench.infer(many, RNG.normal(size=(300, 6)), budget=6000).method == "smm"
     assert not avobench.list_methods().loc["avo", "available"]
 
 

@@ -84,3 +84,15 @@ def test_of_a_rare_yes_or_no_the_error_is_binomial():
     estimate = inferred(rare, [0.01], 0, num_observed=1000)
     assert estimate.error[0] == pytest.approx(np.sqrt(0.01 * 0.99 / 1000), rel=0.3)
     assert estimate.theta[0] == pytest.approx(0.01, abs=3 * estimate.error[0])
+
+
+def test_ten_means_are_told_as_well_as_one():
+    """Each is the mean of a feature; fewer simulated events than observed ones tell how the means move with theta."""
+    means = task(lambda theta, rng: rng.normal(theta), prior={f"mu{k}": (-3, 3) for k in range(10)}, name="means")
+    truth = np.linspace(-1, 1, 10)
+    estimate = inferred(means, truth, 0, budget=40_000, num_observed=100_000)
+    best = np.sqrt(1 / 100_000 + 1 / 40_000)
+    assert estimate.doubt == ""
+    assert (0.8 * best < estimate.error).all()
+    assert (estimate.error < 2.5 * best).all()
+    assert np.mean(((estimate.theta - truth) / estimate.error) ** 2) < 3  # chi-squared of 10: p = 1e-3
