@@ -62,9 +62,12 @@ class Inputs:
         if not len(self._first):
             self._first = x[:1].copy()
             self._missed = ~(self._problem.x_observed == x[0]).any(axis=0)
-        if self._missed.any():
-            self._missed &= (x == self._first).all(axis=0)
             self._sort()
+        if self._missed.any():
+            still = self._missed & (x == self._first).all(axis=0)
+            changed, self._missed = (still != self._missed).any(), still
+            if changed:
+                self._sort()
         return self(x)
 
     def _sort(self) -> None:
