@@ -100,6 +100,7 @@ ABLATIONS: dict[str, tuple[Settings, tuple[str, ...]]] = {
     "each d used on its own events": ({"cross_fit": False}, (*CHEAP, "alignment")),
     "images not summed": ({"symmetric": False}, ("alignment",)),
     "fresh events only": ({"replay": 160, "proposal_replay": 160}, CHEAP),
+    "features as they are": ({"inputs": "values"}, (*CHEAP, *BEYOND_MEANS)),
     "features not decorrelated": ({"whiten": False}, CHEAP),
     "R1 with lambda = 10": ({"r1": 10.0}, CHEAP),
     "no bonus on the entropy": ({"entropy": 0.0}, CHEAP),

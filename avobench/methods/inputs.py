@@ -21,19 +21,21 @@ class Inputs:
 
     With `symmetric` an image is first summed over its cyclic axes: nothing there depends on theta. With `whiten` the
     rows are decorrelated by the symmetric square root of the inverse covariance (ZCA), else each is only scaled. With
-    `ranks` each number is then replaced by the Gaussian quantile of its rank among the observed ones, so that no event
-    counts for more because it is far off.
+    `quantiles` each feature is put on the scale on which the observed events are Gaussian before (`GaussianScale`), so
+    that no event counts for more because it is far off.
 
     A feature that is the same in all simulated events, and never that in an observed one, says nothing of theta, and
     would move the answer by what networks make of numbers that they have not learnt from. It is left out: from the
     first simulated events on, and for as long as no simulated one differs.
     """
 
-    def __init__(self, problem: Problem, *, symmetric: bool, whiten: bool, ranks: bool = False) -> None:
+    def __init__(self, problem: Problem, *, symmetric: bool, whiten: bool, quantiles: bool = False) -> None:
         self._shape, self._summed = (-1, *problem.event_shape), tuple(1 + axis for axis in problem.cyclic_axes)
         self._symmetric = symmetric and bool(self._summed)
-        self._origin = origin(problem.x_observed)
-        x = self._sum(problem.x_observed)
+        self._origin, self._scales = origin(problem.x_observed), None
+        if quantiles:
+            self._scales = [GaussianScale(column) for column in self._sum(problem.x_observed).T]
+        x = self._rows(problem.x_observed)
         covariance = np.atleast_2d(np.cov(x, rowvar=False))
         if not whiten:
             covariance = np.diag(np.diag(covariance))
@@ -43,38 +45,21 @@ class Inputs:
         self._problem, self._first = problem, np.empty((0, problem.x_observed.shape[1]))
         self._missed = np.zeros(problem.x_observed.shape[1], bool)
         self._shift, self._whitening = (a.astype(np.float32) for a in (x.mean(axis=0, dtype=float), whitening))
-        self._ranks, self._sorted = ranks, None
-        self._sort()
 
     def __call__(self, x: NDArray) -> NDArray[np.float32]:
         """x (n, d) -> (n, k), with k = d unless an image is summed."""
         if self._missed.any():
             x = np.where(self._missed, self._problem.x_observed.mean(axis=0), x)
-        z = (self._sum(x) - self._shift) @ self._whitening
-        if self._sorted is None:
-            return z
-        share = (1 + ranks(self._sorted, z)) / 2  # from 0 to 1
-        n = len(self._sorted)
-        return ndtri((n * share + 0.5) / (n + 1)).astype(np.float32)
+        return (self._rows(x) - self._shift) @ self._whitening
 
     def simulated(self, x: NDArray) -> NDArray[np.float32]:
         """The same of simulated events, from which it is learnt what to leave out."""
         if not len(self._first):
             self._first = x[:1].copy()
             self._missed = ~(self._problem.x_observed == x[0]).any(axis=0)
-            self._sort()
         if self._missed.any():
-            still = self._missed & (x == self._first).all(axis=0)
-            changed, self._missed = (still != self._missed).any(), still
-            if changed:
-                self._sort()
+            self._missed &= (x == self._first).all(axis=0)
         return self(x)
-
-    def _sort(self) -> None:
-        """Sort the observed events by each input, among which ranks are taken."""
-        self._sorted = None
-        if self._ranks:
-            self._sorted = np.sort(self(self._problem.x_observed), axis=0)
 
     @property
     def doubt(self) -> str:
@@ -90,18 +75,37 @@ class Inputs:
             doubts.append("all observed events are alike, so how far they scatter is not known, and the error is rough")
         return "; ".join(doubts)
 
-    def _sum(self, x: NDArray) -> NDArray[np.float32]:
+    def _rows(self, x: NDArray) -> NDArray[np.float32]:
+        x = self._sum(x)
+        if self._scales is not None:
+            x = np.column_stack([scale(column) for scale, column in zip(self._scales, x.T, strict=True)])
+        return x.astype(np.float32, copy=False)
+
+    def _sum(self, x: NDArray) -> NDArray:
         x = x - self._origin if self._origin.any() else x
         if self._symmetric:
             x = x.reshape(self._shape).sum(axis=self._summed, dtype=np.float32)
-        return x.reshape(len(x), -1).astype(np.float32)
+        return x.reshape(len(x), -1)
 
 
-def ranks(observed: NDArray[np.float32], x: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Ranks of x (n, k) among sorted observed numbers (N, k), from -1 below all to 1 above, of equal ones the mean."""
-    columns = zip(observed.T, x.T, strict=True)
-    places = [np.searchsorted(known, new, "left") + np.searchsorted(known, new, "right") for known, new in columns]
-    return np.column_stack(places) / len(observed) - 1
+class GaussianScale:
+    """An increasing function of a feature, after which its observed values (N,) are Gaussian.
+
+    It is linear between two of them. Beyond them it goes on with the logarithm of the distance in their standard
+    deviations: nothing that tells events apart is lost.
+    """
+
+    def __init__(self, observed: NDArray) -> None:
+        self.values, counts = np.unique(observed, return_counts=True)
+        self.quantiles = ndtri((np.cumsum(counts) - counts / 2) / len(observed))
+        self.unit = observed.std(dtype=float) or 1.0
+
+    def __call__(self, x: NDArray) -> NDArray[np.float32]:
+        """x (n,) -> (n,)."""
+        x = x.astype(float)
+        beyond = x - np.clip(x, self.values[0], self.values[-1])
+        far = np.sign(beyond) * np.log1p(np.abs(beyond) / self.unit)
+        return (np.interp(x, self.values, self.quantiles) + far).astype(np.float32)
 
 
 def origin(x: NDArray) -> NDArray[np.float64]:

@@ -38,6 +38,9 @@ events are said not to know that variance. It stayed below 30 on 15 targets of p
 tasks. Where pixels are never hit it is mostly a million and more, and some hundred for pairs of rare ones."""
 SAME = 2.0
 """Standard errors within which, over all parameters, a closer look at the same events must find the answer again."""
+SLOPES = 8.0
+"""Ratio of the information to what noise alone would show, from which the errors of a closer look are believed: over a
+narrow kernel the means hardly differ, so noise could hide how they move."""
 LOOKS = 10
 """Largest number of closer looks. One is the rule; a far start with a strong curve needs 2 or 3."""
 FEWEST = 4
@@ -53,6 +56,8 @@ class Polished:
     """Covariance of the mean (p, p); as large as the prior's along a direction that the events leave open."""
     num_steps: int
     converged: bool
+    told: float = 0.0
+    """Least information on a combination of the parameters, in units of what mere noise would show."""
 
     @property
     def error(self) -> NDArray[np.float64]:
@@ -257,7 +262,7 @@ def descend(
             parts = zip(*(response.at(mean) for response in responses_at(mean)), strict=True)
         except TooFewEvents:
             return Polished(mean, root @ root.T, step - 1, converged=False)
-        gradient, information = significant(*(sum(part) for part in parts))
+        gradient, information, told = significant(*(sum(part) for part in parts))
         precision = information + np.eye(len(mean))
         force = gradient - (mean - toward)
         free = ~(((mean <= low) & (force < 0)) | ((mean >= high) & (force > 0)))  # the others rest on a bound
@@ -265,7 +270,7 @@ def descend(
         move[free] = np.linalg.solve(precision[np.ix_(free, free)], force[free])
         covariance = np.linalg.inv(precision)
         if (np.abs(move) < stands_still * np.sqrt(np.diag(covariance))).all():
-            return Polished(mean, covariance, step, converged=True)
+            return Polished(mean, covariance, step, converged=True, told=told)
         reach, last = (reach / 2 if (unit @ move) @ (unit @ last) < 0 else reach), move  # back and forth is too far
         mean = mean + move * min(1, reach / np.linalg.norm(unit @ move))
         mean = center + (mean - center) * min(1, FARTHEST / max(np.linalg.norm(unit @ (mean - center)), FARTHEST))
@@ -280,19 +285,23 @@ def polish_closer(
     bounds: tuple[NDArray[np.float64], NDArray[np.float64]],
     narrowing: tuple[float, float],
     toward: NDArray[np.float64] | float = 0.0,
+    larger: float = np.inf,
 ) -> tuple[Polished, NDArray[np.float64]]:
     """The polish, and the root (p, p) of the width at which it can be believed.
 
     Over a wide kernel E[phi | u] need not be a quadratic. A narrower kernel tells: where its answer is further away
-    than its own errors explain, it takes the place of the wider one's and is tested in its turn; else the wider one
-    stands, as it uses more events. A closer look that does not come to rest tells nothing. Otherwise as `polish`.
+    than its own errors explain, or its errors are known and `larger` times those of the wider one, it takes the place
+    of the wider one's and is tested in its turn; else the wider one stands, as it uses more events. A closer look that
+    does not come to rest tells nothing. Otherwise as `polish`.
     """
     answer = polish(folds, mean, root, *bounds, toward)
     for _ in range(LOOKS):
         narrow = narrower(root, answer, *narrowing)
         again = polish(folds, answer.mean, narrow, *bounds, toward)
         apart = np.linalg.norm(again.mean - answer.mean)
-        same = not (again.converged and apart > SAME * np.linalg.norm(again.error))
+        moved = apart > SAME * np.linalg.norm(again.error)
+        less_sure = again.told > SLOPES and (again.error > larger * answer.error).any()
+        same = not (again.converged and (moved or less_sure))
         if again.num_steps == 0 or (answer.converged and same):
             break
         answer, root = again, narrow
@@ -323,17 +332,18 @@ def narrower(root: NDArray[np.float64], answer: Polished, shrink: float, errors:
 
 def significant(
     gradient: NDArray[np.float64], information: NDArray[np.float64], noise: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The parts of gradient (p,) and information (p, p) along what is more than noise (p, p).
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+    """The parts of gradient (p,) and information (p, p) along what is more than noise (p, p), and the least ratio.
 
     Where E[phi] does not depend on a combination of the parameters, its Jacobian is noise, and so is the information
     that it seems to hold; left in, this would outweigh the prior and send the mean anywhere along a degeneracy.
     """
     tiny = np.finfo(float).eps * np.trace(noise) + np.finfo(float).tiny  # the noise may vanish along a combination
     value, axes = eigh(information, noise + tiny * np.eye(len(noise)))  # axes.T @ noise @ axes = 1
+    least = float(value[0])
     value, axes = value[value > SIGNIFICANT], axes[:, value > SIGNIFICANT]
     back = noise @ axes
-    return back @ (axes.T @ gradient), back * (value - 1) @ back.T  # without what noise adds
+    return back @ (axes.T @ gradient), back * (value - 1) @ back.T, least  # without what noise adds
 
 
 def quadratic(z: NDArray[np.float64]) -> NDArray[np.float64]:

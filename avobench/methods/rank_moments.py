@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from avobench.methods.contract import Estimate, Method, TracePoint
-from avobench.methods.inputs import Inputs, ranks
+from avobench.methods.inputs import Inputs
 from avobench.methods.leeway import Leeway, is_open, leaves_open
 from avobench.methods.polish import Fold, Polished, TooFewEvents, kernel_of, narrower, polish_closer, within_reach
 from avobench.methods.problem import Problem
@@ -239,3 +239,10 @@ class _Rounds:
         if chi2.sf(dof * misfit, dof) > LEAST_AGREEMENT:
             return ""
         return f"events simulated at the estimate differ from the observed ones: chi2/ndf is {misfit:.1f} in place of 1"
+
+
+def ranks(observed: NDArray[np.float32], x: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Ranks of x (n, k) among sorted observed numbers (N, k), from -1 below all to 1 above, of equal ones the mean."""
+    columns = zip(observed.T, x.T, strict=True)
+    places = [np.searchsorted(known, new, "left") + np.searchsorted(known, new, "right") for known, new in columns]
+    return np.column_stack(places) / len(observed) - 1

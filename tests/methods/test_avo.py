@@ -50,7 +50,7 @@ def test_estimates_are_those_that_they_were():
     """What this gave when the records of results/reference were made, to the rounding of another machine."""
     given = gaussian_problem(GaussianMeans(), 3000, np.array([1.0, 12.5]))
     estimate = Avo(iterations=10, hidden=(8,), statistic_steps=20).infer(given, np.random.default_rng(5))
-    theta, adversarial = [0.995658855, 12.489321387], [0.238239837, 11.731921141]
+    theta, adversarial = [0.998426995, 12.488851164], [0.248475433, 11.731815335]
     np.testing.assert_allclose(estimate.theta, theta, rtol=1e-4)
     np.testing.assert_allclose(estimate.trace[9].theta, adversarial, rtol=1e-4)
 
@@ -98,17 +98,21 @@ def test_one_observed_event_is_refused_in_a_line():
         Avo().infer(pose(shift, np.ones((1, 1)), MeteredSimulator(shift, 5000, rng)), rng)
 
 
-def test_ranks_keep_it_near_the_best_where_tails_are_heavy():
+def test_heavy_tails_and_a_wide_prior_leave_it_near_the_best_with_errors_that_hold():
     """A Cauchy of a width between 0.01 and 100, of whose events most of those simulated are far off."""
 
     def simulate(theta, rng):
         return theta[:, 0] + 10 ** theta[:, 1] * rng.standard_cauchy(len(theta))
 
     cauchy = task(simulate, prior={"centre": (-3, 3), "log_width": (-2, 2)}, name="cauchy")
-    rng, truth, budget = np.random.default_rng(0), np.array([1.0, -0.5]), 40_000
-    x = simulate(np.tile(truth, (10_000, 1)), rng)[:, None]
-    best = np.sqrt(2 * (1 / len(x) + 1 / budget)) * np.array([10 ** truth[1], 1 / np.log(10)])
-    estimate = Avo(**FEW, inputs="ranks").infer(pose(cauchy, x, MeteredSimulator(cauchy, budget, rng)), rng)
-    assert (np.abs(estimate.theta - truth) < 4 * best).all()
-    assert (estimate.error < 2 * best).all()
-    assert estimate.doubt == ""
+    truth, budget, num_events = np.array([1.0, -0.5]), 40_000, 10_000
+    best = np.sqrt(2 * (1 / num_events + 1 / budget)) * np.array([10 ** truth[1], 1 / np.log(10)])
+    pulls = []
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        x = simulate(np.tile(truth, (num_events, 1)), rng)[:, None]
+        estimate = Avo(**FEW).infer(pose(cauchy, x, MeteredSimulator(cauchy, budget, rng)), rng)
+        assert (estimate.error < 3 * best).all()
+        assert estimate.doubt == ""
+        pulls.append((estimate.theta - truth) / estimate.error)
+    assert np.square(pulls).sum() < 22.5  # of six degrees of freedom, exceeded once in a thousand

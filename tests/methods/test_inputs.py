@@ -4,9 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy.stats import kstest
 
 import avobench
-from avobench.methods.inputs import Inputs
+from avobench.methods.inputs import GaussianScale, Inputs
 from gaussian import GaussianMean, gaussian_problem
 
 
@@ -29,6 +33,31 @@ def test_inputs_have_zero_mean_and_unit_spread(whiten):
     covariance = np.cov(seen.T)
     np.testing.assert_allclose(np.diag(covariance), 1, rtol=0.05)
     assert (abs(covariance[0, 1]) < 0.01) == whiten
+
+
+@given(
+    arrays(float, st.integers(2, 40), elements=st.floats(-1e9, 1e9)),
+    arrays(float, 20, elements=st.floats(-1e12, 1e12)),
+)
+def test_a_gaussian_scale_keeps_the_order_of_all_values(observed, x):
+    """Also of those beyond what was observed, and of equal ones."""
+    scale = GaussianScale(observed)
+    made = scale(np.sort(x))
+    assert np.isfinite(made).all()
+    assert (np.diff(made) >= 0).all()
+    assert scale(observed).tolist() == pytest.approx((-GaussianScale(-observed)(-observed)).tolist(), abs=1e-6)
+
+
+def test_on_their_gaussian_scale_observed_values_are_gaussian_and_those_beyond_are_told_apart():
+    rng = np.random.default_rng(4)
+    x = rng.standard_cauchy(10_000)
+    scale = GaussianScale(x)
+    assert kstest(scale(x), "norm").pvalue > 0.99
+    far = scale(np.array([1, 2, 10, 1000]) * x.max())
+    assert (np.diff(far) > 0.1).all()
+    assert far[-1] < 15
+    counts = rng.poisson(3, 1000).astype(np.uint8)
+    assert (np.diff(GaussianScale(counts)(np.arange(256, dtype=np.uint8))) > 0).all()
 
 
 def test_images_are_summed_over_their_cyclic_axes():

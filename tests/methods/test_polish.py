@@ -63,6 +63,17 @@ def test_a_closer_look_finds_what_a_quadratic_misses_and_else_lets_the_wide_answ
         assert curved or answer.mean == wide.mean
 
 
+def test_a_closer_look_tells_errors_that_the_wide_one_does_not():
+    """E[x | u] = u + u^3 has a slope of 1 at the answer, where both looks find it, and a larger one around it."""
+    rng = np.random.default_rng(8)
+    u, n = rng.normal(size=(60_000, 1)), 60_000
+    folds = folds_of(rng.normal(size=(n, 1)), rng.normal(u + u**3), u)
+    begin = np.zeros(1), np.eye(1), (np.array([-EDGE]), np.array([EDGE])), (0.1, 1.0)
+    (wide, _), (close, _) = polish_closer(folds, *begin), polish_closer(folds, *begin, larger=1.5)
+    assert abs(wide.mean[0]) < 3 * close.error[0]
+    assert wide.error[0] < 0.5 * n**-0.5 < n**-0.5 < close.error[0]
+
+
 def test_a_closer_look_without_enough_events_tells_nothing():
     rng = np.random.default_rng(7)
     u, bounds = rng.normal(size=(100, 2)), (np.full(2, -EDGE), np.full(2, EDGE))
