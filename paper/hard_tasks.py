@@ -33,26 +33,31 @@ def information(
     return (slopes * (weights / density(theta))) @ np.transpose(slopes)
 
 
-class Hard(Task):
-    """A task of one feature with a Fisher information that is known."""
+class Informed(Task):
+    """A task with a Fisher information that is known."""
 
     by_default = False
-    num_features = 1
-    feature_names = ("x",)
 
     @abstractmethod
     def information(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Fisher information of one event on theta (p,): (p, p)."""
+        """Fisher information of one event on what it determines of theta (p,): (k, k)."""
 
     def floors(
         self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None
     ) -> NDArray[np.float64]:
-        """The least variance of each parameter, see `floor`: (p,)."""
+        """The least variance of each number that events determine, see `floor`: (k,)."""
         share = 1 / num_observations + (0 if num_simulations is None else 1 / num_simulations)
         return share * np.linalg.inv(self.information(theta)).diagonal()
 
     def floor(self, theta: NDArray[np.float64], num_observations: int, num_simulations: int | None) -> float:
         return float(self.floors(theta, num_observations, num_simulations).sum())
+
+
+class Hard(Informed):
+    """A task of one feature with a Fisher information that is known."""
+
+    num_features = 1
+    feature_names = ("x",)
 
     def summary(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Share of the events in each of 60 bins of arcsinh x, and below and above them: (n, 1) -> (62,)."""

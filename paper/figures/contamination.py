@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from avobench.reports.style import MARKERS, PALETTE, legend_below, panels
-from paper.studies.contamination import METHODS, SHARES, contaminated
+from paper.studies.contamination import METHODS, ROWS_OF_EFFECTS, SHARES, contaminated
 
 LEAST = 0.01
 """Share up to which the axis is linear, since the first share is none."""
@@ -23,6 +23,8 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     rows = []
     latest = {tuple(run[name] for name in ("task", "share", "target", "row")): run for run in records[0]["runs"]}
     for run in latest.values():  # of a method that changed the last one counts
+        if run["task"] not in tasks:  # with an effect of the catalogue
+            continue
         estimate, clean, minimiser = (np.array(run[name])[None] for name in ("estimate", "theta", "minimiser"))
         known = tasks[run["task"]].identifiable
         pulls = np.abs(estimate - minimiser)[0] / run["error"] if run["error"] else np.array([np.nan])
@@ -53,6 +55,31 @@ def compared(records: list[dict[str, Any]], value: str = "to minimiser") -> pd.D
     wide = wide.reindex(index=numbers[["task", "share"]].drop_duplicates().apply(tuple, axis=1))
     shown = [method for method in METHODS if method in wide]
     return wide[shown].rename_axis(columns=None).reset_index()
+
+
+BEYOND = 4.0
+"""Quoted errors from the minimiser beyond which a fit should be doubted."""
+
+
+def effects(records: list[dict[str, Any]]) -> pd.DataFrame:
+    """A row a simulator and method, of the runs in which the simulator lacks an effect of the catalogue.
+
+    A pull is the largest difference of a parameter from the minimiser of the divergence, in quoted errors. `beyond 4`
+    counts the fits that are farther off than BEYOND, and `undoubted` those of them that carry no doubt.
+    """
+    runs = pd.DataFrame(records[0]["runs"])
+    runs = runs[runs["task"].str.contains(": ")].drop_duplicates(["task", "target", "row"], keep="last")
+    runs[["simulator", "effect"]] = runs["task"].str.split(": ", expand=True)
+    off = [np.abs(np.subtract(*pair)) for pair in zip(runs["estimate"], runs["minimiser"], strict=True)]
+    runs["pull"] = [np.max(each / error) for each, error in zip(off, runs["error"], strict=True)]
+    runs["doubted"] = runs["doubt"] != ""
+    runs["far"] = runs["pull"] > BEYOND
+    runs["undoubted"] = runs["far"] & ~runs["doubted"]
+    runs["row"] = pd.Categorical(runs["row"], ROWS_OF_EFFECTS)
+    told = {"effects": ("effect", "size"), "median pull": ("pull", "median"), "worst pull": ("pull", "max")}
+    told |= {"beyond 4": ("far", "sum"), "undoubted": ("undoubted", "sum"), "doubted": ("doubted", "sum")}
+    numbers = runs.groupby(["simulator", "row"], sort=False, observed=True).agg(**told, seconds=("seconds", "mean"))
+    return numbers.reset_index().rename(columns={"row": "method"})
 
 
 def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:

@@ -7,8 +7,7 @@ which is what the paper promises, hardly moves; one that matches means moves by 
 
 import time
 from collections.abc import Callable, Collection
-from functools import partial
-from itertools import product
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,10 +21,13 @@ from scipy.stats import t as student
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.streams import stream
 from avobench.bench.plugins import registry
+from avobench.challenge.hide import OWN_RANGE
+from avobench.effects.catalogue import catalogue
+from avobench.effects.contract import Effect, Parameter
 from avobench.methods import Method
 from avobench.tasks import Task
 from avobench.tasks.function import task
-from avobench.tasks.weinberg import Weinberg
+from avobench.tasks.weinberg import Weinberg, sample_cosine
 from paper.experiments import BUDGET, NUM_OBSERVATIONS
 from paper.studies.files import StudyFile
 
@@ -52,6 +54,10 @@ METHODS: dict[str, tuple[str, dict[str, Any]]] = {
 """The method and its settings behind each row. With one iteration there is no adversary to speak of."""
 ROWS = tuple(row for row in METHODS if row != "bolfi")
 """The rows that are made unless others are asked for: a run of BOLFI takes minutes."""
+ROWS_OF_EFFECTS = ("smm", "rank-moments", "avo", "avo-robust")
+"""The rows that are made of effects of the catalogue, of which there are many."""
+NUM_DENSITY = 4_000_000
+"""Events from which the density of those with an effect is taken: forty times the observed ones."""
 
 
 def gaussian(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
@@ -59,11 +65,16 @@ def gaussian(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np
     return theta + rng.standard_normal(theta.shape)
 
 
+def cosine_of_a_slope(theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+    """Events of density 3/8 (1 + x^2 + c x) on [-1, 1]: c (n, 1) -> (n,)."""
+    return sample_cosine(theta[:, 0], rng)
+
+
 class Contaminated(NamedTuple):
     """A task, what its outliers are, and the density of both where it is one-dimensional."""
 
     task: Task
-    outliers: Callable[[int, np.random.Generator], NDArray]
+    outliers: Callable[[int, np.random.Generator], NDArray] | None
     """n outliers: (n, d)."""
     points: NDArray[np.float64] | None = None
     """Where the densities are summed (m,)."""
@@ -164,6 +175,63 @@ def contaminated() -> dict[str, Contaminated]:
     }
 
 
+MIDDLING = float(np.sqrt(np.prod(OWN_RANGE)))
+"""Share of the way from no effect to its largest strength: the middle, in logarithms, of what a challenge hides."""
+
+
+def middle(parameter: Parameter, *, strength: bool) -> float:
+    """A middling value of a parameter of an effect."""
+    low, high, null = parameter.low, parameter.high, parameter.null
+    if strength and null is not None:
+        return null + MIDDLING * ((low if null == high else high) - null)
+    return float(np.sqrt(low * high)) if parameter.logarithmic else (low + high) / 2
+
+
+def with_effect(of: Contaminated, effect: Effect) -> Contaminated:
+    """The task whose observed events all have an effect of middling strength, at its first target."""
+    theta = of.task.targets()[0]
+    phi = np.array([middle(each, strength=k == 0) for k, each in enumerate(effect.parameters)])
+
+    def events(n: int, rng: np.random.Generator) -> NDArray:
+        return effect.apply(of.task.simulate, np.tile(theta, (n, 1)), np.tile(phi, (n, 1)), rng)
+
+    @cache
+    def density() -> NDArray[np.float64]:
+        rng, points = stream(0, "density", of.task.name, *map(str, effect.key), effect.shape), of.points
+        step = points[1] - points[0]
+        counts, _ = np.histogram(events(NUM_DENSITY, rng), np.append(points, points[-1] + step) - step / 2)
+        return counts / (NUM_DENSITY * step)
+
+    return of._replace(outliers=events, density_of_outliers=lambda x: density(), shares=(1.0,))
+
+
+def with_effects() -> dict[str, Contaminated]:
+    """Three simulators of one feature, each with every effect of the catalogue, by the names of both.
+
+    They are `poisson`, the `gaussian` of a mean and a width, and `cosine`: weinberg with its coefficient c, which alone
+    is determined there, as the parameter.
+    """
+    of_slope = {"prior": {"c": (-1.5, 1.5)}, "support": {"c": (-1.9, 1.9)}}
+    cosine = task(cosine_of_a_slope, **of_slope, features=["x"], name="cosine")
+    known = contaminated()
+    simulators = {
+        "poisson": known["poisson"],
+        "gaussian": known["tails"],
+        "cosine": Contaminated(
+            cosine,
+            *(None, np.linspace(-1.2, 1.2, 4801)),
+            lambda x, theta: np.where(np.abs(x) <= 1, 3 / 8 * (1 + x**2 + theta[0] * x), 0.0),
+        ),
+    }
+    found = {}
+    for name, of in simulators.items():
+        x = of.task.simulate(np.tile(of.task.targets()[0], (NUM_OBSERVATIONS, 1)), stream(0, "ranges", name))
+        for effect in catalogue(of.task, x):
+            words = f"{name}: {effect.name} {effect.feature if isinstance(effect.feature, str) else ''}".strip()
+            found[words if words not in found else f"{words} {type(effect).__name__}"] = with_effect(of, effect)
+    return found
+
+
 def made(
     path: Path,
     seed: int = 0,
@@ -182,14 +250,17 @@ def made(
     methods = {
         row: registry.build("method", name, settings) for row, (name, settings) in METHODS.items() if row in rows
     }
+    effects = with_effects()
     wanted = [
         (
             {"task": name, "share": share, "target": target, "row": row, "version": method.version},
             partial(one, name, of, share, target, row, method, seed, num_events, budget),
         )
-        for target, (name, of), (row, method) in product(range(NUM_TARGETS), contaminated().items(), methods.items())
+        for target in range(NUM_TARGETS)
+        for name, of in (contaminated() | effects).items()
+        for row, method in methods.items()
         for share in of.shares
-        if not tasks or name in tasks
+        if name in tasks or not (tasks or (name in effects and (target or row not in ROWS_OF_EFFECTS)))
     ]
     return FILE.completed(path, record, "runs", wanted, "torch")
 

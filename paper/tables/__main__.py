@@ -20,6 +20,7 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = 
     "ablation": (experiments.ablation, "reference dimension ablation"),
     "contamination": (contamination.compared, "studies"),
     "contamination-pulls": (partial(contamination.compared, value="pull"), "studies"),
+    "contamination-effects": (contamination.effects, "studies"),
     "agreement": (agreement.table, "studies"),
     "coverage": (coverage.table, "reference rivals smm"),
     "dimension": (dimension.table, "dimension"),
@@ -35,7 +36,7 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = 
 """What makes each table, and the folders in results of which it is made unless others are named."""
 ONE_FILE = {
     "agreement": agreement.read,
-    **dict.fromkeys(("contamination", "contamination-pulls"), contamination_study.read),
+    **dict.fromkeys(("contamination", "contamination-pulls", "contamination-effects"), contamination_study.read),
     "hard": hard.read,
     "misspecification": read,
     "saturation": saturation.read,

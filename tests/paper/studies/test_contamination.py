@@ -32,3 +32,31 @@ def test_means_move_by_the_outliers(tmp_path, monkeypatch):
     numbers = report.table([record])
     assert numbers["pull"][0] < 5 < numbers["pull"][3]
     report.drawn([record])
+
+
+def test_an_effect_moves_the_minimiser_as_it_moves_the_events():
+    """A shift of all events shifts the mean of a Gaussian; an acceptance of one side moves the slope of a cosine."""
+    tasks = study.with_effects()
+    assert {name.partition(":")[0] for name in tasks} == {"poisson", "gaussian", "cosine"}
+    shifted, theta = tasks["gaussian: offset"], tasks["gaussian: offset"].task.targets()[0]
+    by = (shifted.outliers(100_000, np.random.default_rng(0)) - theta[0]).mean()
+    assert shifted.minimiser(theta, 1.0) - theta == pytest.approx([by, 0], abs=0.03)
+    assert abs(by) > 0.1
+    kept = tasks["cosine: forward_backward_acceptance"]
+    c = kept.task.targets()[0]
+    mean = kept.outliers(400_000, np.random.default_rng(0)).mean()
+    # E[x] = c / 4 of the density that the divergence is least to, where the effect is weak
+    assert kept.minimiser(c, 1.0)[0] - c[0] == pytest.approx(4 * mean - c[0], rel=0.2)
+
+
+def test_the_table_of_effects_counts_what_is_far_off_without_a_doubt():
+    def run(effect, off, doubt):
+        return {"task": f"normal: {effect}", "target": 0, "row": "avo", "seconds": 1.0, "doubt": doubt} | {
+            "estimate": [off],
+            "minimiser": [0.0],
+            "error": [1.0],
+        }
+
+    [row] = report.effects([{"runs": [run("a", 5, ""), run("b", 9, "d"), run("c", 1, "")]}]).to_dict("records")
+    assert (row["effects"], row["median pull"], row["worst pull"]) == (3, 5, 9)
+    assert (row["beyond 4"], row["undoubted"], row["doubted"]) == (2, 1, 1)
