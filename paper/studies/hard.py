@@ -43,10 +43,12 @@ SLOW = ("npe", "nre", "nle")
 """Rows of which a fit takes up to minutes, and which are made of unseen targets alone."""
 OF_OTHERS = 5
 """The first targets of each task of others. No method was developed on these tasks."""
+LARGER = ("avo", "rank-moments")
+"""Rows of which the first unseen targets are also fitted from TIMES as many events, observed and simulated."""
+TIMES = 4
+OF_LARGER = 3
 FAR = 5.0
 """Squared error over the floor from which a fit should be doubted. Chance alone takes one parameter in 40 beyond it."""
-
-
 WRONG = 3.0
 """Quoted errors from which an error that is quoted is wrong."""
 
@@ -62,18 +64,20 @@ def made(
     """The record of the study at `path`, of which each fit that is lacking is made and written at once.
 
     `fits` holds for each the `task`, `target`, `method` (a row of METHODS) and its `version`; its `theta`, the `floors`
-    of its parameters, `estimate`, `error`, `doubt` and `seconds`. Raises StoreError for a damaged file.
+    of its parameters, `estimate`, `error`, `doubt` and `seconds`. Where there were more events, `times` says how often
+    as many. Raises StoreError for a damaged file.
     """
     record = FILE.begun(path, "fits", seed=seed, num_observations=num_events, budget=budget)
     methods = {label: registry.build("method", *how) for label, how in METHODS.items()}
-    wanted = [
-        (
-            {"task": task.name, "target": target, "method": label, "version": method.version},
-            partial(one, task(), target, method, seed, num_events, budget),
-        )
-        for target, task, (label, method) in product(range(num_targets), tasks, methods.items())
-        if (target < OF_OTHERS if task in SBIBM else target >= DEVELOPMENT_TARGETS or label not in SLOW)
-    ]
+    wanted = []
+    for target, task, (label, method) in product(range(num_targets), tasks, methods.items()):
+        key = {"task": task.name, "target": target, "method": label, "version": method.version}
+        first = 0 if task in SBIBM else DEVELOPMENT_TARGETS
+        if target < OF_OTHERS if task in SBIBM else target >= first or label not in SLOW:
+            wanted.append((key, partial(one, task(), target, method, seed, num_events, budget)))
+        if label in LARGER and first <= target < first + OF_LARGER:
+            larger = partial(one, task(), target, method, seed, TIMES * num_events, TIMES * budget)
+            wanted.append((key | {"times": TIMES}, larger))
     return FILE.completed(path, record, "fits", wanted, "torch")
 
 
@@ -106,17 +110,12 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     and targets. `far` counts the fits above FAR, and `undoubted` those of them without a doubt. `silent` counts the
     fits, far or not, that are more than WRONG quoted errors off without a doubt.
     """
-    rows = []
-    frame = pd.DataFrame(records[0]["fits"])
-    frame["targets"] = np.where(frame["target"] < DEVELOPMENT_TARGETS, "seen", "unseen")
-    frame.loc[frame["task"].isin([task.name for task in SBIBM]), "targets"] = "of others"
-    for name in ("task", "method"):  # in the order of the record
-        frame[name] = pd.Categorical(frame[name], frame[name].unique())
-    for (targets, task, method), fits in frame.groupby(["targets", "task", "method"], observed=True):
-        off, floors, error = (np.stack(fits[name]) for name in ("estimate", "floors", "error"))
-        off = off - np.stack(fits["theta"])
-        pull = np.abs(off / error)
-        ratio, doubted = (off**2 / floors).max(axis=1), (fits["doubt"] != "").to_numpy()
+    rows, frame = [], _fits(records)
+    for (targets, task, method), fits in frame[frame["times"] == 1].groupby(
+        ["targets", "task", "method"], observed=True
+    ):
+        pull, ratio = np.stack(fits["pull"]), fits["ratio"].to_numpy()
+        doubted = (fits["doubt"] != "").to_numpy()
         each = [f"{value:.2g}{' D' if told else ''}" for value, told in zip(ratio, doubted, strict=True)]
         row = {"targets": targets, "task": task, "method": method}
         row |= {"error / floor": ", ".join(each), "median": np.median(ratio)}
@@ -125,3 +124,29 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
         row |= {"silent": int(((pull.max(axis=1) > WRONG) & ~doubted).sum())}
         rows.append({**row, "seconds": fits["seconds"].mean()})
     return pd.DataFrame(rows)
+
+
+def growth(records: list[dict[str, Any]]) -> pd.DataFrame:
+    """A row a task and method that was also given more events: the largest squared errors over floors, at both sizes.
+
+    The floor falls as one over the number of events. A ratio that stays is an error that falls as its square root.
+    """
+    frame = _fits(records)
+    both = frame.pivot_table("ratio", ["task", "method", "target"], "times", observed=True).dropna()
+    medians = both.groupby(["task", "method"], observed=True).median()
+    medians.insert(0, "targets", both.groupby(["task", "method"], observed=True).size())
+    return medians.rename(columns={1: "error / floor", TIMES: f"from {TIMES} times the events"}).reset_index()
+
+
+def _fits(records: list[dict[str, Any]]) -> pd.DataFrame:
+    """The fits with their `ratio` and `pull`, and the kind of their targets; tasks and methods as in the record."""
+    frame = pd.DataFrame(records[0]["fits"])
+    frame["times"] = frame["times"].fillna(1).astype(int) if "times" in frame else 1
+    frame["targets"] = np.where(frame["target"] < DEVELOPMENT_TARGETS, "seen", "unseen")
+    frame.loc[frame["task"].isin([task.name for task in SBIBM]), "targets"] = "of others"
+    off = [np.subtract(*pair) for pair in zip(frame["estimate"], frame["theta"], strict=True)]
+    frame["ratio"] = [np.max(each**2 / floors) for each, floors in zip(off, frame["floors"], strict=True)]
+    frame["pull"] = [np.abs(each / error) for each, error in zip(off, frame["error"], strict=True)]
+    for name, order in {"task": [task.name for task in (*HARD, *SBIBM)], "method": list(METHODS)}.items():
+        frame[name] = pd.Categorical(frame[name], order)
+    return frame

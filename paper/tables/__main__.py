@@ -26,6 +26,7 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = 
     "dimension": (dimension.table, "dimension"),
     "fresh": (experiments.fresh, "fresh"),
     "hard": (hard.table, "studies"),
+    "hard-growth": (hard.growth, "studies"),
     "misspecification": (misspecification.table, "studies"),
     "rivals": (experiments.rivals, "reference rivals smm plain"),
     "saturation": (saturation.table, "studies"),
@@ -37,7 +38,7 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = 
 ONE_FILE = {
     "agreement": agreement.read,
     **dict.fromkeys(("contamination", "contamination-pulls", "contamination-effects"), contamination_study.read),
-    "hard": hard.read,
+    **dict.fromkeys(("hard", "hard-growth"), hard.read),
     "misspecification": read,
     "saturation": saturation.read,
 }
