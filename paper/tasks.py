@@ -124,7 +124,11 @@ class FreshWarped10(Fresh, Warped10):
 
 
 class Warped32(Mixed, p=32, kinds=KINDS, family="warped"):
-    """Eight of each kind, for what a GPU is worth."""
+    """Eight of each kind."""
+
+
+class Means32(Mixed, p=32, kinds=("mean",), family="means"):
+    """The control of Warped32."""
 
 
 FRESH = (FreshPoisson, FreshCarl, FreshWeinberg, FreshAlignment)
