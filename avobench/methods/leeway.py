@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 from scipy.stats import qmc
 
-from avobench.methods.polish import SIGNIFICANT, Fold, Polished
+from avobench.methods.polish import SIGNIFICANT, Fold, Polished, ridged_inverse
 from avobench.tasks import Box
 from avobench.tasks.prior import Distributed
 
@@ -85,11 +85,12 @@ def log_likelihood(folds: Sequence[Fold], points: NDArray[np.float64]) -> NDArra
     """The logarithm of the likelihood of the observed means at each point (n, p), up to a constant: (n,).
 
     Where one combination of p parameters is open, p - 1 are told at most, so as many combinations of features are
-    compared, of all folds together: those that depend most on theta. More of them would tell points apart that are
-    alike: two that are fitted with different noise agree with the observed means on two curves, and both would be
-    believed only where these happen to cross. They only rule out what is far from agreement. Noise alone, of k features
-    fitted with m terms, gives the scatter of the fitted means eigenvalues of up to (m^(1/2) + k^(1/2))^2 (Marchenko,
-    Pastur, Mathematics of the USSR-Sbornik 1 (1967) 457); combinations that show no more are left out.
+    compared, of all folds together: those that depend most on theta. A single parameter is told by one, if by little.
+    More of them would tell points apart that are alike: two that are fitted with different noise agree with the
+    observed means on two curves, and both would be believed only where these happen to cross. They only rule out what
+    is far from agreement. Noise alone, of k features fitted with m terms, gives the scatter of the fitted means
+    eigenvalues of up to (m^(1/2) + k^(1/2))^2 (Marchenko, Pastur, Mathematics of the USSR-Sbornik 1 (1967) 457);
+    combinations that show no more are left out.
     """
     values, fits = polynomial(points), [_Fit.of(fold) for fold in folds]
     coefficients, gram = np.hstack([fit.coefficients for fit in fits]), np.mean([fit.gram for fit in fits], axis=0)
@@ -102,7 +103,7 @@ def log_likelihood(folds: Sequence[Fold], points: NDArray[np.float64]) -> NDArra
     for fold, fit, part in zip(folds, fits, parts, strict=True):
         of_fit = np.einsum("ij,ij->i", values @ np.linalg.pinv(fit.gram, hermitian=True), values)
         variance += np.outer(1 / fold.num_observations + of_fit, (part**2).sum(axis=0))
-    distance, compared = (values @ coefficients @ axes) ** 2 / variance, points.shape[1] - 1
+    distance, compared = (values @ coefficients @ axes) ** 2 / variance, max(points.shape[1] - 1, 1)
     total = distance.sum(axis=1)
     far = total > max(total.min() + FAR * told.sum(), np.partition(total, LEAST_POINTS)[LEAST_POINTS])
     return np.where(far, -np.inf, -(np.log(variance) + distance)[:, :compared].sum(axis=1) / 2)
@@ -119,8 +120,10 @@ class _Fit(NamedTuple):
     def of(cls, fold: Fold) -> "_Fit":
         terms = polynomial(fold.u)
         gram = terms.T @ terms
-        unit = np.linalg.cholesky(fold.inverse)
-        return cls(gram, np.linalg.pinv(gram, hermitian=True) @ (terms.T @ fold.synthetic) @ unit)
+        coefficients, inverse = np.linalg.pinv(gram, hermitian=True) @ (terms.T @ fold.synthetic), fold.inverse
+        if not fold.is_known:
+            inverse = ridged_inverse(np.atleast_2d(np.cov(fold.synthetic - terms @ coefficients, rowvar=False)))
+        return cls(gram, coefficients @ np.linalg.cholesky(inverse))
 
 
 def tempered(log_p: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -137,6 +137,11 @@ class Fold:
         self.synthetic = np.concatenate([self.synthetic, self._standardised(synthetic)])
         self.u = np.concatenate([self.u, u])
 
+    @property
+    def is_known(self) -> bool:
+        """Whether the observed events are enough to tell the covariance of the features."""
+        return self.num_observations >= KNOWN * len(self.shift)
+
     def near(self, center: NDArray[np.float64], kernel: NDArray[np.float64]) -> "Response":
         """How the mean of phi depends on theta near center (p,); the kernel's covariance is kernel @ kernel.T (p, p).
 
@@ -146,12 +151,11 @@ class Fold:
         near = Neighbours(self.u, center, kernel)
         synthetic = self.synthetic[near.rows]
         coefficients = near.fit(synthetic)
-        if self.num_observations < KNOWN * synthetic.shape[1]:
-            scatter = synthetic - quadratic(near.z) @ coefficients
-            covariance = near.covariance(scatter, scatter)
-            known = np.linalg.inv(covariance + RIDGE * np.diag(1 + np.diag(covariance)))
-        else:
+        if self.is_known:
             known = self.inverse_beside(synthetic, near.weights)
+        else:
+            scatter = synthetic - quadratic(near.z) @ coefficients
+            known = ridged_inverse(near.covariance(scatter, scatter))
         return Response(center, near.unit, coefficients, near.spread, known, self.num_observations)
 
     def inverse_beside(self, synthetic: NDArray[np.float32], weights: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -344,6 +348,11 @@ def significant(
     value, axes = value[value > SIGNIFICANT], axes[:, value > SIGNIFICANT]
     back = noise @ axes
     return back @ (axes.T @ gradient), back * (value - 1) @ back.T, least  # without what noise adds
+
+
+def ridged_inverse(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The inverse of the covariance of simulated features (k, k), of which some may be nearly copies of others."""
+    return np.linalg.inv(covariance + RIDGE * np.diag(1 + np.diag(covariance)))
 
 
 def quadratic(z: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -5,6 +5,7 @@ With v and w uniform in [0, 1] and v w = s known, v has the density 1 / (v log(1
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.methods import avo, smm
@@ -147,3 +148,21 @@ def test_more_open_parameters_than_can_be_searched_are_doubtful():
     x = blind.simulate(np.zeros((5000, 5)), rng)
     estimate = Avo(**FEW).infer(pose(blind, x, MeteredSimulator(blind, 20_000, rng)), rng)
     assert estimate.doubt == "the events determine almost nothing about one combination of the parameters"
+
+
+@pytest.mark.parametrize("half", [0.05, 0.5])
+def test_a_prior_that_is_narrow_beside_the_error_leaves_the_posterior_within_it(half):
+    """Thirty events tell the mean of a Gaussian to 0.18. Estimate and error are those of the truncated posterior."""
+    narrow = task(lambda theta, rng: rng.normal(theta[:, 0], 1), prior={"mu": (1 - half, 1 + half)}, name="narrow")
+    off, exact = [], []
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        x = rng.normal(mu := rng.uniform(1 - half, 1 + half), 1, (30, 1))
+        posed = pose(narrow, x, MeteredSimulator(narrow, 8000, rng))
+        found = RankMoments().infer(posed, rng)
+        off.append((found.theta[0] - mu) / found.error[0])
+        at = np.linspace(1 - half, 1 + half, 1001)
+        weight = norm.pdf(at, x.mean(), 1 / np.sqrt(30))
+        exact.append(np.sqrt(np.average((at - np.average(at, weights=weight)) ** 2, weights=weight)) / found.error[0])
+    assert np.sqrt(np.mean(np.square(off))) < 1.5
+    assert np.mean(exact) == pytest.approx(1, abs=0.3)

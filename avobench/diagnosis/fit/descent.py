@@ -179,7 +179,7 @@ def scan(
     *,
     fixed: NDArray[np.float64] | None = None,
     around: NDArray[np.float64] | None = None,
-    half: float = FIT.searched,
+    half: NDArray[np.float64] | float = FIT.searched,
     size: tuple[int, int] = (200, 300),
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """A point (P,) of the unit cube near the best, and how near in each coordinate that was searched, from three
