@@ -148,7 +148,7 @@ def classified(observed: NDArray, simulated: NDArray, rng: np.random.Generator) 
 
     The classifier that one half teaches judges the other; the smaller of both p-values counts twice.
     """
-    from scipy.stats import ttest_ind
+    from scipy.stats import mannwhitneyu, ttest_ind
 
     from avobench.diagnosis.goodness_of_fit.gates import trained
 
@@ -158,8 +158,12 @@ def classified(observed: NDArray, simulated: NDArray, rng: np.random.Generator) 
     for half in range(2):
         trees = trained(observed[half::2], simulated[half::2], int(rng.integers(2**31)))
         judged = [trees.predict_proba(x[1 - half :: 2])[:, 1] for x in (observed, simulated)]
-        alike = np.ptp(np.concatenate(judged)) == 0
-        p_values.append(1.0 if alike else ttest_ind(*judged, equal_var=False, alternative="greater").pvalue)
+        if np.ptp(np.concatenate(judged)) == 0:
+            p_values.append(1.0)
+        elif min(map(np.ptp, judged)) == 0:  # without a variance there is no t
+            p_values.append(mannwhitneyu(*judged, alternative="greater").pvalue)
+        else:
+            p_values.append(ttest_ind(*judged, equal_var=False, alternative="greater").pvalue)
     return min(1.0, 2 * min(p_values))
 
 

@@ -9,6 +9,9 @@ from avobench.methods.problem import Problem
 OFFSET = 100.0
 """A feature whose mean is farther from zero than this, in its standard deviations, is counted from its mean: float32
 has 24 bits, and 17 of them are then left for what varies."""
+APART = 1e5
+"""Ratio of the standard deviations of two features, not of an image, from which each is counted in its own: the least
+would else be taken for a constant."""
 LEAST_VARIANCE = 1e-3
 """Added to every variance, as a share of their mean, so that a feature that hardly varies is not blown up."""
 
@@ -32,11 +35,14 @@ class Inputs:
     def __init__(self, problem: Problem, *, symmetric: bool, whiten: bool, quantiles: bool = False) -> None:
         self._shape, self._summed = (-1, *problem.event_shape), tuple(1 + axis for axis in problem.cyclic_axes)
         self._symmetric = symmetric and bool(self._summed)
-        self._origin, self._scales = origin(problem.x_observed), None
+        self._origin, self._scales, self._units = origin(problem.x_observed), None, None
+        std = np.ones(1) if problem.event_shape else problem.x_observed.std(axis=0, dtype=float)
+        if std.max() > APART * min(std[std > 0], default=1.0):
+            self._units = np.where(std > 0, std, 1)
         if quantiles:
             self._scales = [GaussianScale(column) for column in self._sum(problem.x_observed).T]
         x = self._rows(problem.x_observed)
-        covariance = np.atleast_2d(np.cov(x, rowvar=False))
+        covariance = np.atleast_2d(np.cov(x, rowvar=False, bias=len(x) == 1))
         if not whiten:
             covariance = np.diag(np.diag(covariance))
         variance, axes = np.linalg.eigh(covariance)
@@ -83,6 +89,7 @@ class Inputs:
 
     def _sum(self, x: NDArray) -> NDArray:
         x = x - self._origin if self._origin.any() else x
+        x = x / self._units if self._units is not None else x
         if self._symmetric:
             x = x.reshape(self._shape).sum(axis=self._summed, dtype=np.float32)
         return x.reshape(len(x), -1)

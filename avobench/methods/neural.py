@@ -143,6 +143,7 @@ def _estimate(fitted: Posterior, trace: list[TracePoint]) -> Estimate:
         std=fitted.std,
         trace=trace,
         sample=fitted.sample,
+        message="all factors share the error of one network, which the width leaves out: it is mostly far too small",
         doubt=fitted.doubt,
     )
 

@@ -1,5 +1,6 @@
 """What avo's discriminator sees."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -133,3 +134,20 @@ def test_of_nothing_counted_the_rate_is_low_with_an_error_that_covers_it(method,
     found = avobench.infer(task, np.zeros(num_events, int), method, budget=6000, settings=settings)
     assert "alike" in found.estimate.doubt
     assert 1 / num_events < found.theta["rate"] + found.std["rate"] < 0.3
+
+
+@pytest.mark.parametrize("ratio", [1e4, 1e12, 1e24])
+def test_units_of_features_that_are_far_apart_lose_no_parameter(ratio):
+    scale = np.array([np.sqrt(ratio), 1 / np.sqrt(ratio)])
+    task = avobench.task(lambda theta, rng: scale * rng.normal(theta), prior={"a": (-5, 5), "b": (-5, 5)}, name="apart")
+    x = scale * np.random.default_rng(0).normal([1.0, 2.0], size=(2000, 2))
+    found = avobench.infer(task, x, "smm", budget=10_000)
+    assert list(found.theta.values()) == pytest.approx(x.mean(axis=0) / scale, abs=0.06)
+    assert list(found.std.values()) == pytest.approx([0.0245, 0.0245], rel=0.3)
+
+
+def test_one_event_is_fitted_with_a_doubt_and_no_warning():
+    task = avobench.task(lambda theta, rng: rng.normal(theta), prior={"a": (-5, 5)}, name="one")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert avobench.infer(task, np.array([0.5]), "smm", budget=10_000).estimate.doubt

@@ -19,6 +19,8 @@ MIN_EVENTS = 200
 """A diagnosis needs so many: fewer fill no bins in which an effect could be told from another."""
 LARGEST = 2.0**53
 """Double precision does not tell a whole number beyond this from the next."""
+SMALLEST = 1e-30
+"""Methods that count in single precision lose numbers below this."""
 FAR = 100
 """A value that lies so many widths of what the simulator makes outside of it is another quantity."""
 ALIKE = 1e-12
@@ -42,6 +44,13 @@ BY_CHANCE = 0.01
 TRUTH = "truth values are taken as 0 and 1"
 MANY_REPEATS = 0.01
 """A larger share of repeated events is worth a warning."""
+FEW_VALUES = 0.2
+"""Events that repeat have at least so many values, as a share of their number, where they are copies. And so many
+values, at most, are rounded by chance."""
+DIGITS = 8
+"""Decimal digits of a number that is not rounded, at least; and it has more than those of single precision."""
+ON_A_GRID = 0.02
+"""Least gap between two values, as a share of the median gap, below which they lie on no grid."""
 
 
 Simulate = Callable[[NDArray[np.float64], np.random.Generator], NDArray]
@@ -89,10 +98,10 @@ def check_events(
     if task.event_shape or set(task.kinds_of_features) != {"count"}:
         repeated = num_repeated(x)
         if repeated > MANY_REPEATS * len(x):
-            warnings.append(
-                f"{repeated} of {len(x)} events repeat an earlier one: unless the values were rounded, "
-                "repeated events falsify every test"
-            )
+            told = f"{repeated} of {len(x)} events repeat an earlier one"
+            if diagnosis and not task.event_shape and are_copies(x):
+                raise UsageError(f"{told}, and their values are not rounded; drop the copies, or round the values")
+            warnings.append(f"{told}: unless the values were rounded, repeated events falsify every test")
     return _cast(task, x), warnings
 
 
@@ -106,21 +115,23 @@ def _finite(task: Task, x: NDArray, drop_invalid: bool) -> tuple[NDArray, list[s
     void = ~np.isfinite(x).any(axis=0)
     if len(x) and void.any() and not task.event_shape:
         names = ", ".join(name for name, each in zip(task.labels, void, strict=True) if each)
-        raise UsageError(f"all values of {names} are NaN or infinite; choose a column that holds it, by --columns")
+        raise UsageError(f"all values of {names} are NaN or infinite; choose a column that holds it")
     finite = ~task.broken(x)
     if finite.all():
         return x, []
     count = f"{(~finite).sum()} of {len(x)} rows hold NaN or infinite values"
     if not drop_invalid:
-        raise UsageError(f"{count}; mend them, drop them with --drop-invalid, or say which features may be `missing`")
+        raise UsageError(f"{count}; mend them, drop them (drop_invalid), or say which features may be `missing`")
     return x[finite], [f"{count} and were dropped"]
 
 
 def _require_exact(task: Task, x: NDArray) -> None:
-    """Raise UsageError for numbers beyond 2^53, and for fractions of counts."""
-    largest = max(np.nanmax(x), np.nanmin(x), key=abs)
+    """Raise UsageError for numbers beyond 2^53, or all below SMALLEST, and for fractions of counts."""
+    largest = max(float(np.nanmax(x)), float(np.nanmin(x)), key=abs)
     if abs(largest) > LARGEST:
         raise UsageError(f"the data reach to {largest:.3g}, beyond 2^53 numbers are not exact; give another unit")
+    if 0 < abs(largest) < SMALLEST:
+        raise UsageError(f"the data reach to {largest:.3g} only, too little for single precision; give another unit")
     whole = np.issubdtype(np.dtype(task.dtype), np.integer)
     counts = np.array([whole or kind == "count" for kind in task.kinds_of_features])
     fractions = counts & (x != np.rint(x)) & ~np.isnan(x)
@@ -145,18 +156,20 @@ def _as_meant(names: list[str], features: list[str]) -> list[str]:
 def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
     """The columns of events in the order of the features of `task`, as an array, and remarks. Raises UsageError."""
     if not isinstance(x, pd.DataFrame):
+        if np.ma.is_masked(x):
+            raise UsageError(f"{np.ma.count_masked(x)} values of the events are masked; drop their rows, or fill them")
         try:
             return _counted(np.asarray(x))
         except ValueError as error:
             raise UsageError(f"the rows of the events differ in length{if_uneven(x)}") from error
-    given, wanted = [str(name) for name in x.columns], list(task.feature_names)
+    given, wanted = [str(name) for name in x.columns], list(task.labels)
     names = _as_meant(given, wanted)
     told = [f"{a} is taken as {b}" for a, b in zip(given, names, strict=True) if a != b]
-    if wanted and set(wanted) <= set(names):
+    if set(wanted) <= set(names):
         extra = [name for name in names if name not in wanted]
         told += [f"{', '.join(map(repr, extra))} is no feature of {task.name} and was left out"] if extra else []
         x = x.set_axis(names, axis=1)[wanted]
-    elif wanted and set(wanted) & set(names):
+    elif task.feature_names and set(wanted) & set(names):
         missing = [name for name in wanted if name not in names]
         raise UsageError(f"the data have no {', '.join(missing)}; they have: {', '.join(names)}")
     elif len(names) != task.num_features:
@@ -164,7 +177,7 @@ def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
             f"an event of {task.name} has {task.num_features} features, {', '.join(task.labels)}, and the data have "
             f"{len(names)} columns: {', '.join(names)}; choose by name which are meant"
         )
-    elif wanted and any(not isinstance(name, int) for name in x.columns):
+    elif not task.event_shape and len(names) > 1 and list(x.columns) != list(range(len(names))):
         told = [f"the columns {', '.join(names)} are taken as {', '.join(wanted)}, in this order"]
     for name, column in x.items():
         if not pd.api.types.is_numeric_dtype(column) or pd.api.types.is_complex_dtype(column):
@@ -187,6 +200,26 @@ def num_repeated(x: NDArray) -> int:
     return int(pd.util.hash_pandas_object(pd.DataFrame(x + 0), index=False).duplicated().sum())  # -0 + 0 is 0
 
 
+def are_copies(x: NDArray) -> bool:
+    """Tell whether events (n, d) that repeat others are copies, and neither rounded nor gathered at a few values.
+
+    Rounded values have few digits, or lie on a grid, so that none is much nearer to the next than usual.
+    """
+    distinct, counts = np.unique(x, axis=0, return_counts=True)
+    often = distinct[counts > 1]
+    return len(often) >= FEW_VALUES * (counts - 1).sum() and any(map(_is_exact, often.T))
+
+
+def _is_exact(values: NDArray) -> bool:
+    """Tell whether values (n,) are real numbers that were not rounded."""
+    values = np.unique(values[~np.isnan(values)])
+    short = values == [float(f"{value:.{DIGITS}g}") for value in values]
+    if len(values) < 2 or max(short.mean(), (values == np.float32(values)).mean()) > FEW_VALUES:
+        return False
+    gaps = np.diff(values)
+    return bool(gaps.min() < ON_A_GRID * np.median(gaps))
+
+
 def with_times(
     x: ArrayLike, time: ArrayLike, *, drop_invalid: bool = False
 ) -> tuple[NDArray, NDArray[np.float64], list[str]]:
@@ -206,7 +239,7 @@ def with_times(
     if not keep.all():
         count = f"{(~keep).sum()} of {len(time)} times are NaN or infinite"
         if not drop_invalid:
-            raise UsageError(f"{count}; mend them, or drop them with --drop-invalid")
+            raise UsageError(f"{count}; mend them, or drop them (drop_invalid)")
         warnings.append(f"{count}, and their events were dropped")
     require_order(time[keep])
     return x[keep], time[keep], warnings

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.stats import binom
 
 from avobench.bench.events import check_events, read_events, read_timed, with_times
-from avobench.bench.events.checks import NUM_REFERENCE, num_repeated, reference
+from avobench.bench.events.checks import NUM_REFERENCE, are_copies, num_repeated, reference
 from avobench.tasks.carl import Carl
 from avobench.tasks.checked import checked_events
 from avobench.tasks.errors import SimulatorError, UsageError
@@ -198,7 +198,7 @@ def test_what_the_simulator_made_does_not_lie_outside_of_where_it_makes_events(n
 
 
 def test_repeated_events_are_told_where_values_are_continuous():
-    x = simulate(Weinberg())
+    x = np.round(simulate(Weinberg()), 7)
     x[500:] = x[:500]
     assert any("500 of 1000 events repeat" in text for text in check_events(Weinberg(), x)[1])
     assert check_events(Poisson(), np.tile(simulate(Poisson(), 500), (2, 1)))[1] == []
@@ -240,7 +240,8 @@ def with_column(values):
         (Poisson(), np.random.default_rng(0).integers(0, 10**9, (500, 1)), "another quantity, or in another unit"),
         (Poisson(), np.full((500, 1), 7), "all values of .* are 7; a diagnosis needs values that differ"),
         (THREE, with_column(0.5), r"all values of f2 are 0\.5; a diagnosis needs values that differ"),
-        (THREE, with_column(0.0) * 1e-301, "all values of f0 are .* are they in another unit"),
+        (THREE, with_column(0.0) * 1e-301, "too little for single precision; give another unit"),
+        (THREE, with_column(0.0) * 1e-25, "all values of f0 are .* are they in another unit"),
         (THREE, with_column(1e301), r"reach to 1e\+301, beyond 2\^53"),
         (THREE, with_column(np.nan), "all values of f2 are NaN or infinite; choose a column"),
         (THREE, with_column(-np.inf), "all values of f2 are NaN or infinite; choose a column"),
@@ -340,3 +341,46 @@ def test_truth_values_are_said_to_be_taken_as_numbers(made):
     x, told = check_events(trigger, made(np.arange(300) % 3 == 0), diagnosis=False)
     assert x[:3].ravel().tolist() == [1, 0, 0]
     assert "truth values are taken as 0 and 1" in told
+
+
+def test_labels_are_names_too_and_other_names_are_taken_in_order_and_said_so():
+    two = task_of(lambda theta, rng: rng.normal(theta), prior={"a": (-5, 5), "b": (-5, 5)}, name="two")
+    x = np.arange(400.0).reshape(200, 2)
+    swapped, told = check_events(two, pd.DataFrame({"x2": x[:, 1], "x1": x[:, 0]}) / 100)
+    np.testing.assert_array_equal(swapped, x / 100)
+    for names in (["q", "p"], [1, 0]):
+        taken, told = check_events(two, pd.DataFrame(x / 100, columns=names))
+        np.testing.assert_array_equal(taken, x / 100)
+        assert f"{names[0]}, {names[1]} are taken as x1, x2, in this order" in told[0]
+    assert not any("in this order" in said for said in check_events(two, pd.DataFrame(x / 100))[1])
+
+
+def test_masked_events_are_refused_and_a_mask_of_none_is_not():
+    x = np.ma.masked_array(np.random.default_rng(0).normal(1, 1, 300), mask=False)
+    one = task_of(lambda theta, rng: rng.normal(theta), prior={"a": (-5, 5)}, name="one")
+    assert len(check_events(one, x)[0]) == 300
+    x[3:5] = np.ma.masked
+    with pytest.raises(UsageError, match="2 values of the events are masked"):
+        check_events(one, x)
+
+
+@given(st.integers(0, 10), st.sampled_from([1, 3]), st.floats(1e-3, 1e3))
+def test_copies_are_told_from_rounded_and_saturated_values(seed, d, unit):
+    rng = np.random.default_rng(seed)
+    x = unit * rng.exponential(2, (1000, d))
+    grid = unit / 73
+    assert are_copies(np.repeat(x, 2, axis=0))
+    assert are_copies(rng.choice(x, 1000))
+    assert not are_copies(np.repeat(np.rint(x / grid) * grid, 2, axis=0))
+    assert not are_copies(np.repeat(x.astype(np.float32).astype(float), 2, axis=0))
+    assert not are_copies(np.minimum(x, unit))
+    digits = np.vectorize(lambda value: float(f"{value:.3g}"))
+    assert not are_copies(digits(rng.lognormal(0, 2, (1000, d))))
+
+
+def test_a_diagnosis_refuses_copies_and_a_fit_says_so():
+    one = task_of(lambda theta, rng: rng.exponential(theta), prior={"tau": (1, 4)}, name="decay")
+    x = np.repeat(np.random.default_rng(3).exponential(2, 500), 2)
+    with pytest.raises(UsageError, match=r"500 of 1000 events repeat .* drop the copies"):
+        check_events(one, x)
+    assert "500 of 1000 events repeat" in check_events(one, x, diagnosis=False)[1][0]
