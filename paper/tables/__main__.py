@@ -11,7 +11,7 @@ import pandas as pd
 from avobench.cli.main import main
 from paper.experiments import records_of
 from paper.figures import contamination, dimension, misspecification
-from paper.studies import agreement, hard, saturation
+from paper.studies import agreement, few, hard, saturation
 from paper.studies import contamination as contamination_study
 from paper.studies.misspecification import read
 from paper.tables import coverage, experiments, targets
@@ -24,6 +24,7 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = 
     "agreement": (agreement.table, "studies"),
     "coverage": (coverage.table, "reference rivals smm"),
     "dimension": (dimension.table, "dimension"),
+    "few": (few.table, "studies"),
     "fresh": (experiments.fresh, "fresh"),
     "hard": (hard.table, "studies"),
     "hard-growth": (hard.growth, "studies"),
@@ -39,6 +40,7 @@ ONE_FILE = {
     "agreement": agreement.read,
     **dict.fromkeys(("contamination", "contamination-pulls", "contamination-effects"), contamination_study.read),
     **dict.fromkeys(("hard", "hard-growth"), hard.read),
+    "few": few.read,
     "misspecification": read,
     "saturation": saturation.read,
 }
