@@ -47,24 +47,61 @@ class Reduced:
         slopes = tables.slopes(self.mean, expected)
         return expected, slopes @ self.covariance @ slopes.T / self.num_events
 
+    def noise(self, tables: Tables, around: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The covariance by simulation (K, K) of the values that so many events give, if these are right (K,)."""
+        mean = tables.entries_of(around, self.mean)
+        slopes = tables.slopes(mean, around)
+        return slopes @ self.scatter(tables, mean) @ slopes.T / self.num_events
+
+    def pooled(self, tables: Tables) -> NDArray[np.float64]:
+        """The values that measured and simulated events give together, each bin by how well either knows it: (K,).
+
+        Where few were simulated, no bin is then taken to be as empty or as full as theirs.
+        """
+        per_value = tables.entries_of(np.ones_like(self.mean), self.mean)
+        measured = per_value * tables.values
+        one, known = np.diag(self.scatter(tables, measured)), np.empty_like(measured)
+        for table, part in zip(tables, tables.parts, strict=True):
+            cov = table.covariance if tables.covariance is None else tables.covariance[part, part]
+            counts = table.widths / per_value[part]  # the number of events
+            known[part] = counts if cov is None else one[part] / (np.diag(cov) * per_value[part] ** 2)
+        return tables.predict((known * measured + self.num_events * self.mean) / (known + self.num_events))
+
     def scatter(self, tables: Tables, mean: NDArray[np.float64]) -> NDArray[np.float64]:
         """What each event adds to the covariance of the entries of all (K, K), where its mean entries are others (K,).
 
         In a normalised table the number of events scatters too, as Poisson says; else it is known. How entries go
         together is as it is in these events. A bin with less than one entry in all of them is taken to have one.
         """
-        rare = 1 / self.num_events
-        unknown = self.mean * np.repeat([table.normalised for table in tables], [len(t.values) for t in tables])
-        one = self.covariance + np.outer(unknown, unknown)
-        one += np.diag(np.maximum(rare - np.diag(one), 0))
+        rare, size = 1 / self.num_events, len(mean)
+        free = np.repeat([table.normalised for table in tables], [len(table.values) for table in tables])
+        cov, second = self.covariance.copy(), self.covariance + np.outer(self.mean, self.mean)
+        inside, least_outside = np.empty((0, size)), []
         for table, part in zip(tables, tables.parts, strict=True):
             measured, simulated = table.values @ table.widths / table.scale, self.mean[part]
+            same = np.isclose(measured, simulated.sum(), rtol=1e-9, atol=0)
+            if not table.normalised and np.allclose(second[part, part], np.diag(simulated)):
+                # An event is in one bin or outside. This is one more bin, whose number scatters too, until it is known.
+                free[part] = True
+                inside = np.vstack([inside, np.isin(np.arange(size), np.arange(size)[part])])
+                least_outside.append(0 if same else rare)
             # If all events have the same number of entries, but had another one where it was measured: then one in all
             # simulated events is taken to have none.
-            if table.num_events and not np.isclose(measured, simulated.sum(), rtol=1e-9, atol=0):
-                one[part, part] += rare * np.outer(simulated, simulated)
-        root = np.sqrt(np.maximum(mean, rare) / np.maximum(self.mean, rare))
-        return one * np.outer(root, root)
+            elif table.num_events and not same:
+                cov[part, part] += rare * np.outer(simulated, simulated)
+        every, least = np.vstack([np.eye(size), -inside]), np.append(np.full(size, rare), least_outside)
+        old, new = (np.append(m, 1 - inside @ m) for m in (self.mean, mean))
+        free = np.append(free, np.ones(len(inside)))
+        one = every @ cov @ every.T + np.outer(old * free, old * free)
+        # With a known number of events one of them makes a variance of rare (1 - rare).
+        one += np.diag(np.maximum(least * (1 - rare * (1 - free)) - np.diag(one), 0))
+        new = np.maximum(new, least)
+        fixed = np.eye(size, len(one))
+        for row, outside in zip(inside, np.eye(len(one))[size:], strict=True):
+            of_table = np.append(row, outside[size:])
+            fixed -= np.outer(new[:size] * row, of_table) / (new @ of_table)
+        fixed *= np.sqrt(new / np.maximum(old, rare))
+        return fixed @ one @ fixed.T
 
     def errors_of(self, tables: Tables, around: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
         """The covariance of the published values (K, K), if these are right (K,), or those that the events give.
@@ -156,12 +193,14 @@ def compare_tables(tables: Table | Tables | list[Table], events: Any) -> Compari
     """Compare published tables with simulated events, and no further simulator call.
 
     `events` are what the tables' `of` takes, or an array (n, d), or a `Reduced`. The covariance of the difference is
-    that of the tables plus that of the simulated means. Raises UsageError for what does not fit together.
+    that of the tables plus that of the simulated means, if the simulator is right: both are taken where measured and
+    simulated events together have their mean. Raises UsageError for what does not fit together.
     """
     tables = Tables.of(tables)
     reduced = events if isinstance(events, Reduced) else Reduced.of(tables, events)
-    expected, noise = reduced.predicted(tables)
-    return Comparison.of(tables, expected, reduced.errors_of(tables) + noise, reduced.num_events)
+    expected, around = tables.predict(reduced.mean), reduced.pooled(tables)
+    cov = reduced.errors_of(tables, around) + reduced.noise(tables, around)
+    return Comparison.of(tables, expected, cov, reduced.num_events)
 
 
 def whitening(cov: NDArray[np.float64]) -> NDArray[np.float64]:
