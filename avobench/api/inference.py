@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from avobench.diagnosis.fit.fit import Fit
     from avobench.diagnosis.fit.prior import Posterior
     from avobench.diagnosis.schema import GateResult
+    from avobench.diagnosis.summary.part import Measured
     from avobench.effects.bank import Bank
     from avobench.effects.model import Model
 
@@ -91,8 +92,8 @@ class Inference:
     method: str
     """The name of the method."""
     estimate: Estimate
-    num_events: int
-    """The number of observed events."""
+    num_events: int | None
+    """The number of observed events; None of tables that do not tell it."""
     num_simulations: int
     """The number of simulated events that it took."""
     seconds: float
@@ -105,6 +106,8 @@ class Inference:
     """The versions of Python and of the packages with which it was made."""
     quoted: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
     """Value and spread of each parameter, (p,) twice, as a file has them; None where the task tells them."""
+    measured: str = ""
+    """What was observed, in words, where it is not events alone."""
 
     @property
     def theta(self) -> dict[str, float]:
@@ -159,6 +162,7 @@ class Inference:
             "left_open": self.left_open,
             "warnings": list(self.warnings),
             "num_events": self.num_events,
+            "measured": self.measured or f"{self.num_events} events",
             "num_simulations": self.num_simulations,
             "seconds": self.seconds,
             "seed": self.seed,
@@ -194,6 +198,7 @@ class Inference:
         names = ("method", "num_events", "num_simulations", "seconds", "seed", "versions")
         kept = {name: content[name] for name in names}
         kept |= {"warnings": tuple(content["warnings"]), "others": tuple(content.get("others", ()))}
+        kept["measured"] = content.get("measured", "")
         names = task.parameter_names
         value, std = (np.array([content[what][name] for name in names], float) for what in ("theta", "std"))
         return cls(task, estimate=estimate, quoted=(value, std), **kept)
@@ -336,7 +341,7 @@ class Inference:
     def how(self) -> str:
         """A line that says how the numbers came about."""
         return (
-            f"{self.method} on {self.num_events} events: {self.estimate.how} ± {self.std_of}; "
+            f"{self.method} on {self.measured or f'{self.num_events} events'}: {self.estimate.how} ± {self.std_of}; "
             f"{self.num_simulations} simulated events, {self.seconds:.1f} s"
         )
 
@@ -643,7 +648,7 @@ def moments(
         calls, sets = len(joint.sets), joint.sets
         checks = Checks(task, NUM_REFERENCE, budget // calls, seed=seed, jobs=jobs or 1, folder=folder and Path(folder))
         part, warnings = checks.joint(sets, drop_invalid=drop_invalid)
-        num_events = sum(map(len, part.sets))
+        parts, worth = part.sets, sum(map(len, part.sets))
     else:
         tables = tables_in(x)
         if isinstance(task, SampleTask) and folder is not None:
@@ -652,7 +657,7 @@ def moments(
         limit = None if isinstance(task, SampleTask) else budget
         checks = Checks(task, size, limit, seed=seed, jobs=jobs or 1, folder=folder and Path(folder))
         part, warnings = (checks.tables(tables), []) if tables else checks.events(x, drop_invalid=drop_invalid)
-        num_events = len(part)
+        parts, worth = (part,), len(part)
     meter = checks.bank.meter
     with shown(progress) as tell:
         meter.progress = lambda used: tell("smm", calls * used, budget)
@@ -660,7 +665,7 @@ def moments(
         gate, fit, posterior = by_effort(
             Model(task, events=source), part, meter, stream(seed, "method", task.name, "smm")
         )
-    require_enough(task, fit.params, num_events)
+    require_enough(task, fit.params, worth)
     theta, std, width = fit.params, fit.std, task.support.width
     covariance = fit.point_covariance * np.outer(width, width)
     if posterior:
@@ -676,4 +681,21 @@ def moments(
     warnings += failures(task, theta, std)
     estimate = Estimate(theta, how, "proposal", theta, std, trace, error=std, covariance=covariance, doubt=doubt)
     seconds = time.perf_counter() - start
-    return Inference(task, "smm", estimate, num_events, used, seconds, seed, tuple(warnings))
+    num_events, measured = told_of(parts)
+    return Inference(task, "smm", estimate, num_events, used, seconds, seed, tuple(warnings), measured=measured)
+
+
+def told_of(parts: "Sequence[Measured]") -> tuple[int | None, str]:
+    """How many events were measured, if each part tells it, and what it is in words."""
+    from avobench.diagnosis.summary.published import TablePart
+
+    tables = [part.tables for part in parts if isinstance(part, TablePart)]
+    alone = sum(len(part) for part in parts if not isinstance(part, TablePart))
+    numbers = [each.num_events for each in tables]
+    of_tables = None if None in numbers else sum(numbers)
+    words = [f"{alone} events"] * (len(tables) < len(parts))
+    if number := sum(len(each.tables) for each in tables):
+        known = "" if of_tables is None else f" ({of_tables} events)"
+        bins = sum(len(each.values) for each in tables)
+        words.append(f"{number} table{'s' * (number > 1)} of {bins} bin{'s' * (bins > 1)}{known}")
+    return None if of_tables is None else alone + of_tables, ", ".join(words)

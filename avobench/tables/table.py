@@ -210,6 +210,22 @@ class Tables:
         """All published values: (K,)."""
         return np.concatenate([table.values for table in self.tables])
 
+    @property
+    def num_events(self) -> int | None:
+        """How many events the tables are of, if all tell the same: counts without `of` tell those in their bins."""
+        told = {
+            round(table.values @ table.widths)
+            if self.are_counts(table) and not (table.num_events or table.of)
+            else table.num_events
+            for table in self.tables
+        }
+        number = told.pop()
+        return None if told or number is None else round(number)
+
+    def are_counts(self, table: Table) -> bool:
+        """Whether the errors of one of the tables are those of counts."""
+        return self.covariance is None and table.covariance is None
+
     def entries(self, events: Any) -> csr_array:
         """How many entries each event has in each bin of all tables: (n, K)."""
         return csr_array(hstack([table.entries(events) for table in self.tables]))

@@ -73,6 +73,7 @@ def test_theta_is_that_of_all_sets_and_each_simulated_event_is_counted(tables):
     assert fit.num_simulations <= 300_000
     assert 0 <= sum(calls) - fit.num_simulations < 500  # beside those with which a task is checked when it is made
     assert not fit.estimate.doubt
+    assert fit.num_events == fit.to_dict()["num_events"] == 3000 + 1500 + 2500
 
 
 def test_right_simulators_are_rejected_as_rarely_as_alpha_says():

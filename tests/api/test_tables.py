@@ -85,6 +85,31 @@ def test_a_right_simulator_is_not_rejected_by_densities_with_a_covariance():
 
 
 @pytest.mark.parametrize(
+    ("changed", "number"),
+    [
+        ([{}], 4000),
+        ([{"num_events": 5000}], 5000),
+        ([{}, {}], 4000),
+        ([{}, {"num_events": 5000}], None),
+        ([{"errors": [90, 90, 90], "normalised": True}], None),
+    ],
+)
+def test_a_fit_tells_how_many_events_the_tables_are_of(changed, number, tmp_path):
+    """By num_events or their counts, and not by how many events would tell as much."""
+    task = avobench.task(
+        lambda theta, rng: rng.exponential(theta[:, 0]), prior={"mean": (1, 3)}, features=["time"], name="times"
+    )
+    tables = [avobench.Table([0, 1, 2, 40], [1574, 954, 1472], **each) for each in changed]
+    fit = avobench.infer(task, tables, budget=40_000)
+    kept = avobench.load(fit.save(tmp_path / "fit.json"))
+    for each in (fit, kept):
+        assert each.num_events == each.to_dict()["num_events"] == number
+        assert f"{len(tables)} table" in str(each)
+        assert f"{3 * len(tables)} bins" in str(each)
+        assert number is None or f"({number} events)" in str(each)
+
+
+@pytest.mark.parametrize(
     ("tables", "options", "word"),
     [
         ({"feature": "energy"}, {}, "no feature energy; it has: count"),

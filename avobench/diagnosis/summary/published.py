@@ -61,7 +61,7 @@ class TablePart(Part):
         fitted = tables.values + np.sqrt(aside / (1 - aside)) * noise
         held_out = tables.values - np.sqrt((1 - aside) / aside) * noise
         for table, part in zip(tables, tables.parts, strict=True):
-            if _is_counts(tables, table) and entries[:, part].sum(axis=1).max() <= 1:
+            if tables.are_counts(table) and entries[:, part].sum(axis=1).max() <= 1:
                 fitted[part], held_out[part] = _split_counts(table, aside, rng)
         return TablePart(tables, fitted, 1 - aside, reference), TablePart(tables, held_out, aside, reference)
 
@@ -109,7 +109,7 @@ class TablePart(Part):
         # enough has too many on average.
         held = self.share * np.stack([expected, self.values / PLAIN])
         starts = [
-            _filled(held[:, part] * table.widths) if _is_counts(self.tables, table) else np.arange(len(table.values))
+            _filled(held[:, part] * table.widths) if self.tables.are_counts(table) else np.arange(len(table.values))
             for table, part in zip(self.tables, self.tables.parts, strict=True)
         ]
         tables = Tables(
@@ -192,7 +192,7 @@ def tables_of(task: Task, tables: Tables) -> Tables:
         if (number := seen[changed["name"]]) > 1:
             changed["name"] += f" ({number})"
         count = round(table.values @ table.widths)
-        if _is_counts(tables, table) and count < BUDGET.least_events:
+        if tables.are_counts(table) and count < BUDGET.least_events:
             raise table.wrong(f"{count} entries are too few, at least {BUDGET.least_events} are needed")
         named.append(replace(table, errors=None, **changed))
     return Tables(named, covariance=tables.covariance)
@@ -208,8 +208,3 @@ def _of_feature(task: Task, table: Table) -> dict[str, Any]:
     if table.unit and unit and table.unit != unit:
         raise table.wrong(f"its edges are in {table.unit}, and {task.name} makes {known[at]} in {unit}")
     return {"feature": at, "unit": table.unit or unit, "name": table.name or known[at]}
-
-
-def _is_counts(tables: Tables, table: Table) -> bool:
-    """Whether the errors of a table are those of counts."""
-    return tables.covariance is None and table.covariance is None
