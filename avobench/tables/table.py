@@ -24,7 +24,8 @@ class Table:
     """One published table: a histogram of counts, or an unfolded density with its errors.
 
     `edges` (K + 1,) increase, and `values` (K,) stand in the bins between them. A bin holds its lower edge, the last
-    one its upper edge too. A mean, such as that of the multiplicity, is a table of one bin with an entry a particle.
+    one its upper edge too. The first and the last edge may be infinite, but not of a density. A mean, such as that of
+    the multiplicity, is a table of one bin with an entry a particle.
 
     What an event is binned by is its column `feature`, a number or a name in a DataFrame, or what `of` makes of the
     events: a function from n events to one number for each, (n,), or several, (n, k) or a list of n arrays, such as
@@ -57,13 +58,15 @@ class Table:
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        put(self, "edges", self._numbers("edges", self.edges))
+        put(self, "edges", self._numbers("edges", self.edges, infinite=True))
         put(self, "values", self._numbers("values", self.values))
         if self.edges.ndim != 1 or self.values.shape != (len(self.edges) - 1,) or not len(self.values):
             k, wanted = self.values.size, max(self.edges.size - 1, 1)
             raise self.wrong(f"{self.edges.size} edges make {wanted} bins, but there are {k} values")
-        if (np.diff(self.edges) <= 0).any():
+        if not (self.edges[:-1] < self.edges[1:]).all():
             raise self.wrong("edges must increase")
+        if self.density and not np.isfinite(self.edges).all():
+            raise self.wrong("a density has no open bins: give finite edges, or leave these bins out")
         if (self.values < 0).any():
             raise self.wrong(f"values must not be negative, got {self.values.min():g}; merge bins, or leave them out")
         if not self.values.sum() > 0:
@@ -92,8 +95,8 @@ class Table:
         """An error that names the table."""
         return UsageError(f"table {self.name or 'without a name'}: {what}")
 
-    def _numbers(self, what: str, given: ArrayLike) -> NDArray[np.float64]:
-        return numbers(f"table {self.name or 'without a name'}: {what}", given).astype(float)
+    def _numbers(self, what: str, given: ArrayLike, **options: bool) -> NDArray[np.float64]:
+        return numbers(f"table {self.name or 'without a name'}: {what}", given, **options).astype(float)
 
     def _covariance_of_errors(self) -> NDArray[np.float64]:
         if self.covariance is not None:
@@ -115,6 +118,14 @@ class Table:
     def widths(self) -> NDArray[np.float64]:
         """What an entry is divided by in each bin: (K,)."""
         return np.diff(self.edges) if self.density else np.ones(len(self.values))
+
+    @property
+    def drawn(self) -> NDArray[np.float64]:
+        """The edges (K + 1,), an open bin as wide as its neighbour."""
+        finite = self.edges[np.isfinite(self.edges)]
+        width = np.diff(finite) if len(finite) > 1 else np.ones(1)
+        low, high = (finite[0] - width[0], finite[-1] + width[-1]) if len(finite) else (0.0, 1.0)
+        return np.nan_to_num(self.edges, neginf=low, posinf=high)
 
     @property
     def scale(self) -> float:

@@ -73,8 +73,8 @@ def _said(hint: Any) -> str:
     return "an array"
 
 
-def numbers(what: str, values: ArrayLike) -> NDArray:
-    """An array of real, finite numbers. Raises UsageError, which names `what`, for others."""
+def numbers(what: str, values: ArrayLike, *, infinite: bool = False) -> NDArray:
+    """An array of real numbers, finite unless `infinite`. Raises UsageError, which names `what`, for others."""
     try:
         array = np.asarray(values)
     except (TypeError, ValueError) as error:
@@ -82,8 +82,8 @@ def numbers(what: str, values: ArrayLike) -> NDArray:
         raise UsageError(f"{what} must be an array of numbers, all rows of one length{hint}") from error
     if array.dtype.kind not in "biuf":
         raise UsageError(f"{what} must be real numbers, got {array.dtype}{if_uneven(array.ravel())}")
-    if not np.isfinite(array).all():
-        raise UsageError(f"{what} hold NaN or infinite values: mend or drop them")
+    if np.isnan(array).any() or not (infinite or np.isfinite(array).all()):
+        raise UsageError(f"{what} hold NaN{' or infinite' * (not infinite)} values: mend or drop them")
     return array
 
 

@@ -84,6 +84,21 @@ def test_a_right_simulator_is_not_rejected_by_densities_with_a_covariance():
     assert [table.name for table in found.diagnosis.tables] == ["cos_angle", "cos_angle (2)"]
 
 
+@pytest.mark.parametrize("last", [np.inf, 1e9])
+def test_an_open_last_bin_tells_theta_as_one_with_a_far_edge(last, tmp_path):
+    task = avobench.task(
+        lambda theta, rng: rng.exponential(theta[:, 0]), prior={"mean": (1, 3)}, features=["time"], name="times"
+    )
+    table = avobench.Table([0, 1, 2, 3, last], [1574, 954, 579, 893])  # of a mean of 2
+    fit = avobench.infer(task, table, budget=80_000)
+    assert abs(fit.theta["mean"] - 2) < 3 * fit.std["mean"] < 0.3
+    found = avobench.diagnose(task, table, effects=[], progress=False)
+    assert found.diagnosis.p_value_before > 0.01
+    found.save(tmp_path)
+    assert (tmp_path / "distribution-1.png").is_file()
+    assert avobench.load(tmp_path).details() == found.details()
+
+
 @pytest.mark.parametrize(
     ("changed", "number"),
     [

@@ -114,6 +114,19 @@ def test_histograms_are_read_from_memory_and_from_root(weights, tmp_path):
             assert errors(table) == pytest.approx([0.5, 2, np.sqrt(2)])
 
 
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.csv", "low,high,value\n0,1,1200\n1,2,700\n2,inf,1100\n"),
+        ("a.yaml", HEPDATA_YAML.replace("high: 0.03", "high: .inf")),
+    ],
+)
+def test_an_open_last_bin_is_read(name, text, written):
+    table = avobench.read_table(written(name, text), "N" if name == "a.yaml" else None)
+    assert table.edges[-1] == np.inf
+    assert np.isfinite(table.edges[:-1]).all()
+
+
 def test_names_of_columns_are_known_with_capitals(written):
     told = PLAIN.replace("table,low,high,value,error", "Table,Low,High,Value,Error")
     assert errors(avobench.read_table(written("a.csv", told), "b", normalised=True)) == pytest.approx([0.7])

@@ -157,6 +157,17 @@ def test_entries_are_counted_for_particles_as_for_events():
         np.testing.assert_array_equal(table.entries(np.empty((3, 1))).toarray(), wanted)
 
 
+@given(st.lists(st.floats(-9, 9), min_size=2, max_size=50), st.booleans(), st.booleans())
+def test_open_bins_hold_all_that_lies_beyond_their_edge(x, below, above):
+    """As bins do whose edges are far away."""
+    ends = [-1, 0, 1, 2]
+    far = avobench.Table([-1e3 if below else -1, 0, 1, 1e3 if above else 2], [3, 4, 5])
+    wide = avobench.Table([-np.inf if below else -1, 0, 1, np.inf if above else 2], [3, 4, 5])
+    entries, drawn = wide.entries(np.array(x)).toarray(), wide.drawn
+    np.testing.assert_array_equal(entries, far.entries(np.array(x)).toarray())
+    assert drawn.tolist() == ends
+
+
 def test_spectra_of_particles_are_per_event_and_their_noise_knows_that_they_come_together():
     """Ten particles an event in one bin: the mean is exact, however Poisson their sum would scatter."""
     table = avobench.Table([0, 2], [5.0], errors=[0.1], density=True, of=lambda events: [np.ones(10)] * len(events))
@@ -196,7 +207,9 @@ GOOD = {"edges": EDGES, "values": [1.0, 2, 3]}
     [
         ({"values": [1, 2]}, "4 edges make 3 bins, but there are 2 values"),
         ({"edges": [0, 1, 1, 2]}, "increase"),
-        ({"edges": [0, np.nan, 1, 2]}, "finite"),
+        ({"edges": [0, np.nan, 1, 2]}, "NaN"),
+        ({"edges": [0, 1, np.inf, np.inf]}, "increase"),
+        ({"edges": [0, 1, 2, np.inf], "density": True}, "no open bins"),
         ({"values": ["a", 1, 2]}, "numbers"),
         ({"values": [1, -2, 3]}, "negative"),
         ({"values": [1, np.nan, 3]}, "finite"),

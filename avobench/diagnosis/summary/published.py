@@ -174,7 +174,7 @@ def _drawn(
     found = np.empty(m)
     for k, (low, high) in enumerate(zip(table.edges, table.edges[1:], strict=False)):
         here, inside = bins == k, np.sort(simulated[(simulated >= low) & (simulated < high)])
-        at = inside if len(inside) else np.array([low, high])
+        at = inside if len(inside) else np.array([end for end in (low, high) if np.isfinite(end)])
         found[here] = np.interp(rng.random(here.sum()), np.linspace(0, 1, len(at)), at)
     return rng.permutation(found)
 

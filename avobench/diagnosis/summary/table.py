@@ -94,7 +94,7 @@ class TableSummary(Summary):
         spans, unit = [], []
         for table, part in self._each:
             spans.append(
-                Span(table.name if table.of else table.feature, part.start, table.edges, table.name, table.unit)
+                Span(table.name if table.of else table.feature, part.start, table.drawn, table.name, table.unit)
             )
             unit.append(table.widths / table.scale)
         values, scale = self.tables.values, np.concatenate(unit)
