@@ -28,13 +28,16 @@ class Published:
     values: list[float]
     errors: list[float] | None
     """The errors; None where none are written: then the values are counts."""
+    unit: str = ""
+    """Of the edges."""
 
     def table(self, **settings: Any) -> Table:
         """The table, with what its file does not say. Raises UsageError for bins that do not lie side by side."""
         for i, (end, start) in enumerate(zip(self.high, self.low[1:], strict=False), start=1):
             if not np.isclose(end, start, rtol=1e-9, atol=1e-12):
                 raise UsageError(f"table {self.name}: bin {i} ends at {end:g}, but bin {i + 1} begins at {start:g}")
-        given = {"name": self.name, "errors": None if "covariance" in settings else self.errors, **settings}
+        errors = None if "covariance" in settings else self.errors
+        given = {"name": self.name, "errors": errors, "unit": self.unit, **settings}
         return Table([*self.low, *self.high[-1:]], self.values, **given)
 
 
@@ -45,10 +48,10 @@ def read_table(source: Any, table: str | None = None, **settings: Any) -> Table:
     `source` is one of
 
     - a .csv file with the columns low, high, value and error, without the last of counts. Further columns are left
-      out, but numbers behind the value are refused if no column is called error; a column `table` says which of
-      several tables a row is of;
+      out, but numbers behind the value are refused if no column is called error, and so are further errors of two
+      sides if one is; a column `table` says which of several tables a row is of;
     - a .csv, .yaml or .yml file of a table from HEPData. Errors are added in quadrature, the two sides of asymmetric
-      ones averaged;
+      ones averaged. YAML tells the unit of the edges too;
     - a one-dimensional histogram in a ROOT file, `file.root:histogram`;
     - a histogram with the PlottableHistogram protocol, such as those of hist, boost-histogram and uproot. On an axis of
       whole numbers each has a bin around it.
@@ -120,6 +123,9 @@ def _of_rows(
     sides = [column for column in behind if column.endswith((" +", " -"))]
     if [column[:-2] for column in sides[::2]] != [column[:-2] for column in sides[1::2]]:
         raise UsageError(f"{file}: errors have two sides, ' +' and ' -' side by side, got: {', '.join(sides)}")
+    if sides and "error" in named:
+        told = f"{file} has the column '{named['error']}' beside {', '.join(sides)}"
+        raise UsageError(f"{told}: drop these if it is the total, else make it two, 'error +' and 'error -'")
     errors = [[named["error"]]] if "error" in named else list(zip(sides[::2], sides[1::2], strict=True))
     others = [
         column
@@ -136,6 +142,8 @@ def _of_rows(
                 where = f"{file}: line {number}"
                 at = _number(row[value], where)
                 told = [[_number(row[c], where, at) for c in pair if row[c] not in ("", "-")] for pair in errors]
+                if "error" in named and min(told[0], default=0) < 0:
+                    raise UsageError(f"{where} has an error of {told[0][0]:g}: errors must be positive")
                 error = np.sqrt(sum(np.mean(np.square(pair)) for pair in told if pair))
                 bins.append((_number(row[low], where), _number(row[high], where), at, float(error)))
         lows, highs, values, sizes = map(list, zip(*bins, strict=True))
@@ -162,7 +170,8 @@ def _of_yaml(file: str) -> Iterator[Published]:
             continue
         if len(document["independent_variables"]) != 1:
             raise UsageError(f"{file} is binned by {len(document['independent_variables'])} variables: give one")
-        places = document["independent_variables"][0]["values"]
+        variable = document["independent_variables"][0]
+        places, unit = variable["values"], (variable.get("header") or {}).get("units") or ""
         if not all({"low", "high"} <= set(place) for place in places):
             raise UsageError(f"{file} has points in place of bins: each needs low and high")
         low, high = ([_number(place[end], file) for place in places] for end in ("low", "high"))
@@ -173,9 +182,9 @@ def _of_yaml(file: str) -> Iterator[Published]:
                 raise UsageError(f"{file}: '{name}' has {len(cells)} values for {len(places)} bins")
             values = [_number(cell["value"], f"{file}: '{name}'") for cell in cells]
             errors = [_total(cell.get("errors", []), value, file) for cell, value in zip(cells, values, strict=True)]
-            yield Published(
-                name, name, low, high, values, errors if any(cell.get("errors") for cell in cells) else None
-            )
+            if not any(cell.get("errors") for cell in cells):
+                errors = None
+            yield Published(name, name, low, high, values, errors, str(unit))
 
 
 def _total(errors: list[dict[str, Any]], value: float, file: str) -> float:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import avobench
+from avobench.diagnosis.summary.published import tables_of
 from avobench.tasks.poisson import Poisson
 from avobench.tasks.weinberg import Weinberg
 
@@ -84,6 +85,16 @@ def test_a_right_simulator_is_not_rejected_by_densities_with_a_covariance():
     assert [table.name for table in found.diagnosis.tables] == ["cos_angle", "cos_angle (2)"]
 
 
+@pytest.mark.parametrize("unit", ["keV", "KEV", ""])
+def test_the_unit_of_a_table_is_that_of_its_feature_also_in_capitals(unit):
+    task = avobench.task(
+        lambda theta, rng: rng.exponential(theta[:, 0]), prior={"mean": (1, 3)}, features=["energy"], name="x"
+    )
+    task.feature_units = ("keV",)
+    tables = avobench.Tables.of(avobench.Table([0, 1, 2], [60, 40], unit=unit))
+    assert [table.unit for table in tables_of(task, tables)] == ["keV"]
+
+
 @pytest.mark.parametrize("last", [np.inf, 1e9])
 def test_an_open_last_bin_tells_theta_as_one_with_a_far_edge(last, tmp_path):
     task = avobench.task(
@@ -94,7 +105,8 @@ def test_an_open_last_bin_tells_theta_as_one_with_a_far_edge(last, tmp_path):
     assert abs(fit.theta["mean"] - 2) < 3 * fit.std["mean"] < 0.3
     found = avobench.diagnose(task, table, effects=[], progress=False)
     assert found.diagnosis.p_value_before > 0.01
-    found.save(tmp_path)
+    with pytest.warns(UserWarning, match=r"no model\.json"):
+        found.save(tmp_path)
     assert (tmp_path / "distribution-1.png").is_file()
     assert avobench.load(tmp_path).details() == found.details()
 

@@ -50,7 +50,7 @@ dependent_variables:
   - {value: 7}
   - {value: 9}
 independent_variables:
-- header: {name: S}
+- header: {name: S, units: GeV}
   values:
   - {high: 0.01, low: 0.0}
   - {high: 0.03, low: 0.01}
@@ -77,6 +77,7 @@ def errors(table):
 def test_tables_of_hepdata_are_the_same_from_csv_and_yaml(written):
     csv = avobench.read_table(written("a.csv", HEPDATA_CSV), "Table 1", density=True)
     yaml = avobench.read_table(written("a.yaml", HEPDATA_YAML), "1/SIG*D(SIG)/DS", density=True)
+    assert yaml.unit == "GeV"
     for table in (csv, yaml):
         assert table.edges.tolist() == [0, 0.01, 0.03]
         assert table.values.tolist() == [12.36, 23.33]
@@ -151,6 +152,8 @@ def test_an_axis_of_whole_numbers_has_a_bin_around_each():
         ("a.csv", "low,high,value,error\n0,1,2,\n", None, "must be positive"),
         ("a.csv", "low,high,value,stat,syst\n0,1,2,1,1\n", None, "stat, syst"),
         ("a.csv", "low,high,value,stat +\n0,1,2,1\n", None, "stat"),
+        ("a.csv", "low,high,value,error\n0,1,2,-1\n", None, "line 2 has an error of -1"),
+        ("a.csv", "low,high,value,error,sys +,sys -\n0,1,2,1,1,-1\n", None, "'error' beside sys"),
         ("a.csv", "low,high,value,a +,b -\n0,1,2,1,1\n", None, "two sides"),
         ("a.csv", "", None, "holds no table"),
         ("a.dat", "", None, "tables are read from"),

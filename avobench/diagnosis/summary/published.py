@@ -205,6 +205,6 @@ def _of_feature(task: Task, table: Table) -> dict[str, Any]:
         raise table.wrong(f"{task.name} has no feature {feature}; it has: {', '.join(known)}")
     at = known.index(feature) if isinstance(feature, str) else feature
     unit = task.feature_units[at] if task.feature_units else ""
-    if table.unit and unit and table.unit != unit:
+    if table.unit and unit and table.unit not in (unit, unit.upper()):  # old tables of HEPData have capitals alone
         raise table.wrong(f"its edges are in {table.unit}, and {task.name} makes {known[at]} in {unit}")
-    return {"feature": at, "unit": table.unit or unit, "name": table.name or known[at]}
+    return {"feature": at, "unit": unit or table.unit, "name": table.name or known[at]}
