@@ -284,6 +284,8 @@ def shape_only(table: Table, around: NDArray[np.float64]) -> NDArray[np.float64]
 
 def checked_covariance(covariance: ArrayLike, size: int, wrong: Callable[[str], Exception]) -> NDArray[np.float64]:
     """A covariance (K, K) that is one. Raises `wrong` with what it is not."""
+    if np.ma.is_masked(covariance):
+        raise wrong("covariance has masked values: mend or drop them")
     cov = np.asarray(covariance, float)
     if cov.shape != (size, size):
         raise wrong(f"covariance must have shape ({size}, {size}), one row a bin, got {cov.shape}")

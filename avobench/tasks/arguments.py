@@ -80,6 +80,8 @@ def numbers(what: str, values: ArrayLike, *, infinite: bool = False) -> NDArray:
     except (TypeError, ValueError) as error:
         hint = if_uneven(values) or f", got {shown(values)}"
         raise UsageError(f"{what} must be an array of numbers, all rows of one length{hint}") from error
+    if np.ma.is_masked(values):
+        raise UsageError(f"{what} hold masked values: mend or drop them")
     if array.dtype.kind not in "biuf":
         raise UsageError(f"{what} must be real numbers, got {array.dtype}{if_uneven(array.ravel())}")
     if np.isnan(array).any() or not (infinite or np.isfinite(array).all()):
