@@ -41,8 +41,8 @@ def joint(sets: Mapping[str, tuple[Task | str, Any]], shared: Sequence[str] | No
     Raises
     ------
     UsageError
-        For a single set, for names that no two tasks have, for shared parameters whose units, kinds or ranges do not
-        fit together, for images, and for events that were simulated before in place of a task.
+        For a single set, for a set without events, for names that no two tasks have, for shared parameters whose units,
+        kinds or ranges do not fit together, for images, and for events that were simulated before in place of a task.
 
     Examples
     --------
@@ -58,6 +58,8 @@ def joint(sets: Mapping[str, tuple[Task | str, Any]], shared: Sequence[str] | No
     tasks = {str(name): registry.task_of(task) for name, (task, _) in sets.items()}
     if made := [name for name, task in tasks.items() if isinstance(task, SampleTask)]:
         raise UsageError(f"{', '.join(made)}: joint takes simulators, not events that were simulated before")
+    if empty := [name for name, (_, x) in sets.items() if hasattr(x, "__len__") and not len(x)]:
+        raise UsageError(f"{', '.join(map(str, empty))}: there are no events: leave the set out")
     measured = (x if (tables := tables_in(x)) is None else tables for _, x in sets.values())
     return Joint(JointTask(tasks, shared), tuple(measured))
 

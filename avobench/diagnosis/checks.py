@@ -90,12 +90,14 @@ class Checks:
         parts, warnings, beside = [], [], 0
         for name, own, x in zip(self.task.names, self.task.tasks, sets, strict=True):
             checks = Checks(own, self._num_reference, self.bank.meter.limit)
-            if isinstance(x, Tables):
-                parts.append(checks.tables(x))
-            else:
-                events, more = checks.events(x, drop_invalid=drop_invalid)
-                parts.append(events)
-                warnings += [f"{name}: {each}" for each in more]
+            try:
+                part, more = (
+                    (checks.tables(x), []) if isinstance(x, Tables) else checks.events(x, drop_invalid=drop_invalid)
+                )
+            except UsageError as error:
+                raise UsageError(f"{name}: {error}") from error
+            parts.append(part)
+            warnings += [f"{name}: {each}" for each in more]
             beside += checks.bank.meter.used - checks.bank.meter.failed
         self.bank.meter.charge(-(-beside // len(sets)))
         return JointPart(self.task, tuple(parts)), warnings

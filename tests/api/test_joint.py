@@ -91,6 +91,8 @@ def test_right_simulators_are_rejected_as_rarely_as_alpha_says():
         (lambda j: avobench.joint({"near": rates(1.0)}), "a task and what was measured by the name"),
         (lambda j: avobench.joint({"near": (rates(1.0), [1])}), "two data sets at least"),
         (lambda j: avobench.joint({"a": (avobench.bank(np.ones(400)), [1]), "b": (rates(1.0), [1])}), "simulators"),
+        (lambda j: avobench.joint({"a": (rates(1.0), []), "b": (rates(1.0), [1])}), "^a: there are no events"),
+        (lambda j: avobench.diagnose(joint(measured(0) | {"fast": [20] * 50})), "^fast: 50 events are too few"),
         (lambda j: avobench.infer(j, method="avo"), "fitted by smm"),
         (lambda j: avobench.infer(j, [1, 2]), "leave x out"),
         (lambda j: avobench.diagnose(j, [1, 2]), "which has it"),
