@@ -36,6 +36,10 @@ class Spectrum:
     """The shares with the effects; None where none was added."""
     quantity: str = "probability density"
     """What the shares are, divided by the widths of the bins."""
+    axis: str = ""
+    """The feature that a published table is binned by."""
+    unit: str = ""
+    """Of its edges."""
 
     def pulls(self, simulated: NDArray[np.float64]) -> NDArray[np.float64]:
         """(measured - simulated) / error: (bins,)."""
@@ -91,7 +95,7 @@ def _spectrum(
     if (shown := view.shown) is not None:
         unit, measured = shown.unit[bins], (shown.values[bins], shown.errors[bins])
         models = (first * unit, None if then is None else then * unit)
-        return Spectrum(span.name or name, span.ends, *measured, *models, "density")
+        return Spectrum(span.name or name, span.ends, *measured, *models, "density", name, span.unit)
     share = target.mean[bins]
     # At least one event's worth: a bin in which nothing was measured is not known exactly.
     error = np.sqrt(np.maximum(share * (1 - share), 1 / target.num_events) / target.num_events)

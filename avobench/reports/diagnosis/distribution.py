@@ -46,8 +46,9 @@ def distribution(spectrum: Spectrum, regions: Sequence[Region], name: str, unit:
     _densities(top, spectrum, models)
     for axis, model in zip(below, models, strict=True):
         _pulls(axis, spectrum, model)
-    _regions((top, below[0]), near, spectrum.edges[0], spectrum.edges[-1])
-    top.set_xlim(spectrum.edges[0], spectrum.edges[-1])
+    edges = _drawn(spectrum)
+    _regions((top, below[0]), near, edges[0], edges[-1])
+    top.set_xlim(edges[0], edges[-1])
     far = _one_scale(below, [spectrum.pulls(share) for *_, share in models])
     _words(axes, spectrum, models, unit)
     caption = (
@@ -56,14 +57,24 @@ def distribution(spectrum: Spectrum, regions: Sequence[Region], name: str, unit:
         + (f", linear up to {LINEAR_PULLS:g} and logarithmic beyond. " if far else ". ")
         + "Shaded: regions that stand out though all were looked at, each with its significance. Those that are too "
         "narrow to be seen are drawn wider."
+        + (f" The last bin reaches to {spectrum.edges[-1]:g}." if edges[-1] < spectrum.edges[-1] else "")
     )
     return Drawn(name, caption, figure, _table(spectrum, models))
 
 
+def _drawn(spectrum: Spectrum) -> NDArray[np.float64]:
+    """The edges (bins + 1,) in the figure: the last bin of a table takes half of the axis at most."""
+    edges = spectrum.edges.copy()
+    if spectrum.axis and len(edges) > 2:
+        edges[-1] = min(edges[-1], 2 * edges[-2] - edges[0])
+    return edges
+
+
 def _densities(axis: Axes, spectrum: Spectrum, models: list[Model]) -> None:
-    width, centres = np.diff(spectrum.edges), (spectrum.edges[1:] + spectrum.edges[:-1]) / 2
+    width, edges = np.diff(spectrum.edges), _drawn(spectrum)
+    centres = (edges[1:] + edges[:-1]) / 2
     for when, colour, style, share in models:
-        axis.stairs(share / width, spectrum.edges, color=colour, ls=style, lw=1.4, label=f"simulated, {when}")
+        axis.stairs(share / width, edges, color=colour, ls=style, lw=1.4, label=f"simulated, {when}")
     measured, error = spectrum.measured / width, spectrum.error / width
     axis.errorbar(centres, measured, error, fmt="o", color="black", ms=2.5, lw=0.8, label="measured")
     if measured.max() > STEEP * np.median(measured):
@@ -75,7 +86,7 @@ def _densities(axis: Axes, spectrum: Spectrum, models: list[Model]) -> None:
 def _pulls(axis: Axes, spectrum: Spectrum, model: Model) -> None:
     _, colour, _, share = model
     axis.axhspan(-2, 2, color="0.85", lw=0, zorder=0.1)
-    axis.stairs(spectrum.pulls(share), spectrum.edges, baseline=0, fill=True, color=colour, alpha=0.8)
+    axis.stairs(spectrum.pulls(share), _drawn(spectrum), baseline=0, fill=True, color=colour, alpha=0.8)
 
 
 def _regions(axes: Sequence[Axes], regions: Sequence[Region], low: float, high: float) -> None:
@@ -128,7 +139,7 @@ def _words(axes: Sequence[Axes], spectrum: Spectrum, models: list[Model], unit: 
     axes[0].set_ylabel(spectrum.quantity)
     for axis, (when, *_) in zip(axes[1:], models, strict=True):
         axis.set_ylabel(f"pull\n{when}")
-    axes[-1].set_xlabel(spectrum.feature if unit == "1" else f"{spectrum.feature} [{unit}]")
+    axes[-1].set_xlabel((spectrum.axis or spectrum.feature) + f" [{unit}]" * (unit != "1"))
     handles, labels = axes[0].get_legend_handles_labels()
     once = dict(zip(labels, handles, strict=True))  # several regions of a kind are one entry
     axes[0].legend(once.values(), once.keys(), frameon=True, framealpha=0.9, edgecolor="none")

@@ -27,7 +27,7 @@ def drawings(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> Iterator[t
         available.append(("maps", partial(_maps, pictures.maps, diagnosis.regions)))
     units = dict(zip(task.labels, task.feature_units, strict=False))  # none where the task does not say them
     for number, spectrum in enumerate(pictures.spectra, start=1):
-        name, unit = f"distribution-{number}", units.get(spectrum.feature, "1")
+        name, unit = f"distribution-{number}", spectrum.unit or units.get(spectrum.feature, "1")
         available.append((name, partial(distribution, spectrum, diagnosis.regions, name, unit)))
     available.append(("theta", partial(_theta, task, diagnosis)))
     for name, drawing in available:

@@ -181,6 +181,18 @@ def test_a_narrow_region_at_the_edge_is_seen_and_labelled():
     assert [text.get_text() for text in axis.texts] == [r"$+12.1\,\sigma$"]
 
 
+def test_a_table_is_drawn_over_its_feature_and_its_last_bin_does_not_squeeze_the_others():
+    published = replace(spectrum(Poisson(), after=True), feature="table 1", axis="count", unit="keV")
+    far = replace(published, edges=np.append(published.edges[:-1], 1e9))
+    for drawn in (published, far):
+        shown = distribution(drawn, [], "distribution-1", drawn.unit)
+        *_, last = shown.figure.axes
+        assert last.get_xlabel() == "count [keV]"
+        assert last.get_xlim() == (0, 9)
+        assert f"reaches to {drawn.edges[-1]:g}" in shown.caption
+        assert shown.table["high"].iloc[-1] == drawn.edges[-1]
+
+
 def test_labels_of_near_regions_do_not_stand_on_each_other():
     near = ((0.5, 5), (0.56, 6), (0.62, 7), (0.9, 8))
     regions = [Region.model_validate({**NARROW, "low": low, "high": low + 0.05, "z": z}) for low, z in near]
