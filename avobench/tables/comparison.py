@@ -96,12 +96,12 @@ class Reduced:
         # With a known number of events one of them makes a variance of rare (1 - rare).
         one += np.diag(np.maximum(least * (1 - rare * (1 - free)) - np.diag(one), 0))
         new = np.maximum(new, least)
+        root = np.sqrt(new / np.maximum(old, rare))
         fixed = np.eye(size, len(one))
         for row, outside in zip(inside, np.eye(len(one))[size:], strict=True):
             of_table = np.append(row, outside[size:])
             fixed -= np.outer(new[:size] * row, of_table) / (new @ of_table)
-        fixed *= np.sqrt(new / np.maximum(old, rare))
-        return fixed @ one @ fixed.T
+        return fixed @ (one * np.outer(root, root)) @ fixed.T
 
     def errors_of(self, tables: Tables, around: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
         """The covariance of the published values (K, K), if these are right (K,), or those that the events give.
