@@ -1,7 +1,8 @@
 """The arguments of the functions that `import avobench` offers, held against the types that their signatures state."""
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import wraps
 from numbers import Integral, Real
 from pathlib import Path
@@ -9,6 +10,7 @@ from types import NoneType, UnionType
 from typing import Any, Literal, ParamSpec, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.tasks.contract import Box, Task
@@ -75,18 +77,34 @@ def _said(hint: Any) -> str:
 
 def numbers(what: str, values: ArrayLike, *, infinite: bool = False) -> NDArray:
     """An array of real numbers, finite unless `infinite`. Raises UsageError, which names `what`, for others."""
+    array = reals(what, values)
+    if np.isnan(array).any() or not (infinite or np.isfinite(array).all()):
+        raise UsageError(f"{what} hold NaN{' or infinite' * (not infinite)} values: mend or drop them")
+    return array
+
+
+def reals(what: str, values: ArrayLike) -> NDArray:
+    """An array of real numbers, which may be NaN. Raises UsageError, which names `what`, for others, as in a column."""
+    if isinstance(values, pd.DataFrame):  # each column has a type of its own
+        columns = [reals(f"column {name} of {what}", column) for name, column in values.infer_objects().items()]
+        return np.column_stack(columns or [np.empty((len(values), 0))])
+    if np.ma.is_masked(values):
+        raise UsageError(f"{what} hold masked values: drop these, or fill them")
     try:
         array = np.asarray(values)
     except (TypeError, ValueError) as error:
         hint = if_uneven(values) or f", got {shown(values)}"
         raise UsageError(f"{what} must be an array of numbers, all rows of one length{hint}") from error
-    if np.ma.is_masked(values):
-        raise UsageError(f"{what} hold masked values: mend or drop them")
     if array.dtype.kind not in "biuf":
         raise UsageError(f"{what} must be real numbers, got {array.dtype}{if_uneven(array.ravel())}")
-    if np.isnan(array).any() or not (infinite or np.isfinite(array).all()):
-        raise UsageError(f"{what} hold NaN{' or infinite' * (not infinite)} values: mend or drop them")
     return array
+    return array
+
+
+def distinct(what: str, names: Iterable[object]) -> None:
+    """Raise UsageError, which says `what` they are of, where two names are the same."""
+    if twice := [name for name, count in Counter(names).items() if count > 1]:
+        raise UsageError(f"two {what} have the name {twice[0]}: give each a name of its own")
 
 
 def box_of(prior: Mapping[str, Ends], integers: Sequence[str] = ()) -> Box:

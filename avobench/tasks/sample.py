@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from avobench.tasks.arguments import box_of, checked, numbers
+from avobench.tasks.arguments import box_of, checked, distinct, numbers, reals
 from avobench.tasks.contract import Box, Task, histogram
 from avobench.tasks.errors import UsageError, whole
-from avobench.tasks.weights import column, drawn, effective_drawn, weights_of, without_negative
+from avobench.tasks.weights import chosen, column, drawn, effective_drawn, weights_of, without_negative
 
 ASIDE = 5
 """One in so many events of each theta is kept aside, for whoever needs events that nothing has learned from."""
@@ -145,7 +145,7 @@ class SampleTask(Task):
 def bank(
     events: ArrayLike,
     *,
-    theta: ArrayLike | Mapping[str, ArrayLike] | Sequence[str] | None = None,
+    theta: ArrayLike | Mapping[str, ArrayLike] | Sequence[str] | str | None = None,
     weights: ArrayLike | str | None = None,
     prior: Mapping[str, tuple[float, float]] | None = None,
     features: Sequence[str] = (),
@@ -160,15 +160,15 @@ def bank(
     events
         Simulated events: an array (M, d), or (M,) where an event is one number, or a DataFrame.
     theta
-        Parameters at which each event was made: an array (M, p), columns by name of the parameter, or, of a DataFrame,
-        the names of its columns. None where all were made at the same, unknown or fixed parameters.
+        Parameters at which each event was made: an array (M, p), columns by name of the parameter, as of a DataFrame,
+        or the names of columns of `events`. None where all were made at the same, unknown or fixed parameters.
     weights
         Weights of the events (M,), or the name of their column. Events are drawn by them once; what that costs in
         precision is taken into account. Negative ones are first balanced by those of the nearest events.
     prior
         Ends of each parameter by its name; those of theta where None.
     features
-        A name for each of the d numbers of an event; of a DataFrame its columns.
+        A name for each of the d numbers of an event; of a DataFrame the columns that are taken, all by default.
     name
         What pages call the task.
     missing
@@ -190,14 +190,19 @@ def bank(
     (3, 1)
     """
     rng = np.random.default_rng(whole("seed", seed, 0))
+    theta = [theta] if isinstance(theta, str) else theta
     if hasattr(events, "columns"):
+        distinct("columns of the simulated events", events.columns)
         if isinstance(weights, str):
             weights, events = column(events, weights), events.drop(columns=weights)
         if isinstance(theta, Sequence) and len(theta) and all(isinstance(each, str) for each in theta):
             theta = {each: column(events, each) for each in theta}
             events = events.drop(columns=list(theta))
+        events = chosen(events, features)
         features = features or [str(each) for each in events.columns]
-    x = np.asarray(events, float) if missing else numbers("the simulated events", events)
+    distinct("features", features)
+    listed = missing and isinstance(events, list)  # which may hold None
+    x = reals("the simulated events", np.asarray(events, float) if listed else events)
     x = x[:, None] if x.ndim == 1 else x
     x = x.astype(np.int64) if x.dtype.kind in "bui" else x.astype(np.float64)
     if x.ndim != 2 or (features and len(features) != x.shape[1]):
@@ -246,8 +251,12 @@ def require_enough(task: Task, theta: NDArray[np.float64], num_measured: int) ->
 def _parameters(
     theta: ArrayLike | Mapping[str, ArrayLike] | None, prior: Mapping[str, tuple[float, float]] | None, n: int
 ) -> tuple[list[str], NDArray[np.float64], Box]:
+    if hasattr(theta, "columns") and not all(isinstance(each, int) for each in theta.columns):
+        distinct("columns of theta", theta.columns)
+        theta = {str(each): theta[each] for each in theta.columns}
     if isinstance(theta, Mapping):
-        names, columns = list(theta), numbers("theta", list(theta.values())).astype(float).T
+        values = [numbers(f"the values of {name}", each) for name, each in theta.items()]
+        names, columns = list(theta), numbers("theta", values).astype(float).T
     else:
         columns = np.empty((n, 0)) if theta is None else numbers("theta", theta).astype(float)
         columns = columns[:, None] if columns.ndim == 1 else columns

@@ -1,5 +1,6 @@
 """Weighted events: how many of equal weight they are worth, and the same events without weights."""
 
+from collections.abc import Sequence
 from typing import Any
 from warnings import warn
 
@@ -30,6 +31,18 @@ def column(table: Any, name: str) -> NDArray:
     if name not in names:
         raise UsageError(f"there is no column '{name}'; the columns are {', '.join(map(str, names)) or 'none'}")
     return table[name].to_numpy()
+
+
+def chosen(table: Any, names: Sequence[str]) -> Any:
+    """The columns of a table that have these names, in this order; all where none is given, or columns have no names.
+
+    Raises UsageError as `column` does.
+    """
+    if not len(names) or all(isinstance(each, int) for each in table.columns):
+        return table
+    for name in names:
+        column(table, name)
+    return table[list(names)]
 
 
 def effective(w: NDArray[np.float64]) -> float:

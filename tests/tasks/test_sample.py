@@ -5,6 +5,8 @@ from functools import partial
 import numpy as np
 import pandas as pd
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.stats import binom
 
 import avobench
@@ -107,3 +109,93 @@ def test_theta_lies_at_a_node_as_well_as_between_two():
         fit = avobench.infer(avobench.bank(rng.exponential(nodes), theta={"mean": nodes}), rng.exponential(2.0, 1500))
         pulls.append((fit.theta["mean"] - 2.0) / fit.std["mean"])
     assert np.sqrt(np.mean(np.square(pulls))) < 1.7
+
+
+def named(**columns):
+    """300 simulated events x and y, y 100 above, and further columns."""
+    x = np.random.default_rng(0).random(300)
+    return pd.DataFrame({"x": x, "y": x + 100} | columns)
+
+
+@given(order=st.permutations(["a", "b", "c"]), as_prior=st.permutations(["a", "b", "c"]))
+def test_names_decide_which_column_of_theta_is_which(order, as_prior):
+    x = np.random.default_rng(0).normal(size=1000)
+    theta = pd.DataFrame(
+        {"a": np.tile([1.0, 2.0], 500), "b": np.repeat([20.0, 30.0], 500), "c": np.repeat([3.0, 4.0], 500)}
+    )
+    for prior in (None, {name: (0, 40) for name in as_prior}):
+        made = avobench.bank(x, theta=theta[list(order)], prior=prior)
+        assert made.parameter_names == tuple(order)
+        at = dict(zip(made.parameter_names, made.nodes.T, strict=True))
+        assert all(set(at[name]) == set(theta[name]) for name in theta)
+    with pytest.raises(UsageError, match="the prior is of d"):
+        avobench.bank(x, theta=theta, prior={"d": (0, 40), "b": (0, 40), "c": (0, 40)})
+    unnamed = avobench.bank(x, theta=pd.DataFrame(theta.to_numpy(float)), prior={name: (0, 40) for name in as_prior})
+    assert unnamed.parameter_names == tuple(as_prior)
+
+
+@given(st.permutations(["x", "y", "z"]), st.integers(1, 3))
+def test_features_of_a_table_are_chosen_by_name(order, number):
+    table, names = named(z=np.arange(300) + 200.5), order[:number]
+    made = avobench.bank(table, features=names)
+    assert made.labels == tuple(names)
+    np.testing.assert_array_equal(np.sort(made.events, axis=0), np.sort(table[names].to_numpy(), axis=0))
+    unnamed = avobench.bank(pd.DataFrame(table.to_numpy()), features=order)
+    assert unnamed.labels == tuple(order)
+    assert unnamed.events[:, 0].max() < 1
+
+
+def test_one_name_is_one_column_of_theta():
+    table = pd.DataFrame({"x": np.arange(600) / 7, "lifetime": np.repeat([1.0, 2.0], 300)})
+    made = avobench.bank(table, theta="lifetime")
+    assert (made.parameter_names, made.labels) == (("lifetime",), ("x",))
+
+
+@pytest.mark.parametrize(
+    ("column", "said"),
+    [
+        ("a", "column w of the simulated events must be real numbers"),
+        (pd.Timestamp("2020-02-02"), "column w"),
+        (pd.array([True, None] * 150, dtype="boolean"), "column w"),
+        ([[1]] * 300, "column w"),
+        (pd.array([1, None] * 150, dtype="Int64"), "NaN"),
+    ],
+)
+@pytest.mark.parametrize("missing", [[], ["y"]])
+def test_a_column_that_holds_no_numbers_is_named(column, said, missing):
+    with pytest.raises(UsageError, match=said):
+        avobench.bank(named(w=column), missing=missing)
+
+
+@pytest.mark.parametrize("dtype", [bool, "boolean", "Int64", "Float64", object])
+def test_columns_of_any_numbers_are_taken(dtype):
+    w = np.arange(300) % 2
+    made = avobench.bank(named(w=pd.Series(w, dtype=dtype)))
+    np.testing.assert_array_equal(np.sort(made.events[:, 2]), np.sort(w))
+    lacking = avobench.bank(named(w=pd.Series([1.0, None] * 150)), missing=["w"])
+    assert np.isnan(lacking.events[:, 2]).sum() == 150
+
+
+@pytest.mark.parametrize(
+    "what",
+    [
+        {"events": pd.DataFrame(np.ones((300, 2)), columns=["x", "x"])},
+        {"events": np.ones((300, 2)), "features": ["x", "x"]},
+        {"events": np.ones(300), "theta": pd.DataFrame(np.ones((300, 2)), columns=["x", "x"])},
+    ],
+)
+def test_two_columns_of_one_name_are_refused(what):
+    with pytest.raises(UsageError, match="have the name x"):
+        avobench.bank(**what)
+
+
+@pytest.mark.parametrize("missing", [[], ["x1"]])
+def test_masked_values_are_refused(missing):
+    x = np.random.default_rng(0).normal(size=600)
+    masked = np.ma.masked_greater(x, 1)
+    for what in ({"events": masked}, {"weights": masked}, {"theta": masked}, {"theta": {"a": masked}}):
+        with pytest.raises(UsageError, match="masked"):
+            avobench.bank(**{"events": x} | what, missing=missing)
+    with pytest.raises(UsageError, match="masked"):
+        avobench.diagnose(masked, x)
+    assert len(avobench.bank(np.ma.array(x), missing=missing).events) == 600
