@@ -289,7 +289,9 @@ def reference(task: Task, simulate: Simulate, num_events: int) -> NDArray:
         theta[0] = first
         halves.append(simulate(theta, rng))
     one, other = (half[1:] for half in halves)
-    if np.array_equal(one, other, equal_nan=True) and len(np.unique(one, axis=0)) > 1:
+    # Where a call is for one theta, the first row is one more event of it, which moves its other ones.
+    moved = np.any([(theta[1:] == end).all(axis=1) for end in (task.prior.low, task.prior.high)], axis=0)
+    if np.array_equal(one[~moved], other[~moved], equal_nan=True) and len(np.unique(one[~moved], axis=0)) > 1:
         raise SimulatorError(
             f"the simulator of {task.name} makes the same events in each call; take all randomness from the generator "
             "that it is given"

@@ -1,6 +1,7 @@
 """Reading measured events, and what is told about bad ones."""
 
 import warnings
+from contextlib import nullcontext
 from functools import partial
 
 import numpy as np
@@ -333,6 +334,18 @@ def test_a_simulator_that_breaks_the_contract_is_told_before_anything_is_inferre
     simulator, message = BROKEN[how]
     with pytest.raises((SimulatorError, UsageError), match=message):
         check_events(task_of(simulator, prior={"mean": (0, 3)}, name="toy"), np.random.default_rng(0).normal(1, 1, 300))
+
+
+@pytest.mark.parametrize("parameters", [1, 2])
+@pytest.mark.parametrize("seeded", [True, False])
+def test_a_program_of_one_theta_with_a_seed_of_its_own_is_told(parameters, seeded):
+    def program(theta, n, rng):
+        return (np.random.default_rng(1) if seeded else rng).normal(theta.sum(), 1, n)
+
+    prior = {name: (0, 3) for name in "ab"[:parameters]}
+    task, x = task_of(program, prior=prior, per_theta=True), np.random.default_rng(0).normal(2, 1, 300)
+    with pytest.raises(SimulatorError, match="same events in each call") if seeded else nullcontext():
+        check_events(task, x)
 
 
 @pytest.mark.parametrize("made", [list, lambda hit: pd.DataFrame({"hit": hit})])
