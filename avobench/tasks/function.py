@@ -7,19 +7,21 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from copy import copy
+from copy import copy, deepcopy
 from functools import cached_property
 from traceback import walk_tb
 from typing import Any, get_args
+from warnings import warn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from avobench.tasks.arguments import box_of, checked
+from avobench.tasks.arguments import box_of, checked, distinct
 from avobench.tasks.contract import NAME, Box, Kind, ParameterKind, Task, histogram
-from avobench.tasks.errors import UsageError, raised, shown, text_of
+from avobench.tasks.errors import SimulatorError, UsageError, raised, shown
 from avobench.tasks.prior import Distributed, Ends
 from avobench.tasks.region import FAILURES, Failed, Region
+from avobench.tasks.weights import chosen
 
 Simulate = Callable[[NDArray[np.float64], np.random.Generator], ArrayLike]
 """theta (n, p), a generator -> one event per row: (n, d), or (n,) where an event is one number."""
@@ -28,6 +30,8 @@ NUM_BINS = 20
 """Bins of each feature in the summary, as many as the benchmark's weinberg task has."""
 FIRST = 50
 """So often a simulator that may fail is tried until it makes its first events."""
+QUICK = 1.0
+"""A simulator that takes fewer seconds for its first events is asked for them again by the same generator."""
 NUM_REFERENCE = 4000
 """Events over the prior from which the bins of the summary are taken: 200 a bin."""
 
@@ -38,6 +42,8 @@ class FunctionTask(Task):
     source = "a function of the user's own"
     reference: NDArray | None = None
     """Events (n, d) by which the summary is binned."""
+    repeats: bool = True
+    """Whether it makes the same events of the same generator, as far as a quick one was asked."""
 
     def __init__(
         self,
@@ -54,6 +60,7 @@ class FunctionTask(Task):
         missing: Sequence[str] = (),
     ) -> None:
         self.function, self.name, self.per_theta, self.failed = function, name, per_theta, failed
+        self.feature_names = tuple(feature_names)
         self.parameter_names = tuple(prior)
         self.parameter_units = tuple(units.get(parameter, "1") for parameter in prior)
         said = {name: kind for name, kind in (kinds or {}).items() if name in prior and kind in get_args(ParameterKind)}
@@ -72,12 +79,9 @@ class FunctionTask(Task):
                 if not fine and said.get(name) == "integer"
             ]:
                 raise ValueError(f"{broken[0]} is an integer, so its prior and its support must end at whole numbers")
-        n, p = self.prior.dim + 1, self.prior.dim  # another number of rows than of parameters, so none is taken for one
-        x = self._first(n, may_lack=bool(missing))
-        if x.ndim != 2 or len(x) != n:
-            raise ValueError(f"theta of shape ({n}, {p}) gave events of shape {x.shape}, not ({n}, d) or ({n},)")
+        # Another number of rows than of parameters, so that none is taken for one.
+        x = self._first(self.prior.dim + 1, may_lack=bool(missing))
         self.num_features, self.dtype = x.shape[1], x.dtype
-        self.feature_names = tuple(feature_names)
         if feature_names and len(feature_names) != self.num_features:
             raise ValueError(f"an event has {self.num_features} features, {len(feature_names)} names were given")
         self.missing = tuple(self.labels.index(name) for name in missing if name in self.labels)
@@ -166,8 +170,11 @@ class FunctionTask(Task):
         rng = np.random.default_rng(0)
         theta = np.vstack([self.prior.center, self.prior.sample(FIRST, rng)])
         for k, one in enumerate(super().quoted(theta, np.zeros_like(theta))[0]):
+            began, given = time.monotonic(), deepcopy(rng)
             try:
                 x = self._events(np.tile(one, (n, 1)), rng)
+                if time.monotonic() - began < QUICK:
+                    self.repeats = np.array_equal(x, self._events(np.tile(one, (n, 1)), given), equal_nan=True)
             except FAILURES:
                 if self.failed == "raise" or k == FIRST:
                     raise
@@ -179,24 +186,34 @@ class FunctionTask(Task):
     def _events(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         if self.per_theta:
             nodes, which, counts = np.unique(theta, axis=0, return_inverse=True, return_counts=True)
-            made = [self._array(self.function(node, int(n), rng)) for node, n in zip(nodes, counts, strict=True)]
-            if wrong := [x.shape for x, n in zip(made, counts, strict=True) if len(x) != n]:
-                raise ValueError(f"one of {len(nodes)} calls with one theta gave events of shape {wrong[0]}")
-            x = np.concatenate(made)
+            calls = zip(nodes, counts.tolist(), strict=True)
+            x = np.concatenate([self._array(self.function(node, n, rng), n) for node, n in calls])
             return x[np.argsort(np.argsort(which, kind="stable"))]
-        return self._array(self.function(theta, rng))
+        return self._array(self.function(theta, rng), len(theta))
 
-    @staticmethod
-    def _array(x: ArrayLike) -> NDArray:
-        """What a function returned as events (n, d). Raises ValueError for what are no numbers."""
+    def _array(self, x: ArrayLike, n: int) -> NDArray:
+        """What the function returned as n events (n, d), copied. Raises ValueError for what are no numbers.
+
+        Raises SimulatorError for another number of events, and UsageError for a table without a column of a feature.
+        """
         if np.ma.is_masked(x):
             raise ValueError("it returned masked values, which are no events")
-        x = np.asarray(x)
-        if x.dtype.kind == "c":
+        if hasattr(x, "columns"):
+            x = chosen(x, self.feature_names)
+        made = np.asarray(x)
+        if made.dtype.kind == "c":
             raise ValueError("it returned complex numbers; return their real part, or both parts as features")
-        if x.ndim == 1:
-            x = x[:, None]
-        return x.astype(np.int64) if x.dtype.kind in "bui" else x.astype(np.float64, copy=False)
+        if made.ndim not in (1, 2) or len(made) != n:
+            got, p = f"events of shape {made.shape}" if made.ndim else shown(x), self.prior.dim
+            due, first = f"theta of shape ({n}, {p}); return an event for each row", "theta[:, 0]"
+            if self.per_theta:
+                due, first = f"one theta of shape ({p},) and n = {n}; return n events", "theta[0]"
+            raise SimulatorError(
+                f"the function of {self.name} returned {got} for {due}, as ({n},) or ({n}, d), where {first} is the "
+                "first parameter"
+            )
+        made = made[:, None] if made.ndim == 1 else made
+        return made.astype(np.int64 if made.dtype.kind in "bui" else np.float64)
 
     def _of_their_kinds(self, x: NDArray) -> NDArray:
         """Events (n, d) in the type of the task. Raises ValueError for a count that is none."""
@@ -260,7 +277,7 @@ def task(
     units
         Physical units by name of the parameter; "1" where there is none.
     features
-        A name for each of the d numbers of an event.
+        A name for each of the d numbers of an event; of a simulator that returns a DataFrame, the columns to take.
     kinds
         What a feature is, by its name (x1, x2, ... where it has none): "count", "continuous", or "angle" for one that
         comes round again. Of others the type of the events says it: whole numbers are counts. A parameter that takes
@@ -303,7 +320,9 @@ def task(
     >>> decay.simulate(np.full((3, 1), 2.0), np.random.default_rng(0)).shape
     (3, 1)
     """
+    distinct("features", features)
     if not isinstance(prior, Mapping):
+        distinct("parameters", names or ())
         if names is None or len(names) != len(prior):
             raise UsageError(f"names must give a name to each of the {len(prior)} parameters of the prior, got {names}")
         prior = dict(zip(names, prior, strict=True))
@@ -337,15 +356,26 @@ def task(
     except UsageError:
         raise
     except (Exception, SystemExit) as error:  # a user's function may raise anything
-        hint = "; theta has a row for each event, so theta[:, 0] is the first parameter" if _in(simulate, error) else ""
-        raise UsageError(f"the task {label} cannot be made: {raised(error)}{hint}") from error
+        hint, said = "", str(error) if isinstance(error, SimulatorError) else raised(error)
+        if _in(simulate, error):
+            hint = (
+                "; theta is one, (p,), so theta[0]" if per_theta else "; theta has a row for each event, so theta[:, 0]"
+            )
+            hint += " is the first parameter"
+        raise UsageError(f"the task {label} cannot be made: {said}{hint}") from error
+    if not made.repeats:
+        warn(
+            f"{label} makes other events when it is given the same generator again: take all randomness from that, or "
+            "one seed gives more than one answer",
+            stacklevel=3,
+        )
     return made
 
 
 def _in(function: Simulate, error: BaseException) -> bool:
-    """Tell whether an error came out of a function, or tells of the shape of what it returned."""
+    """Tell whether an error came out of a function."""
     frames = (frame.f_code for frame, _ in walk_tb(error.__traceback__))
-    return getattr(function, "__code__", None) in frames or "gave events of shape" in text_of(error)
+    return getattr(function, "__code__", None) in frames
 
 
 class _Over(BaseException):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.tasks.contract import Task
-from avobench.tasks.errors import SimulatorError, raised
+from avobench.tasks.errors import BudgetExhausted, SimulatorError, raised
 
 Failed = Literal["raise", "region"]
 """What is done where a simulator fails."""
@@ -194,6 +194,10 @@ class Region:
                     self._raises = True
                     calls += np.array_split(rows, int(np.ceil(np.sqrt(len(rows)))))
                 continue
+            except (SimulatorError, BudgetExhausted):
+                raise
+            except (Exception, SystemExit) as error:
+                raise SimulatorError(f"the simulator of {self._task.name} raised {raised(error)}") from error
             if made.shape != (len(rows), self._task.num_features):
                 raise SimulatorError(f"the simulator of {self._task.name} returned events of shape {made.shape}")
             fine = ~self._task.broken(made)

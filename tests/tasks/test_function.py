@@ -1,11 +1,14 @@
 """A task from a plain function."""
 
 import contextlib
+import random
 import signal
 import sys
 import time
+import warnings
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import avobench
@@ -175,5 +178,87 @@ def test_a_diagnosis_starts_a_program_seldom(program):
 
 
 def test_a_program_that_makes_too_few_events_is_named():
-    with pytest.raises(UsageError, match=r"one of 1 calls with one theta gave events of shape \(3, 1\)"):
+    with pytest.raises(UsageError, match=r"events of shape \(3,\) for one theta of shape \(1,\) and n = 2"):
         task(lambda theta, n, rng: np.ones(3), prior={"a": (0, 1)}, name="few", per_theta=True)
+
+
+@pytest.mark.parametrize("failed", ["raise", "region"])
+@pytest.mark.parametrize("per_theta", [False, True])
+@pytest.mark.parametrize("returned", [None, 1.0, "text", np.ones(1), np.ones((1, 2)), np.ones((2, 1, 1))])
+def test_what_is_returned_in_place_of_events_is_said_beside_what_is_due(returned, per_theta, failed):
+    with pytest.raises(
+        UsageError, match=r"returned .* for .*, as \(2,\) or \(2, d\), where (.*) is the first"
+    ) as error:
+        task(lambda *given: returned, prior={"a": (0, 1)}, name="odd", per_theta=per_theta, failed=failed)
+    assert ("theta[0]" in str(error.value)) == per_theta
+    assert "\n" not in str(error.value)
+
+
+def test_the_hint_to_an_error_tells_how_theta_is_given():
+    with pytest.raises(UsageError, match=r"IndexError.*theta\[0\] is the first parameter"):
+        task(lambda theta, n, rng: theta[:, 0], prior={"a": (0, 1)}, name="rows", per_theta=True)
+
+
+def table_of_rows(theta, rng):
+    return pd.DataFrame({"t": rng.exponential(theta[:, 0]), "z": rng.normal(theta[:, 0] + 100)})
+
+
+def table_of_one(theta, n, rng):
+    return table_of_rows(np.tile(theta, (n, 1)), rng)
+
+
+@pytest.mark.parametrize("function", [table_of_rows, table_of_one])
+@pytest.mark.parametrize("features", [["z", "t"], ["z"], ["t", "z"], []])
+def test_features_of_a_simulated_table_are_chosen_by_name(function, features):
+    options = {"prior": {"mean": (1, 4)}, "per_theta": function is table_of_one}
+    made = task(function, features=features, **options)
+    x = made.simulate(np.full((50, 1), 2.0), np.random.default_rng(0))
+    expected = table_of_rows(np.full((50, 1), 2.0), np.random.default_rng(0))[features or ["t", "z"]]
+    np.testing.assert_array_equal(x, expected.to_numpy())
+    with pytest.raises(UsageError, match="no column 'u'; the columns are t, z"):
+        task(function, features=["t", "u"], **options)
+
+
+@pytest.mark.parametrize("what", [{"features": ["a", "a"]}, {"prior": [(0, 1), (1, 2)], "names": ["a", "a"]}])
+def test_a_name_that_comes_twice_is_refused(what):
+    with pytest.raises(UsageError, match="have the name a"):
+        task(pair, **{"prior": {"a": (0, 1), "b": (1, 2)}} | what)
+
+
+@pytest.mark.parametrize(
+    ("draw", "told"),
+    [
+        (lambda mean, rng: np.random.exponential(mean), True),
+        (lambda mean, rng: np.random.default_rng().exponential(mean), True),
+        (lambda mean, rng: [random.expovariate(1 / one) for one in mean], True),
+        (lambda mean, rng: rng.exponential(mean), False),
+        (lambda mean, rng: np.where(rng.random(len(mean)) < 2, np.nan, mean), False),
+    ],
+)
+@pytest.mark.parametrize("per_theta", [False, True])
+def test_randomness_beside_the_generator_is_told(draw, told, per_theta):
+    def events(theta, *given):
+        return draw(np.full(given[0], theta[0]) if per_theta else theta[:, 0], given[-1])
+
+    with warnings.catch_warnings(record=True, action="always") as seen:
+        task(events, prior={"mean": (1, 4)}, per_theta=per_theta)
+    assert ["same generator again" in str(one.message) for one in seen] == [True] * told
+
+
+def test_a_slow_simulator_is_asked_once(monkeypatch):
+    monkeypatch.setattr("avobench.tasks.function.QUICK", 0)
+    calls = []
+    task(lambda theta, rng: calls.append(len(theta)) or rng.normal(theta), prior={"a": (0, 1)}, name="slow")
+    assert calls == [2]
+
+
+def test_events_stay_though_a_program_fills_one_buffer_for_each_theta():
+    buffer = np.empty(100)
+
+    def reusing(theta, n, rng):
+        buffer[:n] = theta[0]
+        return buffer[:n]
+
+    theta = np.array([[1.0], [2.0], [3.0], [1.0]])
+    made = task(reusing, prior={"a": (0, 4)}, per_theta=True)
+    np.testing.assert_array_equal(made.simulate(theta, np.random.default_rng(0)), theta)

@@ -137,3 +137,15 @@ def test_what_never_works_or_is_no_policy_is_said_at_once():
         avobench.task(lambda theta, rng: np.nan * theta[:, 0], prior={"a": (0, 1)}, failed="region")
     with pytest.raises(UsageError, match="failed must be one of raise, region"):
         avobench.task(normal, prior=PRIOR, failed="drop")
+
+
+@pytest.mark.parametrize("error", [KeyError("boom"), SystemExit(1), AttributeError("none")])
+def test_a_fault_of_the_code_is_no_failure_and_is_said_in_a_line(error):
+    def faulty(theta, rng):
+        if (theta[:, 0] > 2.5).any():
+            raise error
+        return normal(theta, rng)
+
+    task = avobench.task(faulty, prior=PRIOR, failed="region")
+    with pytest.raises(SimulatorError, match=f"the simulator of faulty raised {type(error).__name__}"):
+        avobench.infer(task, np.zeros(300), "smm", budget=20_000, progress=False)
