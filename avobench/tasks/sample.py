@@ -4,12 +4,14 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
+from warnings import warn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.tasks.arguments import box_of, checked, distinct, numbers, reals
 from avobench.tasks.contract import Box, Task, histogram
+from avobench.tasks.copies import copies
 from avobench.tasks.errors import UsageError, whole
 from avobench.tasks.weights import chosen, column, drawn, effective_drawn, weights_of, without_negative
 
@@ -45,8 +47,8 @@ class SampleTask(Task):
     ) -> None:
         """Events (M, d) without weights, in random order, at theta (M, p).
 
-        Copies of one event have the same `source` (M,), a number without a meaning. Weighted events were `worth` so
-        many each, and their weights added up to a `total`.
+        Copies of one event have the same `source` (M,), a number without a meaning. Events with weights or copies were
+        `worth` so many each, and their weights added up to a `total`.
         """
         self.name, self.events, self.worth, self.total = name, events, worth, total
         self.parameter_names, self.parameter_units = tuple(parameters), ("1",) * len(parameters)
@@ -158,7 +160,8 @@ def bank(
     Parameters
     ----------
     events
-        Simulated events: an array (M, d), or (M,) where an event is one number, or a DataFrame.
+        Simulated events: an array (M, d), or (M,) where an event is one number, or a DataFrame. Copies of one event, as
+        a bootstrap makes them, count as its weight, where they are surely no values that were rounded.
     theta
         Parameters at which each event was made: an array (M, p), columns by name of the parameter, as of a DataFrame,
         or the names of columns of `events`. None where all were made at the same, unknown or fixed parameters.
@@ -217,6 +220,14 @@ def bank(
     if weights is None:
         rows, worth, total = rng.permutation(len(x)), 1.0, float(len(x))
         source = np.arange(len(x))
+        if (same := copies(x, columns)) is not None:
+            source, times = rng.permutation(same.max() + 1)[same][rows], np.bincount(same)
+            worth = len(x) / float((times**2).sum())
+            warn(
+                f"{len(x) - len(times)} of {len(x)} simulated events are copies of others, and count as weights of "
+                f"these: all are worth {worth * len(x):.0f} of equal weight",
+                stacklevel=3,
+            )
     else:
         rows, worth, total = _drawn(x, columns, weights, rng)
         source = rng.permutation(len(x))[rows]

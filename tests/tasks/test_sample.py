@@ -1,11 +1,12 @@
 """Simulated events from elsewhere, with their parameters and weights."""
 
+import warnings
 from functools import partial
 
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import binom
 
@@ -199,3 +200,88 @@ def test_masked_values_are_refused(missing):
     with pytest.raises(UsageError, match="masked"):
         avobench.diagnose(masked, x)
     assert len(avobench.bank(np.ma.array(x), missing=missing).events) == 600
+
+
+SHAPES = {
+    "exponential": lambda n, rng: rng.exponential(2, n),
+    "uniform": lambda n, rng: rng.random(n),
+    "cauchy": lambda n, rng: rng.standard_cauchy(n),
+}
+
+
+@given(
+    seed=st.integers(0, 99), shape=st.sampled_from(list(SHAPES)), times=st.sampled_from([0, 2, 4]), whole=st.booleans()
+)
+@settings(max_examples=30, deadline=None)
+def test_copies_of_an_event_count_as_its_weight(seed, shape, times, whole):
+    rng = np.random.default_rng(seed)
+    x = SHAPES[shape](3000, rng)
+    x = np.tile(x, times) if times else rng.choice(x, 3000)  # a bootstrap: of a row there are 2 on average
+    x = np.c_[x, np.rint(x)] if whole else x
+    with pytest.warns(
+        UserWarning, match=f"{len(x) - len(np.unique(x, axis=0))} of {len(x)} simulated events are copies"
+    ):
+        sample = avobench.bank(x, seed=seed)
+    assert sample.worth == pytest.approx(1 / (times or 2), rel=0.1 if times == 0 else 1e-9)
+    assert not np.isin(sample.events[sample.aside[0], 0], sample.events[sample.groups[0], 0]).any()
+    np.testing.assert_array_equal(np.sort(sample.events[:, 0]), np.sort(np.reshape(x, (len(x), -1))[:, 0]))
+
+
+def grids(x, step, kind, rng):
+    """Values that were rounded: to a grid, before a calibration, in channels of their own, or once more as floats."""
+    if kind == "channels":
+        gain = step * (1 + 0.0371 * rng.integers(3, size=len(x)))
+        return np.rint(x / gain) * gain
+    rounded = np.rint(x / step) * step
+    if kind == "calibrated":
+        return np.arcsinh(rounded) + rounded**3 / 10
+    return rounded * (1 + 1e-16 * rng.integers(-2, 3, len(x))) if kind == "floats" else rounded
+
+
+@given(
+    seed=st.integers(0, 99),
+    shape=st.sampled_from(list(SHAPES)),
+    step=st.floats(1e-3, 1),
+    kind=st.sampled_from(["grid", "calibrated", "channels", "floats"]),
+    pair=st.booleans(),
+)
+@settings(max_examples=150, deadline=None)
+def test_rounded_values_and_counts_are_no_copies(seed, shape, step, kind, pair):
+    rng = np.random.default_rng(seed)
+    x = grids(SHAPES[shape](4000, rng), step, kind, rng)
+    x = np.c_[x, grids(SHAPES[shape](4000, rng), step, kind, rng)] if pair else x
+    with warnings.catch_warnings(action="error"):
+        assert avobench.bank(x).worth == 1
+        assert avobench.bank(np.tile(np.rint(x / step).astype(np.int64), (2, 1) if pair else 2)).worth == 1
+
+
+def test_the_same_events_at_two_thetas_are_no_copies():
+    x = np.random.default_rng(0).normal(size=2000)
+    assert avobench.bank(np.tile(x, 2), theta={"a": np.repeat([1.0, 2.0], 2000)}).worth == 1
+
+
+def test_copies_are_seen_beside_missing_values_and_none_where_one_value_is_frequent():
+    rng = np.random.default_rng(0)
+    x = np.tile(np.where(rng.random(2000) < 0.3, np.nan, rng.normal(size=2000)), 3)
+    both = np.c_[x, np.tile(rng.normal(size=2000), 3)]
+    with pytest.warns(UserWarning, match="4000 of 6000 simulated events are copies"):
+        assert avobench.bank(both, missing=["x1"]).worth == pytest.approx(1 / 3)
+    with warnings.catch_warnings(action="error"):
+        frequent = np.where(rng.random(6000) < 0.4, 1.5, rng.normal(size=6000))
+        assert avobench.bank(frequent).worth == avobench.bank(np.tile(frequent, 2)).worth == 1
+
+
+def test_copies_raise_no_alarm():
+    """Of 16 right samples, four copies of each event, two in three were rejected."""
+    rejected = 0
+    for seed in range(16):
+        rng = np.random.default_rng(seed)
+        with pytest.warns(UserWarning, match="copies"):
+            found = avobench.diagnose(
+                np.tile(rng.exponential(2, 2000), 4), rng.exponential(2, 2000), progress=False, effects=[]
+            )
+        assert any(
+            "8000 simulated events with weights or copies are worth 2000" in note for note in found.diagnosis.notes
+        )
+        rejected += found.verdict != "no significant disagreement"
+    assert rejected <= binom.isf(1e-4, 16, 0.05)

@@ -94,7 +94,7 @@ def check_events(
         )
     if isinstance(task, SampleTask) and task.worth < 1:
         n = len(task.events)
-        warnings.append(f"{n} simulated events with weights are worth {n * task.worth:.0f} of equal weight")
+        warnings.append(f"{n} simulated events with weights or copies are worth {n * task.worth:.0f} of equal weight")
     if task.event_shape or set(task.kinds_of_features) != {"count"}:
         repeated = num_repeated(x)
         if repeated > MANY_REPEATS * len(x):
