@@ -220,17 +220,18 @@ def bank(
     if weights is None:
         rows, worth, total = rng.permutation(len(x)), 1.0, float(len(x))
         source = np.arange(len(x))
-        if (same := copies(x, columns)) is not None:
-            source, times = rng.permutation(same.max() + 1)[same][rows], np.bincount(same)
-            worth = len(x) / float((times**2).sum())
-            warn(
-                f"{len(x) - len(times)} of {len(x)} simulated events are copies of others, and count as weights of "
-                f"these: all are worth {worth * len(x):.0f} of equal weight",
-                stacklevel=3,
-            )
     else:
         rows, worth, total = _drawn(x, columns, weights, rng)
         source = rng.permutation(len(x))[rows]
+    if (same := copies(x, columns)) is not None:
+        num_distinct = same.max() + 1
+        source = rng.permutation(num_distinct)[same][rows]
+        worth = min(worth, len(x) / float((np.bincount(source) ** 2).sum()))
+        warn(
+            f"{len(x) - num_distinct} of {len(x)} simulated events are copies of others, and count as weights of "
+            f"these: all are worth {worth * len(x):.0f} of equal weight",
+            stacklevel=3,
+        )
     made = SampleTask(x[rows], columns[rows], source, names, features, box, worth, total, name, missing)
     least = min(range(len(made.groups)), key=lambda k: len(made.groups[k]))
     if (few := len(made.groups[least]) + len(made.aside[least])) < LEAST:

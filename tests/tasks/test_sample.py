@@ -210,10 +210,14 @@ SHAPES = {
 
 
 @given(
-    seed=st.integers(0, 99), shape=st.sampled_from(list(SHAPES)), times=st.sampled_from([0, 2, 4]), whole=st.booleans()
+    seed=st.integers(0, 99),
+    shape=st.sampled_from(list(SHAPES)),
+    times=st.sampled_from([0, 2, 4]),
+    whole=st.booleans(),
+    weighted=st.booleans(),
 )
 @settings(max_examples=30, deadline=None)
-def test_copies_of_an_event_count_as_its_weight(seed, shape, times, whole):
+def test_copies_of_an_event_count_as_its_weight(seed, shape, times, whole, weighted):
     rng = np.random.default_rng(seed)
     x = SHAPES[shape](3000, rng)
     x = np.tile(x, times) if times else rng.choice(x, 3000)  # a bootstrap: of a row there are 2 on average
@@ -221,7 +225,7 @@ def test_copies_of_an_event_count_as_its_weight(seed, shape, times, whole):
     with pytest.warns(
         UserWarning, match=f"{len(x) - len(np.unique(x, axis=0))} of {len(x)} simulated events are copies"
     ):
-        sample = avobench.bank(x, seed=seed)
+        sample = avobench.bank(x, weights=np.full(len(x), 0.5) if weighted else None, seed=seed)
     assert sample.worth == pytest.approx(1 / (times or 2), rel=0.1 if times == 0 else 1e-9)
     assert not np.isin(sample.events[sample.aside[0], 0], sample.events[sample.groups[0], 0]).any()
     np.testing.assert_array_equal(np.sort(sample.events[:, 0]), np.sort(np.reshape(x, (len(x), -1))[:, 0]))
