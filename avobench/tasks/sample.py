@@ -213,7 +213,9 @@ def bank(
     labels = list(features or [f"x{j + 1}" for j in range(x.shape[1])])
     if unknown := [one for one in missing if one not in labels]:
         raise UsageError(f"missing names '{unknown[0]}'; the features are {', '.join(labels)}")
-    numbers("the simulated events", x[:, [one not in missing for one in labels]])
+    for one, values in zip(labels, x.T, strict=True):
+        if one not in missing:
+            numbers(f"the values of {one} of the simulated events", values)
     if np.isinf(x).any():
         raise UsageError("the simulated events hold infinite values: mend or drop them")
     names, columns, box = _parameters(theta, prior, len(x))

@@ -159,7 +159,7 @@ def test_one_name_is_one_column_of_theta():
         (pd.Timestamp("2020-02-02"), "column w"),
         (pd.array([True, None] * 150, dtype="boolean"), "column w"),
         ([[1]] * 300, "column w"),
-        (pd.array([1, None] * 150, dtype="Int64"), "NaN"),
+        (pd.array([1, None] * 150, dtype="Int64"), "the values of w of the simulated events hold NaN"),
     ],
 )
 @pytest.mark.parametrize("missing", [[], ["y"]])
