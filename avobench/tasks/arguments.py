@@ -98,7 +98,6 @@ def reals(what: str, values: ArrayLike) -> NDArray:
     if array.dtype.kind not in "biuf":
         raise UsageError(f"{what} must be real numbers, got {array.dtype}{if_uneven(array.ravel())}")
     return array
-    return array
 
 
 def distinct(what: str, names: Iterable[object]) -> None:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from avobench.bench.events.files import seconds
 from avobench.tasks import Task
 from avobench.tasks.checked import checked_events
+from avobench.tasks.copies import copies
 from avobench.tasks.errors import SimulatorError, UsageError, if_uneven
 from avobench.tasks.sample import SampleTask
 
@@ -44,13 +45,6 @@ BY_CHANCE = 0.01
 TRUTH = "truth values are taken as 0 and 1"
 MANY_REPEATS = 0.01
 """A larger share of repeated events is worth a warning."""
-FEW_VALUES = 0.2
-"""Events that repeat have at least so many values, as a share of their number, where they are copies. And so many
-values, at most, are rounded by chance."""
-DIGITS = 8
-"""Decimal digits of a number that is not rounded, at least; and it has more than those of single precision."""
-ON_A_GRID = 0.02
-"""Least gap between two values, as a share of the median gap, below which they lie on no grid."""
 
 
 Simulate = Callable[[NDArray[np.float64], np.random.Generator], NDArray]
@@ -99,7 +93,7 @@ def check_events(
         repeated = num_repeated(x)
         if repeated > MANY_REPEATS * len(x):
             told = f"{repeated} of {len(x)} events repeat an earlier one"
-            if diagnosis and not task.event_shape and are_copies(x):
+            if diagnosis and not task.event_shape and copies(x, x[:, :0]) is not None:
                 raise UsageError(f"{told}, and their values are not rounded; drop the copies, or round the values")
             warnings.append(f"{told}: unless the values were rounded, repeated events falsify every test")
     return _cast(task, x), warnings
@@ -198,26 +192,6 @@ def _counted(x: NDArray) -> tuple[NDArray, list[str]]:
 def num_repeated(x: NDArray) -> int:
     """The number of events (n, d) that repeat an earlier one. A hash of 64 bits stands for each, to save memory."""
     return int(pd.util.hash_pandas_object(pd.DataFrame(x + 0), index=False).duplicated().sum())  # -0 + 0 is 0
-
-
-def are_copies(x: NDArray) -> bool:
-    """Tell whether events (n, d) that repeat others are copies, and neither rounded nor gathered at a few values.
-
-    Rounded values have few digits, or lie on a grid, so that none is much nearer to the next than usual.
-    """
-    distinct, counts = np.unique(x, axis=0, return_counts=True)
-    often = distinct[counts > 1]
-    return len(often) >= FEW_VALUES * (counts - 1).sum() and any(map(_is_exact, often.T))
-
-
-def _is_exact(values: NDArray) -> bool:
-    """Tell whether values (n,) are real numbers that were not rounded."""
-    values = np.unique(values[~np.isnan(values)])
-    short = values == [float(f"{value:.{DIGITS}g}") for value in values]
-    if len(values) < 2 or max(short.mean(), (values == np.float32(values)).mean()) > FEW_VALUES:
-        return False
-    gaps = np.diff(values)
-    return bool(gaps.min() < ON_A_GRID * np.median(gaps))
 
 
 def with_times(
