@@ -94,7 +94,7 @@ def check_events(
         if repeated > MANY_REPEATS * len(x):
             told = f"{repeated} of {len(x)} events repeat an earlier one"
             if diagnosis and not task.event_shape and copies(x, x[:, :0]) is not None:
-                raise UsageError(f"{told}, and their values are not rounded; drop the copies, or round the values")
+                raise UsageError(f"{told}, which no rounding of values explains; drop the copies")
             warnings.append(f"{told}: unless the values were rounded, repeated events falsify every test")
     return _cast(task, x), warnings
 
