@@ -29,10 +29,10 @@ FARTHEST = 2.0
 """Largest distance from the center of the fit, in kernel widths: beyond it the fit describes next to no events."""
 MANY = 20
 """Events for each feature from which a misfit can be told: the covariance of the features must be known well."""
-KNOWN = 400
-"""Observed events for each feature from which they tell its covariance. With fewer its noise would count as knowledge;
-then simulated events tell it, which show long tails as well. With 40 the width of a Gaussian was too small by half of
-its error, on average, and the error by a sixth, from 2 000 events."""
+KNOWN, TESTED = 400, 40
+"""Observed events for each feature from which they tell its covariance for an answer, and for a test. With fewer its
+noise would count as knowledge; then simulated events tell it, which show long tails as well. With 40 the width of a
+Gaussian was too small by half of its error, on average, and the error by a sixth, from 2 000 events."""
 LARGER_OF_FEW = 1.05
 """Factor by which errors are larger over a narrower kernel, from which those of the wider one do not stand, where the
 observed events are too few to tell a covariance: their errors are wide, and over ten of them the means bend."""
@@ -143,10 +143,10 @@ class Fold:
 
     @property
     def is_known(self) -> bool:
-        """Whether the observed events are enough to tell the covariance of the features."""
+        """Whether the observed events are enough to tell the covariance of the features for an answer."""
         return self.num_observations >= KNOWN * len(self.shift)
 
-    def near(self, center: NDArray[np.float64], kernel: NDArray[np.float64]) -> "Response":
+    def near(self, center: NDArray[np.float64], kernel: NDArray[np.float64], *, test: bool = False) -> "Response":
         """How the mean of phi depends on theta near center (p,); the kernel's covariance is kernel @ kernel.T (p, p).
 
         The covariance is that of the observed events, or of the simulated ones about their mean, see KNOWN. Raises
@@ -155,7 +155,7 @@ class Fold:
         near = Neighbours(self.u, center, kernel)
         synthetic = self.synthetic[near.rows]
         coefficients = near.fit(synthetic)
-        if self.is_known:
+        if self.is_known or (test and self.num_observations >= TESTED * len(self.shift)):
             known = self.inverse_beside(synthetic, near.weights)
         else:
             scatter = synthetic - quadratic(near.z) @ coefficients
@@ -180,7 +180,7 @@ class Fold:
         It is about 1 where `mean` is right, and 1 by definition where there are too few events to tell. Raises
         TooFewEvents.
         """
-        response = self.near(mean, kernel_of(root))
+        response = self.near(mean, kernel_of(root), test=True)
         difference = response.coefficients[0]
         if response.num_effective < MANY * len(difference):
             return 1.0
