@@ -23,7 +23,7 @@ read = FILE.read
 METHODS = ("avo", "rank-moments", "smm")
 EVENTS = (300, 2000)
 """Observed events of a fit."""
-NUM_FITS = 20
+NUM_FITS = 12
 """Fits of each case, each at other parameters of the prior."""
 
 
