@@ -100,7 +100,7 @@ class FitSettings:
     """Share of a design within which a minimum is believed: further out it may lie beyond."""
     coarse_share: float = 0.5
     """Share of the events of a round, in the rounds before the bins suit what is simulated."""
-    narrow_prior: float = 0.5
+    narrow_prior: float = 0.05
     """Share of the support, in any parameter, below which the first search for theta keeps to the prior."""
     scans: int = 2
     """Scans from which theta is fitted again before a disagreement is believed: a single one may go astray."""

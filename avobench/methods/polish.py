@@ -29,10 +29,9 @@ FARTHEST = 2.0
 """Largest distance from the center of the fit, in kernel widths: beyond it the fit describes next to no events."""
 MANY = 20
 """Events for each feature from which a misfit can be told: the covariance of the features must be known well."""
-KNOWN, TESTED = 400, 40
-"""Observed events for each feature from which they tell its covariance for an answer, and for a test. With fewer its
-noise would count as knowledge; then simulated events tell it, which show long tails as well. With 40 the width of a
-Gaussian was too small by half of its error, on average, and the error by a sixth, from 2 000 events."""
+KNOWN = 40
+"""Observed events for each feature from which they tell its covariance. With fewer its noise would count as knowledge;
+then simulated events tell it, which show long tails as well."""
 LARGER_OF_FEW = 1.05
 """Factor by which errors are larger over a narrower kernel, from which those of the wider one do not stand, where the
 observed events are too few to tell a covariance: their errors are wide, and over ten of them the means bend."""
@@ -117,10 +116,12 @@ class Fold:
     """Events on which a discriminator was not trained, as its last layer sees them.
 
     `real` (N, k) are the features phi of the observed events, and `synthetic` (n, k) those of the events simulated at
-    u (n, p); see `polish`.
+    u (n, p); see `polish`. From `known` observed events for each feature on, they tell the covariance for an answer.
     """
 
-    def __init__(self, real: NDArray[np.float32], synthetic: NDArray[np.float32], u: NDArray[np.float64]) -> None:
+    def __init__(
+        self, real: NDArray[np.float32], synthetic: NDArray[np.float32], u: NDArray[np.float64], known: int = KNOWN
+    ) -> None:
         scale, simulated = real.std(axis=0, dtype=float), synthetic.std(axis=0, dtype=float)
         alike = scale.max() <= CONSTANT * simulated.max()
         if alike:  # they may scatter as if one event in N were as far off as a simulated one is
@@ -131,7 +132,7 @@ class Fold:
         covariance = np.eye(kept.sum()) if alike else (real.T @ real).astype(float) / len(real)
         self.covariance = covariance + RIDGE * np.eye(len(covariance))
         self.inverse = np.linalg.inv(self.covariance)
-        self.num_observations = len(real)
+        self.num_observations, self.is_known = len(real), len(real) >= known * kept.sum()
         self.synthetic, self.u = self._standardised(synthetic), u
 
     def _standardised(self, phi: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -141,21 +142,16 @@ class Fold:
         self.synthetic = np.concatenate([self.synthetic, self._standardised(synthetic)])
         self.u = np.concatenate([self.u, u])
 
-    @property
-    def is_known(self) -> bool:
-        """Whether the observed events are enough to tell the covariance of the features for an answer."""
-        return self.num_observations >= KNOWN * len(self.shift)
-
     def near(self, center: NDArray[np.float64], kernel: NDArray[np.float64], *, test: bool = False) -> "Response":
         """How the mean of phi depends on theta near center (p,); the kernel's covariance is kernel @ kernel.T (p, p).
 
-        The covariance is that of the observed events, or of the simulated ones about their mean, see KNOWN. Raises
-        TooFewEvents.
+        The covariance is that of the observed events, or of the simulated ones about their mean, see KNOWN, which is
+        also what counts for a `test`. Raises TooFewEvents.
         """
         near = Neighbours(self.u, center, kernel)
         synthetic = self.synthetic[near.rows]
         coefficients = near.fit(synthetic)
-        if self.is_known or (test and self.num_observations >= TESTED * len(self.shift)):
+        if self.is_known or (test and self.num_observations >= KNOWN * len(self.shift)):
             known = self.inverse_beside(synthetic, near.weights)
         else:
             scatter = synthetic - quadratic(near.z) @ coefficients

@@ -225,3 +225,18 @@ def test_a_peak_of_unknown_place_is_mostly_found_before_anything_is_said_to_be_m
         _, p = theta_of(simulate, {"place": (0.1, 0.9), "share": (0, 1)}, x, seed)
         missed += p < 1e-10
     assert missed <= 2
+
+
+def test_a_model_with_a_narrow_peak_describes_its_own_events():
+    """Its prior knows where the peak is; a search over all of its support missed it and rejected the model."""
+
+    def peak(theta, rng):
+        tau, share, centre, width = theta.T
+        return np.where(rng.random(len(theta)) < share, rng.normal(centre, width), rng.exponential(tau))
+
+    support = {"tau": (1, 4), "share": (0, 0.9), "centre": (0, 11), "width": (0.05, 2)}
+    prior = {"tau": (1, 4), "share": (0.05, 0.13), "centre": (4.9, 5.2), "width": (0.05, 0.25)}
+    fitted = task_of(peak, prior=prior, support=support, name="fitted")
+    x = fitted.simulate(np.tile([2.2, 0.09, 5.05, 0.15], (3000, 1)), np.random.default_rng(0))
+    found = diagnose(fitted, x, effects=[]).diagnosis
+    assert found.verdict == Verdict.NOTHING
