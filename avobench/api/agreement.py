@@ -24,6 +24,8 @@ LEVEL = 0.01
 """A p-value below it is a doubt. One sound fit in twenty may be doubted, for what theta is off by."""
 FEWEST = 10
 """Events of each kind below which nothing is said."""
+ROUNDING = 1e-12
+"""Probabilities that differ by less are the same."""
 LEARNT_FROM = 100
 """Events of each kind in either half from which a classifier learns."""
 MOST_INTERVALS = 1024
@@ -160,7 +162,7 @@ def classified(observed: NDArray, simulated: NDArray, rng: np.random.Generator) 
         judged = [trees.predict_proba(x[1 - half :: 2])[:, 1] for x in (observed, simulated)]
         if np.ptp(np.concatenate(judged)) == 0:
             p_values.append(1.0)
-        elif min(map(np.ptp, judged)) == 0:  # without a variance there is no t
+        elif min(map(np.ptp, judged)) < ROUNDING:  # without a variance there is no t
             p_values.append(mannwhitneyu(*judged, alternative="greater").pvalue)
         else:
             p_values.append(ttest_ind(*judged, equal_var=False, alternative="greater").pvalue)

@@ -72,7 +72,7 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     fits with a parameter that is more than three errors off, and no doubt.
     """
     rows = []
-    for key, fits in pd.DataFrame(records[0]["fits"]).groupby(["task", "events", "method"], sort=False):
+    for key, fits in pd.DataFrame(records[0]["fits"]).groupby(["task", "events", "method"]):
         off = np.stack(fits["off"])
         row = dict(zip(("task", "events", "method"), key, strict=True)) | {"fits": len(fits)}
         row |= {"rms": np.sqrt((off**2).mean()), "bias": off.mean()}

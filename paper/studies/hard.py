@@ -43,10 +43,6 @@ SLOW, OF_SLOW = ("npe", "nre", "nle"), 2
 """Rows of which a fit takes up to minutes, and of how many unseen targets they are made alone."""
 OF_OTHERS = 4
 """The first targets of each task of others. No method was developed on these tasks."""
-LARGER = ("avo", "rank-moments")
-"""Rows of which the first unseen targets are also fitted from TIMES as many events, observed and simulated."""
-TIMES = 4
-OF_LARGER = 3
 FAR = 5.0
 """Squared error over the floor from which a fit should be doubted. Chance alone takes one parameter in 40 beyond it."""
 WRONG = 3.0
@@ -64,8 +60,7 @@ def made(
     """The record of the study at `path`, of which each fit that is lacking is made and written at once.
 
     `fits` holds for each the `task`, `target`, `method` (a row of METHODS) and its `version`; its `theta`, the `floors`
-    of its parameters, `estimate`, `error`, `doubt` and `seconds`. Where there were more events, `times` says how often
-    as many. Raises StoreError for a damaged file.
+    of its parameters, `estimate`, `error`, `doubt` and `seconds`. Raises StoreError for a damaged file.
     """
     record = FILE.begun(path, "fits", seed=seed, num_observations=num_events, budget=budget)
     methods = {label: registry.build("method", *how) for label, how in METHODS.items()}
@@ -75,9 +70,6 @@ def made(
         first = 0 if task in SBIBM else DEVELOPMENT_TARGETS
         if target < OF_OTHERS if task in SBIBM else label not in SLOW or first <= target < first + OF_SLOW:
             wanted.append((key, partial(one, task(), target, method, seed, num_events, budget)))
-        if label in LARGER and first <= target < first + OF_LARGER:
-            larger = partial(one, task(), target, method, seed, TIMES * num_events, TIMES * budget)
-            wanted.append((key | {"times": TIMES}, larger))
     return FILE.completed(path, record, "fits", wanted, "torch")
 
 
@@ -111,9 +103,7 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     fits, far or not, that are more than WRONG quoted errors off without a doubt.
     """
     rows, frame = [], _fits(records)
-    for (targets, task, method), fits in frame[frame["times"] == 1].groupby(
-        ["targets", "task", "method"], observed=True
-    ):
+    for (targets, task, method), fits in frame.groupby(["targets", "task", "method"], observed=True):
         pull, ratio = np.stack(fits["pull"]), fits["ratio"].to_numpy()
         doubted = (fits["doubt"] != "").to_numpy()
         each = [f"{value:.2g}{' D' if told else ''}" for value, told in zip(ratio, doubted, strict=True)]
@@ -126,22 +116,9 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def growth(records: list[dict[str, Any]]) -> pd.DataFrame:
-    """A row a task and method that was also given more events: the largest squared errors over floors, at both sizes.
-
-    The floor falls as one over the number of events. A ratio that stays is an error that falls as its square root.
-    """
-    frame = _fits(records)
-    both = frame.pivot_table("ratio", ["task", "method", "target"], "times", observed=True).dropna()
-    medians = both.groupby(["task", "method"], observed=True).median()
-    medians.insert(0, "targets", both.groupby(["task", "method"], observed=True).size())
-    return medians.rename(columns={1: "error / floor", TIMES: f"from {TIMES} times the events"}).reset_index()
-
-
 def _fits(records: list[dict[str, Any]]) -> pd.DataFrame:
     """The fits with their `ratio` and `pull`, and the kind of their targets; tasks and methods as in the record."""
     frame = pd.DataFrame(records[0]["fits"])
-    frame["times"] = frame["times"].fillna(1).astype(int) if "times" in frame else 1
     frame["targets"] = np.where(frame["target"] < DEVELOPMENT_TARGETS, "seen", "unseen")
     frame.loc[frame["task"].isin([task.name for task in SBIBM]), "targets"] = "of others"
     off = [np.subtract(*pair) for pair in zip(frame["estimate"], frame["theta"], strict=True)]

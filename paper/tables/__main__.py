@@ -27,7 +27,6 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = 
     "few": (few.table, "studies"),
     "fresh": (experiments.fresh, "fresh"),
     "hard": (hard.table, "studies"),
-    "hard-growth": (hard.growth, "studies"),
     "misspecification": (misspecification.table, "studies"),
     "rivals": (experiments.rivals, "reference rivals smm plain"),
     "saturation": (saturation.table, "studies"),
@@ -39,7 +38,7 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = 
 ONE_FILE = {
     "agreement": agreement.read,
     **dict.fromkeys(("contamination", "contamination-pulls", "contamination-effects"), contamination_study.read),
-    **dict.fromkeys(("hard", "hard-growth"), hard.read),
+    "hard": hard.read,
     "few": few.read,
     "misspecification": read,
     "saturation": saturation.read,
