@@ -56,7 +56,8 @@ LARGER = 1.5
 
 KNOWN = 400
 """Observed events for each feature, with the learnt ones among them, from which they tell its covariance. With 40, as
-elsewhere, 2 000 events of a Gaussian had a width that was too small by half of its error, and an error by a sixth."""
+elsewhere, 2 000 events of a Gaussian had a width that was too small by half of its error, and an error by a sixth, on
+development draws."""
 
 FEW = 8
 """With at most so many, statistic and inputs, the squares of the inputs stand beside them where the score is learnt."""

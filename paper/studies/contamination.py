@@ -251,6 +251,12 @@ def made(
         row: registry.build("method", name, settings) for row, (name, settings) in METHODS.items() if row in rows
     }
     effects = with_effects()
+
+    def due(name: str, target: int, row: str) -> bool:
+        if tasks:
+            return name in tasks
+        return name not in effects or (target == 0 and row in ROWS_OF_EFFECTS)
+
     wanted = [
         (
             {"task": name, "share": share, "target": target, "row": row, "version": method.version},
@@ -260,7 +266,7 @@ def made(
         for name, of in (contaminated() | effects).items()
         for row, method in methods.items()
         for share in of.shares
-        if name in tasks or not (tasks or (name in effects and (target or row not in ROWS_OF_EFFECTS)))
+        if due(name, target, row)
     ]
     return FILE.completed(path, record, "runs", wanted, "torch")
 

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import avobench
 from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.methods.rank_moments import MOST_POLYNOMIALS, Polynomials, RankMoments
 from avobench.tasks.function import task
@@ -96,3 +97,16 @@ def test_ten_means_are_told_as_well_as_one():
     assert (0.8 * best < estimate.error).all()
     assert (estimate.error < 2.5 * best).all()
     assert np.mean(((estimate.theta - truth) / estimate.error) ** 2) < 3  # chi-squared of 10: p = 1e-3
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_where_it_misses_a_straight_line_it_is_in_doubt(seed):
+    def line(theta, rng):
+        x = rng.uniform(0, 10, len(theta))
+        return np.column_stack([x, theta[:, 0] + theta[:, 1] * x + rng.normal(0, 1, len(theta))])
+
+    straight = avobench.task(line, prior={"a": (-10, 10), "b": (-5, 5)}, features=["x", "y"], name="line")
+    x = line(np.tile([1.0, 2.0], (2000, 1)), np.random.default_rng(1000 + seed))
+    found = avobench.infer(straight, x, "rank-moments", seed=seed, budget=20_000)
+    off = np.abs(np.array(list(found.theta.values())) - [1, 2]) / list(found.std.values())
+    assert found.estimate.doubt or (off < 4).all()
