@@ -8,6 +8,8 @@ from typing import Any
 from avobench.bench.cells.cell import Cell
 from avobench.bench.store.store import Store
 from paper import tasks
+from paper.hard_tasks import HARD
+from paper.sbibm_tasks import SBIBM
 
 BUDGET = 160_000
 """The simulated events of a cell, which Section 4.3 gives to every method."""
@@ -249,6 +251,12 @@ REACHED = {
 """The numbers of parameters with which each method is tried. A cell of rank-moments takes two minutes with 20, and one
 of bolfi with the paper's settings 16 minutes with 5."""
 
+OF_SBI = ("npe", "nre", "nle")
+"""Methods of sbi, which are tried where means say little."""
+GROWTH_TASKS = (*CHEAP, *BEYOND_MEANS, *map(tasks.spec, (*HARD, *SBIBM)))
+BUDGETS = (40_000, BUDGET, 1_000_000)
+"""Simulated events of the same cells: whether more of them help."""
+
 
 def _families(method: str) -> tuple[str, ...]:
     at_the_detector = (DETECTOR,) if method in ("smm", "avo") else ()  # they alone reach its limit along the beam
@@ -335,7 +343,18 @@ EXPERIMENTS = {
     "dimension": Experiment(
         "methods against the number of parameters",
         Path("results/dimension"),
-        (*(Runs(method, method, {}, _families(method), 5) for method in REACHED), *on(LARGEST, "avo", targets=2)),
+        (
+            *(Runs(method, method, {}, _families(method), 5) for method in REACHED),
+            *on(LARGEST, "avo", targets=2),
+            *on(BEYOND_MEANS, *OF_SBI, targets=3),
+        ),
+    ),
+    "growth": Experiment(
+        "whether errors fall with the simulated events, up to a million of them",
+        Path("results/growth"),
+        tuple(
+            run for budget in BUDGETS for run in on(GROWTH_TASKS, "avo", "rank-moments", "smm", targets=4, budget=budget)
+        ),
     ),
     "fresh": Experiment(
         "avo and its baselines on targets that nothing was chosen on, a hundred of each task of the paper",

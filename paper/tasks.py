@@ -137,5 +137,5 @@ DEVELOPMENT = {"poisson": PoissonDevelopment, "carl": CarlDevelopment, "weinberg
 
 
 def spec(task: type[Task]) -> str:
-    """How a cell names a task of this module."""
-    return f"{__name__}:{task.__name__}"
+    """How a cell names a task that is not registered."""
+    return f"{task.__module__}:{task.__name__}"
