@@ -26,6 +26,7 @@ from avobench.effects.catalogue import catalogue
 from avobench.effects.contract import Effect, Parameter
 from avobench.methods import Method
 from avobench.tasks import Task
+from avobench.tasks.alignment import NUM_COLUMNS, NUM_ROWS
 from avobench.tasks.function import task
 from avobench.tasks.weinberg import Weinberg, sample_cosine
 from paper.experiments import BUDGET, NUM_OBSERVATIONS
@@ -54,6 +55,8 @@ METHODS: dict[str, tuple[str, dict[str, Any]]] = {
 """The method and its settings behind each row. With one iteration there is no adversary to speak of."""
 ROWS = tuple(row for row in METHODS if row != "bolfi")
 """The rows that are made unless others are asked for: a run of BOLFI takes minutes."""
+ROWS_OF_IMAGES = ("smm", "rank-moments", "avo", "avo-robust")
+"""The rows that are made of alignment: a run takes four minutes, most of them with Pythia."""
 ROWS_OF_EFFECTS = ("smm", "rank-moments", "avo", "avo-robust")
 """The rows that are made of effects of the catalogue, of which there are many."""
 NUM_DENSITY = 4_000_000
@@ -86,7 +89,7 @@ class Contaminated(NamedTuple):
     def minimiser(self, theta: NDArray[np.float64], share: float) -> NDArray[np.float64]:
         """Where the Jensen-Shannon divergence to the observed density is least (p,), by a sum over the points.
 
-        Outliers of carl are where the simulator makes next to nothing, and leave theta (p,) itself.
+        Outliers of carl and alignment are where the simulator makes next to nothing, and leave theta (p,) itself.
         """
         if self.points is None or self.density is None or self.density_of_outliers is None or not share:
             return theta
@@ -107,6 +110,8 @@ def gaussian_of_a_width(theta: NDArray[np.float64], rng: np.random.Generator) ->
     return rng.normal(theta[:, :1], np.exp(theta[:, 1:]))
 
 
+HITS = 15
+"""Mean number of cells that an image of alignment has."""
 LOST, HOLE = 0.6, (0.5, 1.0)
 """The share of events that is lost, and where: in standard deviations above the mean."""
 
@@ -123,8 +128,17 @@ def left(x: NDArray[np.float64], mean: float, rng: np.random.Generator) -> NDArr
     return x[(z < HOLE[0]) | (z > HOLE[1]) | (rng.random(len(z)) > LOST)]
 
 
+def far_end(n: int, rng: np.random.Generator) -> NDArray[np.uint8]:
+    """Images (n, 1024) whose hits, as many as those of alignment, are all in the last quarter of the rows."""
+    images = np.zeros((n, NUM_ROWS, NUM_COLUMNS), np.uint8)
+    images[:, -NUM_ROWS // 4 :] = rng.random((n, NUM_ROWS // 4, NUM_COLUMNS)) < HITS * 4 / (NUM_ROWS * NUM_COLUMNS)
+    return images.reshape(n, -1)
+
+
 def contaminated() -> dict[str, Contaminated]:
     """The tasks by name. Outliers of weinberg lie where it makes events as well, for it makes them everywhere.
+
+    Those of carl and alignment are events that the simulator hardly makes.
 
     In `tails` all events are Student's, with 2.5 degrees of freedom, and the simulator is a Gaussian: it is wrong
     wherever it makes events. Outliers of `near` lie two standard deviations from the mean of `normal`. In `hole` all
@@ -172,6 +186,7 @@ def contaminated() -> dict[str, Contaminated]:
             lambda x: student.pdf(x - 0.4, 2.5),
             (0.0, 1.0),
         ),
+        "alignment": Contaminated(registry.build("task", "alignment", {}), far_end, shares=(0.05, 0.2)),
     }
 
 
@@ -255,6 +270,8 @@ def made(
     def due(name: str, target: int, row: str) -> bool:
         if tasks:
             return name in tasks
+        if name == "alignment":
+            return row in ROWS_OF_IMAGES
         return name not in effects or (target == 0 and row in ROWS_OF_EFFECTS)
 
     wanted = [
