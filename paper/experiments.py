@@ -353,7 +353,9 @@ EXPERIMENTS = {
         "whether errors fall with the simulated events, up to a million of them",
         Path("results/growth"),
         tuple(
-            run for budget in BUDGETS for run in on(GROWTH_TASKS, "avo", "rank-moments", "smm", targets=4, budget=budget)
+            run
+            for budget in BUDGETS
+            for run in on(GROWTH_TASKS, "avo", "rank-moments", "smm", targets=4, budget=budget)
         ),
     ),
     "fresh": Experiment(

@@ -26,6 +26,7 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = 
     "dimension": (dimension.table, "dimension"),
     "few": (few.table, "studies"),
     "fresh": (experiments.fresh, "fresh"),
+    "growth": (experiments.growth, "growth"),
     "hard": (hard.table, "studies"),
     "misspecification": (misspecification.table, "studies"),
     "rivals": (experiments.rivals, "reference rivals smm plain"),

@@ -145,6 +145,25 @@ def _fresh(frame: pd.DataFrame) -> Iterator[dict[str, Any]]:
             }
 
 
+def growth(records: Records) -> pd.DataFrame:
+    """One row per task and method, one column per number of simulated events: median squared errors over floors.
+
+    A floor falls with that number. A ratio that stays is an error that falls as the best one does. `worst` is the
+    largest ratio with the most simulated events.
+    """
+    frame = labelled(records)
+    frame[["task", "method"]] = [[record["task"], record["method"]] for record in records]
+    order = [cell.identity["task"] for cell in EXPERIMENTS["growth"].cells()]
+    frame["task"] = pd.Categorical(frame["task"], dict.fromkeys(order))
+    budgets, rows = sorted(frame["budget"].unique()), []
+    for (task, method), cells in frame.groupby(["task", "method"], observed=True):
+        ratios = {budget: cells.loc[cells["budget"] == budget, "ratio"] for budget in budgets}
+        row = {"task": task, "method": method, "targets": cells["target"].nunique()}
+        row |= {f"{budget} events": each.median() for budget, each in ratios.items()}
+        rows.append(row | {"worst": ratios[budgets[-1]].max()})
+    return pd.DataFrame(rows)
+
+
 def rivals(records: Records) -> pd.DataFrame:
     """A row an answer of a method on a task: the estimate and, where the posterior has another mean, that mean.
 

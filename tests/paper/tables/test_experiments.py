@@ -68,3 +68,15 @@ def test_each_answer_has_a_row_on_its_own_targets_and_a_test_on_those_in_common(
     own = rows.loc[("carl", "avo", "estimate")]
     assert rows.loc[("carl", "bolfi", "estimate"), "inefficiency"] == pytest.approx(100 * own["inefficiency"], rel=0.5)
     assert own["avo ahead"] == "-"
+
+
+def test_errors_that_fall_as_the_floor_does_stay_in_units_of_it(benchmark):
+    own = [record for record in benchmark if (record["task"], record["method"]) == ("carl", "avo")]
+    larger = [
+        r | {"budget": 10 * r["budget"], "floor": r["floor"] / 4, "squared_error": r["squared_error"] / 4} for r in own
+    ]
+    [row] = tables.growth([*own, *larger]).to_dict("records")
+    few, many = (value for name, value in row.items() if name.endswith("events"))
+    assert few == pytest.approx(many) == pytest.approx(np.median([r["squared_error"] / r["floor"] for r in own]))
+    assert row["worst"] >= many
+    assert row["targets"] == len({record["target"] for record in own})
