@@ -18,8 +18,8 @@ from paper.tasks import Means32, Warped32
 
 WHAT = {"warped": "means say little", "means": "means say all"}
 """What the mean of the events says about the parameters in each family of tasks."""
-SPAN = 5e-2
-"""Share of the number of parameters by which marks of different methods are moved apart."""
+SPAN = 0.2
+"""Share of the number of parameters over which the marks of the methods are spread."""
 
 
 def table(records: list[dict[str, Any]]) -> pd.DataFrame:
@@ -87,7 +87,7 @@ def _panel(axis: Axes, rows: pd.DataFrame, methods: list[str], what: str) -> Non
         return
     for i, method in enumerate(methods):
         curve = rows[(rows["method"] == method) & np.isfinite(rows[what])]
-        x = curve["parameters"] * (1 + SPAN * (i - (len(methods) - 1) / 2))
+        x = curve["parameters"] * (1 + SPAN * ((i + 0.5) / len(methods) - 0.5))
         axis.plot(x, curve[what], color=colours(methods)[method], marker=MARKERS[i % len(MARKERS)], ms=5, label=method)
     axis.set(xscale="log", yscale="log", xlabel="parameters", ylabel=what, xticks=DIMENSIONS, xticklabels=DIMENSIONS)
     axis.xaxis.set_minor_locator(NullLocator())
