@@ -56,6 +56,9 @@ class FitSettings:
     """Half the width of a design, in standard errors, at least: the minimum moves about one of them within it."""
     slope_noise: float = 0.2
     """Standard error of a slope over a design, in units of the slope that is one standard error of the parameter."""
+    sharp_slope_noise: float = 1.0
+    """The same for what may be sharp: a quadratic over a design wider than a peak blurs it, and its slopes with it.
+    Chosen on development cases. Where nothing is sharp it made the errors of theta a fifth larger."""
     cell: float = 6.0
     """Spacing of the nodes at which events are simulated, at most, in standard errors of a parameter beside the others:
     over so short a way the mean of events is linear, and neighbouring fits use the same events."""
@@ -103,7 +106,7 @@ class FitSettings:
     narrow_prior: float = 0.05
     """Share of the support, in any parameter, below which the first search for theta keeps to the prior."""
     scans: int = 2
-    """Scans from which theta is fitted again before a disagreement is believed: a single one may go astray."""
+    """Scans from which theta is fitted again before a disagreement is believed, where events have no bins to learn."""
     far: float = 10.0
     """Chi-squared per degree of freedom beyond which a model is plainly wrong, and a first fit says little about where
     it will end."""
@@ -114,6 +117,38 @@ class FitSettings:
     """Simulated events of a registered method that looks for theta first: its budget in the benchmark."""
     method_share: int = 4
     """One in so many of the simulated events is for such a method, at most: the rest is for the diagnosis."""
+
+
+@dataclass(frozen=True)
+class EmulatorSettings:
+    """How the likelihood of binned events is learnt, and followed. All were chosen on development cases."""
+
+    rounds: int = 8
+    """Rounds, each in a box around where the last one found the likelihood to be large."""
+    width: int = 64
+    """Units of a hidden layer."""
+    epochs: int = 8
+    batch: int = 256
+    rate: float = 0.03
+    """Learning rate of the first step."""
+    learnt: int = 80
+    """About how many numbers the network takes from the simulated events. Their noise makes the likelihood less sharp:
+    its logarithm is divided by one, and by so many times the measured events for each simulated one."""
+    most_bins: int = 600
+    """Bins beyond which pairs of features are left out: the network takes as much longer."""
+    tried: int = 10_000
+    """Points of which the best are followed."""
+    points: int = 300
+    moves: int = 15
+    """How often the points are moved, and drawn anew in proportion to their likelihood."""
+    move: float = 0.7
+    """Length of a move in standard deviations of the points."""
+    margin: float = 4.0
+    """The same, of the part of the next box to each side of the best point, at least."""
+    least: float = 1e-3
+    """Length of a move, and of that part, at least."""
+    at_once: int = 2000
+    """Points whose likelihood is taken at a time, to bound memory."""
 
 
 @dataclass(frozen=True)
@@ -499,4 +534,4 @@ class DecideSettings:
 
 SUMMARY, FIT, TEST, ORDER = SummarySettings(), FitSettings(), TestSettings(), OrderSettings()
 SEARCH, SCORE, RECOGNITION = SearchSettings(), ScoreSettings(), RecognitionSettings()
-REPORT, BUDGET, DECIDE = ReportSettings(), BudgetSettings(), DecideSettings()
+REPORT, BUDGET, DECIDE, EMULATOR = ReportSettings(), BudgetSettings(), DecideSettings(), EmulatorSettings()

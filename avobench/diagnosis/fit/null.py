@@ -1,7 +1,7 @@
 """The null model is the task alone, with theta fitted, to which effects may be added."""
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +11,10 @@ from avobench.bench.cells.prior_shares import in_shares, raw
 from avobench.bench.plugins import registry
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.descent import refine, scan, settled, sharpen
+from avobench.diagnosis.fit.emulator import Blocks, most_likely
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.settings import FIT
+from avobench.diagnosis.summary.bins import Bins
 from avobench.diagnosis.summary.part import Measured, Part, target_for
 from avobench.diagnosis.summary.target import Target
 from avobench.effects.bank import Bank
@@ -103,6 +105,20 @@ def where_prior_is(model: Model) -> dict[str, NDArray[np.float64]]:
     return {"around": (low + high) / 2, "half": (high - low) / 2}
 
 
+def found_anew(
+    model: Model, target: Target, summary: Bins, rng: np.random.Generator, effort: Effort
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A point (p,) of the unit cube where a learnt likelihood is largest, and how near it is (p,)."""
+    each = effort.scan[1] if getattr(model.task, "per_theta", False) else 1
+
+    def simulate(u: NDArray[np.float64]) -> NDArray:
+        u[:] = np.repeat(model.allowed(u[::each]), each, axis=0)[: len(u)]
+        return model.simulate(model.from_cube(u), rng)
+
+    point, near = most_likely(simulate, target, Blocks.of(summary), model.dim, rng, effort.learnt)
+    return point, np.minimum(near, FIT.searched)
+
+
 def resolve(fit: Fit) -> None:
     """Make the bank's lattice so fine that between its nodes the mean of events is linear, as far as a fit knows."""
     if isinstance(fit.model.events, Bank):
@@ -112,14 +128,17 @@ def resolve(fit: Fit) -> None:
 def best_null(tried: list[Fit], target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
     """The task's own best fit where it does not describe the events, hence where the way to it may have been long.
 
-    From where the fits that were tried ended, of which the first is in the target's metric, and from scans of the whole
-    range.
+    From where the fits that were tried ended, of which the first is in the target's metric, and from searches of the
+    whole range: scans and, where events are binned, a likelihood that is learnt.
     """
-    first, *others = tried
-    model, per_round = first.model, max(effort.least, int(effort.rounds * target.num_events))
-    starts = [(fit.point, 0.005) for fit in others] + [
-        scan(model, target, rng, size=effort.scan) for _ in range(FIT.scans)
-    ]
+    model = replace(tried[0].model, sharp=True)
+    first, *others = (replace(fit, model=model) for fit in tried)
+    per_round = max(effort.least, int(effort.rounds * target.num_events))
+    learns = isinstance(target.summary, Bins) and model.dim > 0
+    starts = [(fit.point, np.array(0.005)) for fit in others]
+    starts += [scan(model, target, rng, size=effort.scan) for _ in range(FIT.scans - learns)]
+    if learns:
+        starts.append(found_anew(model, target, target.summary, rng, effort))
     fits = [first] + [
         refine(model, target, start, np.maximum(near, 0.005), rng, num_events=per_round) for start, near in starts
     ]
