@@ -125,7 +125,7 @@ class Effort:
             screen=max(int(self.screen * share), 2000),
             scan=(self.scan[0], max(int(self.scan[1] * share), 20)),
             rescan=(max(int(self.rescan[0] * share), self.scan[0]), max(int(self.rescan[1] * share), 20)),
-            learnt=max(int(self.learnt * share), 600),
+            learnt=int(self.learnt * share),
             pairs=(self.pairs[0], max(int(self.pairs[1] * share), 20)),
         )
 

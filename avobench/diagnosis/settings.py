@@ -56,9 +56,6 @@ class FitSettings:
     """Half the width of a design, in standard errors, at least: the minimum moves about one of them within it."""
     slope_noise: float = 0.2
     """Standard error of a slope over a design, in units of the slope that is one standard error of the parameter."""
-    sharp_slope_noise: float = 1.0
-    """The same for what may be sharp: a quadratic over a design wider than a peak blurs it, and its slopes with it.
-    Chosen on development cases. Where nothing is sharp it made the errors of theta a fifth larger."""
     cell: float = 6.0
     """Spacing of the nodes at which events are simulated, at most, in standard errors of a parameter beside the others:
     over so short a way the mean of events is linear, and neighbouring fits use the same events."""
@@ -106,7 +103,7 @@ class FitSettings:
     narrow_prior: float = 0.05
     """Share of the support, in any parameter, below which the first search for theta keeps to the prior."""
     scans: int = 2
-    """Scans from which theta is fitted again before a disagreement is believed, where events have no bins to learn."""
+    """Scans from which theta is fitted again before a disagreement is believed: a single one may go astray."""
     far: float = 10.0
     """Chi-squared per degree of freedom beyond which a model is plainly wrong, and a first fit says little about where
     it will end."""
@@ -125,6 +122,8 @@ class EmulatorSettings:
 
     rounds: int = 8
     """Rounds, each in a box around where the last one found the likelihood to be large."""
+    fewest: int = 2000
+    """Events of a round below which none is made: as few tell hardly anything of a whole range."""
     width: int = 64
     """Units of a hidden layer."""
     epochs: int = 8

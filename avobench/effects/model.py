@@ -39,8 +39,6 @@ class Model:
     events: Bank | Source | None = field(default=None, compare=False)
     stretch: tuple[float, ...] = ()
     """Factor by which the upper bound of each effect's strength is raised; 1 where it is not."""
-    sharp: bool = field(default=False, compare=False)
-    """Whether theta may move what is sharp, as a narrow peak, so that it is to be fitted over narrow designs."""
 
     def plus(self, effect: Effect) -> "Model":
         stretch = (*self.stretch, 1.0) if self.stretch else ()

@@ -172,8 +172,7 @@ class Fit:
 
     def next_design(self, least: float = 0.0, ratio: float = 1.0, most: float = 0.0) -> Design:
         """A design around the fit for `ratio` times its events, with `least` and `most` as in `around`."""
-        noise = FIT.sharp_slope_noise if self.model.sharp and not self.model.effects else FIT.slope_noise
-        return self.around(max(FIT.min_sigmas, self.slope_error / np.sqrt(ratio) / noise), least, most)
+        return self.around(max(FIT.min_sigmas, self.slope_error / np.sqrt(ratio) / FIT.slope_noise), least, most)
 
     def afforded(self, num_events: int) -> int:
         """So many events of the model, or fewer where each takes many simulated ones, as of rare events."""

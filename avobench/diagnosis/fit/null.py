@@ -1,7 +1,7 @@
 """The null model is the task alone, with theta fitted, to which effects may be added."""
 
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.descent import refine, scan, settled, sharpen
 from avobench.diagnosis.fit.emulator import Blocks, most_likely
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.settings import FIT
+from avobench.diagnosis.settings import EMULATOR, FIT
 from avobench.diagnosis.summary.bins import Bins
 from avobench.diagnosis.summary.part import Measured, Part, target_for
 from avobench.diagnosis.summary.target import Target
@@ -131,13 +131,11 @@ def best_null(tried: list[Fit], target: Target, rng: np.random.Generator, effort
     From where the fits that were tried ended, of which the first is in the target's metric, and from searches of the
     whole range: scans and, where events are binned, a likelihood that is learnt.
     """
-    model = replace(tried[0].model, sharp=True)
-    first, *others = (replace(fit, model=model) for fit in tried)
-    per_round = max(effort.least, int(effort.rounds * target.num_events))
-    learns = isinstance(target.summary, Bins) and model.dim > 0
+    first, *others = tried
+    model, per_round = first.model, max(effort.least, int(effort.rounds * target.num_events))
     starts = [(fit.point, np.array(0.005)) for fit in others]
-    starts += [scan(model, target, rng, size=effort.scan) for _ in range(FIT.scans - learns)]
-    if learns:
+    starts += [scan(model, target, rng, size=effort.scan) for _ in range(FIT.scans)]
+    if isinstance(target.summary, Bins) and model.dim > 0 and effort.learnt >= EMULATOR.fewest:
         starts.append(found_anew(model, target, target.summary, rng, effort))
     fits = [first] + [
         refine(model, target, start, np.maximum(near, 0.005), rng, num_events=per_round) for start, near in starts
