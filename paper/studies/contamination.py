@@ -53,8 +53,6 @@ METHODS: dict[str, tuple[str, dict[str, Any]]] = {
     "npe": ("npe", {}),
 }
 """The method and its settings behind each row. With one iteration there is no adversary to speak of."""
-ROWS = tuple(row for row in METHODS if row != "bolfi")
-"""The rows that are made unless others are asked for: a run of BOLFI takes minutes."""
 ROWS_OF_IMAGES = ("smm", "rank-moments", "avo", "avo-robust")
 """The rows that are made of alignment: a run takes four minutes, most of them with Pythia."""
 ROWS_OF_EFFECTS = ("smm", "rank-moments", "avo", "avo-robust")
@@ -251,7 +249,7 @@ def made(
     path: Path,
     seed: int = 0,
     tasks: Collection[str] = (),
-    rows: Collection[str] = ROWS,
+    rows: Collection[str] = tuple(METHODS),
     num_events: int = NUM_OBSERVATIONS,
     budget: int = BUDGET,
 ) -> dict[str, Any]:
