@@ -108,7 +108,7 @@ def where_prior_is(model: Model) -> dict[str, NDArray[np.float64]]:
 def found_anew(
     model: Model, target: Target, summary: Bins, rng: np.random.Generator, effort: Effort
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """A point (p,) of the unit cube where a learnt likelihood is largest, and how near it is (p,)."""
+    """A point (p,) of the unit cube where a learnt likelihood of the bins is largest, and how near it is (p,)."""
     each = effort.scan[1] if getattr(model.task, "per_theta", False) else 1
 
     def simulate(u: NDArray[np.float64]) -> NDArray:
@@ -116,7 +116,7 @@ def found_anew(
         return model.simulate(model.from_cube(u), rng)
 
     point, near = most_likely(simulate, target, Blocks.of(summary), model.dim, rng, effort.learnt)
-    return point, np.minimum(near, FIT.searched)
+    return point, np.clip(near, 0.005, FIT.searched)
 
 
 def resolve(fit: Fit) -> None:
@@ -128,22 +128,36 @@ def resolve(fit: Fit) -> None:
 def best_null(tried: list[Fit], target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
     """The task's own best fit where it does not describe the events, hence where the way to it may have been long.
 
-    From where the fits that were tried ended, of which the first is in the target's metric, and from searches of the
-    whole range: scans and, where events are binned, a likelihood that is learnt.
+    From where the fits that were tried ended, of which the first is in the target's metric, and from scans of the whole
+    range. Where events are binned, a likelihood of them is learnt too, and replaces the fit if it leads clearly nearer.
     """
     first, *others = tried
     model, per_round = first.model, max(effort.least, int(effort.rounds * target.num_events))
-    starts = [(fit.point, np.array(0.005)) for fit in others]
-    starts += [scan(model, target, rng, size=effort.scan) for _ in range(FIT.scans)]
-    if isinstance(target.summary, Bins) and model.dim > 0 and effort.learnt >= EMULATOR.fewest:
-        starts.append(found_anew(model, target, target.summary, rng, effort))
+    starts = [(fit.point, 0.005) for fit in others] + [
+        scan(model, target, rng, size=effort.scan) for _ in range(FIT.scans)
+    ]
     fits = [first] + [
         refine(model, target, start, np.maximum(near, 0.005), rng, num_events=per_round) for start, near in starts
     ]
-    # The lowest of a few values is low by chance, and ways may be long and bent. So it is simulated anew until it
-    # stands still: once, or twice where the noise may hide a slope.
-    best, still = min(fits, key=lambda fit: fit.noiseless_q), 0
-    num_events = max(effort.least, int(effort.repeated * target.num_events))
+    best = standing(min(fits, key=lambda fit: fit.noiseless_q), target, rng, effort)
+    if isinstance(target.summary, Bins) and model.dim > 0 and effort.learnt >= EMULATOR.fewest:
+        with suppress(BudgetExhausted):
+            point, half = found_anew(model, target, target.summary, rng, effort)
+            other = standing(refine(model, target, point, half, rng, num_events=per_round), target, rng, effort)
+            best = other if other.clearly_below(best) else best
+    if best.undecided:  # only its error is wanted, and no limit fails for that
+        with suppress(BudgetExhausted):
+            known = settled(best, target, rng, max(effort.least, int(effort.repeated * target.num_events)), (1, 2))
+            return best if known.undecided else best.with_slopes_of(known)
+    return best
+
+
+def standing(best: Fit, target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
+    """The fit, simulated anew until it stands still: once, or twice where the noise may hide a slope.
+
+    The lowest of a few values is low by chance, and ways may be long and bent.
+    """
+    still, num_events = 0, max(effort.least, int(effort.repeated * target.num_events))
     for _ in range(FIT.repeats):
         resolve(best)
         last, best = best, sharpen(best, target, rng, num_events)
@@ -151,8 +165,4 @@ def best_null(tried: list[Fit], target: Target, rng: np.random.Generator, effort
         if still > best.undecided or best.far:
             break
         num_events *= 2 if best.undecided else 1
-    if best.undecided:  # only its error is wanted, and no limit fails for that
-        with suppress(BudgetExhausted):
-            known = settled(best, target, rng, num_events, (1, 2))
-            return best if known.undecided else best.with_slopes_of(known)
     return best
