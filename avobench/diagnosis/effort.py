@@ -68,8 +68,6 @@ class Effort:
     rescan: tuple[int, int] = (240, 60)
     """The same where theta was missed, or the simulator is wrong: one of more points is near a narrow minimum, as that
     of a peak of unknown place. Chosen on development cases."""
-    learnt: int = 14_400
-    """Events of each round in which a likelihood is learnt."""
     pairs: tuple[int, int] = (60, 100)
     """Thetas of each round of a search for two populations, and events at each."""
     starts: int = 30
@@ -125,7 +123,6 @@ class Effort:
             screen=max(int(self.screen * share), 2000),
             scan=(self.scan[0], max(int(self.scan[1] * share), 20)),
             rescan=(max(int(self.rescan[0] * share), self.scan[0]), max(int(self.rescan[1] * share), 20)),
-            learnt=int(self.learnt * share),
             pairs=(self.pairs[0], max(int(self.pairs[1] * share), 20)),
         )
 

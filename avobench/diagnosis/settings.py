@@ -117,40 +117,6 @@ class FitSettings:
 
 
 @dataclass(frozen=True)
-class EmulatorSettings:
-    """How the likelihood of binned events is learnt, and followed. All were chosen on development cases."""
-
-    rounds: int = 8
-    """Rounds, each in a box around where the last one found the likelihood to be large."""
-    fewest: int = 2000
-    """Events of a round below which none is made: as few tell hardly anything of a whole range."""
-    width: int = 64
-    """Units of a hidden layer."""
-    epochs: int = 8
-    batch: int = 256
-    rate: float = 0.03
-    """Learning rate of the first step."""
-    learnt: int = 80
-    """About how many numbers the network takes from the simulated events. Their noise makes the likelihood less sharp:
-    its logarithm is divided by one, and by so many times the measured events for each simulated one."""
-    most_bins: int = 600
-    """Bins beyond which pairs of features are left out: the network takes as much longer."""
-    tried: int = 10_000
-    """Points of which the best are followed."""
-    points: int = 300
-    moves: int = 15
-    """How often the points are moved, and drawn anew in proportion to their likelihood."""
-    move: float = 0.7
-    """Length of a move in standard deviations of the points."""
-    margin: float = 4.0
-    """The same, of the part of the next box to each side of the best point, at least."""
-    least: float = 1e-3
-    """Length of a move, and of that part, at least."""
-    at_once: int = 2000
-    """Points whose likelihood is taken at a time, to bound memory."""
-
-
-@dataclass(frozen=True)
 class TestSettings:
     """How goodness of fit is tested, on fitted events, on held-out events, and in regions."""
 
@@ -533,4 +499,4 @@ class DecideSettings:
 
 SUMMARY, FIT, TEST, ORDER = SummarySettings(), FitSettings(), TestSettings(), OrderSettings()
 SEARCH, SCORE, RECOGNITION = SearchSettings(), ScoreSettings(), RecognitionSettings()
-REPORT, BUDGET, DECIDE, EMULATOR = ReportSettings(), BudgetSettings(), DecideSettings(), EmulatorSettings()
+REPORT, BUDGET, DECIDE = ReportSettings(), BudgetSettings(), DecideSettings()

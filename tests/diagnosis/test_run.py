@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 from measurements import Own, with_effect
 
-import avobench
 from avobench.api.diagnosis import require_events
 from avobench.bench.plugins import registry
 from avobench.diagnosis import diagnose
@@ -241,22 +240,3 @@ def test_a_model_with_a_narrow_peak_describes_its_own_events():
     x = fitted.simulate(np.tile([2.2, 0.09, 5.05, 0.15], (3000, 1)), np.random.default_rng(0))
     found = diagnose(fitted, x, effects=[]).diagnosis
     assert found.verdict == Verdict.NOTHING
-
-
-def test_a_right_simulator_whose_theta_holds_the_place_of_a_narrow_peak_is_not_rejected():
-    """Its prior is so wide that the first fit often ends elsewhere."""
-    prior = {"lifetime": (1, 4), "share": (0, 0.3), "place": (3, 7), "width": (0.05, 0.5)}
-
-    def peak(theta, rng):
-        lifetime, share, place, width = theta.T
-        return np.where(rng.random(len(theta)) < share, rng.normal(place, width), rng.exponential(lifetime))
-
-    task = avobench.task(peak, prior=prior, features=["t"])
-    p_values, places = [], []
-    for seed in range(4):
-        x = task.simulate(np.tile([2.2, 0.09, 5.05, 0.15], (3300, 1)), np.random.default_rng(seed))
-        diagnosis = avobench.diagnose(task, x, effects=["offset"]).diagnosis
-        p_values.append(diagnosis.p_value_before)
-        places.append(diagnosis.theta_before["place"].value)
-    assert sum(p > 0.01 for p in p_values) >= 3
-    assert np.sort(np.abs(np.array(places) - 5.05))[:3].max() < 0.1

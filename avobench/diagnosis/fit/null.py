@@ -11,10 +11,8 @@ from avobench.bench.cells.prior_shares import in_shares, raw
 from avobench.bench.plugins import registry
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.fit.descent import refine, scan, settled, sharpen
-from avobench.diagnosis.fit.emulator import Blocks, most_likely
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.settings import EMULATOR, FIT
-from avobench.diagnosis.summary.bins import Bins
+from avobench.diagnosis.settings import FIT
 from avobench.diagnosis.summary.part import Measured, Part, target_for
 from avobench.diagnosis.summary.target import Target
 from avobench.effects.bank import Bank
@@ -105,20 +103,6 @@ def where_prior_is(model: Model) -> dict[str, NDArray[np.float64]]:
     return {"around": (low + high) / 2, "half": (high - low) / 2}
 
 
-def found_anew(
-    model: Model, target: Target, summary: Bins, rng: np.random.Generator, effort: Effort
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """A point (p,) of the unit cube where a learnt likelihood of the bins is largest, and how near it is (p,)."""
-    each = effort.scan[1] if getattr(model.task, "per_theta", False) else 1
-
-    def simulate(u: NDArray[np.float64]) -> NDArray:
-        u[:] = np.repeat(model.allowed(u[::each]), each, axis=0)[: len(u)]
-        return model.simulate(model.from_cube(u), rng)
-
-    point, near = most_likely(simulate, target, Blocks.of(summary), model.dim, rng, effort.learnt)
-    return point, np.clip(near, 0.005, FIT.searched)
-
-
 def resolve(fit: Fit) -> None:
     """Make the bank's lattice so fine that between its nodes the mean of events is linear, as far as a fit knows."""
     if isinstance(fit.model.events, Bank):
@@ -129,7 +113,7 @@ def best_null(tried: list[Fit], target: Target, rng: np.random.Generator, effort
     """The task's own best fit where it does not describe the events, hence where the way to it may have been long.
 
     From where the fits that were tried ended, of which the first is in the target's metric, and from scans of the whole
-    range. Where events are binned, a likelihood of them is learnt too, and replaces the fit if it leads clearly nearer.
+    range.
     """
     first, *others = tried
     model, per_round = first.model, max(effort.least, int(effort.rounds * target.num_events))
@@ -139,25 +123,10 @@ def best_null(tried: list[Fit], target: Target, rng: np.random.Generator, effort
     fits = [first] + [
         refine(model, target, start, np.maximum(near, 0.005), rng, num_events=per_round) for start, near in starts
     ]
-    best = standing(min(fits, key=lambda fit: fit.noiseless_q), target, rng, effort)
-    if isinstance(target.summary, Bins) and model.dim > 0 and effort.learnt >= EMULATOR.fewest:
-        with suppress(BudgetExhausted):
-            point, half = found_anew(model, target, target.summary, rng, effort)
-            other = standing(refine(model, target, point, half, rng, num_events=per_round), target, rng, effort)
-            best = other if other.clearly_below(best) else best
-    if best.undecided:  # only its error is wanted, and no limit fails for that
-        with suppress(BudgetExhausted):
-            known = settled(best, target, rng, max(effort.least, int(effort.repeated * target.num_events)), (1, 2))
-            return best if known.undecided else best.with_slopes_of(known)
-    return best
-
-
-def standing(best: Fit, target: Target, rng: np.random.Generator, effort: Effort) -> Fit:
-    """The fit, simulated anew until it stands still: once, or twice where the noise may hide a slope.
-
-    The lowest of a few values is low by chance, and ways may be long and bent.
-    """
-    still, num_events = 0, max(effort.least, int(effort.repeated * target.num_events))
+    # The lowest of a few values is low by chance, and ways may be long and bent. So it is simulated anew until it
+    # stands still: once, or twice where the noise may hide a slope.
+    best, still = min(fits, key=lambda fit: fit.noiseless_q), 0
+    num_events = max(effort.least, int(effort.repeated * target.num_events))
     for _ in range(FIT.repeats):
         resolve(best)
         last, best = best, sharpen(best, target, rng, num_events)
@@ -165,4 +134,8 @@ def standing(best: Fit, target: Target, rng: np.random.Generator, effort: Effort
         if still > best.undecided or best.far:
             break
         num_events *= 2 if best.undecided else 1
+    if best.undecided:  # only its error is wanted, and no limit fails for that
+        with suppress(BudgetExhausted):
+            known = settled(best, target, rng, num_events, (1, 2))
+            return best if known.undecided else best.with_slopes_of(known)
     return best
