@@ -54,7 +54,7 @@ METHODS: dict[str, tuple[str, dict[str, Any]]] = {
 }
 """The method and its settings behind each row. With one iteration there is no adversary to speak of."""
 ROWS_OF_IMAGES = ("smm", "rank-moments", "avo", "avo-robust")
-"""The rows that are made of alignment: a run takes four minutes, most of them with Pythia."""
+"""The rows that are made of alignment: a run takes two minutes, most of them with Pythia."""
 ROWS_OF_EFFECTS = ("smm", "rank-moments", "avo", "avo-robust")
 """The rows that are made of effects of the catalogue, of which there are many."""
 NUM_DENSITY = 4_000_000
