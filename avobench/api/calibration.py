@@ -1,5 +1,6 @@
 """Whether a method's errors hold on a task of one's own: many fits of events whose parameters are known."""
 
+import html
 import json
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -30,13 +31,18 @@ if TYPE_CHECKING:
 
 LEVELS = (0.5, 0.68, 0.95)
 """The nominal coverages of the table."""
+SHOWN = "{:.2g}".format
+"""How the table writes a number."""
 IDENTITY = "calibration.json"
 """The file in a folder of fits that says what they are fits of."""
 
 
 @dataclass(frozen=True, repr=False)
 class Calibration:
-    """Fits of events that were made at parameters drawn from the prior, and where these lie in what was quoted."""
+    """Fits of events at parameters that were drawn from the prior, and where these lie in what was quoted.
+
+    It shows itself in a notebook.
+    """
 
     fits: tuple[Inference, ...]
     truth: pd.DataFrame
@@ -80,14 +86,22 @@ class Calibration:
 
         return calibration(self.ranks)
 
+    @property
+    def _head(self) -> str:
+        doubted = sum(bool(fit.doubt) for fit in self.fits)
+        head = f"{len(self.fits)} fits by {self.fits[0].method}, {doubted} of them doubtful, {len(self.failed)} failed"
+        return f"{head}; {self.num_simulations} simulated events"
+
     def __str__(self) -> str:
         """How many fits there are, how many were doubted, and the table."""
-        doubted = sum(bool(fit.estimate.doubt) for fit in self.fits)
-        head = f"{len(self.fits)} fits by {self.fits[0].method}, {doubted} of them doubtful, {len(self.failed)} failed"
-        head += f"; {self.num_simulations} simulated events"
-        return "\n".join([head, self.to_frame().to_string(float_format="{:.2g}".format), *self.failed[:1]])
+        return "\n".join([self._head, self.to_frame().to_string(float_format=SHOWN), *self.failed[:1]])
 
-    __repr__ = __str__
+    __repr__ = __str__  # what a prompt shows; of all fields it would be pages
+
+    def _repr_html_(self) -> str:
+        table = self.to_frame().to_html(float_format=SHOWN, border=0)
+        failed = "".join(f"<p>{html.escape(line)}</p>" for line in self.failed[:1])
+        return f"<p>{html.escape(self._head)}</p>{table}{failed}"
 
 
 @checked

@@ -125,6 +125,11 @@ class Inference:
         return "standard error" if self.estimate.error is not None else self.estimate.spread_of
 
     @property
+    def doubt(self) -> str:
+        """Why the answer should not be trusted as it is, in words; empty where nothing speaks against it."""
+        return self.estimate.doubt
+
+    @property
     def _quoted(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Value and spread of each parameter: (p,) twice. An integer is whole."""
         if self.quoted is not None:
@@ -157,7 +162,7 @@ class Inference:
             "units": dict(zip(self.task.parameter_names, self.task.parameter_units, strict=True)),
             "how": self.estimate.how,
             "message": self.estimate.message,
-            "doubt": self.estimate.doubt,
+            "doubt": self.doubt,
             "others": list(map(dict, self.others)),
             "left_open": self.left_open,
             "warnings": list(self.warnings),
@@ -327,7 +332,7 @@ class Inference:
             f"{'' if unit == '1' else ' ' + unit}"
             for (name, value), std, unit, whole in found
         ]
-        doubt = [f"doubtful: {self.estimate.doubt}"] if self.estimate.doubt else []
+        doubt = [f"doubtful: {self.doubt}"] if self.doubt else []
         notes = [f"note: {note}" for note in (*self.left_open, *self.warnings, self.estimate.message) if note]
         return "\n".join([*lines, *doubt, *self._as_well, self.how, *notes])
 
@@ -349,7 +354,7 @@ class Inference:
 
     def _repr_html_(self) -> str:
         table = self.to_frame().to_html(float_format=lambda value: f"{value:.5g}", border=0)
-        doubt = f"<p><strong>doubtful</strong>: {html.escape(self.estimate.doubt)}</p>" if self.estimate.doubt else ""
+        doubt = f"<p><strong>doubtful</strong>: {html.escape(self.doubt)}</p>" if self.doubt else ""
         more = "".join(f"<p>{html.escape(line)}</p>" for line in (*self._as_well, *self.left_open))
         return f"<p>{html.escape(f'{self.task.name}, {self.how}')}</p>{doubt}{table}{more}"
 

@@ -1,5 +1,7 @@
 """Calibration on a task of one's own: right errors pass, others are found, and an interrupted one goes on."""
 
+import dataclasses
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -71,6 +73,10 @@ def test_a_fit_that_fails_is_counted_and_if_all_do_the_reason_is_raised():
     assert 0 < len(found.failed) < 6
     assert len(found.fits) == len(found.truth) == 6 - len(found.failed)
     assert (found.truth["mean"] <= 0).all()
+    shown = dataclasses.replace(found, failed=("RuntimeError: x < 0", *found.failed))._repr_html_()
+    assert shown.startswith(f"<p>{str(found).partition(' by ')[0]} by smm, ")
+    assert shown.count("<tr") == 2  # the names of the columns, and one parameter
+    assert "x &lt; 0" in shown
     with pytest.raises(avobench.UsageError, match="too small"):
         avobench.calibrate("poisson", n=2, **{**HOW, "budget": 20})
 

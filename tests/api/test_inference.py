@@ -35,7 +35,8 @@ def test_it_shows_itself(found):
     doubtful = replace(found, estimate=replace(found.estimate, doubt="<b>far off</b>"))
     assert "&lt;b&gt;far off" in doubtful._repr_html_()
     assert "doubtful: <b>far off" in str(doubtful)
-    assert doubtful.to_dict()["doubt"] == "<b>far off</b>"
+    assert doubtful.to_dict()["doubt"] == doubtful.doubt == "<b>far off</b>"
+    assert found.doubt == found.estimate.doubt
     frame = found.to_frame()
     assert list(frame.index) == ["log_rate"]
     assert frame.loc["log_rate", "value"] == found.theta["log_rate"]
