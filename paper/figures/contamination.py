@@ -49,8 +49,12 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
 
 
 def compared(records: list[dict[str, Any]], value: str = "to minimiser") -> pd.DataFrame:
-    """A row a task and share, a column a method that has any: one column of `table`."""
+    """A row a task and share, a column a method that has any: one column of `table`.
+
+    A D stands behind a number where the method doubts the fit, on one target or more.
+    """
     numbers = table(records).dropna(subset=value)
+    numbers[value] = numbers[value].map("{:.3g}".format) + np.where(numbers["doubtful"] > 0, " D", "  ")
     wide = numbers.pivot(index=["task", "share"], columns="method", values=value)
     wide = wide.reindex(index=numbers[["task", "share"]].drop_duplicates().apply(tuple, axis=1))
     shown = [method for method in METHODS if method in wide]
@@ -94,6 +98,7 @@ def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
                 style = {"color": PALETTE[i % len(PALETTE)], "marker": MARKERS[i % len(MARKERS)], "ms": 4, "lw": 1}
                 axis.plot(of["share"], of["to theta"], label=method, **style)
         axis.set_xscale("symlog", linthresh=LEAST)
-        axis.set(yscale="log", xlabel="share of outliers", ylabel="squared error", xlim=(-LEAST / 5, 0.3))
+        axis.set(yscale="log", xlabel="share of outliers", xlim=(-LEAST / 5, 0.3))
+        axis.set_ylabel("squared error\nto the clean theta")
     legend_below(figure, axes, METHODS, columns=3)
     return figure, numbers

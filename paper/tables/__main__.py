@@ -19,7 +19,7 @@ from paper.tables import coverage, experiments, targets
 TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = {
     "ablation": (experiments.ablation, "reference dimension ablation"),
     "contamination": (contamination.compared, "studies"),
-    "contamination-pulls": (partial(contamination.compared, value="pull"), "studies"),
+    "contamination-pulls": (partial(contamination.compared, value="worst pull"), "studies"),
     "contamination-effects": (contamination.effects, "studies"),
     "agreement": (agreement.table, "studies"),
     "coverage": (coverage.table, "reference rivals smm"),

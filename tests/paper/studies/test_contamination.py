@@ -49,6 +49,22 @@ def test_an_effect_moves_the_minimiser_as_it_moves_the_events():
     assert kept.minimiser(c, 1.0)[0] - c[0] == pytest.approx(4 * mean - c[0], rel=0.2)
 
 
+def test_a_doubted_fit_is_marked_and_has_the_pull_of_its_farthest_parameter():
+    def run(row, off, doubt):
+        return {"task": "tails", "share": 1.0, "target": 0, "row": row, "seconds": 1.0, "doubt": doubt} | {
+            "theta": [0.0, 0.0],
+            "minimiser": [0.0, 0.0],
+            "estimate": off,
+            "error": [1.0, 0.5],
+        }
+
+    records = [{"runs": [run("smm", [3.0, 4.0], ""), run("avo", [3.0, -1.0], "far")]}]
+    [errors] = report.compared(records).to_dict("records")
+    [pulls] = report.compared(records, "worst pull").to_dict("records")
+    assert (errors["smm"].strip(), errors["avo"]) == ("25", "10 D")
+    assert (pulls["smm"].strip(), pulls["avo"]) == ("8", "3 D")
+
+
 def test_the_table_of_effects_counts_what_is_far_off_without_a_doubt():
     def run(effect, off, doubt):
         return {"task": f"normal: {effect}", "target": 0, "row": "avo", "seconds": 1.0, "doubt": doubt} | {
