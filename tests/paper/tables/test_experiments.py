@@ -88,7 +88,7 @@ def test_errors_that_fall_as_the_floor_does_stay_in_units_of_it(benchmark):
 
 
 def test_with_a_million_events_the_errors_of_avo_are_a_few_floors_but_on_the_named_tasks():
-    """The floor itself falls with the simulated events, so its errors fall, too: docs/methods.md says of which tasks."""
+    """The floor itself falls with the simulated events, so the errors fall too. docs/methods.md names the tasks."""
     rows = tables.growth(list(records_of([ROOT / EXPERIMENTS["growth"].folder]).values()))
     own = rows[rows["method"] == "avo"].set_index("task")
     assert (own["targets"] == 4).all()
