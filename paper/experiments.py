@@ -359,7 +359,7 @@ EXPERIMENTS = {
         ),
     ),
     "fresh": Experiment(
-        "avo and its baselines on targets that nothing was chosen on, a hundred of each task of the paper",
+        "avo and its baselines on fresh targets, up to a hundred of each task of the paper",
         Path("results/fresh"),
         (
             *on(tuple(map(tasks.spec, tasks.FRESH)), "smm", "rank-moments", "avo", targets=100),

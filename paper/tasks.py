@@ -74,6 +74,8 @@ class WeinbergDevelopment(Weinberg):
     name = "weinberg-development"
 
 
+# The hash of the source holds the docstring, which is true of `avo`. `rank-moments` was changed once after it had seen
+# poisson, carl and weinberg, and run again.
 class Fresh(Task):
     """A task on targets that nobody has seen before `avo` was finished. What else there is stays the task's."""
 

@@ -115,7 +115,7 @@ def _inefficiency(name: str, record: dict[str, Any]) -> float:
 
 
 def fresh(records: Records) -> pd.DataFrame:
-    """One row per task and method on targets that nothing was chosen on.
+    """One row per task and method on fresh targets, of which `avo` was developed on none.
 
     `mean / floor` is the mean squared error over the mean floor, on weinberg over the ideal posterior mean's; below 1
     is chance. `astray` counts runs above 100 floors, and `ok of these` those of them that the method vouched for. The
