@@ -54,7 +54,7 @@ class FitSettings:
     """Standard errors around a fit over which its model is made known: further than an added effect moves theta."""
     min_sigmas: float = 4.0
     """Half the width of a design, in standard errors, at least: the minimum moves about one of them within it."""
-    slope_noise: float = 0.2
+    slope_noise: float = 0.5
     """Standard error of a slope over a design, in units of the slope that is one standard error of the parameter."""
     cell: float = 6.0
     """Spacing of the nodes at which events are simulated, at most, in standard errors of a parameter beside the others:
