@@ -15,18 +15,20 @@ from avobench.tasks.weinberg import Weinberg
 
 
 def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
-    rng, effort = np.random.default_rng(3), Effort()
-    null = counter.null
-    reference = null.reference(counter.target, int(effort.reference * counter.target.num_events), rng)
-    sample = Sample(null, counter.target, effort.sample, rng, Around(reference, counter.target))
-    look = closer(sample, glance(sample, counter.effect, counter.effect.guess(counter.x), rng, effort), rng)
-    starts = hidden(sample, starts_of(sample, look)[0], rng, effort)
-    fits = [begin(start, reference, counter.target, rng, 20_000) for start in starts]
-    fits = [go_on(fit, reference, counter.target, rng, 20_000, 7) for fit in fits]
-    strong = min(fits, key=lambda fit: abs(fit.params[1] - counter.truth.strong[1]))
-    # In a valley: a longer dead time at a higher rate.
-    np.testing.assert_allclose(strong.params, counter.truth.strong, atol=0.5)
-    assert strong.noiseless_q < strong.dof + 3 * np.sqrt(2 * strong.dof)
+    """In a valley: a longer dead time at a higher rate."""
+    effort, found = Effort(), []
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        reference = counter.null.reference(counter.target, int(effort.reference * counter.target.num_events), rng)
+        sample = Sample(counter.null, counter.target, effort.sample, rng, Around(reference, counter.target))
+        look = closer(sample, glance(sample, counter.effect, counter.effect.guess(counter.x), rng, effort), rng)
+        starts = hidden(sample, starts_of(sample, look)[0], rng, effort)
+        fits = [begin(start, reference, counter.target, rng, 20_000) for start in starts]
+        fits = [go_on(fit, reference, counter.target, rng, 20_000, 7) for fit in fits]
+        strong = min(fits, key=lambda fit: abs(fit.params[1] - counter.truth.strong[1]))
+        near = np.allclose(strong.params, counter.truth.strong, atol=0.5)
+        found.append(near and strong.noiseless_q < strong.dof + 3 * np.sqrt(2 * strong.dof))
+    assert sum(found) >= 3
 
 
 def test_a_start_that_goes_too_far_is_tried_on_the_way():
