@@ -5,8 +5,8 @@ METHODS := --method avo --method abc-smc --method bolfi
 # Populations of 25 give ABC-SMC several generations from a tenth of the events.
 QUICK := --budget 16000 --observations 20000 --targets 0-2 --set abc-smc.population_size=25
 
-STUDIES := poisson alignment summary ablation tuning sensitivity dimension fresh rivals plain smm
-STUDIES += agreement contamination detector few hard misspecification saturation real
+STUDIES := poisson alignment summary ablation tuning sensitivity dimension fresh growth rivals plain smm
+STUDIES += agreement contamination detector few hard misspecification saturation textbook real
 
 # TASK-KINDS-CASES-SEED of `make challenge`, and of `make challenge FULL=1`.
 CHALLENGE := poisson-none-10-0 poisson-seen-12-0 weinberg-none-10-0 weinberg-seen-12-0 carl-none-4-0 carl-seen-8-0

@@ -16,12 +16,23 @@ from avobench.cli.progress import ProgressView
 from avobench.cli.state import State
 from avobench.tasks.errors import AvobenchError, UsageError
 from paper.experiments import EXPERIMENTS
-from paper.studies import agreement, baseline, contamination, detector, few, hard, misspecification, real, saturation
+from paper.studies import (
+    agreement,
+    baseline,
+    contamination,
+    detector,
+    few,
+    hard,
+    misspecification,
+    real,
+    saturation,
+    textbook,
+)
 from paper.tables.real import format_table
 
 STUDIES = {
     each.__name__.rpartition(".")[2]: each
-    for each in (agreement, baseline, contamination, detector, few, hard, misspecification, real, saturation)
+    for each in (agreement, baseline, contamination, detector, few, hard, misspecification, real, saturation, textbook)
 }
 """The modules of the studies that are no cells. Each but `real` makes one file of records."""
 NAMES = {name: experiment.says for name, experiment in EXPERIMENTS.items()}

@@ -11,7 +11,7 @@ import pandas as pd
 from avobench.cli.main import main
 from paper.experiments import records_of
 from paper.figures import contamination, dimension, misspecification
-from paper.studies import agreement, few, hard, saturation
+from paper.studies import agreement, few, hard, saturation, textbook
 from paper.studies import contamination as contamination_study
 from paper.studies.misspecification import read
 from paper.tables import coverage, experiments, targets
@@ -25,6 +25,7 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = 
     "coverage": (coverage.table, "reference rivals smm"),
     "dimension": (dimension.table, "dimension"),
     "few": (few.table, "studies"),
+    "textbook": (textbook.table, "studies"),
     "fresh": (experiments.fresh, "fresh"),
     "growth": (experiments.growth, "growth"),
     "hard": (hard.table, "studies"),
@@ -41,6 +42,7 @@ ONE_FILE = {
     **dict.fromkeys(("contamination", "contamination-pulls", "contamination-effects"), contamination_study.read),
     "hard": hard.read,
     "few": few.read,
+    "textbook": textbook.read,
     "misspecification": read,
     "saturation": saturation.read,
 }
