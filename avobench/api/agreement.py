@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from avobench.tasks import Task
 from avobench.tasks.errors import SimulatorError, text_of
+from avobench.tasks.prior import Distributed
 
 SHARE = 10
 """One in so many of the simulated events that are allowed is held back for the test."""
@@ -223,15 +224,17 @@ def as_good(
 def left_open(task: Task, theta: NDArray[np.float64], covariance: NDArray[np.float64]) -> list[str]:
     """A sentence for each combination of parameters of which the events tell next to nothing.
 
-    It names two points, a standard error to either side of theta (p,) with its covariance (p, p).
+    It names two points, a standard error to either side of theta (p,) with its covariance (p, p). Of a prior that is
+    not uniform the events must tell a quarter at most of what it does: it may itself be as narrow as their errors.
     """
+    most = 1 / (1 + OPEN**2) if isinstance(task.prior, Distributed) else OPEN**2
     if not np.isfinite(covariance).all():
         return []
     unit, names = task.prior.std, task.parameter_names
     variance, axes = np.linalg.eigh(covariance / np.outer(unit, unit))
     said = []
     for each, axis in zip(variance, axes.T, strict=True):
-        if each <= OPEN**2:
+        if each <= most:
             continue
         ends = [
             np.clip(theta + side * np.sqrt(each) * axis * unit, task.prior.low, task.prior.high) for side in (-1, 1)

@@ -293,8 +293,10 @@ class Inference:
     def as_prior(self, seed: int = 0) -> dict[str, "rv_histogram"]:
         """What is known of each parameter now, as the prior of a task that new events are fitted with.
 
-        It is what `samples` draws from, smoothed where a method has few points of it; correlations are left out. Raises
-        UsageError as `samples` does, and for integers, whose prior must be one of whole numbers.
+        It is what `samples` draws from, smoothed where a method has few points of it; correlations are left out. A task
+        made with it has the support of this one where no other is given, since it takes events beyond a prior to tell
+        what new ones say. Raises UsageError as `samples` does, and for integers, whose prior must be one of whole
+        numbers.
         """
         from scipy.stats import rv_histogram
 
@@ -307,7 +309,11 @@ class Inference:
             draws = draws[self.task.support.contains(draws)]
         shares = np.linspace(0, 1, STEPS + 1)
         of_each = zip(self.task.parameter_names, np.quantile(draws, shares, axis=0).T, strict=True)
-        return {name: rv_histogram((np.ones(STEPS), edges), density=False) for name, edges in of_each}
+        prior = {name: rv_histogram((np.ones(STEPS), edges), density=False) for name, edges in of_each}
+        support = self.task.support
+        for law, *ends in zip(prior.values(), support.low, support.high, strict=True):
+            law.within = tuple(ends)
+        return prior
 
     def plot(self, name: str = "trace") -> "Figure":
         """The figure "trace" or "pairs".

@@ -10,6 +10,7 @@ networks are trained in one batch is the affair of `stacked_discriminators.py`.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
@@ -21,7 +22,7 @@ from avobench.methods.contract import LATER, Estimate, Method, TracePoint
 from avobench.methods.device import require_device
 from avobench.methods.divergence import Contrast, minimise
 from avobench.methods.inputs import Inputs
-from avobench.methods.leeway import Leeway, is_open, leaves_open
+from avobench.methods.leeway import Leeway, doubt_of_prior, is_open, leaves_open
 from avobench.methods.polish import Fold, Polished, TooFewEvents, narrower, polish_closer
 from avobench.methods.problem import Problem
 from avobench.methods.proposal import TruncatedGaussian
@@ -128,14 +129,14 @@ class Inference:
         leeway, toward = None, np.zeros_like(answer.mean)
         for num_events in self.settings.local_rounds(self.num_adversarial, self.num_events):
             start, last = len(self.u), num_events == self.num_events
-            if last and leaves_open(answer):  # many answers, of which the best is elsewhere
+            if last and leaves_open(answer, self.problem.prior):  # many answers, of which the best is elsewhere
                 leeway = Leeway(self.matched(), self.problem.prior)
                 toward = leeway.best(self.proposal.scale)
                 local = self.settings.shrink * np.eye(len(toward))
                 answer, root = self.polish(toward, local, toward, learn=False)
                 if isinstance(self.problem.prior, Distributed):  # no box to be averaged over: its moments decide
                     leeway, toward = None, np.zeros_like(answer.mean)
-            root = narrower(root, answer, self.settings.shrink, self.settings.errors)
+            root = narrower(root, answer, self.settings.shrink, self.settings.errors, self.proposal.widest)
             std = np.sqrt((root**2).sum(axis=1))
             self.note(answer.mean, std)
             width = 1 / self.settings.errors if last else 1  # far events tell how phi moves with theta, near ones where
@@ -226,12 +227,14 @@ class Inference:
                 self.linear = [regression(self.seen[half : len(self.u) : 2], self.u[half::2]) for half in range(2)]
         shrink, errors = self.settings.shrink, self.settings.errors
         bounds, looks = (self.proposal.low, self.proposal.high), (shrink, errors / CLOSER)
+        widest = self.proposal.widest
+        closer = partial(polish_closer, toward=toward, larger=LARGER, alone=widest is not None)
         if self.settings.matched != "divergence":
-            return polish_closer(self.matched(), mean, root, bounds, looks, toward, LARGER)
+            return closer(self.matched(), mean, root, bounds, looks)
         begin = [mean]
         if np.isnan(self.divergence):  # where the simulator is wrong the adversary begins nearer than the moments
-            answer, root = polish_closer(self.matched(), mean, root, bounds, looks, toward, LARGER)
-            root, begin = narrower(root, answer, shrink, errors), [answer.mean, self.averaged_mean]
+            answer, root = closer(self.matched(), mean, root, bounds, looks)
+            root, begin = narrower(root, answer, shrink, errors, widest), [answer.mean, self.averaged_mean]
         contrasts = self.contrasts()
         found = [minimise(contrasts, start, root, bounds, toward) for start in begin]
         best = min(found, key=lambda each: (not each.answer.converged, each.divergence))
@@ -281,8 +284,10 @@ class Inference:
         """
         if not answer.converged:
             return "the polish did not converge, so the estimate is its last step"
-        if is_open(answer) and not leaves_open(answer):
+        if is_open(answer, self.problem.prior) and not leaves_open(answer):
             return "the events determine almost nothing about one combination of the parameters"
+        if hidden := doubt_of_prior(answer, self.problem.prior):
+            return hidden
         try:
             misfit = max(fold.misfit(answer.mean, root) for fold in self.folds(self.layers, self.unseen_halves))
         except TooFewEvents:

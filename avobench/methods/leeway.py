@@ -40,13 +40,28 @@ STANDARD_ERROR = np.exp(-0.5)
 """Value of a Gaussian at one standard deviation, in units of its maximum."""
 
 
-def is_open(answer: Polished) -> bool:
-    return bool(np.linalg.eigvalsh(answer.covariance)[-1] > OPEN**2)
+def is_open(answer: Polished, prior: Box | None = None) -> bool:
+    """Tell whether a combination of parameters is open: nearly as uncertain as the prior, which is uniform where None.
+
+    Where another prior is as narrow as what the events tell, that alone does not make it open.
+    """
+    wide = bool(np.linalg.eigvalsh(answer.covariance)[-1] > OPEN**2)
+    return wide and not (isinstance(prior, Distributed) and answer.told > SIGNIFICANT)
 
 
-def leaves_open(answer: Polished) -> bool:
+def leaves_open(answer: Polished, prior: Box | None = None) -> bool:
     """Tell whether a combination is open of so few parameters that the best of all answers can be looked for."""
-    return len(answer.mean) <= MOST_PARAMETERS and is_open(answer)
+    return len(answer.mean) <= MOST_PARAMETERS and is_open(answer, prior)
+
+
+def doubt_of_prior(answer: Polished, prior: Box) -> str:
+    """Say that events may tell more than a quarter of what a prior does that is not uniform, and it was not seen."""
+    if not isinstance(prior, Distributed) or answer.hidden < OPEN**2:
+        return ""
+    return (
+        "over so narrow a prior it is not seen how the events depend on theta, so that what they tell may be missing: "
+        "give the task a support that is wider than the prior, or allow more simulated events"
+    )
 
 
 class Leeway:

@@ -21,6 +21,8 @@ RIDGE = 1e-4
 SIGNIFICANT = 3.0
 """Least ratio of the information along a combination of parameters to what mere noise would show. Noise itself is a
 chi-squared over its degrees of freedom, one a feature, and stays well below."""
+LIKELY = 0.5
+"""Information on a combination of parameters, in the same units, that noise is as likely as not to hide."""
 MAX_STEPS = 50
 """Largest number of steps: several times what it takes where the polish converges. Elsewhere the answer says so."""
 STANDS_STILL = 1e-3
@@ -61,6 +63,11 @@ class Polished:
     converged: bool
     told: float = 0.0
     """Least information on a combination of the parameters, in units of what mere noise would show."""
+    alone: NDArray[np.float64] | None = None
+    """Covariance (p, p) by what the events say without the prior; None where that was not asked of them. Along what
+    they do not tell it is about as small as it can be without their telling it."""
+    hidden: float = 0.0
+    """Largest information that noise may hide on a combination of which the slopes are not known, a prior's is 1."""
 
     @property
     def error(self) -> NDArray[np.float64]:
@@ -266,7 +273,8 @@ def descend(
             parts = zip(*(response.at(mean) for response in responses_at(mean)), strict=True)
         except TooFewEvents:
             return Polished(mean, root @ root.T, step - 1, converged=False)
-        gradient, information, told = significant(*(sum(part) for part in parts))
+        gradient, seen, noise = (sum(part) for part in parts)
+        gradient, information, told = significant(gradient, seen, noise)
         precision = information + np.eye(len(mean))
         force = gradient - (mean - toward)
         free = ~(((mean <= low) & (force < 0)) | ((mean >= high) & (force > 0)))  # the others rest on a bound
@@ -274,7 +282,7 @@ def descend(
         move[free] = np.linalg.solve(precision[np.ix_(free, free)], force[free])
         covariance = np.linalg.inv(precision)
         if (np.abs(move) < stands_still * np.sqrt(np.diag(covariance))).all():
-            return Polished(mean, covariance, step, converged=True, told=told)
+            return Polished(mean, covariance, step, True, told, *without_prior(seen, noise))
         reach, last = (reach / 2 if (unit @ move) @ (unit @ last) < 0 else reach), move  # back and forth is too far
         mean = mean + move * min(1, reach / np.linalg.norm(unit @ move))
         mean = center + (mean - center) * min(1, FARTHEST / max(np.linalg.norm(unit @ (mean - center)), FARTHEST))
@@ -290,19 +298,22 @@ def polish_closer(
     narrowing: tuple[float, float],
     toward: NDArray[np.float64] | float = 0.0,
     larger: float = np.inf,
+    *,
+    alone: bool = False,
 ) -> tuple[Polished, NDArray[np.float64]]:
     """The polish, and the root (p, p) of the width at which it can be believed.
 
     Over a wide kernel E[phi | u] need not be a quadratic. A narrower kernel tells: where its answer is further away
     than its own errors explain, or its errors are known and `larger` times those of the wider one, it takes the place
     of the wider one's and is tested in its turn; else the wider one stands, as it uses more events. A closer look that
-    does not come to rest tells nothing. Otherwise as `polish`.
+    does not come to rest tells nothing. How narrow that is follows from what the events say `alone`, or with the prior.
+    Otherwise as `polish`.
     """
     answer = polish(folds, mean, root, *bounds, toward)
     if np.isfinite(larger) and not all(fold.is_known for fold in folds):
         larger = LARGER_OF_FEW
     for _ in range(LOOKS):
-        narrow = narrower(root, answer, *narrowing)
+        narrow = narrower(root, answer, *narrowing, np.sqrt((root**2).sum(axis=1)) if alone else None)
         again = polish(folds, answer.mean, narrow, *bounds, toward)
         apart = np.linalg.norm(again.mean - answer.mean)
         moved = apart > SAME * np.linalg.norm(again.error)
@@ -325,15 +336,33 @@ def within_reach(u: NDArray[np.float64], point: NDArray[np.float64], root: NDArr
     return np.flatnonzero((z**2).sum(axis=1) < REACH**2 + len(point))
 
 
-def narrower(root: NDArray[np.float64], answer: Polished, shrink: float, errors: float) -> NDArray[np.float64]:
+def narrower(
+    root: NDArray[np.float64],
+    answer: Polished,
+    shrink: float,
+    errors: float,
+    widest: NDArray[np.float64] | None = None,
+) -> NDArray[np.float64]:
     """The root (p, p) of the next proposal's covariance: `errors` standard errors of the answer along each axis.
 
     That is between `shrink` times and once as wide as the last proposal: a first answer may be far off, and along a
-    combination of parameters of which the events say nothing it stays as wide as it is.
+    combination of parameters of which the events say nothing it stays as wide as it is. With `widest` (p,) the errors
+    are those of the events without the prior, and it grows up to these standard deviations: over a prior as narrow as
+    these errors nobody sees how the events depend on theta.
     """
-    unit = np.linalg.inv(root)
-    variance, axes = np.linalg.eigh(unit @ answer.covariance @ unit.T)
-    return root @ (axes * np.sqrt((errors**2 * variance).clip(shrink**2, 1))) @ axes.T  # whatever axes eigh picks
+    unit, free = np.linalg.inv(root), widest is not None and answer.alone is not None
+    variance, axes = np.linalg.eigh(unit @ (answer.alone if free else answer.covariance) @ unit.T)
+    stretch = np.sqrt((errors**2 * variance).clip(shrink**2, np.inf if free else 1))
+    root = root @ (axes * stretch) @ axes.T  # whatever axes eigh picks
+    return root if widest is None else root * np.minimum(1, widest / np.sqrt((root**2).sum(axis=1)))[:, None]
+
+
+def without_prior(information: NDArray[np.float64], noise: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+    """What the events say alone, `alone` (p, p) and `hidden` of `Polished`, by information and its noise (p, p)."""
+    value, axes = in_noise(information, noise)
+    back = noise @ axes[:, value < SLOPES]
+    hidden = SIGNIFICANT * np.linalg.norm(back, 2) ** 2 if back.size else 0.0
+    return (axes / np.maximum(value - 1, LIKELY)) @ axes.T, float(hidden)
 
 
 def significant(
@@ -344,12 +373,20 @@ def significant(
     Where E[phi] does not depend on a combination of the parameters, its Jacobian is noise, and so is the information
     that it seems to hold; left in, this would outweigh the prior and send the mean anywhere along a degeneracy.
     """
-    tiny = np.finfo(float).eps * np.trace(noise) + np.finfo(float).tiny  # the noise may vanish along a combination
-    value, axes = eigh(information, noise + tiny * np.eye(len(noise)))  # axes.T @ noise @ axes = 1
+    value, axes = in_noise(information, noise)
     least = float(value[0])
     value, axes = value[value > SIGNIFICANT], axes[:, value > SIGNIFICANT]
     back = noise @ axes
     return back @ (axes.T @ gradient), back * (value - 1) @ back.T, least  # without what noise adds
+
+
+def in_noise(
+    information: NDArray[np.float64], noise: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The information (p, p) in units of its noise (p, p): ratios (p,), rising, and axes, axes.T @ noise @ axes = 1."""
+    tiny = np.finfo(float).eps * np.trace(noise) + np.finfo(float).tiny  # the noise may vanish along a combination
+    ratios, axes = eigh(information, noise + tiny * np.eye(len(noise)))
+    return ratios, axes
 
 
 def ridged_inverse(covariance: NDArray[np.float64]) -> NDArray[np.float64]:

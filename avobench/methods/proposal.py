@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 from scipy.special import erfcx, log_ndtr, ndtr, ndtri, ndtri_exp
 
 from avobench.tasks import Box
+from avobench.tasks.prior import Distributed
 
 SQRT_2PI = np.sqrt(2 * np.pi)
 
@@ -21,6 +22,8 @@ class TruncatedGaussian:
     def __init__(self, prior: Box, support: Box) -> None:
         self.center, self.scale, self.support = prior.mean, prior.std, support
         self.low, self.high = self.to_standard(np.array(support.low)), self.to_standard(np.array(support.high))
+        # A uniform prior is searched as wide as it is; another may be as narrow as what the events tell, or narrower.
+        self.widest = (self.high - self.low) / np.sqrt(12) if isinstance(prior, Distributed) else None
 
     def to_standard(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
         return (theta - self.center) / self.scale

@@ -18,7 +18,7 @@ from scipy.stats import chi2
 
 from avobench.methods.contract import Estimate, Method, TracePoint
 from avobench.methods.inputs import Inputs
-from avobench.methods.leeway import Leeway, is_open, leaves_open
+from avobench.methods.leeway import Leeway, doubt_of_prior, is_open, leaves_open
 from avobench.methods.polish import Fold, Polished, TooFewEvents, kernel_of, narrower, polish_closer, within_reach
 from avobench.methods.problem import Problem
 from avobench.methods.proposal import TruncatedGaussian
@@ -136,7 +136,9 @@ class _Rounds:
         leeway, toward = None, np.zeros(self.p)
         for end in ends:
             last = end == ends[-1]
-            if last and self.trace and leaves_open(answer):  # many answers, of which the best is elsewhere
+            if (
+                last and self.trace and leaves_open(answer, self.problem.prior)
+            ):  # many answers, of which the best is elsewhere
                 everywhere = self.folds(np.arange(len(self.u)))
                 leeway = Leeway(everywhere, self.problem.prior)
                 toward = leeway.best(proposal.scale)
@@ -144,7 +146,7 @@ class _Rounds:
                 if isinstance(self.problem.prior, Distributed):  # no box to be averaged over: its moments decide
                     leeway, toward = None, np.zeros(self.p)
             if self.trace:
-                root = narrower(root, answer, settings.shrink, self.errors)
+                root = narrower(root, answer, settings.shrink, self.errors, proposal.widest)
             std = np.sqrt((root**2).sum(axis=1))
             self.simulate(proposal.around(answer.mean, root, end - simulate.used, self.rng))
             answer, root = self.polish(answer.mean, root, toward)
@@ -187,7 +189,8 @@ class _Rounds:
         bounds, narrowing = (self.proposal.low, self.proposal.high), (self.settings.shrink, self.errors)
         rows = within_reach(self.u, mean, root)
         folds = self.folds(rows if len(rows) > 1 else np.arange(len(self.u)))
-        return polish_closer(folds, mean, root, bounds, narrowing, toward)
+        alone = self.proposal.widest is not None
+        return polish_closer(folds, mean, root, bounds, narrowing, toward, alone=alone)
 
     def folds(self, rows: NDArray[np.int64]) -> list[Fold]:
         """The halves of these simulated events and of all observed ones, by the statistic of the other half."""
@@ -224,8 +227,10 @@ class _Rounds:
         """Say why the answer may be wrong, or "": no convergence, no information, or a remaining difference."""
         if not answer.converged:
             return "the match did not converge, so the estimate is its last step"
-        if is_open(answer) and not leaves_open(answer):
+        if is_open(answer, self.problem.prior) and not leaves_open(answer):
             return "the events determine almost nothing about one combination of the parameters"
+        if hidden := doubt_of_prior(answer, self.problem.prior):
+            return hidden
         rows = within_reach(self.u, answer.mean, root)[-MOST_TESTED:]
         real, synthetic = (np.concatenate(list(self.polynomials.parts(of))) for of in (self.observed, self.ranks[rows]))
         fold, coefficients = Fold(real, synthetic, self.u[rows]), (self.p + 1) * (self.p + 2) // 2

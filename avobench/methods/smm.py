@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from avobench.methods.contract import Estimate, Method, TracePoint
 from avobench.methods.inputs import Inputs
-from avobench.methods.leeway import Leeway, leaves_open
+from avobench.methods.leeway import Leeway, doubt_of_prior, leaves_open
 from avobench.methods.polish import Fold, Polished, polish
 from avobench.methods.problem import Problem
 from avobench.methods.proposal import TruncatedGaussian
@@ -62,7 +62,9 @@ class Smm(Method):
         ends = problem.simulate.used + np.linspace(0, total, self.rounds + 1).astype(int)[1:]
         leeway, toward = None, np.zeros_like(mean)
         for end in ends:
-            if answer and end == ends[-1] and leaves_open(answer):  # many answers, of which the best is elsewhere
+            if (
+                answer and end == ends[-1] and leaves_open(answer, problem.prior)
+            ):  # many answers, of which the best is elsewhere
                 leeway = Leeway([fold], problem.prior)
                 toward, std = leeway.best(proposal.scale), self.shrink * np.ones_like(std)
                 mean = polish([fold], toward, np.diag(std), proposal.low, proposal.high, toward).mean
@@ -75,7 +77,7 @@ class Smm(Method):
             else:
                 fold.add(synthetic, u)
             answer = polish([fold], mean, np.diag(std), proposal.low, proposal.high, toward)
-            mean, std = answer.mean, self._narrower(std, answer)
+            mean, std = answer.mean, self._narrower(std, answer, proposal.widest)
             error = leeway.error(mean) if leeway else answer.error
             trace.append(TracePoint(problem.simulate.used, proposal.to_raw(mean), error * proposal.scale))
         last = trace[-1]
@@ -90,9 +92,16 @@ class Smm(Method):
             error=error * proposal.scale,
             covariance=np.outer(proposal.scale, proposal.scale)
             * (leeway.covariance(mean) if leeway else answer.covariance),
-            doubt=inputs.doubt,
+            doubt="; ".join(filter(None, (inputs.doubt, doubt_of_prior(answer, problem.prior)))),
         )
 
-    def _narrower(self, std: NDArray[np.float64], answer: Polished) -> NDArray[np.float64]:
-        """The widths of the next round (p,): as wide as the last where the events say nothing of a parameter."""
-        return np.minimum(std, np.maximum(self.shrink * std, self.errors * answer.error))
+    def _narrower(
+        self, std: NDArray[np.float64], answer: Polished, widest: NDArray[np.float64] | None
+    ) -> NDArray[np.float64]:
+        """The widths of the next round (p,): as wide as the last where the events say nothing of a parameter.
+
+        With `widest` (p,) they may grow, as in `narrower`.
+        """
+        if widest is None or answer.alone is None:
+            return np.minimum(std, np.maximum(self.shrink * std, self.errors * answer.error))
+        return np.minimum(widest, np.maximum(self.shrink * std, self.errors * np.sqrt(np.diag(answer.alone))))

@@ -65,7 +65,8 @@ class FunctionTask(Task):
         self.parameter_units = tuple(units.get(parameter, "1") for parameter in prior)
         said = {name: kind for name, kind in (kinds or {}).items() if name in prior and kind in get_args(ParameterKind)}
         self.prior = box_of(prior, [name for name, kind in said.items() if kind == "integer"])
-        ends = dict(zip(prior, zip(self.prior.low, self.prior.high, strict=True), strict=True))
+        both = zip(prior.items(), self.prior.low, self.prior.high, strict=True)
+        ends = {name: getattr(given, "within", (low, high)) for (name, given), low, high in both}
         self.support = Box(*zip(*(support.get(parameter, ends[parameter]) for parameter in prior), strict=True))
         if not self.support.contains_all(np.array([self.prior.low, self.prior.high])):
             raise ValueError(f"the support of {name} must hold its prior")
@@ -273,7 +274,8 @@ def task(
     names
         Names of the parameters, where `prior` does not give them.
     support
-        Where the simulator is defined, if that is wider than the prior: ends by name of the parameter.
+        Where the simulator is defined, if that is wider than the prior: ends by name of the parameter. Beside a prior as
+        narrow as the errors of the events, events of a wider support tell how they depend on the parameters.
     units
         Physical units by name of the parameter; "1" where there is none.
     features

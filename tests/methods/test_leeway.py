@@ -124,7 +124,7 @@ def test_where_nothing_is_open_the_estimate_is_what_it_was_to_the_last_bit(modul
         return method.infer(given, np.random.default_rng(6))
 
     now = infer()
-    monkeypatch.setattr(module, "leaves_open", lambda answer: False)
+    monkeypatch.setattr(module, "leaves_open", lambda answer, prior: False)
     assert infer().theta.tolist() == now.theta.tolist()
     assert infer().error.tolist() == now.error.tolist()
 

@@ -1,5 +1,7 @@
 """Priors by distributions of SciPy's."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -10,6 +12,7 @@ import avobench
 from avobench.bench.cells.prior_shares import in_shares, raw
 from avobench.methods import Estimate, WeightedSample
 from avobench.methods.abc_smc import AbcSmc
+from avobench.tasks import Box
 from avobench.tasks.errors import UsageError
 from avobench.tasks.prior import Distributed, Law
 
@@ -151,6 +154,47 @@ def test_moments_with_a_gaussian_prior_find_its_conjugate_posterior(truth, num):
         fit = avobench.infer(task, x, "smm", budget=40_000, seed=seed, progress=False)
         assert abs(fit.theta["mu"] - x.sum() * variance) < np.sqrt(variance)
         assert fit.std["mu"] == pytest.approx(np.sqrt(variance), rel=0.15)
+
+
+NARROW = 20_000**-0.5
+"""The standard error of the mean of so many normal numbers."""
+
+
+def narrow(support=None):
+    """A normal mean of which the prior knows as much as 20 000 events do."""
+    return avobench.task(
+        lambda theta, rng: rng.normal(theta[:, 0]), prior={"mu": stats.norm(0, NARROW)}, support=support, name="normal"
+    )
+
+
+@pytest.mark.parametrize(
+    ("method", "settings"),
+    [("smm", {}), ("rank-moments", {}), ("avo", {"iterations": 20, "statistic_steps": 50, "hidden": (8,)})],
+)
+def test_a_prior_as_narrow_as_the_errors_of_the_events_hides_nothing(method, settings):
+    """The conjugate posterior is half way between, and smaller by the root of two; with the noise of simulation."""
+    x = np.random.default_rng(3).normal(3 * NARROW, 1, 20_000)
+    fit = avobench.infer(narrow({"mu": (-1, 1)}), x, method, budget=60_000, settings=settings, seed=1, progress=False)
+    error = NARROW / np.sqrt(2)
+    assert abs(fit.theta["mu"] - x.mean() / 2) < error
+    assert fit.std["mu"] == pytest.approx(1.1 * error, rel=0.15)
+    assert fit.estimate.doubt == ""
+    assert fit.left_open == []
+
+
+@pytest.mark.parametrize("method", ["smm", "rank-moments"])
+def test_a_narrow_prior_beyond_which_nothing_can_be_simulated_is_a_doubt(method):
+    x = np.random.default_rng(3).normal(3 * NARROW, 1, 20_000)
+    fit = avobench.infer(narrow(), x, method, budget=20_000, progress=False)
+    assert "wider than the prior" in fit.estimate.doubt
+
+
+def test_the_prior_of_a_later_fit_has_the_support_of_the_first():
+    first = narrow({"mu": (-1, 2)})
+    fit = avobench.infer(first, np.random.default_rng(0).normal(size=200), "smm", budget=2000, progress=False)
+    make = partial(avobench.task, first.function, prior=fit.as_prior())
+    assert make().support == first.support
+    assert make(support={"mu": (-3, 3)}).support == Box((-3.0,), (3.0,))
 
 
 def test_what_events_do_not_tell_keeps_its_prior_and_is_said(tmp_path):
