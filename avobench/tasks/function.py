@@ -274,8 +274,8 @@ def task(
     names
         Names of the parameters, where `prior` does not give them.
     support
-        Where the simulator is defined, if that is wider than the prior: ends by name of the parameter. Beside a prior as
-        narrow as the errors of the events, events of a wider support tell how they depend on the parameters.
+        Where the simulator is defined, if that is wider than the prior: ends by name of the parameter. Beside a prior
+        as narrow as the errors of the events, events of a wider support tell how they depend on the parameters.
     units
         Physical units by name of the parameter; "1" where there is none.
     features
