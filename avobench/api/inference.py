@@ -18,7 +18,7 @@ from avobench.api import agreement
 from avobench.api.described import Described, array, description, plain
 from avobench.api.joint import Joint, require_measured, tables_in
 from avobench.api.progress import Progress, limited, shown
-from avobench.bench.cells.budget import MeteredSimulator, pose
+from avobench.bench.cells.budget import MeteredSimulator, asked_of, pose
 from avobench.bench.cells.estimates import require_recordable
 from avobench.bench.cells.prior_shares import in_shares, raw
 from avobench.bench.cells.streams import stream
@@ -498,22 +498,25 @@ def by_method(
     known = Recorded(task, x_observed)
     x_observed = known.events(x_observed)
     posed = in_shares(known.task(drawn), method)
-    held = min(budget // agreement.SHARE, budget - checks.used - least)
+    left, asked = budget - checks.used, most_asked(task, method, budget, checks.meter)
     with shown(progress) as tell:
 
-        def metered(what: str, task: Task, limit: int, before: int) -> MeteredSimulator:
+        def metered(what: str, task: Task, limit: int, reserve: int, before: int) -> MeteredSimulator:
             """A simulator of `limit` events with a stream of its own, `before` which so many were made."""
             told = lambda used: tell(method.name, before + used, budget)  # noqa: E731
-            return MeteredSimulator(task, limit, stream(seed, what, *words), progress=told)
+            return MeteredSimulator(task, limit, stream(seed, what, *words), progress=told, reserve=reserve)
 
-        simulate = metered("simulator", posed, budget - checks.used - held, checks.used)
+        # Events that are made in place of failed ones come out of what the test has, where more fail than expected.
+        simulate = metered("simulator", posed, asked, left - asked, checks.used)
         problem = pose(posed, x_observed, simulate)
         estimate = method.infer(problem, stream(seed, "method", *words))
         require_recordable(estimate, problem, simulate.used)
         estimate = restricted(raw(estimate, posed), task)
         fresh, rng = known.task(drawing(task, source, aside=True)), stream(seed, "test", *words)
+        held = left - max(simulate.used, asked)
         held = min(held, task.num_aside * 3 // 2) if sample else held
-        test = metered("agreement", fresh, held, checks.used + simulate.used)
+        tests = asked_of(task, held, checks.meter)
+        test = metered("agreement", fresh, tests, held - tests, checks.used + simulate.used)
         estimate, others = tested(known.task(task), estimate, x_observed, test, simulate.used, rng)
     seconds = time.perf_counter() - start
     if isinstance(source, Counted):
@@ -525,6 +528,22 @@ def by_method(
         warnings.append(f"the events of the bank were used {repeats:.2g} times each, so that errors are too small")
     warnings += failures(task, estimate.theta, estimate.std if estimate.error is None else estimate.error)
     return Inference(task, method.name, estimate, len(x_observed), used, seconds, seed, tuple(warnings), others)
+
+
+def most_asked(task: Task, method: Method, budget: int, checks: Meter) -> int:
+    """How many events a method may ask for of a budget of which the `checks` have spent a part.
+
+    A tenth of the budget is held back for the test of the answer, and what is made in place of failed events takes of
+    that too. Raises UsageError where too few are left for the method.
+    """
+    least, left = method.min_simulations(task.prior.dim), budget - checks.used
+    held = min(budget // agreement.SHARE, left - least)
+    if (most := asked_of(task, left, checks)) < least:
+        raise UsageError(
+            f"a budget of {budget} is too small for {method.name} on {task.name}, whose events fail and are made "
+            f"again: allow {int(1.2 * budget * least / max(most, 1)) + 1}"
+        )
+    return max(asked_of(task, left - held, checks), least)
 
 
 def by_rejection(

@@ -83,6 +83,12 @@ class Region:
         return {"reason": self.reason, "worked": self.worked.tolist()}
 
     @property
+    def within_it(self) -> tuple[int, int]:
+        """Of the thetas in the region at which it was tried: at how many it failed, and how many there are."""
+        worked = self.worked[self._depth(self._tried) >= 0]
+        return int((~worked).sum()), len(worked)
+
+    @property
     def beside(self) -> int:
         """Events that were asked of the simulator beside those that it was asked for."""
         return int(self.counts[CALLS] - self.counts[MADE])

@@ -1,11 +1,15 @@
 """A simulator that fails somewhere is kept to where it works, every call is counted, and what failed is told."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 import avobench
 from avobench.api.inference import restricted
 from avobench.bench.cells.budget import MeteredSimulator
+from avobench.bench.cells.cell import Cell
+from avobench.bench.cells.trial import execute
 from avobench.methods import Estimate, WeightedSample
 from avobench.tasks.errors import BudgetExhausted, SimulatorError, UsageError
 
@@ -149,3 +153,46 @@ def test_a_fault_of_the_code_is_no_failure_and_is_said_in_a_line(error):
     task = avobench.task(faulty, prior=PRIOR, failed="region")
     with pytest.raises(SimulatorError, match=f"the simulator of faulty raised {type(error).__name__}"):
         avobench.infer(task, np.zeros(300), "smm", budget=20_000, progress=False)
+
+
+@pytest.mark.parametrize(("share", "budget"), [(0.001, 160_000), (0.01, 20_000), (0.3, 5000)])
+def test_failures_at_random_leave_a_method_the_events_that_it_plans_with(share, budget):
+    """The answer to 1000 exponential events is their mean, but for the error that simulation adds."""
+    made = 0
+
+    def decay(theta, rng):
+        nonlocal made
+        made += len(theta)
+        return np.where(rng.random(len(theta)) < share, np.nan, rng.exponential(theta[:, 0]))
+
+    task, x = (
+        avobench.task(decay, prior={"tau": (1, 4)}, failed="region"),
+        np.random.default_rng(1).exponential(2, 1000),
+    )
+    learnt, made = task.region.beside, 0
+    fit = avobench.infer(task, x, "rank-moments", budget=budget, progress=False)
+    assert 0.8 * budget < made == fit.num_simulations <= budget
+    assert learnt == 512
+    assert abs(fit.theta["tau"] - x.mean()) < 0.8 * fit.std["tau"] < 0.1
+
+
+def test_a_cell_of_a_sweep_leaves_room_for_failures_too(tmp_path):
+    path = tmp_path / "failing.py"
+    path.write_text(
+        "import numpy as np\nimport avobench\n\n\n"
+        "def decay(theta, rng):\n"
+        "    return np.where(rng.random(len(theta)) < 0.1, np.nan, rng.exponential(theta[:, 0]))\n\n\n"
+        "made = avobench.task(decay, prior={'tau': (1, 4)}, failed='region')\n"
+    )
+    record = execute(Cell(f"{path}:made", {}, "rank-moments", {}, 0, 0, 4000, 200, 0))
+    assert record["status"] == "ok"
+    assert 3000 < record["simulations_used"] <= 4000
+
+
+def test_too_small_a_budget_for_what_fails_names_one_that_suffices():
+    task = avobench.task(normal, prior=PRIOR, failed="region")
+    x = np.random.default_rng(2).normal(0, 1, 200)
+    infer = partial(avobench.infer, task, x, "rank-moments", progress=False)
+    with pytest.raises(UsageError, match=r"allow \d+$") as refused:
+        infer(budget=500)
+    assert infer(budget=int(str(refused.value).split()[-1])).num_simulations > 480

@@ -10,12 +10,23 @@ from numpy.typing import ArrayLike, NDArray
 from avobench.methods import Problem
 from avobench.tasks import Task
 from avobench.tasks.checked import checked_events
-from avobench.tasks.errors import SimulatorError, SupportError, UsageError, raised, text_of
+from avobench.tasks.errors import BudgetExhausted, SimulatorError, SupportError, UsageError, raised, text_of
 from avobench.tasks.meter import Meter
+from avobench.tasks.region import regions
+
+AGAIN = 1.5
+"""Events that are kept to be made in place of failed ones, for each that is expected: where an answer lies more may
+fail than elsewhere."""
+SURE = 3.0
+"""Standard errors of their number, as far as it is known, that are kept on top."""
+SPARE = 0.1
+"""Share of the events of a cell that is kept on top, as `infer` has its test of the answer."""
 
 
 class MeteredSimulator:
     """Simulates events of a task from its own random stream, and never more than `budget` of them.
+
+    A `reserve` of more events may be made in place of failed ones; beyond it these count within the budget.
 
     A request that would exceed the budget is refused whole: it raises BudgetExhausted, its events are added to
     `refused`, and nothing is simulated. `requested == used + refused` always holds. An event is charged before it
@@ -23,10 +34,15 @@ class MeteredSimulator:
     """
 
     def __init__(
-        self, task: Task, budget: int, rng: np.random.Generator, progress: Callable[[int], None] | None = None
+        self,
+        task: Task,
+        budget: int,
+        rng: np.random.Generator,
+        progress: Callable[[int], None] | None = None,
+        reserve: int = 0,
     ) -> None:
         self._task, self._rng, self._progress = task, rng, progress
-        self._meter, self._budget, self._seconds = Meter(budget), budget, 0.0
+        self._meter, self._budget, self._seconds = Meter(budget + reserve), budget, 0.0
         self._process = os.getpid()
 
     @property
@@ -52,7 +68,7 @@ class MeteredSimulator:
 
     @property
     def remaining(self) -> int:
-        return self._budget - self.used
+        return min(self._budget + self.failed - self.used, self._meter.remaining)
 
     @property
     def seconds(self) -> float:
@@ -76,16 +92,40 @@ class MeteredSimulator:
     def _simulate(self, theta: NDArray[np.float64]) -> NDArray:
         if os.getpid() != self._process:  # a copy would count for itself, and draw the same random numbers
             raise UsageError("a method called problem.simulate in a process that it started; call it where infer runs")
-        self._meter.charge(len(theta))
         start = time.perf_counter()
         try:
+            with self._meter.keeping(self._meter.remaining - self.remaining):
+                self._meter.charge(len(theta))
             with self._meter.paying(self._task):
                 x = checked_events(self._task, theta, self._rng)
+        except BudgetExhausted as error:
+            if not self.failed:
+                raise
+            raise BudgetExhausted(
+                f"{self.failed} of {self.used} events of {self._task.name} failed and were made again, more than the "
+                "budget has room for: leave out of the prior where it fails, or allow more simulated events"
+            ) from error
         finally:
             self._seconds += time.perf_counter() - start
         if self._progress is not None:
             self._progress(self.used)
         return x
+
+
+def asked_of(task: Task, limit: int, checks: Meter | None = None) -> int:
+    """How many of `limit` events may be asked for, so that the others suffice for those made in place of failed ones.
+
+    They are all where the simulator may not fail. How often it does is known by the `checks` that were made, and by the
+    events by which the region was learnt where it works.
+    """
+    known = [region.within_it for region in regions(task)]
+    if not known:
+        return limit
+    failed, tried = (sum(numbers) for numbers in zip(*known, strict=True))
+    made = tried - failed + (checks.used - checks.failed if checks else 0)
+    failed += checks.failed if checks else 0
+    share = failed / made
+    return int(limit / (1 + AGAIN * share + SURE * np.sqrt((share + 1 / made) / made)))
 
 
 def pose(task: Task, x_observed: NDArray, simulate: MeteredSimulator, reference: NDArray | None = None) -> Problem:

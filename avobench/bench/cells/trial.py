@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.bench.cells.budget import MeteredSimulator, pose
+from avobench.bench.cells.budget import SPARE, MeteredSimulator, asked_of, pose
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.estimates import require_recordable
 from avobench.bench.cells.prior_shares import in_shares, raw
@@ -35,6 +35,7 @@ from avobench.tasks.errors import (
     text_of,
 )
 from avobench.tasks.missing import Recorded
+from avobench.tasks.region import failing
 
 STATUS_OF = {
     BudgetExhausted: Status.BUDGET_EXHAUSTED,
@@ -64,10 +65,8 @@ class Trial:
         # An amortised method has the same events for every target: one budget for all, whoever simulates first.
         own = () if self.method.amortised else (cell.target,)
         words = (self._task.name, self.method.name, *own, cell.repetition)
-        metered = partial(
-            MeteredSimulator, budget=cell.budget, rng=stream(cell.seed, "simulator", *words), progress=progress
-        )
-        self.simulate = metered(self._task)
+        metered = partial(MeteredSimulator, rng=stream(cell.seed, "simulator", *words), progress=progress)
+        self.simulate = metered(self._task, cell.budget)
         self.rng = stream(cell.seed, "method", *words)
         self.problem: Problem | None = None
         self.estimate: object = None
@@ -85,7 +84,10 @@ class Trial:
             reference = x if own else _observed(cell.task, settings, 0, cell.num_observations, cell.seed)
             known = Recorded(self._task, reference)
             self._posed, self._x_observed = in_shares(known.task(self._task), self.method), known.events(x)
-            self.simulate = metered(self._posed)
+            asked = cell.budget
+            if failing(self._posed):
+                asked = asked_of(self._posed, int((1 - SPARE) * cell.budget))
+            self.simulate = metered(self._posed, asked, reserve=cell.budget - asked)
             self.problem = pose(self._posed, self._x_observed.copy(), self.simulate, known.events(reference))
         self._observation_seconds = time.perf_counter() - start
 
