@@ -21,7 +21,7 @@ from avobench.tasks.contract import NAME, Box, Kind, ParameterKind, Task, histog
 from avobench.tasks.errors import SimulatorError, UsageError, raised, shown
 from avobench.tasks.prior import Distributed, Ends
 from avobench.tasks.region import FAILURES, Failed, Region
-from avobench.tasks.weights import chosen
+from avobench.tasks.weights import chosen, named
 
 Simulate = Callable[[NDArray[np.float64], np.random.Generator], ArrayLike]
 """theta (n, p), a generator -> one event per row: (n, d), or (n,) where an event is one number."""
@@ -200,6 +200,8 @@ class FunctionTask(Task):
         if np.ma.is_masked(x):
             raise ValueError("it returned masked values, which are no events")
         if hasattr(x, "columns"):
+            # The first table names the features, so that measured columns in another order are found by name.
+            self.feature_names = self.feature_names or named(x)
             x = chosen(x, self.feature_names)
         made = np.asarray(x)
         if made.dtype.kind == "c":
@@ -279,7 +281,8 @@ def task(
     units
         Physical units by name of the parameter; "1" where there is none.
     features
-        A name for each of the d numbers of an event; of a simulator that returns a DataFrame, the columns to take.
+        A name for each of the d numbers of an event; of a simulator that returns a DataFrame, the columns to take, by
+        default all.
     kinds
         What a feature is, by its name (x1, x2, ... where it has none): "count", "continuous", or "angle" for one that
         comes round again. Of others the type of the events says it: whole numbers are counts. A parameter that takes

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from avobench.tasks.arguments import checked, numbers
+from avobench.tasks.arguments import checked, distinct, numbers
 from avobench.tasks.errors import UsageError, whole
 
 NEIGHBOURS = 32
@@ -31,6 +31,14 @@ def column(table: Any, name: str) -> NDArray:
     if name not in names:
         raise UsageError(f"there is no column '{name}'; the columns are {', '.join(map(str, names)) or 'none'}")
     return table[name].to_numpy()
+
+
+def named(table: Any) -> tuple[str, ...]:
+    """The names of the columns of a table; none where they are only numbered. Raises UsageError for two of one name."""
+    if all(isinstance(each, int) for each in table.columns):
+        return ()
+    distinct("columns of the simulated events", table.columns)
+    return tuple(map(str, table.columns))
 
 
 def chosen(table: Any, names: Sequence[str]) -> Any:

@@ -219,6 +219,27 @@ def test_features_of_a_simulated_table_are_chosen_by_name(function, features):
         task(function, features=["t", "u"], **options)
 
 
+@pytest.mark.parametrize("function", [table_of_rows, table_of_one])
+def test_measured_columns_in_another_order_are_found_by_the_names_of_a_simulated_table(function):
+    made = task(function, prior={"mean": (1, 4)}, per_theta=function is table_of_one)
+    assert made.feature_names == ("t", "z")
+    measured = table_of_rows(np.full((500, 1), 2.0), np.random.default_rng(0))
+    one, other = (
+        avobench.infer(made, measured[names], "rank-moments", budget=2000, progress=False).theta["mean"]
+        for names in (["t", "z"], ["z", "t"])
+    )
+    assert one == other == pytest.approx(2, abs=0.3)
+    with pytest.raises(UsageError, match="the data have no z"):
+        avobench.infer(made, measured.rename(columns={"z": "y"}), "rank-moments", budget=2000, progress=False)
+
+
+def test_a_simulated_table_without_names_has_none():
+    made = task(lambda theta, rng: pd.DataFrame(rng.normal(theta[:, [0, 0]])), prior={"mean": (1, 4)})
+    assert made.feature_names == ()
+    with pytest.raises(UsageError, match="the name t"):
+        task(lambda theta, rng: table_of_rows(theta, rng)[["t", "t"]], prior={"mean": (1, 4)})
+
+
 @pytest.mark.parametrize("what", [{"features": ["a", "a"]}, {"prior": [(0, 1), (1, 2)], "names": ["a", "a"]}])
 def test_a_name_that_comes_twice_is_refused(what):
     with pytest.raises(UsageError, match="have the name a"):
