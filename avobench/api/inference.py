@@ -70,6 +70,9 @@ MORE = (8, 4, 2, 1)
 """The efforts of a fit by moments are those of a diagnosis with so many times its limit, until one suffices."""
 KEPT = 5
 """One in so many events of the limit is left for the last of them."""
+ROOM = 20_000
+"""Events for each parameter, on top of the least for the first fit and the tests of a diagnosis, with which fits by
+moments of few events ended on development cases."""
 UNDECIDED = "too few simulated events to tell how well theta is known: errors may be far too large"
 """What is said of a fit whose slopes do not stand out of the noise of simulation."""
 PRIOR_LEFT_OUT = (
@@ -623,9 +626,10 @@ def by_effort(
     The third is what the fit and a prior that is not uniform say together, where that can be told.
 
     That of a diagnosis leaves room for a search, which is not asked for here. So those of some times the limit are
-    tried first, and what one has simulated the next one uses. Raises UsageError where no effort is low enough.
+    tried first, and then the least. What one has simulated the next one uses. Raises UsageError where even the least is
+    too much, with a number of simulated events for each set of events that suffices.
     """
-    from avobench.diagnosis.effort import effort_for
+    from avobench.diagnosis.effort import effort_for, first_fit_events, full_effort
     from avobench.diagnosis.fit.descent import refine
     from avobench.diagnosis.fit.null import fit_null
     from avobench.diagnosis.fit.prior import with_prior
@@ -633,18 +637,24 @@ def by_effort(
     from avobench.effects.catalogue import domain
 
     spent, task = meter.used, model.task
-    for more in MORE:
-        limit, again = meter.limit and more * meter.limit, deepcopy(rng)
-        effort = effort_for(task, domain(task), limit, len(part), spent)
+    least = full_effort(task, domain(task), len(part)).scaled(0)
+    needed = first_fit_events(least, task, len(part)) + spent
+    limits = [more * meter.limit for more in MORE if more * meter.limit >= needed] if meter.limit else [None]
+    efforts = [effort_for(task, domain(task), limit, len(part), spent) for limit in limits]
+    efforts += [] if limits[-1:] in ([None], [meter.limit]) else [least]
+    for effort in efforts:
+        again = deepcopy(rng)
         try:
-            with meter.keeping(0 if more == 1 or limit is None else meter.limit // KEPT):
+            with meter.keeping(0 if effort is efforts[-1] or meter.limit is None else meter.limit // KEPT):
                 fit, target = fit_null(model, part, again, effort, None)
                 gate, fit = summary_gate(fit, target, again, effort)[:2]
         except BudgetExhausted:
             continue
         break
     else:
-        raise UsageError(f"{meter.limit} simulated events did not suffice for a fit; allow {2 * meter.limit}")
+        calls = max(len(task.tasks), 1)  # of several data sets, an event of each
+        given, enough = calls * meter.limit, calls * max(2 * meter.limit, needed + ROOM * task.prior.dim)
+        raise UsageError(f"{given} simulated events are too few for a fit by smm; allow {enough}")
     if not isinstance(task.prior, Distributed):
         return gate, fit, None
     num_events = max(effort.least, int(effort.rounds * len(part)))

@@ -169,15 +169,20 @@ def usual_events(domain: str, num_events: int) -> int:
     return dict(BUDGET.usual)[domain] * max(num_events, Effort.few) // BUDGET.usual_events
 
 
+def full_effort(task: Task, domain: str, num_events: int) -> Effort:
+    """The effort for so many measured events where nothing limits it."""
+    # Of several data sets one may take up what another lacks, so that more fits have to go on.
+    several = task.num_features > 1 and not isinstance(task, JointTask)
+    return IMAGES if domain == "images" else (MANY if several else Effort()).of(num_events)
+
+
 def effort_for(task: Task, domain: str, num_simulations: int | None, num_events: int, num_spent: int = 0) -> Effort:
     """The effort with which the first fit to so many measured events and the tests fit into `num_simulations`.
 
     Of these, `num_spent` were spent before. The full effort for None. Raises UsageError where even the least does not
     fit.
     """
-    # Of several data sets one may take up what another lacks, so that more fits have to go on.
-    several = task.num_features > 1 and not isinstance(task, JointTask)
-    full = IMAGES if domain == "images" else (MANY if several else Effort()).of(num_events)
+    full = full_effort(task, domain, num_events)
     if num_simulations is None:
         return full
     least, left = first_fit_events(full.scaled(0), task, num_events), num_simulations - num_spent

@@ -163,3 +163,16 @@ def test_the_command_takes_tables_from_files(counts, tmp_path, avobench):
     for wrong, word in [(["--columns", "a,b"], "2 for 1 tables"), (["--time", "t"], "columns of --data")]:
         status, _, told = avobench(*command, "--table", tmp_path / "a.csv", *wrong)
         assert (status, told.count("\n"), word in told) == (2, 1, True)
+
+
+@pytest.mark.parametrize(("num", "budget"), [(500, 2000), (4000, 20_000)])
+def test_a_budget_that_is_too_small_for_a_table_is_told_with_one_that_suffices(num, budget):
+    edges = [0, 1, 2, 4, 8, 16, np.inf]
+    table = avobench.Table(edges, np.histogram(np.random.default_rng(0).exponential(2, num), edges)[0])
+    decay = avobench.task(lambda theta, rng: rng.exponential(theta[:, 0]), prior={"tau": (1, 4)})
+    with pytest.raises(avobench.UsageError, match=rf"^{budget} .* allow \d+$") as refused:
+        avobench.infer(decay, table, budget=budget, progress=False)
+    enough = int(str(refused.value).split()[-1])
+    fit = avobench.infer(decay, table, budget=enough, progress=False)
+    assert budget < fit.num_simulations <= enough
+    assert abs(fit.theta["tau"] - 2) < 4 * fit.std["tau"]
