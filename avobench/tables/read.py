@@ -15,6 +15,9 @@ from avobench.tasks.errors import UsageError, optional
 
 KINDS = "text (.csv), HEPData's .csv, .yaml and .yml, or .root:HISTOGRAM"
 """Formats that tables are read from, for messages."""
+SEPARATORS = (",", ";", "\t")
+DECIMAL = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?%?")
+"""A number with a decimal comma."""
 
 
 @dataclass(frozen=True)
@@ -47,9 +50,10 @@ def read_table(source: Any, table: str | None = None, **settings: Any) -> Table:
 
     `source` is one of
 
-    - a .csv file with the columns low, high, value and error, without the last of counts. Further columns are left
-      out, but numbers behind the value are refused if no column is called error, and so are further errors of two
-      sides if one is; a column `table` says which of several tables a row is of;
+    - a .csv file with the columns low, high, value and error, without the last of counts, separated by commas, or by
+      semicolons or tabs, where numbers may have decimal commas. Further columns are left out, but numbers behind the
+      value are refused if no column is called error, and so are further errors of two sides if one is; a column `table`
+      says which of several tables a row is of;
     - a .csv, .yaml or .yml file of a table from HEPData. Errors are added in quadrature, the two sides of asymmetric
       ones averaged. YAML tells the unit of the edges too;
     - a one-dimensional histogram in a ROOT file, `file.root:histogram`;
@@ -89,23 +93,42 @@ def read_table(source: Any, table: str | None = None, **settings: Any) -> Table:
 def _of_csv(file: str) -> Iterator[Published]:
     """The tables of a text file, each with a line of names, from which on there are numbers."""
     name, header, rows = Path(file).stem, None, []
-    with open(file, encoding="utf-8-sig", newline="") as stream:
-        for number, cells in enumerate(csv.reader(stream), start=1):
-            cells = [cell.strip() for cell in cells]
-            if not any(cells):
-                continue
-            if cells[0].startswith("#"):
-                if told := re.match(r"#: *name: *(.+)", ",".join(cells)):
-                    yield from _of_rows(file, name, header, rows)
-                    name, header, rows = told[1].strip(), None, []
-            elif header is None or (len(cells) > 1 and not any(map(_is_number, cells))):
+    for number, cells in enumerate(_cells(file), start=1):
+        if not any(cells):
+            continue
+        if cells[0].startswith("#"):
+            if told := re.match(r"#: *name: *(.+)", ",".join(cells)):
                 yield from _of_rows(file, name, header, rows)
-                header, rows = cells, []
-            elif len(cells) != len(header):
-                raise UsageError(f"{file}: line {number} has {len(cells)} cells and the columns are {len(header)}")
-            else:
-                rows.append((number, dict(zip(header, cells, strict=True))))
+                name, header, rows = told[1].strip(), None, []
+        elif header is None or (len(cells) > 1 and not any(map(_is_number, cells))):
+            yield from _of_rows(file, name, header, rows)
+            header, rows = cells, []
+        elif len(cells) != len(header):
+            raise UsageError(f"{file}: line {number} has {len(cells)} cells and the columns are {len(header)}")
+        else:
+            rows.append((number, dict(zip(header, cells, strict=True))))
     yield from _of_rows(file, name, header, rows)
+
+
+def _cells(file: str) -> list[list[str]]:
+    """The cells of each line of a text file, with decimal points.
+
+    They are separated by commas, semicolons or tabs: by that which makes a column of lower edges and one of upper ones.
+    Beside the last two a decimal comma is one. Raises UsageError where other numbers have points.
+    """
+    with open(file, encoding="utf-8-sig", newline="") as stream:
+        lines = stream.read().splitlines(keepends=True)
+    read = {separator: list(csv.reader(lines, delimiter=separator)) for separator in SEPARATORS}
+    found = {separator: [[cell.strip() for cell in row] for row in rows] for separator, rows in read.items()}
+    separator = next(
+        (one for one, rows in found.items() if any(_end(row, "low") and _end(row, "high") for row in rows)), ","
+    )
+    rows = found[separator]
+    if separator == "," or not any(DECIMAL.fullmatch(cell) for row in rows for cell in row):
+        return rows
+    if any("." in cell and _is_number(cell) for row in rows for cell in row):
+        raise UsageError(f"{file} has numbers with decimal commas and others with points; write all of them in one way")
+    return [[cell.replace(",", ".") if DECIMAL.fullmatch(cell) else cell for cell in row] for row in rows]
 
 
 def _of_rows(
@@ -150,10 +173,13 @@ def _of_rows(
         yield Published(one, value, lows, highs, values, sizes if errors else None)
 
 
+def _end(header: list[str], end: str) -> str | None:
+    return next((name for name in header if name.lower() == end or name.lower().endswith(f" {end}")), None)
+
+
 def _column(file: str, header: list[str], end: str) -> str:
-    for column in header:
-        if column.lower() == end or column.lower().endswith(f" {end}"):
-            return column
+    if column := _end(header, end):
+        return column
     raise UsageError(f"{file} has no column '{end}'; it has: {', '.join(header)}")
 
 

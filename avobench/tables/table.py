@@ -17,6 +17,10 @@ FAR = 5
 """Errors by which the sum of a table may be larger than its number of events."""
 ROUNDING = 1e-8
 """Share of the largest eigenvalue of a correlation matrix below which another one is rounding, of either sign."""
+WHOLE = 1e-6
+"""A value that is so far from a whole number is no count, however large it is."""
+PRINTED = 1e-6
+"""So much of the largest count may be the rounding of a density that is printed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +116,8 @@ class Table:
     def are_counts(self) -> bool:
         """True if the values are whole numbers of entries, and simulated events tell their errors."""
         counts = self.values * self.widths
-        return self.covariance is None and bool(np.abs(counts - np.round(counts)).max() <= 1e-6 * counts.max())
+        rounding = PRINTED * counts.max() if self.density else WHOLE
+        return self.covariance is None and bool(np.abs(counts - np.round(counts)).max() <= rounding)
 
     @property
     def widths(self) -> NDArray[np.float64]:
@@ -204,7 +209,10 @@ class Tables:
             if self.covariance is not None:
                 table.check_sum(self.covariance[part, part])
             if covariance is None and table.covariance is None and not table.are_counts:
-                raise table.wrong("the values are no counts: give their errors= or covariance=")
+                raise table.wrong(
+                    "the values are fractions, so no counts: give their errors=, for sums of weights the root of the "
+                    "sum of squared weights, or their covariance="
+                )
 
     @classmethod
     def of(cls, tables: "Table | Tables | Iterable[Table]") -> "Tables":

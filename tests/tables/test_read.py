@@ -188,3 +188,22 @@ def test_what_is_no_histogram_of_counts_is_told_in_one_line(tmp_path):
     for source, word in zip(sources, words, strict=True):
         with pytest.raises(UsageError, match=word):
             avobench.read_table(source)
+
+
+@pytest.mark.parametrize(
+    ("separator", "decimal"), [(",", "."), (";", "."), (";", ","), ("\t", "."), ("\t", ",")], ids=repr
+)
+def test_cells_are_separated_as_the_line_of_names_says(tmp_path, separator, decimal):
+    rows = [["of x low", "high", "value", "error"], ["0.5", "1.5", "12.25", "1.5e-1"], ["1.5", "3", "5", "10%"]]
+    text = "\r\n".join(separator.join(cell.replace(".", decimal) for cell in row) for row in rows)
+    (tmp_path / "table.csv").write_text("# published\r\n" + text)
+    table = avobench.read_table(tmp_path / "table.csv", normalised=True)
+    assert table.edges.tolist() == [0.5, 1.5, 3]
+    assert table.values.tolist() == [12.25, 5]
+    np.testing.assert_allclose(np.sqrt(np.diag(table.covariance)), [0.15, 0.5])
+
+
+def test_decimal_commas_and_points_in_one_file_are_refused(tmp_path):
+    (tmp_path / "table.csv").write_text("low;high;value\n0,5;1,5;12\n1.5;3;5\n")
+    with pytest.raises(UsageError, match="write all of them in one way"):
+        avobench.read_table(tmp_path / "table.csv")
