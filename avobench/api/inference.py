@@ -33,6 +33,7 @@ from avobench.tables.table import Table, Tables
 from avobench.tasks import Task
 from avobench.tasks.arguments import checked
 from avobench.tasks.errors import BudgetExhausted, InvalidEstimate, UsageError, whole
+from avobench.tasks.interpolation import shift
 from avobench.tasks.meter import Meter
 from avobench.tasks.missing import Recorded
 from avobench.tasks.pieces import spread
@@ -514,7 +515,7 @@ def by_method(
         problem = pose(posed, x_observed, simulate)
         estimate = method.infer(problem, stream(seed, "method", *words))
         require_recordable(estimate, problem, simulate.used)
-        estimate = restricted(raw(estimate, posed), task)
+        estimate = with_shift(restricted(raw(estimate, posed), task), task)
         fresh, rng = known.task(drawing(task, source, aside=True)), stream(seed, "test", *words)
         held = left - max(simulate.used, asked)
         held = min(held, task.num_aside * 3 // 2) if sample else held
@@ -549,6 +550,24 @@ def most_asked(task: Task, method: Method, budget: int, checks: Meter) -> int:
     return max(asked_of(task, left - held, checks), least)
 
 
+def with_shift(estimate: Estimate, task: Task) -> Estimate:
+    """The estimate with what a bank of few thetas may shift it by, in its errors, and as a doubt where that is more."""
+    if not isinstance(task, SampleTask):
+        return estimate
+    moved, std = shift(task, estimate.theta), estimate.std if estimate.error is None else estimate.error
+    if moved is None:
+        doubt = f"the {len(task.nodes)} thetas of the bank are too few to tell what lies between them: simulate at more"
+        return replace(estimate, doubt="; ".join(filter(None, (estimate.doubt, doubt))))
+    if (far := np.abs(moved) > std).any():
+        told = ", ".join(f"{task.parameter_names[k]} by {abs(moved[k]):.2g}" for k in np.flatnonzero(far))
+        doubt = f"the thetas of the bank are so far apart that this may shift {told}: simulate at thetas nearer to it"
+        estimate = replace(estimate, doubt="; ".join(filter(None, (estimate.doubt, doubt))))
+    if estimate.error is None:
+        return estimate
+    covariance = None if estimate.covariance is None else estimate.covariance + np.outer(moved, moved)
+    return replace(estimate, error=np.hypot(std, moved), covariance=covariance)
+
+
 def by_rejection(
     task: SampleTask, x: Any, seed: int, drop_invalid: bool, progress: Progress | bool | None
 ) -> Inference:
@@ -563,6 +582,7 @@ def by_rejection(
     with shown(progress) as tell:
         rng = stream(seed, "method", *words)
         estimate = rejection(task, posed, x_observed, rng, lambda made: tell("abc", num * made // sets, num))
+    estimate = with_shift(estimate, task)
     aside = known.task(drawing(task, Given(task, Meter()), aside=True))
     test = MeteredSimulator(aside, task.num_aside * 3 // 2, stream(seed, "agreement", *words))
     estimate, others = tested(posed, estimate, x_observed, test, num, stream(seed, "test", *words))
@@ -720,6 +740,7 @@ def moments(
     trace = [TracePoint(used, theta, std)]
     warnings += failures(task, theta, std)
     estimate = Estimate(theta, how, "proposal", theta, std, trace, error=std, covariance=covariance, doubt=doubt)
+    estimate = with_shift(estimate, task)
     seconds = time.perf_counter() - start
     num_events, measured = told_of(parts)
     return Inference(task, "smm", estimate, num_events, used, seconds, seed, tuple(warnings), measured=measured)

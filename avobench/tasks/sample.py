@@ -81,9 +81,9 @@ class SampleTask(Task):
         n, p = theta.shape
         if len(self.nodes) == 1:
             return np.zeros(n, np.intp)
-        at = self._scaled(theta)
+        at = self.scaled(theta)
         if p == 1:
-            known = self._scaled(self.nodes)[:, 0]  # in rising order
+            known = self.scaled(self.nodes)[:, 0]  # in rising order
             above = np.clip(np.searchsorted(known, at[:, 0]), 1, len(known) - 1)
             share = (at[:, 0] - known[above - 1]) / (known[above] - known[above - 1])
             return above - 1 + (share > rng.random(n))
@@ -96,6 +96,23 @@ class SampleTask(Task):
         drawn = (np.cumsum(weights, axis=1) < rng.random((len(weights), 1))).sum(axis=1)
         corner[inside] = triangles.simplices[simplex[inside], drawn]
         return corner
+
+    def corners(self, theta: NDArray[np.float64]) -> NDArray[np.intp]:
+        """The numbers of the nodes around theta (p,), or of some at the nearest node where it is outside: (p + 1,)."""
+        at = self.scaled(theta)
+        if len(theta) == 1:
+            order = np.argsort(self.scaled(self.nodes)[:, 0])
+            above = np.clip(np.searchsorted(self.scaled(self.nodes)[order, 0], at[0]), 1, len(order) - 1)
+            return order[[above - 1, above]]
+        simplex = int(self._triangles.find_simplex(at))
+        if simplex < 0:
+            simplex = int(self._triangles.vertex_to_simplex[self._nearest.query(at)[1]])
+        return self._triangles.simplices[simplex]
+
+    def in_bins(self, rows: NDArray[np.intp]) -> NDArray[np.float64]:
+        """In which bins of the summary these events are: (n, k), of 0 and 1."""
+        bins = [np.searchsorted(edges, x, "right") for edges, x in zip(self._edges, self.events[rows].T, strict=True)]
+        return np.hstack([np.eye(len(edges) + 1)[each] for edges, each in zip(self._edges, bins, strict=True)])
 
     def around(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
         """The share of events at theta (p,) that is of each node: (k,), from DRAWS of them."""
@@ -114,7 +131,7 @@ class SampleTask(Task):
         """Shares of the events in twenty bins of each feature that hold equal shares of the sample: (n, d) -> (k,)."""
         return np.concatenate([histogram(x[:, [j]], edges, overflow=True) for j, edges in enumerate(self._edges)])
 
-    def _scaled(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    def scaled(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
         return (theta - self.prior.low) / self.prior.width
 
     @cached_property
@@ -122,7 +139,7 @@ class SampleTask(Task):
         from scipy.spatial import Delaunay, QhullError
 
         try:
-            return Delaunay(self._scaled(self.nodes))
+            return Delaunay(self.scaled(self.nodes))
         except QhullError as error:
             p = self.nodes.shape[1]
             raise UsageError(f"the {len(self.nodes)} thetas of {self.name} do not span {p} parameters") from error
@@ -131,12 +148,12 @@ class SampleTask(Task):
     def _nearest(self) -> Any:
         from scipy.spatial import cKDTree
 
-        return cKDTree(self._scaled(self.nodes))
+        return cKDTree(self.scaled(self.nodes))
 
     @cached_property
     def spacing(self) -> float:
         """How far a node is from the nearest other one, in shares of the range of theta; the median of all."""
-        return float(np.median(self._nearest.query(self._scaled(self.nodes), k=2)[0][:, 1]))
+        return float(np.median(self._nearest.query(self.scaled(self.nodes), k=2)[0][:, 1]))
 
     @cached_property
     def _edges(self) -> list[NDArray[np.float64]]:
