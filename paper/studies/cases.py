@@ -66,7 +66,7 @@ def made(
     """The records of the cases of these names, or of all; `cases` are by what made the events.
 
     Those are made that are lacking, or of other events or another answer. A new version of the diagnosis makes none of
-    them anew: name another folder for that. Raises StoreError for a damaged record.
+    them anew: name another folder for that. A case that is refused has none. Raises StoreError for a damaged record.
     """
     records = []
     for made_by, some in cases.items():
@@ -76,7 +76,11 @@ def made(
             record = read_file(path, STUDY) if path.exists() else {}
             if {field: record.get(field) for field in identity} != identity:
                 path.parent.mkdir(parents=True, exist_ok=True)
-                record = {"schema_version": SCHEMA_VERSION, **identity, **said(case, configuration)}
+                try:
+                    record = {"schema_version": SCHEMA_VERSION, **identity, **said(case, configuration)}
+                except UsageError as error:
+                    click.echo(f"{configuration.name} {case.name}: refused, {error}", err=True)
+                    continue
                 write_atomically(path, encode(record))
                 named = ", ".join(effect["name"] for effect in record["diagnosis"]["effects"])
                 click.echo(f"{configuration.name} {case.name}: {named or record['diagnosis']['verdict']}", err=True)
