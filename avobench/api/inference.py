@@ -4,6 +4,7 @@ import html
 import json
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from copy import copy, deepcopy
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
@@ -645,13 +646,15 @@ def by_effort(
 
     The third is what the fit and a prior that is not uniform say together, where that can be told.
 
+    Where the fit does not describe what was measured, theta is looked for again, as far as simulated events allow.
+
     That of a diagnosis leaves room for a search, which is not asked for here. So those of some times the limit are
     tried first, and then the least. What one has simulated the next one uses. Raises UsageError where even the least is
     too much, with a number of simulated events for each set of events that suffices.
     """
     from avobench.diagnosis.effort import effort_for, first_fit_events, full_effort
     from avobench.diagnosis.fit.descent import refine
-    from avobench.diagnosis.fit.null import fit_null
+    from avobench.diagnosis.fit.null import best_null, fit_null
     from avobench.diagnosis.fit.prior import with_prior
     from avobench.diagnosis.goodness_of_fit.gates import summary_gate
     from avobench.effects.catalogue import domain
@@ -675,6 +678,10 @@ def by_effort(
         calls = max(len(task.tasks), 1)  # of several data sets, an event of each
         given, enough = calls * meter.limit, calls * max(2 * meter.limit, needed + ROOM * task.prior.dim)
         raise UsageError(f"{given} simulated events are too few for a fit by smm; allow {enough}")
+    if gate.p_value < DOUBTED:  # a theta that is missed looks like a disagreement
+        with suppress(BudgetExhausted):
+            second = summary_gate(best_null([fit], target, again, effort.sure), target, again, effort)[:2]
+            gate, fit = max((gate, fit), second, key=lambda each: each[0].p_value)
     if not isinstance(task.prior, Distributed):
         return gate, fit, None
     num_events = max(effort.least, int(effort.rounds * len(part)))

@@ -2,6 +2,7 @@
 
 from paper.cases.case import Case
 from paper.cases.opened import (
+    eighteenth,
     eleventh,
     fifteenth,
     first,
@@ -13,12 +14,8 @@ from paper.cases.opened import (
     twelfth,
 )
 
+SERIES = (first, tenth, eleventh, twelfth, thirteenth, fourteenth, fifteenth, sixteenth, seventeenth, eighteenth)
 CASES: dict[str, list[Case]] = {
-    by: [
-        case
-        for series in (first, tenth, eleventh, twelfth, thirteenth, fourteenth, fifteenth, sixteenth, seventeenth)
-        for case in series.CASES[by]
-    ]
-    for by in ("simulated", "measured")
+    by: [case for series in SERIES for case in series.CASES[by]] for by in ("simulated", "measured")
 }
 """By what made the events."""
