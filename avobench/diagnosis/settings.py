@@ -98,8 +98,6 @@ class FitSettings:
     settled: float = 0.5
     """Share of the range of theta over which the last step of a fit looks, at most, to either side: where that is no
     quadratic, it looks less far."""
-    stands: float = 1.0
-    """Standard errors by which the last step of a fit may move it: curvature bends a longer one."""
     inside: float = 0.9
     """Share of a design within which a minimum is believed: further out it may lie beyond."""
     coarse_share: float = 0.5

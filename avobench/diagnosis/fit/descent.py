@@ -167,7 +167,7 @@ def settled(fit: Fit, target: Target, rng: np.random.Generator, num_events: int,
         if best is None or not best.clearly_below(fit):
             best = fit
         wide = np.linalg.norm(axes) > FIT.shrink * np.linalg.norm(fit.next_design(most=most).axes)
-        if believed and not best.undecided and not wide and step.distance_to(here) < FIT.stands:
+        if believed and not best.undecided and (not wide or fit.model.effects):
             break
     plain = [one for one in tried if not one.undecided]
     return best.with_slopes_of(plain[-1]) if best.undecided and plain else best
