@@ -303,8 +303,8 @@ def task(
         works. An event that fails at a theta that works is made again at that theta. So events are those that
         succeed, and their density is conditional on it: measured events must have been selected in the same way. What
         failed counts within a limit on simulated events, in which a fit leaves room for it, and the 512 that are tried
-        on top of it. NaN in the row that
-        failed is cheaper than an exception, after which a whole call is made again in parts.
+        on top of it. NaN in the row that failed is cheaper than an exception, after which a whole call is made again in
+        parts.
     missing
         Names of features that an event may lack, as of a detector that did not fire: it holds NaN there, simulated and
         measured. `diagnose` and `infer` compare how often they are missing beside their recorded values.
