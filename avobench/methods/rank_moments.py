@@ -136,9 +136,7 @@ class _Rounds:
         leeway, toward = None, np.zeros(self.p)
         for end in ends:
             last = end == ends[-1]
-            if (
-                last and self.trace and leaves_open(answer, self.problem.prior)
-            ):  # many answers, of which the best is elsewhere
+            if last and self.trace and leaves_open(answer, self.problem.prior):  # of many answers the best is elsewhere
                 everywhere = self.folds(np.arange(len(self.u)))
                 leeway = Leeway(everywhere, self.problem.prior)
                 toward = leeway.best(proposal.scale)

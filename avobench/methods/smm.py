@@ -62,9 +62,7 @@ class Smm(Method):
         ends = problem.simulate.used + np.linspace(0, total, self.rounds + 1).astype(int)[1:]
         leeway, toward = None, np.zeros_like(mean)
         for end in ends:
-            if (
-                answer and end == ends[-1] and leaves_open(answer, problem.prior)
-            ):  # many answers, of which the best is elsewhere
+            if answer and end == ends[-1] and leaves_open(answer, problem.prior):  # of many the best is elsewhere
                 leeway = Leeway([fold], problem.prior)
                 toward, std = leeway.best(proposal.scale), self.shrink * np.ones_like(std)
                 mean = polish([fold], toward, np.diag(std), proposal.low, proposal.high, toward).mean
