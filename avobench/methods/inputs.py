@@ -25,22 +25,28 @@ class Inputs:
     With `symmetric` an image is first summed over its cyclic axes: nothing there depends on theta. With `whiten` the
     rows are decorrelated by the symmetric square root of the inverse covariance (ZCA), else each is only scaled. With
     `quantiles` each feature is put on the scale on which the observed events are Gaussian before (`GaussianScale`), so
-    that no event counts for more because it is far off.
+    that no event counts for more because it is far off. With `trim` a feature of an event that is no image lies at most
+    at the quantiles of the observed events that leave this share of them beyond either end (Winsorised).
 
     A feature that is the same in all simulated events, and never that in an observed one, says nothing of theta, and
     would move the answer by what networks make of numbers that they have not learnt from. It is left out: from the
     first simulated events on, and for as long as no simulated one differs.
     """
 
-    def __init__(self, problem: Problem, *, symmetric: bool, whiten: bool, quantiles: bool = False) -> None:
+    def __init__(
+        self, problem: Problem, *, symmetric: bool, whiten: bool, quantiles: bool = False, trim: float = 0.0
+    ) -> None:
         self._shape, self._summed = (-1, *problem.event_shape), tuple(1 + axis for axis in problem.cyclic_axes)
         self._symmetric = symmetric and bool(self._summed)
-        self._origin, self._scales, self._units = origin(problem.x_observed), None, None
+        self._origin, self._scales, self._units, self._ends = origin(problem.x_observed), None, None, None
         std = np.ones(1) if problem.event_shape else problem.x_observed.std(axis=0, dtype=float)
         if std.max() > APART * min(std[std > 0], default=1.0):
             self._units = np.where(std > 0, std, 1)
         if quantiles:
             self._scales = [GaussianScale(column) for column in self._sum(problem.x_observed).T]
+        if trim and not problem.event_shape:
+            low, high = np.quantile(self._sum(problem.x_observed), (trim, 1 - trim), axis=0)
+            self._ends = np.where(low < high, (low, high), [[-np.inf], [np.inf]])
         x = self._rows(problem.x_observed)
         covariance = np.atleast_2d(np.cov(x, rowvar=False, bias=len(x) == 1))
         if not whiten:
@@ -85,6 +91,8 @@ class Inputs:
         x = self._sum(x)
         if self._scales is not None:
             x = np.column_stack([scale(column) for scale, column in zip(self._scales, x.T, strict=True)])
+        if self._ends is not None:
+            x = np.clip(x, *self._ends)
         return x.astype(np.float32, copy=False)
 
     def _sum(self, x: NDArray) -> NDArray:

@@ -4,13 +4,13 @@ What is matched is the mean of the whitened inputs, as the discriminator of `avo
 on these inputs alone, begun from the prior in rounds that narrow: what is left of `avo` without learning.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.methods.contract import Estimate, Method, TracePoint
+from avobench.methods.contract import LATER, Estimate, Method, TracePoint
 from avobench.methods.inputs import Inputs
 from avobench.methods.leeway import Leeway, doubt_of_prior, leaves_open
 from avobench.methods.polish import Fold, Polished, polish
@@ -41,10 +41,15 @@ class Smm(Method):
     with 10 none. It was chosen, as the other two, on targets that are not the benchmark's."""
     symmetric: bool = True
     """Sum an image over its cyclic axes, along which nothing depends on theta."""
+    trim: float = field(default=0.0, metadata=LATER)
+    """Share of the observed events at either end of each feature that count as if they were at the quantile there. The
+    means of such Winsorised features are the simplest moments that outliers do not move far."""
 
     def __post_init__(self) -> None:
         if self.rounds < 1 or not 0 < self.shrink <= 1 or self.errors <= 0:
             raise ValueError("smm needs rounds of at least 1, 0 < shrink <= 1 and errors above 0")
+        if not 0 <= self.trim < 0.5:
+            raise ValueError("smm.trim must be at least 0 and below 0.5")
 
     def min_simulations(self, num_parameters: int) -> int:
         """The budget that gives each round ten events for each coefficient of the local quadratic."""
@@ -53,7 +58,7 @@ class Smm(Method):
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
         proposal, inputs = (
             TruncatedGaussian(problem.prior, problem.support),
-            Inputs(problem, symmetric=self.symmetric, whiten=True),
+            Inputs(problem, symmetric=self.symmetric, whiten=True, trim=self.trim),
         )
         mean, std = np.zeros(problem.prior.dim), np.ones(problem.prior.dim)
         fold, trace, answer = None, [], None
