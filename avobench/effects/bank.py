@@ -80,9 +80,13 @@ class Bank:
         keys, which, counts = self.draw(theta, rng, taken, aside)
         order, rows = np.argsort(which, kind="stable"), np.empty(len(theta), np.intp)
         ends = [taken[key] for key in keys]
-        chosen = [self._nodes[key][end - n : end] for key, end, n in zip(keys, ends, counts.tolist(), strict=True)]
+        chosen = [self._rows(key, end - n, end) for key, end, n in zip(keys, ends, counts.tolist(), strict=True)]
         rows[order] = np.concatenate([rows[:0], *chosen])
         return self._events[rows]
+
+    def _rows(self, key: bytes, start: int, end: int) -> NDArray[np.intp]:
+        """Where these events of a node stand among all."""
+        return self._nodes[key][start:end]
 
     def draw(
         self, theta: NDArray[np.float64], rng: np.random.Generator, taken: dict[bytes, int], aside: bool = False
@@ -158,41 +162,28 @@ class Given(Bank):
     def __init__(self, task: SampleTask, meter: Meter) -> None:
         self.task, self.meter, self.worth = task, meter, task.worth
         meter.add(len(task.events))
+        self._events, self._nodes = task.events, {}
+        for aside, groups in ((False, task.groups), (True, task.aside)):
+            self._nodes |= {_key(np.int64(number), aside): group for number, group in enumerate(groups)}
+        self._handed = {key: len(group) for key, group in self._nodes.items()}
 
     def resolve(self, scale: NDArray[np.float64]) -> None:
         """The nodes are those that there are."""
-
-    def take(
-        self, theta: NDArray[np.float64], rng: np.random.Generator, taken: dict[bytes, int], aside: bool = False
-    ) -> NDArray:
-        """An event for each row of theta, after those of each node that are `taken`: (n, p) -> (n, d)."""
-        keys, which, counts = self.draw(theta, rng, taken)
-        order, rows = np.argsort(which, kind="stable"), np.empty(len(theta), np.intp)
-        groups, start = self.task.aside if aside else self.task.groups, 0
-        for key, count in zip(keys, counts.tolist(), strict=True):
-            group = groups[_number(key)]
-            rows[order[start : start + count]] = group[np.arange(taken[key] - count, taken[key]) % len(group)]
-            start += count
-        return self.task.events[rows]
 
     def draw(
         self, theta: NDArray[np.float64], rng: np.random.Generator, taken: dict[bytes, int], aside: bool = False
     ) -> tuple[list[bytes], NDArray[np.intp], NDArray[np.intp]]:
         """The thetas of the sample that rows of theta (n, p) have an event of, as in `Bank.draw`."""
         nodes, which, counts = np.unique(self.task.corner(theta, rng), return_inverse=True, return_counts=True)
-        keys = [node.tobytes() for node in nodes.astype(np.intp)]
+        keys = [_key(node, aside) for node in nodes.astype(np.int64)]
         taken.update((key, taken.get(key, 0) + count) for key, count in zip(keys, counts.tolist(), strict=True))
         return keys, which, counts
 
-    def handed(self, keys: list[bytes]) -> tuple[NDArray[np.float64], NDArray, NDArray[np.intp]]:
-        """Thetas of the sample, all events of these, and which each is of: (m, p), (n, d), (n,)."""
-        numbers = [_number(key) for key in keys]
-        groups = [self.task.groups[number] for number in numbers]
-        return (
-            self.task.nodes[numbers],
-            self.task.events[np.concatenate(groups)],
-            np.repeat(np.arange(len(keys)), list(map(len, groups))),
-        )
+    def _rows(self, key: bytes, start: int, end: int) -> NDArray[np.intp]:
+        return self._nodes[key][np.arange(start, end) % len(self._nodes[key])]
+
+    def _theta(self, nodes: NDArray[np.int64]) -> NDArray[np.float64]:
+        return self.task.nodes[nodes[:, 0]]
 
     def num_around(self, theta: NDArray[np.float64]) -> float:
         """How many events of equal weight at theta (p,) tell as much as all those of the nodes around it."""
@@ -201,7 +192,7 @@ class Given(Bank):
 
     def repeats(self, taken: dict[bytes, int]) -> float:
         """How often a session that has `taken` so many events of each node had each of them, on average."""
-        have = sum(min(count, len(self.task.groups[_number(k)])) for k, count in taken.items())
+        have = sum(min(count, len(self._nodes[key])) for key, count in taken.items())
         return sum(taken.values()) / max(have * self.worth, 1) if taken else 1.0
 
 
@@ -235,11 +226,7 @@ class Session:
         return self._bank.repeats(self._taken)
 
 
-def _number(key: bytes) -> int:
-    return int(np.frombuffer(key, np.intp)[0])
-
-
-def _key(node: NDArray[np.int64], aside: bool) -> bytes:
+def _key(node: NDArray[np.int64] | np.int64, aside: bool) -> bytes:
     return node.tobytes() + b"aside" * aside
 
 
