@@ -13,7 +13,7 @@ import click
 from avobench.api.joint import Joint, joint
 from avobench.bench.events import read_events, read_timed
 from avobench.bench.plugins import registry
-from avobench.cli.options import COLUMNS, JOINT, TRUST, listed, require_alone
+from avobench.cli.options import COLUMNS, JOINT, TRUST, listed
 from avobench.cli.terminal import say
 from avobench.tables.read import read_table
 from avobench.tables.table import Table
@@ -94,7 +94,9 @@ class Asked:
         if self.sets is not None:
             given = {"task": self.spec, "simulated": self.simulated, "data": self.data, "table": self.tables}
             given |= {"columns": self.columns, "density": self.density, "normalised": self.normalised, "time": time}
-            require_alone(given | {"data-weights": self.data_weights})
+            given |= {"data-weights": self.data_weights}
+            if others := [f"--{name}" for name, value in given.items() if value]:
+                raise UsageError(f"the file of --joint says this of each data set: leave {', '.join(others)} out")
         elif (self.spec is None) == (self.simulated is None):
             raise UsageError("give a simulator by --task, or events that it made by --simulated: one of the two")
         elif (self.data is None) == (not self.tables):

@@ -1,8 +1,6 @@
 """Options that several commands share."""
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -49,9 +47,3 @@ TIME_LIMIT, MEMORY_LIMIT = (
     )
 )
 DROP_INVALID = click.option("--drop-invalid", is_flag=True, help="Leave out rows with NaN or infinite values.")
-
-
-def require_alone(others: Mapping[str, Any]) -> None:
-    """Raise UsageError where another option than --joint says what was measured, or by what it is simulated."""
-    if given := [f"--{name}" for name, value in others.items() if value]:
-        raise UsageError(f"the file of --joint says this of each data set: leave {', '.join(given)} out")
