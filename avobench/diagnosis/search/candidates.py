@@ -72,17 +72,14 @@ class Candidates:
         possible = [(shape, points) for shape, points in guesses if points is None or len(points)]
         return [glance(self.sample, shape, points, self.rng, self.effort) for shape, points in possible]
 
-    def promise(self, look: Look) -> float:
-        """The Q that a look lets expect: lowest for what is most promising."""
-        return float(look.expected(self.sample).q.min())
-
     def screened(self, glances: list[Look]) -> list[Start]:
         """Starts, most promising first, of what looked so at first, also beside other effects, which hardly matter.
 
         Where few events may be simulated, half of them are for that. What needs more is left at its first look.
         """
         free = {effect.key for effect in self.effects}
-        best_first = sorted((look for look in glances if look.effect.key in free), key=self.promise)
+        possible = [look for look in glances if look.effect.key in free]
+        best_first = sorted(possible, key=lambda look: look.expected(self.sample).q.min())
         with self.meter.keeping(max(self.meter.remaining or 0, 0) // 2):
             looks = best_first[: SEARCH.looked_at * self.effort.starts]
             for k, look in enumerate(looks):
