@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from filelock import FileLock, Timeout
+
 from avobench.tasks.errors import StoreError, UsageError
 
 NAMES = ("store.json", "records", "records.parquet", "running", "damaged", "sweeps.jsonl", ".lock", ".writer")
@@ -82,6 +84,22 @@ def within(folder: Path, name: str) -> Path:
     if path.parent != folder or path.name in ("", ".", "..") or "\0" in name or "\\" in name:
         raise UsageError(f"a file named '{name}' would not lie in {folder}; names must not contain a path")
     return path
+
+
+def locked(folder: Path, taken: str, **options: bool) -> FileLock:
+    """A lock on a folder, which this process holds as long as it refers to it. `options` are those of FileLock.
+
+    On a file system without locks it is not held. Raises UsageError with `taken` where another process holds it.
+    """
+    lock = FileLock(folder / ".lock", fallback_to_soft=False, **options)
+    try:
+        lock.acquire(timeout=0)
+    except Timeout as error:
+        raise UsageError(taken) from error
+    except OSError as error:
+        if error.errno not in NO_LOCKS:
+            raise UsageError(f"{folder} cannot be locked for writing: {error.strerror or error}") from error
+    return lock
 
 
 def not_plain(path: Path) -> str:

@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
 from avobench.bench.plugins.registry import made_of, settings_of
 from avobench.bench.plugins.source import source_hash, told
-from avobench.bench.store.files import NO_LOCKS, not_plain, require_folder, write_file
+from avobench.bench.store.files import locked, not_plain, require_folder, write_file
 from avobench.effects.bank import Bank
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
@@ -46,7 +45,8 @@ class KeptBank(Bank):
         """Raises UsageError where the folder cannot be used, or holds events of another simulator."""
         require_folder(folder)
         self.folder, self.task = folder, task
-        self._lock = _lock(folder)
+        taken = f"another process simulates into {folder}; wait for it, or choose another folder"
+        self._lock = locked(folder, taken, thread_local=False, is_singleton=True)
         self._claim()
         self._recall()
         super().__init__(task, meter, seed, jobs)
@@ -142,19 +142,6 @@ class KeptBank(Bank):
             for each in single:
                 each.unlink()
             self._single[kind] = []
-
-
-def _lock(folder: Path) -> FileLock:
-    """A lock that this process holds as long as it refers to it. Raises UsageError where another one holds it."""
-    lock = FileLock(folder / ".lock", fallback_to_soft=False, thread_local=False, is_singleton=True)
-    try:
-        lock.acquire(timeout=0)
-    except Timeout as error:
-        raise UsageError(f"another process simulates into {folder}; wait for it, or choose another folder") from error
-    except OSError as error:
-        if error.errno not in NO_LOCKS:
-            raise UsageError(f"{folder} cannot be locked for writing: {error.strerror or error}") from error
-    return lock
 
 
 def _write(path: Path, table: pd.DataFrame) -> None:

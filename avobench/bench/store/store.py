@@ -5,17 +5,15 @@ import os
 import sys
 import warnings
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
-from filelock import FileLock, Timeout
-
 from avobench.bench.store.claim import claim
 from avobench.bench.store.damage import DamagedRecord
-from avobench.bench.store.files import NAMES, NO_LOCKS, not_plain, store_errors, within, write_atomically
+from avobench.bench.store.files import NAMES, locked, not_plain, store_errors, within, write_atomically
 from avobench.bench.store.packed import Unreadable, read_rows
 from avobench.bench.store.record import NEWER, SCHEMA_VERSION, UNREAD, decode_record, encode, file_name
 from avobench.tasks.errors import StoreError, UsageError
@@ -78,16 +76,12 @@ class Store:
 
         Some network file systems have no locks, or grant one to everyone who asks, so who writes leaves its name too.
         """
-        with ExitStack() as stack:
-            try:
-                stack.enter_context(FileLock(self.path / ".lock", fallback_to_soft=False).acquire(timeout=0))
-            except Timeout as error:
-                raise UsageError(f"another avobench run is writing to {self.path}; wait for it or stop it") from error
-            except OSError as error:
-                if error.errno not in NO_LOCKS:
-                    raise UsageError(f"{self.path} cannot be locked for writing: {error.strerror or error}") from error
-            stack.enter_context(claim(self.path / ".writer"))
-            yield
+        lock = locked(self.path, f"another avobench run is writing to {self.path}; wait for it or stop it")
+        try:
+            with claim(self.path / ".writer"):
+                yield
+        finally:
+            lock.release()
 
     def write(self, record: dict[str, Any]) -> Path:
         """Write one record, whole or not at all. Raises StoreError when the disk or a reader would not take it."""
