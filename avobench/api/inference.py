@@ -5,7 +5,7 @@ import json
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from copy import copy, deepcopy
+from copy import deepcopy
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path
@@ -33,6 +33,7 @@ from avobench.reports.numbers import with_error
 from avobench.tables.table import Table, Tables
 from avobench.tasks import Task
 from avobench.tasks.arguments import checked
+from avobench.tasks.contract import twin
 from avobench.tasks.errors import BudgetExhausted, InvalidEstimate, UsageError, whole
 from avobench.tasks.interpolation import shift
 from avobench.tasks.meter import Meter
@@ -551,6 +552,11 @@ def most_asked(task: Task, method: Method, budget: int, checks: Meter) -> int:
     return max(asked_of(task, left - held, checks), least)
 
 
+def doubted(estimate: Estimate, doubt: str) -> Estimate:
+    """The estimate with one more doubt."""
+    return replace(estimate, doubt="; ".join(filter(None, (estimate.doubt, doubt))))
+
+
 def with_shift(estimate: Estimate, task: Task) -> Estimate:
     """The estimate with what a bank of few thetas may shift it by, in its errors, and as a doubt where that is more."""
     if not isinstance(task, SampleTask):
@@ -558,11 +564,11 @@ def with_shift(estimate: Estimate, task: Task) -> Estimate:
     moved, std = shift(task, estimate.theta), estimate.std if estimate.error is None else estimate.error
     if moved is None:
         doubt = f"the {len(task.nodes)} thetas of the bank are too few to tell what lies between them: simulate at more"
-        return replace(estimate, doubt="; ".join(filter(None, (estimate.doubt, doubt))))
+        return doubted(estimate, doubt)
     if (far := np.abs(moved) > std).any():
         told = ", ".join(f"{task.parameter_names[k]} by {abs(moved[k]):.2g}" for k in np.flatnonzero(far))
         doubt = f"the thetas of the bank are so far apart that this may shift {told}: simulate at thetas nearer to it"
-        estimate = replace(estimate, doubt="; ".join(filter(None, (estimate.doubt, doubt))))
+        estimate = doubted(estimate, doubt)
     if estimate.error is None:
         return estimate
     covariance = None if estimate.covariance is None else estimate.covariance + np.outer(moved, moved)
@@ -595,9 +601,7 @@ def drawing(task: Task, source: "Bank | Counted", aside: bool = False) -> Task:
     """A twin of a task whose events are those of its source: of a bank each once, or those that it keeps aside."""
     if isinstance(source, Counted):
         return source.task
-    twin = copy(task)
-    object.__setattr__(twin, "simulate", source.fresh if aside else source.session())  # it may be a frozen dataclass
-    return twin
+    return twin(task, simulate=source.fresh if aside else source.session())
 
 
 def restricted(estimate: Estimate, task: Task) -> Estimate:
@@ -634,7 +638,7 @@ def tested(
     num = simulate.budget - simulate.budget // 3
     doubt = agreement.doubt_of(task, theta, x_observed, simulate, num, rng)
     if doubt:
-        return replace(estimate, doubt="; ".join(filter(None, (estimate.doubt, doubt)))), ()
+        return doubted(estimate, doubt), ()
     others = agreement.as_good(task, theta, error, x_observed, simulate, simulate.remaining, num_fitted, rng)
     return estimate, tuple(dict(zip(task.parameter_names, other.tolist(), strict=True)) for other in others)
 

@@ -3,8 +3,9 @@
 import hashlib
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -260,6 +261,14 @@ class Task(ABC):
         rng = np.random.default_rng(stable_hash("targets", self.name))
         theta = self.at_whole(self.prior.sample(n, rng), rng)
         return self.quoted(theta, np.zeros_like(theta))[0]
+
+
+def twin(task: Task, **changed: Any) -> Task:
+    """A copy of a task with other attributes, such as another `simulate`."""
+    made = copy(task)
+    for name, value in changed.items():
+        object.__setattr__(made, name, value)  # it may be a frozen dataclass
+    return made
 
 
 def stable_hash(*words: str) -> int:

@@ -2,14 +2,13 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from copy import copy
 from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.tasks.contract import Task
+from avobench.tasks.contract import Task, twin
 from avobench.tasks.errors import BudgetExhausted
 from avobench.tasks.region import regions
 
@@ -102,9 +101,7 @@ class Meter:
 
 def metered(task: Task, meter: Meter) -> Task:
     """A twin of a task each event of which is charged to a meter, whoever asks for it."""
-    twin = copy(task)
-    object.__setattr__(twin, "simulate", partial(_simulated, task, meter))  # the task may be a frozen dataclass
-    return twin
+    return twin(task, simulate=partial(_simulated, task, meter))
 
 
 def _simulated(task: Task, meter: Meter, theta: NDArray[np.float64], rng: np.random.Generator, *alter: Any) -> NDArray:

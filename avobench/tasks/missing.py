@@ -1,11 +1,9 @@
 """Values that an event lacks, such as those of a detector that did not fire: NaN in features that may be missing."""
 
-from copy import copy
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from avobench.tasks.contract import Task
+from avobench.tasks.contract import Task, twin
 
 
 def filled(x: NDArray, seed: int = 0) -> NDArray:
@@ -53,20 +51,18 @@ class Recorded:
         """A twin of the task that makes such events."""
         if not self._columns:
             return task
-        twin, more = copy(task), tuple(f"{task.labels[j]} is missing" for j in self._columns)
-        said = {
-            "num_features": task.num_features + len(more),
-            "feature_names": (*task.labels, *more),
-            "feature_kinds": (*task.kinds_of_features, *["continuous"] * len(more)),
-            "feature_units": task.feature_units and (*task.feature_units, *["1"] * len(more)),
-            "missing": (),
-            "simulate": lambda theta, rng: self.events(task.simulate(theta, rng)),
-            "summary": lambda x: np.r_[task.summary(self.bare(x)), x[:, task.num_features :].mean(axis=0)],
-            "with_reference": lambda x: self.task(task.with_reference(self.bare(x))),
-        }
-        for name, value in said.items():
-            object.__setattr__(twin, name, value)  # it may be a frozen dataclass
-        return twin
+        more = tuple(f"{task.labels[j]} is missing" for j in self._columns)
+        return twin(
+            task,
+            num_features=task.num_features + len(more),
+            feature_names=(*task.labels, *more),
+            feature_kinds=(*task.kinds_of_features, *["continuous"] * len(more)),
+            feature_units=task.feature_units and (*task.feature_units, *["1"] * len(more)),
+            missing=(),
+            simulate=lambda theta, rng: self.events(task.simulate(theta, rng)),
+            summary=lambda x: np.r_[task.summary(self.bare(x)), x[:, task.num_features :].mean(axis=0)],
+            with_reference=lambda x: self.task(task.with_reference(self.bare(x))),
+        )
 
 
 def missing_in_both(simulated: ArrayLike, measured: ArrayLike) -> list[str]:

@@ -1,7 +1,6 @@
 """Events made by several processes at once: each piece has a random stream of its own, so jobs change no event."""
 
 from collections.abc import Sequence
-from copy import copy
 from functools import partial
 from typing import Any
 
@@ -11,7 +10,7 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from numpy.typing import NDArray
 
 from avobench.tasks.checked import checked_events
-from avobench.tasks.contract import Task
+from avobench.tasks.contract import Task, twin
 from avobench.tasks.errors import ProcessEnded
 from avobench.tasks.region import regions
 
@@ -50,9 +49,7 @@ def spread(task: Task, jobs: int | None) -> Task:
     if jobs is None:
         return task
     regions(task)  # where it works is learnt here, and not by each process
-    twin = copy(task)
-    object.__setattr__(twin, "simulate", partial(_spread, task, jobs))  # the task may be a frozen dataclass
-    return twin
+    return twin(task, simulate=partial(_spread, task, jobs))
 
 
 def _spread(task: Task, jobs: int, theta: NDArray[np.float64], rng: np.random.Generator, *alter: Any) -> NDArray:
