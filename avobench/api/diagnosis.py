@@ -49,7 +49,7 @@ HERE = "__main__:"
 """The prefix of an effect of a script or a notebook, which another process does not find by its name."""
 
 
-def _no_model(content: "ModelFile | None") -> Task:
+def _no_model() -> Task:
     raise UsageError("the folder of this diagnosis has no model.json")
 
 
@@ -60,8 +60,8 @@ class Diagnosed:
     result: "Result"
     content: "ModelFile | None" = None
     """What model.json holds; its task is "" where only this process has it. None where a folder has no such file."""
-    build: Callable[["ModelFile | None"], Task] = _no_model
-    """What makes the model of its content."""
+    build: Callable[[], Task] = _no_model
+    """What makes the model."""
 
     @property
     def task(self) -> Task:
@@ -110,7 +110,7 @@ class Diagnosed:
     @cached_property
     def model(self) -> Task:
         """The task with the effects that were found: its parameters are those of the task and of the effects."""
-        return self.build(self.content)
+        return self.build()
 
     def plot(self, name: str | None = None) -> "Figure":
         """A figure by its name; by default the measured events against the simulation before and after.
@@ -214,7 +214,8 @@ class Diagnosed:
         if not file.exists():
             return cls(result)
         spec = registry.trusted(str(file), trust)
-        return cls(result, ModelFile.model_validate_json(file.read_bytes()), partial(_from_file, spec))
+        content = ModelFile.model_validate_json(file.read_bytes())
+        return cls(result, content, partial(registry.build, "task", spec, {}))
 
     def details(self) -> str:
         """All that a screen of text holds: tests, probabilities, regions and notes beside what `print` shows."""
@@ -485,31 +486,20 @@ def _named(task: Task | str | ArrayLike | pd.DataFrame, x: Any) -> tuple[Task, s
 def _diagnosed(result: "Result", spec: str | None, own: Mapping[str, "Own"], entries: Sequence[Effect]) -> Diagnosed:
     """What is shown and kept of a result.
 
-    `spec` loads the task again, `own` are the user's effects by name, `entries` those of the catalogue.
+    `spec` loads the task again, `own` are the user's effects by name, `entries` those of the catalogue. The model is
+    made of the objects that this process has.
     """
-    found = {registry.absolute(each.source or name): each.found for name, each in own.items()}
-    return Diagnosed(result, _content(result, spec, own), partial(_in_memory, result.task, found, entries))
-
-
-def _content(result: "Result", spec: str | None, own: Mapping[str, "Own"]) -> "ModelFile":
     from avobench.diagnosis.report.model_file import describe
     from avobench.diagnosis.report.uncertainties import QuotedFit
+    from avobench.effects.model_file import AugmentedTask
 
     fit, theta = result.fit, result.diagnosis.theta_after or result.diagnosis.theta_before
     std = QuotedFit(fit).std
     std[: fit.model.num_theta] = [value.std for value in theta.values()]
-    return describe(fit, std, spec or "", {name: (each.source, each.found) for name, each in own.items()})
-
-
-def _in_memory(task: Task, own: Mapping[str, Effect], entries: Sequence[Effect], content: "ModelFile") -> Task:
-    """The task with effects of a content, of the objects that this process has."""
-    from avobench.effects.model_file import AugmentedTask
-
-    return AugmentedTask.of(content, task, own.__getitem__, entries=list(entries))
-
-
-def _from_file(spec: str, content: "ModelFile") -> Task:
-    return registry.build("task", spec, {})
+    content = describe(fit, std, spec or "", {name: (each.source, each.found) for name, each in own.items()})
+    found = {registry.absolute(each.source or name): each.found for name, each in own.items()}
+    build = partial(AugmentedTask.of, content, result.task, found.__getitem__, entries=list(entries))
+    return Diagnosed(result, content, build)
 
 
 def _with_code(content: "ModelFile", task: Task, folder: Path) -> tuple["ModelFile", dict[Path, str], list[str]]:
