@@ -5,7 +5,7 @@ import random
 import sys
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from typing import Any
 
 import joblib
@@ -47,15 +47,10 @@ def recordable(kind: str, name: str, subject: Task | Method) -> None:
         raise BrokenPromise(f"a record cannot hold the settings {identity[f'{kind}_settings']}: {error}") from error
 
 
-def global_seeds(seed: int) -> AbstractContextManager[None]:
-    """Another state of every global generator inside the block; PyTorch's where it has been loaded."""
-    return global_seed(np.random.default_rng(seed))
-
-
 @contextmanager
 def state_kept(by: str) -> Iterator[None]:
     """Raise BrokenPromise if the block changes what tasks and methods share with the rest of the process."""
-    with global_seeds(1):
+    with global_seed(np.random.default_rng(1)):
         before = _global_state()
         yield
         after = _global_state()

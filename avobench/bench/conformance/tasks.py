@@ -16,12 +16,12 @@ from avobench.bench.conformance.promises import (
     BrokenPromise,
     Round,
     expect,
-    global_seeds,
     is_text,
     recordable,
     state_kept,
 )
 from avobench.effects.ranges import ranges
+from avobench.methods.contract import global_seed
 from avobench.tasks import Box, Discriminator, Task
 from avobench.tasks.checked import checked_events
 from avobench.tasks.contract import NUM_TARGETS, Kind
@@ -185,9 +185,9 @@ def _theta_unchanged(task: Task) -> None:
     expect(np.array_equal(theta, before), "simulate changed the array of parameters that it was given")
 
 
-def _events(task: Task, seed: int, global_seed: int) -> NDArray:
-    """1000 events across the prior."""
-    with global_seeds(global_seed):
+def _events(task: Task, seed: int, elsewhere: int) -> NDArray:
+    """1000 events across the prior, with another seed of every global generator."""
+    with global_seed(np.random.default_rng(elsewhere)):
         return task.simulate(task.prior.sample(1000, np.random.default_rng(0)), np.random.default_rng(seed))
 
 
