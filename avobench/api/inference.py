@@ -29,7 +29,7 @@ from avobench.bench.store.files import require_folder, write_file
 from avobench.bench.store.versions import versions
 from avobench.effects.pool import Counted
 from avobench.methods import Estimate, Method, TracePoint, WeightedSample
-from avobench.reports.numbers import with_error
+from avobench.reports.numbers import in_unit, with_error
 from avobench.tables.table import Table, Tables
 from avobench.tasks import Task
 from avobench.tasks.arguments import checked
@@ -340,8 +340,7 @@ class Inference:
         """A line for each parameter, a doubt where there is one, other answers, and what the fit took."""
         found = zip(self.theta.items(), self._quoted[1], self.task.parameter_units, self.task.is_integer, strict=True)
         lines = [
-            f"{name} = {f'{value:.0f} ± {std:.2g}' if whole else with_error(value, std)}"
-            f"{'' if unit == '1' else ' ' + unit}"
+            f"{name} = {f'{value:.0f} ± {std:.2g}' if whole else with_error(value, std)}{in_unit(unit)}"
             for (name, value), std, unit, whole in found
         ]
         doubt = [f"doubtful: {self.doubt}"] if self.doubt else []

@@ -12,6 +12,7 @@ from avobench.bench.store.frame import labels, mean_errors, to_frame
 from avobench.bench.store.status import Status
 from avobench.effects import Effect, Parameter
 from avobench.effects.catalogue import catalogue
+from avobench.reports.numbers import in_unit
 
 WIDTH = 110
 """Columns that a line takes at most, as in the help of the commands."""
@@ -34,7 +35,7 @@ def tasks() -> str:
         for parameter, unit, low, high in zip(
             task.parameter_names, task.parameter_units, task.prior.low, task.prior.high, strict=True
         ):
-            lines.append(f"    {parameter} ~ U({low:g}, {high:g}){_unit(unit)}")
+            lines.append(f"    {parameter} ~ U({low:g}, {high:g}){in_unit(unit)}")
         lines += _settings(task)
     return "\n".join(lines)
 
@@ -106,11 +107,7 @@ def _effect(shapes: Sequence[Effect], told: Callable[[Parameter], str]) -> list[
 
 def _bounds(parameter: Parameter) -> str:
     absent = "" if parameter.null is None or parameter.null == parameter.low else f", absent at {parameter.null:g}"
-    return f"{parameter.name} from {parameter.low:.3g} to {parameter.high:.3g}{_unit(parameter.unit)}{absent}"
-
-
-def _unit(unit: str) -> str:
-    return "" if unit == "1" else f" {unit}"
+    return f"{parameter.name} from {parameter.low:.3g} to {parameter.high:.3g}{in_unit(parameter.unit)}{absent}"
 
 
 def _wrapped(line: str, indent: int) -> list[str]:

@@ -21,6 +21,11 @@ def number(value: float | None) -> str:
     return "-" if value is None or math.isnan(value) else f"{value:.3g}"
 
 
+def in_unit(unit: str) -> str:
+    """A unit as it stands behind a number; nothing for a pure number."""
+    return "" if unit == "1" else f" {unit}"
+
+
 def p_value(p: float | None) -> str:
     """A p-value in a table: `0.212`, `6.07e-33`, or `< 1e-300` where it is too small to be told from 0."""
     return f"< {SMALLEST_P:.0e}" if p is not None and p < SMALLEST_P else number(p)

@@ -13,7 +13,7 @@ from avobench.diagnosis.schema import (
 )
 from avobench.diagnosis.settings import SCORE
 from avobench.reports.diagnosis.order import sentences
-from avobench.reports.numbers import p_equals, p_value, with_error
+from avobench.reports.numbers import in_unit, p_equals, p_value, with_error
 
 MOST_REGIONS = 4
 """The strongest regions are told; all are on the page."""
@@ -247,11 +247,6 @@ def unit_of(parameter: EffectValue, effect: Named) -> str:
         "of half the range": f"of half the range of {effect.feature}",
     }
     return named.get(parameter.unit, parameter.unit)
-
-
-def in_unit(unit: str) -> str:
-    """A unit as it stands behind a number."""
-    return "" if unit == "1" else f" {unit}"
 
 
 def gap_of(gap: Gap) -> str:
