@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise
 from zlib import crc32
 
 import numpy as np
@@ -157,9 +156,8 @@ class Model:
     @cached_property
     def _chain(self) -> list[tuple[int, slice]]:
         """The effects in the order in which they act, by their stages, with the columns of their parameters."""
-        ends = np.cumsum([self.num_theta, *(len(effect.parameters) for effect in self.effects)])
-        columns = [slice(start, stop) for start, stop in pairwise(ends.tolist())]
-        return sorted(enumerate(columns), key=lambda each: self.effects[each[0]].stage)
+        order = sorted(range(len(self.effects)), key=lambda k: self.effects[k].stage)
+        return [(k, self.columns(k)) for k in order]
 
     @property
     def newest_acts_last(self) -> bool:

@@ -128,16 +128,14 @@ def refined(fit: Fit, target: Target, rng: np.random.Generator, effort: Effort) 
     The bound of a strength is doubled if the fit ended there and the bound is a guess.
     """
     notes = []
-    at = fit.model.num_theta
     for k, effect in enumerate(fit.model.effects):
-        if effect.parameters[0].soft and fit.at_bound[at] > 0:
+        if effect.parameters[0].soft and fit.at_bound[fit.model.columns(k).start] > 0:
             stretch = list(fit.model.stretch or (1.0,) * len(fit.model.effects))
             stretch[k] = 2.0
             model = replace(fit.model, stretch=tuple(stretch))
             fit = refine(model, target, model.to_cube(fit.params), 0.1, rng, num_events=effort.least)
             name = f"{effect.name}: {effect.parameters[0].name}"
             notes.append(f"the bound of {name} was doubled, since the fit ended there")
-        at += len(effect.parameters)
     ratio, _ = effort.rounds_of_search[-1]
     again = sharpen(fit, target, rng, int(ratio * target.num_events), BUDGET.refined)
     return min(again, fit, key=lambda fit: fit.noiseless_q + fit.noiseless_q_error), notes
