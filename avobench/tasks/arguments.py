@@ -18,21 +18,17 @@ from avobench.tasks.errors import UsageError, if_uneven, shown
 from avobench.tasks.prior import Distributed, Distribution, Ends, Law
 
 WORDS = {
-    **{
-        bool: "True or False",
-        int: "a whole number",
-        float: "a number",
-        str: "a text",
-        NoneType: "None",
-        Path: "a path",
-    },
-    **{
-        Mapping: "a mapping of names",
-        Callable: "a function",
-        tuple: "a pair of numbers",
-        Distribution: "a distribution",
-        Task: "a task, such as avobench.task makes of a function",
-    },
+    bool: "True or False",
+    int: "a whole number",
+    float: "a number",
+    str: "a text",
+    NoneType: "None",
+    Path: "a path",
+    Mapping: "a mapping of names",
+    Callable: "a function",
+    tuple: "a pair of numbers",
+    Distribution: "a distribution",
+    Task: "a task, such as avobench.task makes of a function",
 }
 """How the types of arguments are called in messages."""
 

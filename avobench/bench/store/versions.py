@@ -3,12 +3,14 @@
 import importlib.metadata
 import platform
 import subprocess
-from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
 RECORDED = ("avobench", "numpy", "scipy", "torch", "pyabc", "elfi", "GPy", "pythia8mc")
 """Packages on which a result depends."""
+
+_distributions = cache(importlib.metadata.packages_distributions)
+"""The packages by module, asked for once a process: Python looks into every installed distribution."""
 
 
 @cache
@@ -36,9 +38,3 @@ def versions(modules: tuple[str, ...] = ()) -> dict[str, str | None]:
 def _packages(module: str) -> list[str]:
     """The names under which what provides a module was installed; its own name where nothing is known of it."""
     return _distributions().get(module.partition(".")[0], [module])
-
-
-@cache
-def _distributions() -> Mapping[str, list[str]]:
-    """The packages by module, asked for once a process: Python looks into every installed distribution."""
-    return importlib.metadata.packages_distributions()

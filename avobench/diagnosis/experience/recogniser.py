@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri, softmax
 
-from avobench.diagnosis.settings import RECOGNITION
 from avobench.diagnosis.settings import RECOGNITION as R
 from avobench.effects import Effect
 from avobench.tasks import Task
@@ -265,11 +264,11 @@ def resemblance(
     names, kind = [*dict.fromkeys(effect.name for effect in effects), OUTSIDE], kind_of(task)
     known: dict[str, float] = {}
     if kind is not None and simulated is not None:
-        seen = x[: RECOGNITION.portrait_events]
-        beside = simulated(RECOGNITION.simulated * len(seen))
-        if kind != "count" or beside.mean() >= RECOGNITION.least_count:
+        seen = x[: R.portrait_events]
+        beside = simulated(R.simulated * len(seen))
+        if kind != "count" or beside.mean() >= R.least_count:
             known = Recogniser.of(kind).probabilities(portrait(seen, beside, kind == "count"))
     learnt = [name for name in names if name in known]
     total = sum(known[name] for name in learnt)
     share = {name: known[name] / total if name in learnt else 1 / len(learnt or names) for name in names}
-    return {name: float(np.log(each + RECOGNITION.floor)) for name, each in share.items()}
+    return {name: float(np.log(each + R.floor)) for name, each in share.items()}
