@@ -25,7 +25,8 @@ from numpy.typing import NDArray
 from scipy.special import expit, log_expit
 
 from avobench.methods.leeway import is_open
-from avobench.methods.polish import RIDGE, Neighbours, Polished, Response, TooFewEvents, descend, kernel_of, quadratic
+from avobench.methods.polish import RIDGE, Neighbours, Polished, Response, TooFewEvents, descend, kernel_of
+from avobench.tasks.quadratic import quadratic
 
 MOST_STEPS = 15
 """Largest number of steps, each with a discriminator of its own: three to five are the rule."""

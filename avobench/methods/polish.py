@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
+from avobench.tasks.quadratic import quadratic
+
 WIDTH = 2.5
 """Width of the kernel over theta with one parameter, in standard deviations of the proposal. With p parameters it is
 p^(1/4) times that, which weighs the proposal's events alike to a few per cent whatever p is. Events of earlier, wider
@@ -392,9 +394,3 @@ def in_noise(
 def ridged_inverse(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
     """The inverse of the covariance of simulated features (k, k), of which some may be nearly copies of others."""
     return np.linalg.inv(covariance + RIDGE * np.diag(1 + np.diag(covariance)))
-
-
-def quadratic(z: NDArray[np.float64]) -> NDArray[np.float64]:
-    """1, z_i, and z_i z_j for i <= j: (n, p) -> (n, (p + 1)(p + 2) / 2)."""
-    i, j = np.triu_indices(z.shape[1])
-    return np.hstack([np.ones((len(z), 1)), z, z[:, i] * z[:, j]])

@@ -13,17 +13,12 @@ from avobench.tables.comparison import Comparison, Reduced, whitening
 from avobench.tables.table import Table, Tables
 from avobench.tasks.arguments import checked, numbers
 from avobench.tasks.errors import UsageError
+from avobench.tasks.quadratic import quadratic
 
 ROUNDS = 20
 """Times that the covariance is taken anew at the minimum, at most: it changes little with theta, two or three do."""
 STANDSTILL = 1e-6
 """Share of the box by which the minimum may still move: less than any printed digit shows."""
-
-
-def quadratic_terms(t: NDArray[np.float64]) -> NDArray[np.float64]:
-    """1, t_i, and all products t_i t_j: (..., p) -> (..., b)."""
-    i, j = np.triu_indices(t.shape[-1])
-    return np.concatenate([np.ones_like(t[..., :1]), t, t[..., i] * t[..., j]], axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +53,7 @@ class TablePolynomial:
         return low + (t + 1) / 2 * (high - low)
 
     def basis(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
-        return quadratic_terms(self.to_t(theta))
+        return quadratic(self.to_t(theta))
 
     @cached_property
     def solver(self) -> NDArray[np.float64]:
@@ -79,7 +74,7 @@ class TablePolynomial:
         solver = self.solver if without is None else self._solver(1.0 * (np.arange(len(self.theta)) != without))
         coefficients, wanted = solver @ self.values @ w, self.tables.values @ w
         start = np.clip(t, -1, 1)
-        found = least_squares(lambda t: quadratic_terms(t) @ coefficients - wanted, start, bounds=(-1, 1))
+        found = least_squares(lambda t: quadratic(t) @ coefficients - wanted, start, bounds=(-1, 1))
         return found.x, found.jac
 
     @cached_property

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from avobench.tasks.quadratic import quadratic
 from avobench.tasks.sample import SampleTask
 
 NEAR = 2
@@ -23,7 +24,7 @@ def shift(task: SampleTask, theta: NDArray[np.float64]) -> NDArray[np.float64] |
     order = np.argsort(((nodes - task.scaled(theta)) ** 2).sum(axis=1))
     middle = nodes[around].mean(axis=0)
     z = nodes[order] - middle
-    terms = np.hstack([np.ones((len(z), 1)), z, z[:, i] * z[:, j]])
+    terms = quadratic(z)
     for num in range(min(NEAR * terms.shape[1], len(z)), len(z) + 1):
         if np.linalg.matrix_rank(terms[:num]) == terms.shape[1]:
             break
