@@ -95,12 +95,16 @@ def test_the_unit_of_a_table_is_that_of_its_feature_also_in_capitals(unit):
     assert [table.unit for table in tables_of(task, tables)] == ["keV"]
 
 
-@pytest.mark.parametrize("last", [np.inf, 1e9])
-def test_an_open_last_bin_tells_theta_as_one_with_a_far_edge(last, tmp_path):
-    task = avobench.task(
+def times():
+    return avobench.task(
         lambda theta, rng: rng.exponential(theta[:, 0]), prior={"mean": (1, 3)}, features=["time"], name="times"
     )
+
+
+@pytest.mark.parametrize("last", [np.inf, 1e9])
+def test_an_open_last_bin_tells_theta_as_one_with_a_far_edge(last, tmp_path):
     table = avobench.Table([0, 1, 2, 3, last], [1574, 954, 579, 893])  # of a mean of 2
+    task = times()
     fit = avobench.infer(task, table, budget=80_000)
     assert abs(fit.theta["mean"] - 2) < 3 * fit.std["mean"] < 0.3
     found = avobench.diagnose(task, table, effects=[], progress=False)
@@ -123,11 +127,8 @@ def test_an_open_last_bin_tells_theta_as_one_with_a_far_edge(last, tmp_path):
 )
 def test_a_fit_tells_how_many_events_the_tables_are_of(changed, number, tmp_path):
     """By num_events or their counts, and not by how many events would tell as much."""
-    task = avobench.task(
-        lambda theta, rng: rng.exponential(theta[:, 0]), prior={"mean": (1, 3)}, features=["time"], name="times"
-    )
     tables = [avobench.Table([0, 1, 2, 40], [1574, 954, 1472], **each) for each in changed]
-    fit = avobench.infer(task, tables, budget=40_000)
+    fit = avobench.infer(times(), tables, budget=40_000)
     kept = avobench.load(fit.save(tmp_path / "fit.json"))
     for each in (fit, kept):
         assert each.num_events == each.to_dict()["num_events"] == number

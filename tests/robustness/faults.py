@@ -19,7 +19,7 @@ from typing import Any
 
 import pandas as pd
 
-from robustness.kills import finished_records, steady_records
+from robustness.kills import finished_records, lost_records, steady_records
 from robustness.preload import KINDS, MANNERS, Faults
 from robustness.warm import SWEEP, Ended, call, calmly
 
@@ -82,8 +82,7 @@ def judge(ended: Ended, before: dict[str, bytes], folder: Path, arguments: list[
     an exit code that is not 0 and a line that says why, and no traceback; and the same command, when the fault is over,
     ends as an undisturbed one.
     """
-    found = finished_records(folder)
-    lost = [name for name, content in before.items() if found.get(name) != content]
+    lost = lost_records(before, finished_records(folder))
     assert not lost, f"lost {lost}"
     if ended.code == 0:
         assert not ended.err or "cells ok" in ended.out, ended.err

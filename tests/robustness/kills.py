@@ -141,6 +141,11 @@ def finished_records(folder: Path) -> Files:
     return found
 
 
+def lost_records(before: Files, after: Files) -> list[str]:
+    """The names of those that are gone or have another content."""
+    return [name for name, content in before.items() if after.get(name) != content]
+
+
 def steady_records(folder: Path) -> list[dict[str, Any]]:
     """The records without what a clock or a meter says. Raises AssertionError for a damaged one."""
     records, damaged = Store(folder).read()
@@ -184,7 +189,7 @@ def campaign(name: str, place: Path, every: int = 1) -> int:
         killed = subject.finished(folder)
         calmly(subject.arguments(folder))
         for kept, later in ((subject.finished(template), killed), (killed, subject.finished(folder))):
-            lost = [name for name, content in kept.items() if later.get(name) != content]
+            lost = lost_records(kept, later)
             assert not lost, f"{name}, killed before operation {number}: lost or changed {lost}"
         assert subject.results(folder) == expected, f"{name}, killed before operation {number}: not as undisturbed"
         assert not (subject.tidies and list(folder.glob("**/.*.tmp"))), "temporary files are left"

@@ -19,7 +19,7 @@ from typing import Any
 
 import pandas as pd
 
-from robustness.kills import finished_records, steady_records
+from robustness.kills import finished_records, lost_records, steady_records
 from robustness.preload import GRANTED, Faults
 from robustness.warm import SWEEP, calmly, start
 
@@ -59,8 +59,7 @@ def one_round(template: Path, folder: Path, locks: int, moments: random.Random, 
         assert ended.err.count("\n") == 1, ended.err
         assert "another avobench run" in ended.err, ended.err
         outcomes.append(f"{name} refused")
-    found = finished_records(folder)
-    lost = [name for name, content in before.items() if found.get(name) != content]
+    lost = lost_records(before, finished_records(folder))
     assert not lost, f"lost {lost}"
     calmly(sweep)
     calmly(["pack", "--results", str(folder)])

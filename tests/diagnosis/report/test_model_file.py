@@ -24,6 +24,11 @@ def reread(model, params, path, name):
     return registry.read_model(str(path))
 
 
+def require_kept(task, shape, path):
+    model = Model(task, (shape,))
+    assert reread(model, model.from_cube(np.full(model.dim, 0.5)), path, task.name).model.effects == (shape,)
+
+
 @pytest.mark.parametrize("task", [Poisson(), Weinberg(), Carl(), Alignment()], ids=lambda task: task.name)
 def test_a_model_file_keeps_what_the_data_decided_of_an_effect(task, tmp_path):
     if task.event_shape:
@@ -36,9 +41,7 @@ def test_a_model_file_keeps_what_the_data_decided_of_an_effect(task, tmp_path):
         x[:1200] = np.round(x[:1200], 1)  # of which some effects read steps and limits
     for effect in {type(effect): effect for effect in reversed(catalogue(task))}.values():  # the first of each class
         for shape in effect.adapted(x).shapes():
-            model = Model(task, (shape,))
-            middle = model.from_cube(np.full(model.dim, 0.5))
-            assert reread(model, middle, tmp_path / "model.json", task.name).model.effects == (shape,)
+            require_kept(task, shape, tmp_path / "model.json")
 
 
 @pytest.mark.parametrize("name", ["truncation", "censoring", "analysis_window"])
@@ -49,9 +52,7 @@ def test_a_model_file_keeps_where_the_data_end(name, tmp_path):
     adapted = chosen(catalogue(task), [name], task.name)[0].adapted(x)
     assert adapted != adapted.adapted(np.random.default_rng(0).standard_normal((9000, 1)))  # that shows no ends
     for shape in adapted.shapes():
-        model = Model(task, (shape,))
-        middle = model.from_cube(np.full(model.dim, 0.5))
-        assert reread(model, middle, tmp_path / "model.json", task.name).model.effects == (shape,)
+        require_kept(task, shape, tmp_path / "model.json")
 
 
 def test_a_file_of_an_effect_that_does_not_exist_or_of_no_model_is_refused(tmp_path):
