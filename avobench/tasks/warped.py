@@ -80,10 +80,6 @@ class Mixed(Task):
                 columns += [e, r * e + np.sqrt(1 - r**2) * rng.standard_normal(len(theta))]
         return np.sinh(SPREAD * np.stack(columns, axis=1)) @ rotation(self.num_features).T
 
-    def unwarped(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """z / SPREAD of events: (n, d) -> (n, d)."""
-        return np.arcsinh(x @ rotation(self.num_features)) / SPREAD
-
     def summary(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Share of the events in each of 30 bins of arcsinh of each feature, overflow included: (n, d) -> (32 d,)."""
         return histogram(np.arcsinh(x), np.linspace(-6, 6, 31), overflow=True)
