@@ -503,7 +503,7 @@ def by_method(
     known = Recorded(task, x_observed)
     x_observed = known.events(x_observed)
     posed = in_shares(known.task(drawn), method)
-    left, asked = budget - checks.used, most_asked(task, method, budget, checks.meter)
+    left, asked = budget - checks.meter.used, most_asked(task, method, budget, checks.meter)
     with shown(progress) as tell:
 
         def metered(what: str, task: Task, limit: int, reserve: int, before: int) -> MeteredSimulator:
@@ -512,7 +512,7 @@ def by_method(
             return MeteredSimulator(task, limit, stream(seed, what, *words), progress=told, reserve=reserve)
 
         # Events that are made in place of failed ones come out of what the test has, where more fail than expected.
-        simulate = metered("simulator", posed, asked, left - asked, checks.used)
+        simulate = metered("simulator", posed, asked, left - asked, checks.meter.used)
         problem = pose(posed, x_observed, simulate)
         estimate = method.infer(problem, stream(seed, "method", *words))
         require_recordable(estimate, problem, simulate.used)
@@ -521,7 +521,7 @@ def by_method(
         held = left - max(simulate.used, asked)
         held = min(held, task.num_aside * 3 // 2) if sample else held
         tests = asked_of(task, held, checks.meter)
-        test = metered("agreement", fresh, tests, held - tests, checks.used + simulate.used)
+        test = metered("agreement", fresh, tests, held - tests, checks.meter.used + simulate.used)
         estimate, others = tested(known.task(task), estimate, x_observed, test, simulate.used, rng)
     seconds = time.perf_counter() - start
     if isinstance(source, Counted):

@@ -49,10 +49,6 @@ class Bank:
         self._handed: dict[bytes, int] = {}
         """The most events of each node that a session was handed out: a bank that was kept may have more."""
 
-    @property
-    def used(self) -> int:
-        return self.meter.used
-
     def resolve(self, scale: NDArray[np.float64]) -> None:
         """Make the lattice so fine that its spacing is at most `scale` (p,), in shares of each parameter's range."""
         finest = np.clip(np.floor(np.log2(scale)), COARSEST - FINEST, -COARSEST)

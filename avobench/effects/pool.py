@@ -30,10 +30,6 @@ class Counted:
     def __init__(self, task: Task, meter: Meter | None = None) -> None:
         self.task, self.meter = task, meter or Meter()
 
-    @property
-    def used(self) -> int:
-        return self.meter.used
-
     def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """theta (n, p) -> (n, d). Raises SimulatorError for other events than the task declares."""
         self.meter.charge(len(theta))
@@ -52,10 +48,6 @@ class Pool:
         self.meter.charge(num_events)
         self._pieces = list(task.generate(num_events, rng))
         self._starts = np.cumsum([0, *(len(piece) for piece in self._pieces)])
-
-    @property
-    def used(self) -> int:
-        return self.meter.used
 
     @property
     def size(self) -> int:

@@ -50,7 +50,7 @@ def test_no_event_comes_twice_in_a_session_nor_is_made_twice(sizes, seed):
         for session in (bank.session(), bank.session())
     )
     np.testing.assert_array_equal(first, second)
-    assert len(np.unique(first, axis=0)) == len(first) == sum(made) == bank.used
+    assert len(np.unique(first, axis=0)) == len(first) == sum(made) == bank.meter.used
 
 
 def test_a_copy_of_a_session_goes_on_as_it_does():
@@ -76,7 +76,7 @@ def test_the_limit_is_kept():
     bank.session()(theta, np.random.default_rng(0))  # costs nothing
     with pytest.raises(BudgetExhausted):
         bank.session()(np.tile([0.9, 1.9], (60, 1)), np.random.default_rng(0))
-    assert bank.used == 60
+    assert bank.meter.used == 60
 
 
 def test_a_sample_is_handed_out_once_and_then_again_with_a_larger_variance():

@@ -179,9 +179,9 @@ class Fit:
         events = self.model.events
         if events is None or not self.model.effects:
             return num_events
-        before = events.used
+        before = events.meter.used
         self.model.simulate(np.tile(self.params, (FIT.probed, 1)), np.random.default_rng(0))
-        return int(num_events * min(1.0, FIT.dear * FIT.probed / max(events.used - before, 1)))
+        return int(num_events * min(1.0, FIT.dear * FIT.probed / max(events.meter.used - before, 1)))
 
     def reference(self, target: Target, num_events: int, rng: np.random.Generator) -> ReferenceModel:
         """The model with a surrogate by so many events over a wide design around the fit."""

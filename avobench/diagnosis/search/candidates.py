@@ -339,11 +339,11 @@ def _apart(share: int | None, fitting: Callable[..., T], begun: Start | Fit, *mo
     No more than a `share` of events is made, which a process of its own has; None where the fit needs more.
     """
     events = begun.model.events
-    before = events.used if events else 0
+    before = events.meter.used if events else 0
     if share is not None:
         events.meter.share(share)
     try:
         fit = fitting(begun, *more)
     except BudgetExhausted:
-        return None, events.used - before, os.getpid()
-    return replace(fit, model=replace(fit.model, events=None)), events.used - before if events else 0, os.getpid()
+        return None, events.meter.used - before, os.getpid()
+    return replace(fit, model=replace(fit.model, events=None)), events.meter.used - before if events else 0, os.getpid()

@@ -124,7 +124,7 @@ def test_conditions_with_unequal_numbers_of_pieces_add_up():
 
 def test_the_number_of_events_and_the_interval_are_those_that_are_known(normal):
     pair = Pair.of(normal.fitted(Cluster()), normal.fitted(), normal.target)
-    used = normal.bank.used
+    used = normal.bank.meter.used
     decision = decided(pair, normal.x)
     per_event = known(SHARE, normal.target.summary.edges[0])
     # That the share is known with an error adds 1 to the chi-squared of all.
@@ -134,7 +134,7 @@ def test_the_number_of_events_and_the_interval_are_those_that_are_known(normal):
     assert decision.where.low == pytest.approx(LOW, abs=0.15)
     assert decision.where.high == pytest.approx(HIGH, abs=0.15)
     assert decision.share > 0.7
-    assert normal.bank.used == used  # nothing was simulated
+    assert normal.bank.meter.used == used  # nothing was simulated
 
 
 def test_the_same_effect_by_another_name_is_never_told(normal):
@@ -179,7 +179,7 @@ def test_a_run_where_the_effect_is_plainer_takes_fewer_events(normal, chosen):
     assert value == pytest.approx(known(SHARE, fine, 3.0, free=False), abs=4 * error)
     assert not chosen or not seen.rival.any()  # what is chosen is known
     assert decided(pair, normal.x, adds=seen).events < 0.7 * decided(pair, normal.x).events
-    assert bank.used <= 400_000
+    assert bank.meter.used <= 400_000
     with pytest.raises(BudgetExhausted):
         pair.under(Bank(gaussian(3.0), Meter(1000), 0), {}, 1000)
 
