@@ -71,7 +71,7 @@ def fit_null(
     The search begins at `centre` (p,) in the unit cube, or where the prior is.
     """
     if isinstance(x, Part):
-        target, others = x.first(), np.empty((0, model.task.num_features), model.task.dtype)
+        target, others = x.first, np.empty((0, model.task.num_features), model.task.dtype)
         if target.rank <= model.dim:
             what = f"{target.rank} degrees of freedom tell no more than the {model.dim} parameters"
             raise UsageError(f"{what}: give more bins")

@@ -103,19 +103,16 @@ class JointPart(Part):
     """What is measured of each: events, or a part of tables."""
 
     def __len__(self) -> int:
-        return self.first().num_events
+        return self.first.num_events
 
     def split(self, aside: float, rng: np.random.Generator) -> "tuple[JointPart, JointPart]":
         fitted, held_out = zip(*(_split(one, aside, rng) for one in self.sets), strict=True)
         return replace(self, sets=fitted), replace(self, sets=held_out)
 
-    def first(self) -> Target:
-        return self._first
-
     @cached_property
-    def _first(self) -> Target:
+    def first(self) -> Target:
         targets = [
-            one.first() if isinstance(one, Part) else target_for(task, one, one)
+            one.first if isinstance(one, Part) else target_for(task, one, one)
             for task, one in zip(self.task.tasks, self.sets, strict=True)
         ]
         return self._joined(targets)

@@ -20,6 +20,7 @@ class Part(ABC):
     def split(self, aside: float, rng: np.random.Generator) -> "tuple[Part, Part]":
         """What is fitted, and the share `aside` that no fit sees. They are independent."""
 
+    @property
     @abstractmethod
     def first(self) -> Target:
         """What is fitted before anything is known of theta."""

@@ -66,7 +66,8 @@ class TablePart(Part):
         return TablePart(tables, fitted, 1 - aside, reference), TablePart(tables, held_out, aside, reference)
 
     @cached_property
-    def _first(self) -> Target:
+    def first(self) -> Target:
+        """The target beside events over the prior."""
         target = self._target(self.reference)
         tables, near = target.summary.tables, target.summary.simulated
         # Events over the prior scatter most where few were measured. Of how many those that were measured are, is told
@@ -76,12 +77,8 @@ class TablePart(Part):
         summary = replace(target.summary, simulated=replace(near, mean=entries, covariance=one))
         return self._of(target, summary, slopes @ one @ slopes.T)
 
-    def first(self) -> Target:
-        """The target beside events over the prior."""
-        return self._first
-
     def __len__(self) -> int:
-        return self._first.num_events
+        return self.first.num_events
 
     def seen_by(self, summary: Summary) -> tuple[NDArray[np.float64], int]:
         return self._in_bins_of(summary.tables), max(round(self.share * summary.worth), 1)
