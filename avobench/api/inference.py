@@ -489,7 +489,7 @@ def by_method(
         from avobench.diagnosis.checks import bank_of
 
         source = bank_of(task, Meter(), seed, jobs or 1, folder and Path(folder))
-        budget = min(budget, sum(map(len, task.groups))) if sample else budget
+        budget = min(budget, int(task.sizes.sum())) if sample else budget
     least = method.min_simulations(task.prior.dim)
     if budget < least:
         raise UsageError(f"a budget of {budget} is too small for {method.name} on {task.name}: at least {least}")

@@ -183,8 +183,7 @@ class Given(Bank):
 
     def num_around(self, theta: NDArray[np.float64]) -> float:
         """How many events of equal weight at theta (p,) tell as much as all those of the nodes around it."""
-        sizes = np.array([len(group) for group in self.task.groups])
-        return float(self.worth / (self.task.around(theta) ** 2 / sizes).sum())
+        return float(self.worth / (self.task.around(theta) ** 2 / self.task.sizes).sum())
 
     def repeats(self, taken: dict[bytes, int]) -> float:
         """How often a session that has `taken` so many events of each node had each of them, on average."""

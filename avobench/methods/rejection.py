@@ -39,11 +39,10 @@ def rejection(
     both. `tell` is told the sets so far.
     """
     box, observed, trace = sample.prior, task.summary(x_observed), []
-    sizes = np.array([len(group) for group in sample.groups])
     for begun in range(0, ROUNDS * SETS, SETS):
         theta, summaries = drawn(sample.prior, box, rng), []
         for made, one in enumerate(theta, start=begun + 1):
-            noise = sample.around(one) @ (1 / sizes) / sample.worth
+            noise = sample.around(one) @ (1 / sample.sizes) / sample.worth
             size = max(1, round(1 / (1 / len(x_observed) + noise)))
             summaries.append(task.summary(task.simulate(np.tile(one, (size, 1)), rng)))
             tell(made)

@@ -39,6 +39,6 @@ def shift(task: SampleTask, theta: NDArray[np.float64]) -> NDArray[np.float64] |
     weighted = slopes @ np.linalg.pinv(covariance, hermitian=True)
     inverse = np.linalg.pinv(weighted @ slopes.T, hermitian=True)  # the covariance of theta by one event
     moved = inverse @ weighted @ missed
-    noise = np.diag(inverse) * (bend**2 / [len(task.groups[k]) for k in near]).sum()
+    noise = np.diag(inverse) * (bend**2 / task.sizes[near]).sum()
     told = moved**2 > SURE**2 * noise
     return np.sign(moved) * np.sqrt(np.where(told, moved**2 - noise, 0)) * task.prior.width

@@ -122,7 +122,10 @@ class Law:
 
     def cdf(self, x: ArrayLike) -> NDArray[np.float64]:
         """The share below x, in that between the ends: 0 to 1."""
-        return self._shares(x) if not self.discrete else np.interp(x, *self._steps)
+        if self.discrete:
+            return np.interp(x, *self._steps)
+        low, high = self._frozen.cdf(self.ends)
+        return (self._frozen.cdf(np.clip(x, *self.ends)) - low) / (high - low)
 
     def ppf(self, q: ArrayLike) -> NDArray[np.float64]:
         """The inverse of `cdf`."""
@@ -130,10 +133,6 @@ class Law:
             return np.interp(q, *self._steps[::-1])
         low, high = self._frozen.cdf(self.ends)
         return np.clip(self._frozen.ppf(low + np.asarray(q) * (high - low)), *self.ends)
-
-    def _shares(self, x: ArrayLike) -> NDArray[np.float64]:
-        low, high = self._frozen.cdf(self.ends)
-        return (self._frozen.cdf(np.clip(x, *self.ends)) - low) / (high - low)
 
     @cached_property
     def _steps(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -66,14 +66,15 @@ class SampleTask(Task):
             aside = source[group] < distinct[len(distinct) // ASIDE]
             self.groups.append(group[~aside])
             self.aside.append(group[aside])
+        self.sizes = np.array([len(group) for group in self.groups])
+        """How many events of each node there are, but for those kept aside: (k,)."""
         self._grouped = np.concatenate(self.groups)
         self.num_aside = min(map(len, self.aside))
         """So many of them may be asked for at any theta, and none comes twice."""
 
     @property
     def parts(self) -> tuple[object, ...]:
-        sizes = np.array([len(group) for group in self.groups])
-        values = (self.events, self.nodes, self._grouped, sizes)
+        values = (self.events, self.nodes, self._grouped, self.sizes)
         return tuple(hashlib.sha256(each.tobytes()).hexdigest() for each in values)
 
     def corner(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.intp]:
@@ -123,9 +124,8 @@ class SampleTask(Task):
         """One event of the sample per row: theta (n, p) -> (n, d). Raises ValueError outside the support."""
         self.require_support(theta)
         corner = self.corner(theta, rng)
-        sizes = np.array([len(group) for group in self.groups])
-        first, place = np.cumsum(sizes) - sizes, (rng.random(len(theta)) * sizes[corner]).astype(np.intp)
-        return self.events[self._grouped[first[corner] + place]]
+        place = (rng.random(len(theta)) * self.sizes[corner]).astype(np.intp)
+        return self.events[self._grouped[(np.cumsum(self.sizes) - self.sizes)[corner] + place]]
 
     def summary(self, x: NDArray) -> NDArray[np.float64]:
         """Shares of the events in twenty bins of each feature that hold equal shares of the sample: (n, d) -> (k,)."""
@@ -268,7 +268,7 @@ def require_enough(task: Task, theta: NDArray[np.float64], num_measured: int) ->
     if not isinstance(task, SampleTask):
         return
     needed = num_measured / 2 * task.around(theta)
-    used, aside = (np.array([len(group) for group in groups]) for groups in (task.groups, task.aside))
+    used, aside = task.sizes, np.array([len(group) for group in task.aside])
     k = int(np.argmax(needed - task.worth * used))
     if needed[k] > task.worth * used[k]:
         at = [f"{n} = {value:.4g}" for n, value in zip(task.parameter_names, task.nodes[k], strict=True)]
