@@ -122,7 +122,8 @@ def hide(
     hidden: list[Hidden] = []
     while len(hidden) < (2 if kind == "two" else 1):
         new = _draw(task, source, theta, num_events, reference, [each.injection.name for each in hidden], rng, shapes)
-        if sum(_generates(each.injection) for each in (*hidden, new)) > 1:
+        foreign = [each.injection for each in (*hidden, new) if isinstance(each.injection, Injection)]
+        if sum(injection.stage == 0 for injection in foreign) > 1:
             continue  # each makes events of its own from what is generated, without the other
         hidden.append(new)
     hidden.sort(key=lambda each: each.injection.stage)
@@ -180,10 +181,6 @@ def _draw(
         if seen.power >= LEAST_POWER and seen.distance <= MOST_DISTANCE:
             break
     return Hidden(injection, task.labels[feature] if isinstance(feature, int) else feature, seen)
-
-
-def _generates(injection: Injection | OwnShape) -> bool:
-    return isinstance(injection, Injection) and injection.stage == 0
 
 
 def _tried(task: Task, num_events: int) -> int:

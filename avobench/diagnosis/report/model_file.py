@@ -9,6 +9,7 @@ from pydantic import TypeAdapter
 
 from avobench.bench.plugins import registry
 from avobench.diagnosis.fit.fit import Fit
+from avobench.diagnosis.report.uncertainties import named
 from avobench.diagnosis.settings import REPORT
 from avobench.effects import Effect
 from avobench.effects.model_file import AddedEffect, AugmentedTask, ModelFile, Parameter, settings_of
@@ -30,7 +31,8 @@ def describe(
     inner = isinstance(base, AugmentedTask)
     names = list(base.parameter_names)
     for effect in model.effects:
-        prefix = effect.name if effect.feature is None else f"{effect.name}_{_feature(base, effect)}"
+        feature = named(effect.key, base.labels).feature
+        prefix = effect.name if feature is None else f"{effect.name}_{feature}"
         again = sum(name.startswith(f"{prefix}_") for name in base.parameter_names)  # by a model that was found before
         names += [f"{prefix}{'_again' if again else ''}_{p.name}" for p in effect.parameters]
     margin = np.maximum(REPORT.prior_sigmas * std, REPORT.least_prior * (model.high - model.low))
@@ -59,10 +61,6 @@ def describe(
             for i in range(model.dim)
         ],
     )
-
-
-def _feature(task: Task, effect: Effect) -> str:
-    return task.labels[effect.feature] if isinstance(effect.feature, int) else effect.feature
 
 
 def kept(effect: Effect, base: Task, source: str | None = None, own: Effect | None = None) -> AddedEffect:

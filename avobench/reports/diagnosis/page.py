@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from avobench.diagnosis import Result
-from avobench.diagnosis.schema import Diagnosis, EffectValue, Named, Value
+from avobench.diagnosis.schema import Diagnosis, EffectValue, Value
 from avobench.diagnosis.settings import TEST
 from avobench.reports import html
 from avobench.reports.diagnosis.order import sentences
@@ -181,14 +181,10 @@ def _identifiability(diagnosis: Diagnosis) -> html.Table:
             [", ".join(f"{name} {number(bias)}" for name, bias in row.theta_bias.items()) for row in card]
         ),
         "at the strength": html.figures([row.theta_bias_at for row in card]),
-        "cannot be told from": html.texts([_listed(row.rivals) for row in card]),
+        "cannot be told from": html.texts([", ".join(map(label, row.rivals)) for row in card]),
     }
     text = (
         "The smallest strength of each effect that these data would have shown. Where there is none, no strength up to "
         "the one in the column of θ is seen; where that has none either, the simulated events did not suffice to tell."
     )
     return html.Table.of("identifiability", "What these data could not have shown", text, columns)
-
-
-def _listed(effects: list[Named]) -> str:
-    return ", ".join(label(effect) for effect in effects)
