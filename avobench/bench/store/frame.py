@@ -2,11 +2,15 @@
 
 import json
 from collections.abc import Callable, Iterable
+from functools import cache
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+
+from avobench.bench.plugins import registry
+from avobench.tasks.errors import UsageError
 
 FORMULA = ("=", "+", "-", "@")
 """A spreadsheet carries out a text that begins with one of these."""
@@ -73,11 +77,23 @@ def labels(records: list[dict[str, Any]]) -> tuple[list[str], list[str]]:
     """A label for the task and for the method of each record: its name, and whatever else tells like-named ones apart.
 
     So records of two settings, versions, budgets or numbers of observations are never pooled. Settings and versions
-    are told where they differ within a method, budget and observations where they differ within a task.
+    are told where they differ within a method, budget and observations where they differ within a task. A setting that
+    has its default now is not told.
     """
     common = ("budget", "num_observations")
     tasks = _labels(records, "task", lambda record: record["task"], common)
     return tasks, _labels(records, "method", lambda record: (record["task"], record["method"]), ())
+
+
+@cache
+def _defaults(kind: str, name: str) -> dict[str, Any]:
+    """The settings of a task or method of this package; none where it is not one, or is not to be had here."""
+    if name not in registry.names(kind) or registry.runs_theirs(kind, name):
+        return {}
+    try:
+        return json.loads(json.dumps(registry.settings_of(registry.build(kind, name, {}))))
+    except UsageError:
+        return {}
 
 
 def _labels(
@@ -99,6 +115,8 @@ def _labels(
     result = []
     for record, part in zip(records, parts, strict=True):
         names = differ[group(record)]
-        extra = [f"{name}={value}".replace(" ", "") for name, value in part.items() if name in names]
+        usual = _defaults(kind, record[kind]) if names else {}
+        told = {name: value for name, value in part.items() if name in names and usual.get(name, ...) != value}
+        extra = [f"{name}={value}".replace(" ", "") for name, value in told.items()]
         result.append(" ".join([record[kind], *extra]))
     return result

@@ -42,6 +42,14 @@ def test_like_named_methods_of_other_settings_are_never_pooled():
     assert labels(records()) == (["normal"] * 2, ["moment"] * 2)
 
 
+def test_of_a_method_of_this_package_the_settings_are_told_that_are_not_its_defaults():
+    made = []
+    for settings in [], ["smm.rounds=4"], ["smm.rounds=4", "smm.shrink=0.3"]:
+        made += [dict(cell.identity) for cell in plan(["poisson"], ["smm"], "0", 1, 400, 100, 0, settings)]
+    assert labels(made)[1] == ["smm", "smm rounds=4", "smm rounds=4 shrink=0.3"]
+    assert labels(made[1:])[1] == ["smm", "smm shrink=0.3"]  # what all have is not told
+
+
 def test_nor_are_those_of_which_some_leave_a_setting_out_at_its_default():
     plain, other = records(), records()
     for record in other:
