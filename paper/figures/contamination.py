@@ -66,23 +66,42 @@ BEYOND = 4.0
 
 
 def effects(records: list[dict[str, Any]]) -> pd.DataFrame:
-    """A row a simulator and method, of the runs in which the simulator lacks an effect of the catalogue.
+    """A row a simulator and method, of the runs in which the simulator lacks an effect of the catalogue."""
+    runs = _pulls([run for run in records[0]["runs"] if ": " in run["task"]])
+    simulators = runs["task"].str.partition(": ")[0]
+    runs["simulator"] = pd.Categorical(simulators, simulators.unique())
+    runs["row"] = pd.Categorical(runs["row"], ROWS_OF_EFFECTS)
+    return _counted(runs, ["simulator", "row"], "effects")
 
-    A pull is the largest difference of a parameter from the minimiser of the divergence, in quoted errors. `beyond 4`
-    counts the fits that are farther off than BEYOND, and `undoubted` those of them that carry no doubt.
+
+def outliers(records: list[dict[str, Any]]) -> pd.DataFrame:
+    """A row a method that quotes errors, of the runs with outliers or another law where no parameter is open."""
+    tasks = {name: of.task for name, of in contaminated().items()}
+    known = [name for name, task in tasks.items() if len(task.identifiable(task.targets(1))[0]) == task.prior.dim]
+    runs = _pulls([run for run in records[0]["runs"] if run["task"] in known and run["share"] > 0 and run["error"]])
+    runs["row"] = pd.Categorical(runs["row"], [row for row in METHODS if row in set(runs["row"])])
+    return _counted(runs, ["row"], "fits")
+
+
+def _pulls(runs: list[dict[str, Any]]) -> pd.DataFrame:
+    """The runs, of a method that changed the last one, with `pull`: the largest difference in quoted errors."""
+    frame = pd.DataFrame(runs).drop_duplicates(["task", "share", "target", "row"], keep="last")
+    off = [np.abs(np.subtract(*pair)) for pair in zip(frame["estimate"], frame["minimiser"], strict=True)]
+    frame["pull"] = [np.max(each / error) for each, error in zip(off, frame["error"], strict=True)]
+    return frame
+
+
+def _counted(runs: pd.DataFrame, by: list[str], size: str) -> pd.DataFrame:
+    """Of each group the median and largest pull, the mean seconds, and how many are far off or in doubt.
+
+    `beyond 4` counts the fits that are farther off than BEYOND, and `undoubted` those of them that carry no doubt.
     """
-    runs = pd.DataFrame(records[0]["runs"])
-    runs = runs[runs["task"].str.contains(": ")].drop_duplicates(["task", "target", "row"], keep="last")
-    runs[["simulator", "effect"]] = runs["task"].str.split(": ", expand=True)
-    off = [np.abs(np.subtract(*pair)) for pair in zip(runs["estimate"], runs["minimiser"], strict=True)]
-    runs["pull"] = [np.max(each / error) for each, error in zip(off, runs["error"], strict=True)]
     runs["doubted"] = runs["doubt"] != ""
     runs["far"] = runs["pull"] > BEYOND
     runs["undoubted"] = runs["far"] & ~runs["doubted"]
-    runs["row"] = pd.Categorical(runs["row"], ROWS_OF_EFFECTS)
-    told = {"effects": ("effect", "size"), "median pull": ("pull", "median"), "worst pull": ("pull", "max")}
+    told = {size: ("pull", "size"), "median pull": ("pull", "median"), "worst pull": ("pull", "max")}
     told |= {"beyond 4": ("far", "sum"), "undoubted": ("undoubted", "sum"), "doubted": ("doubted", "sum")}
-    numbers = runs.groupby(["simulator", "row"], sort=False, observed=True).agg(**told, seconds=("seconds", "mean"))
+    numbers = runs.groupby(by, observed=True).agg(**told, seconds=("seconds", "mean"))
     return numbers.reset_index().rename(columns={"row": "method"})
 
 
@@ -96,7 +115,8 @@ def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
             of = numbers[(numbers["task"] == name) & (numbers["method"] == method)]
             if len(of):
                 style = {"color": PALETTE[i % len(PALETTE)], "marker": MARKERS[i % len(MARKERS)], "ms": 4, "lw": 1}
-                axis.plot(of["share"], of["to theta"], label=method, **style)
+                line = "--" if i >= len(PALETTE) else "-"  # where colours come again
+                axis.plot(of["share"], of["to theta"], label=method, ls=line, **style)
         axis.set_xscale("symlog", linthresh=LEAST)
         axis.set(yscale="log", xlabel="share of outliers", xlim=(-LEAST / 5, 0.3))
         axis.set_ylabel("squared error\nto the clean theta")

@@ -21,6 +21,7 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = 
     "contamination": (contamination.compared, "studies"),
     "contamination-pulls": (partial(contamination.compared, value="worst pull"), "studies"),
     "contamination-effects": (contamination.effects, "studies"),
+    "contamination-outliers": (contamination.outliers, "studies"),
     "agreement": (agreement.table, "studies"),
     "coverage": (coverage.table, "reference rivals smm"),
     "dimension": (dimension.table, "dimension"),
@@ -39,7 +40,10 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = 
 """What makes each table, and the folders in results of which it is made unless others are named."""
 ONE_FILE = {
     "agreement": agreement.read,
-    **dict.fromkeys(("contamination", "contamination-pulls", "contamination-effects"), contamination_study.read),
+    **dict.fromkeys(
+        ("contamination", "contamination-pulls", "contamination-effects", "contamination-outliers"),
+        contamination_study.read,
+    ),
     "hard": hard.read,
     "few": few.read,
     "textbook": textbook.read,

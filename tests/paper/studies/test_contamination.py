@@ -67,7 +67,14 @@ def test_a_doubted_fit_is_marked_and_has_the_pull_of_its_farthest_parameter():
 
 def test_the_table_of_effects_counts_what_is_far_off_without_a_doubt():
     def run(effect, off, doubt):
-        return {"task": f"normal: {effect}", "target": 0, "row": "avo", "seconds": 1.0, "doubt": doubt} | {
+        return {
+            "task": f"normal: {effect}",
+            "share": 1.0,
+            "target": 0,
+            "row": "avo",
+            "seconds": 1.0,
+            "doubt": doubt,
+        } | {
             "estimate": [off],
             "minimiser": [0.0],
             "error": [1.0],
@@ -76,3 +83,13 @@ def test_the_table_of_effects_counts_what_is_far_off_without_a_doubt():
     [row] = report.effects([{"runs": [run("a", 5, ""), run("b", 9, "d"), run("c", 1, "")]}]).to_dict("records")
     assert (row["effects"], row["median pull"], row["worst pull"]) == (3, 5, 9)
     assert (row["beyond 4"], row["undoubted"], row["doubted"]) == (2, 1, 1)
+
+
+def test_the_table_of_outliers_counts_wrong_simulators_alone():
+    def run(share, off, error=(1.0,), task="normal"):
+        of = {"task": task, "share": share, "target": 0, "row": "avo", "seconds": 1.0, "doubt": ""}
+        return of | {"estimate": [off] * len(error or [0]), "minimiser": [0.0], "error": error and list(error)}
+
+    runs = [run(0.0, 9), run(0.05, 5), run(0.2, 1), run(0.05, 99, None), run(0.2, 99, (1.0, 1.0), "weinberg")]
+    [row] = report.outliers([{"runs": runs}]).to_dict("records")
+    assert (row["fits"], row["median pull"], row["worst pull"], row["undoubted"]) == (2, 3, 5, 1)
