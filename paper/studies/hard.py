@@ -34,6 +34,7 @@ METHODS: dict[str, tuple[str, dict[str, Any]]] = {
     "smm": ("smm", {}),
     "rank-moments": ("rank-moments", {}),
     "avo, values": ("avo", {"inputs": "values"}),
+    "avo, refined": ("avo", {"refine": True}),
     "npe": ("npe", {}),
     "nre": ("nre", {}),
     "nle": ("nle", {}),

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from avobench.bench.cells.budget import MeteredSimulator, pose
+from avobench.bench.cells.cell import Cell
+from avobench.bench.cells.trial import execute
 from avobench.methods.avo import Avo, regression
 from avobench.tasks.errors import UsageError
 from avobench.tasks.function import task
@@ -116,3 +118,13 @@ def test_heavy_tails_and_a_wide_prior_leave_it_near_the_best_with_errors_that_ho
         assert estimate.doubt == ""
         pulls.append((estimate.theta - truth) / estimate.error)
     assert np.square(pulls).sum() < 22.5  # of six degrees of freedom, exceeded once in a thousand
+
+
+def test_refined_it_aims_again_while_its_answer_moves_on():
+    """A case of the study of growth that is 1 900 floors off after the three rounds of the rule."""
+    record = execute(Cell("paper.hard_tasks:GAndK", {}, "avo", {"refine": True}, 2, 0, 40_000, 100_000, 0))
+    assert record["squared_error"] / record["floor"] < 30
+    assert record["status"] == "ok"
+    assert record["simulations_used"] <= 40_000
+    after = [point["simulations"] for point in record["trace"] if point["simulations"] > 0.3 * 40_000]
+    assert len(set(after)) > 3
