@@ -38,10 +38,12 @@ MAX_WEIGHT = 5.0
 """Cap on the importance weight of a replayed event, so that no few of them outweigh all others."""
 LOCAL_ROUNDS = (0.15, 0.3, 1.0)
 """Shares of the events of the local phase after each of its rounds: two that aim, and one that measures."""
-AGAIN, UNTIL = 0.1, 0.75
+AGAIN = 0.1
 """Share of the events of the local phase in a further round that aims, which comes before the last round while the
-answer moves on, and share up to which there are such rounds: five at most. Of nine development targets of `slcp` seven
-ended more than 100 floors off without these rounds, and four with them."""
+answer moves on. Of nine development targets of `slcp` seven ended more than 100 floors off without such rounds, and
+four with them."""
+UNTIL = 0.75
+"""Share of the events of the local phase after which there is no such round: five at most."""
 MOVES_ON = 0.7
 """Distance between the last two answers from which there is such a round: in widths of the round, a parameter."""
 LEAST_TAUGHT = 1000
