@@ -38,16 +38,15 @@ MAX_WEIGHT = 5.0
 """Cap on the importance weight of a replayed event, so that no few of them outweigh all others."""
 LOCAL_ROUNDS = (0.15, 0.3, 1.0)
 """Shares of the events of the local phase after each of its rounds: two that aim, and one that measures."""
-AGAIN = 0.1
-"""Share of the events of the local phase in a further round that aims, which comes before the last round while the
-answer moves on. Of nine development targets of `slcp` seven ended more than 100 floors off without such rounds, and
-four with them."""
-UNTIL = 0.75
-"""Share of the events of the local phase after which there is no such round: five at most."""
+AGAIN = (0.4, 0.5, 0.6, 0.7, 0.8)
+"""With `refine`, shares of the events of the local phase after each of the further rounds that aim, which come before
+the last one while the answer moves on. Of nine development targets of `slcp` seven ended more than 100 floors off
+without such rounds, and four with them."""
 MOVES_ON = 0.7
-"""Distance between the last two answers from which there is such a round: in widths of the round, a parameter."""
+"""Distance between the last two answers from which there is such a round: in widths of the round, a parameter. Where
+three rounds are enough it is 0.1 to 0.2, and where they are not 1 to 4."""
 LEAST_TAUGHT = 1000
-"""Events near the answer from which the statistic is learnt from these alone."""
+"""Events near the answer from which the statistic is learnt from these alone: about one batch."""
 EVENTS_PER_COEFFICIENT = 10
 """Least number of events of the adversarial phase for each coefficient of the polish's local quadratic."""
 MOST_MISFIT = 5.0
@@ -176,13 +175,16 @@ class Inference:
 
         With `refine` rounds that aim come before the last one, which measures, for as long as the answer moves on.
         """
-        local = self.num_events - self.num_adversarial
-        for end in self.settings.local_rounds(self.num_adversarial, self.num_events):
-            while self.settings.refine and end == self.num_events and self.moved > MOVES_ON:
-                if len(self.u) >= self.num_adversarial + UNTIL * local:
-                    break
-                yield even(len(self.u) + AGAIN * local)
-            yield end
+        begin, local = self.num_adversarial, self.num_events - self.num_adversarial
+        for end in self.settings.local_rounds(begin, self.num_events):
+            if self.settings.refine and end == self.num_events:
+                for share in AGAIN:
+                    if self.moved <= MOVES_ON:
+                        break
+                    if (more := even(round(begin + share * local))) > len(self.u):
+                        yield more
+            if end > len(self.u):  # of a small share of a small budget there may be no event for a round
+                yield end
 
     def draws(self, n: int) -> NDArray[np.float64]:
         """Draws from the proposal, but for a share that is drawn as at the start: (n, p). See `Avo.wide_share`."""

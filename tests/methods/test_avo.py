@@ -128,3 +128,14 @@ def test_refined_it_aims_again_while_its_answer_moves_on():
     assert record["simulations_used"] <= 40_000
     after = [point["simulations"] for point in record["trace"] if point["simulations"] > 0.3 * 40_000]
     assert len(set(after)) > 3
+
+
+@pytest.mark.parametrize(("refine", "local_share"), [(False, 0.02), (True, 0.02), (True, 0.7)])
+def test_it_comes_to_an_end_where_rounds_have_hardly_an_event(refine, local_share):
+    """An answer that never rests: the events say nothing of the parameter."""
+    still = task(lambda theta, rng: rng.normal(size=len(theta)), prior={"theta": (-1, 1)}, name="still")
+    rng = np.random.default_rng(0)
+    method = Avo(refine=refine, local_share=local_share, iterations=5, statistic_steps=5)
+    simulate = MeteredSimulator(still, 400, rng)
+    method.infer(pose(still, rng.normal(size=(100, 1)), simulate), rng)
+    assert simulate.used <= 400

@@ -1,5 +1,7 @@
 """The study of outliers: what there is to find."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -93,3 +95,16 @@ def test_the_table_of_outliers_counts_wrong_simulators_alone():
     runs = [run(0.0, 9), run(0.05, 5), run(0.2, 1), run(0.05, 99, None), run(0.2, 99, (1.0, 1.0), "weinberg")]
     [row] = report.outliers([{"runs": runs}]).to_dict("records")
     assert (row["fits"], row["median pull"], row["worst pull"], row["undoubted"]) == (2, 3, 5, 1)
+
+
+def test_what_the_pages_say_of_outliers_is_what_the_record_holds():
+    record = study.read(Path("results/studies"))
+    counted = report.outliers([record]).set_index("method")
+    assert counted.loc[["avo-robust", "avo", "smm"], "beyond 4"].tolist() == [2, 18, 20]
+    assert (counted["fits"]["avo"], counted["undoubted"]["avo-robust"]) == (41, 0)
+    wrong = (
+        report.table([record])
+        .query("share > 0")
+        .pivot(index=["task", "share"], columns="method", values="to minimiser")
+    )
+    assert ((wrong["avo"] < wrong["avo-robust"]).sum(), len(wrong)) == (7, 18)
