@@ -39,10 +39,15 @@ class StudyFile:
         wanted: Iterable[tuple[dict[str, Any], Callable[[], dict[str, Any]]]],
         *packages: str,
     ) -> dict[str, Any]:
-        """The record with a row for each key that is `wanted`: what is lacking is made, and written at once."""
+        """The record with a row for each key that is `wanted`: what is lacking is made, and written at once.
+
+        A row takes the place of that of another `version` of the method.
+        """
         for key, make in wanted:
             if not any(key.items() <= row.items() for row in record[rows]):
-                record[rows].append({**key, **make()})
+                made = {**key, **make()}
+                same = {name: value for name, value in key.items() if name != "version"}.items()
+                record[rows] = [row for row in record[rows] if not same <= row.items()] + [made]
                 self.keep(path, record, *packages)
         return record
 

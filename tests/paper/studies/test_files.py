@@ -33,3 +33,13 @@ def test_what_is_lacking_is_made_once_and_written_at_once(tmp_path):
         FILE.read(tmp_path)
     with pytest.raises(StoreError, match="study numbers"):
         FILE.read(tmp_path / "nowhere")
+
+
+def test_a_row_takes_the_place_of_an_earlier_version(tmp_path):
+    def made(version, names):
+        wanted = [({"name": name, "version": version}, dict) for name in names]
+        return FILE.completed(path, FILE.begun(path, "rows"), "rows", wanted)["rows"]
+
+    path = tmp_path / FILE.name
+    made("1", "ab")
+    assert made("2", "b") == [{"name": "a", "version": "1"}, {"name": "b", "version": "2"}]
