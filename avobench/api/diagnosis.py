@@ -28,6 +28,7 @@ from avobench.tasks import Task
 from avobench.tasks.arguments import checked
 from avobench.tasks.errors import BudgetExhausted, UsageError, whole
 from avobench.tasks.function import FunctionTask
+from avobench.tasks.interpolation import apart
 from avobench.tasks.joint import JointTask
 from avobench.tasks.missing import missing_in_both
 from avobench.tasks.region import beside, failures
@@ -428,8 +429,28 @@ def diagnose(
         "notes": remarks + said.notes,
         "num_simulations": calls * (said.num_simulations - checks.bank.meter.failed) + beside(task) - before,
     }
-    diagnosis = said.model_copy(update=told)
+    diagnosis = with_shift(said.model_copy(update=told), task)
     return _diagnosed(replace(result, diagnosis=diagnosis), spec, theirs, possible)
+
+
+def with_shift(said: "Diagnosis", task: Task) -> "Diagnosis":
+    """A diagnosis whose errors of theta cover what a bank of few thetas may shift it by; doubted where that is more."""
+    told: dict[str, Any] = {}
+
+    def wider(of: Any, by: float) -> Any:
+        return of.model_copy(update={"std": None if of.std is None else float(np.hypot(of.std, by))})
+
+    for when in ("after", "before"):
+        if values := getattr(said, f"theta_{when}"):
+            theta, std = np.array([(each.value, each.std) for each in values.values()], float).T
+            moved, told["doubt"] = apart(task, theta, std / 2)  # a mixture is also wider, which tests see
+            by = dict(zip(values, moved, strict=True))
+            told[f"theta_{when}"] = {name: wider(each, by[name]) for name, each in values.items()}
+            told[f"identified_{when}"] = [
+                wider(each, sum(c * by[name] for name, c in each.coefficients.items()))
+                for each in getattr(said, f"identified_{when}")
+            ]
+    return said.model_copy(update=told)
 
 
 def require_condition(name: str, task: Task, measured: Task, chosen: Mapping[str, float]) -> None:

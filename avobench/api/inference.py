@@ -35,7 +35,7 @@ from avobench.tasks import Task
 from avobench.tasks.arguments import checked
 from avobench.tasks.contract import twin
 from avobench.tasks.errors import BudgetExhausted, InvalidEstimate, UsageError, whole
-from avobench.tasks.interpolation import shift
+from avobench.tasks.interpolation import apart
 from avobench.tasks.meter import Meter
 from avobench.tasks.missing import Recorded
 from avobench.tasks.pieces import spread
@@ -558,16 +558,9 @@ def doubted(estimate: Estimate, doubt: str) -> Estimate:
 
 def with_shift(estimate: Estimate, task: Task) -> Estimate:
     """The estimate with what a bank of few thetas may shift it by, in its errors, and as a doubt where that is more."""
-    if not isinstance(task, SampleTask):
-        return estimate
-    moved, std = shift(task, estimate.theta), estimate.std if estimate.error is None else estimate.error
-    if moved is None:
-        doubt = f"the {len(task.nodes)} thetas of the bank are too few to tell what lies between them: simulate at more"
-        return doubted(estimate, doubt)
-    if (far := np.abs(moved) > std).any():
-        told = ", ".join(f"{task.parameter_names[k]} by {abs(moved[k]):.2g}" for k in np.flatnonzero(far))
-        doubt = f"the thetas of the bank are so far apart that this may shift {told}: simulate at thetas nearer to it"
-        estimate = doubted(estimate, doubt)
+    std = estimate.std if estimate.error is None else estimate.error
+    moved, doubt = apart(task, estimate.theta, std)
+    estimate = doubted(estimate, doubt)
     if estimate.error is None:
         return estimate
     covariance = None if estimate.covariance is None else estimate.covariance + np.outer(moved, moved)

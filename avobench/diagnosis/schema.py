@@ -227,6 +227,8 @@ class Diagnosis(Strict):
     """What contradicts that events are exchangeable, the surest first; None where it was not asked."""
     tables: list[TableGap] = []
     """The tables, where they were measured in place of events, and each of several data sets."""
+    doubt: str = ""
+    """Why theta and what disagrees may be wrong: the thetas of a bank are too few, or too far apart."""
     notes: list[str]
     """Sentences for a person: fits that ended at a bound, what so few events cannot show, a wide AVO proposal."""
     num_events: int | None

@@ -70,3 +70,16 @@ def test_two_thetas_do_not_tell_what_lies_between():
     bank = avobench.bank(np.random.default_rng(1).normal(theta), theta={"mean": theta})
     fit = avobench.infer(bank, np.random.default_rng(2).normal(1.4, 1, 1000), progress=False)
     assert "2 thetas of the bank are too few" in fit.estimate.doubt
+
+
+def test_a_diagnosis_between_thetas_far_apart_is_doubted_with_errors_that_hold():
+    rng = np.random.default_rng(0)
+    rate = np.repeat(np.linspace(0.5, 4, 6), 6000)
+    bank = avobench.bank(np.sqrt(rng.exponential(1 / rate)), theta={"rate": rate})
+    found = avobench.diagnose(bank, np.sqrt(rng.exponential(1 / 1.55, 2000)), progress=False)
+    before = found.diagnosis.theta_before["rate"]
+    assert "rate by" in found.diagnosis.doubt
+    assert before.std > 0.05
+    assert abs(before.value - 1.55) < 2 * before.std
+    [combination] = found.diagnosis.identified_before
+    assert combination.std == pytest.approx(before.std / (4 - 0.5), rel=0.02)

@@ -46,7 +46,7 @@ ASSUMED = "Errors on effect parameters assume that the fitted shape is true."
 
 def summary(diagnosis: Diagnosis) -> str:
     """The verdict, each effect with its size, the 95 % set, and the gap and theta before and after."""
-    lines = [_verdict(diagnosis), meaning(diagnosis)]
+    lines = [_verdict(diagnosis), meaning(diagnosis), *doubtful(diagnosis)]
     lines += [f"{_role(diagnosis)}: {_effect(effect)}" for effect in diagnosis.effects]
     lines += [f"95 % set of models: {models}\n{MEANT}" for models in [likely_models(diagnosis, FAINT)] if models]
     asked = [each for each in diagnosis.decisions if each.events and not each.condition]
@@ -58,7 +58,14 @@ def summary(diagnosis: Diagnosis) -> str:
 
 def details(diagnosis: Diagnosis) -> str:
     """What `summary` says, with each test, the probabilities, where simulation and measurement disagree, and notes."""
-    lines = [_verdict(diagnosis), meaning(diagnosis), gates(diagnosis), *_chi_squared(diagnosis), _gap(diagnosis)]
+    lines = [
+        _verdict(diagnosis),
+        meaning(diagnosis),
+        *doubtful(diagnosis),
+        gates(diagnosis),
+        *_chi_squared(diagnosis),
+        _gap(diagnosis),
+    ]
     for effect in diagnosis.effects:
         lines.append(f"{_role(diagnosis)}: {_effect(effect)}")
         if effect.tied_with:
@@ -255,6 +262,14 @@ def gap_of(gap: Gap) -> str:
 
 def _verdict(diagnosis: Diagnosis) -> str:
     return f"{diagnosis.verdict} ({measured(diagnosis)})"
+
+
+def doubtful(diagnosis: Diagnosis) -> list[str]:
+    """Why the answer may be wrong, in a line, or no line."""
+    if not diagnosis.doubt:
+        return []
+    what = "" if diagnosis.verdict == Verdict.NOTHING else ". The disagreement may come of this alone"
+    return [f"doubtful: {diagnosis.doubt}{what}"]
 
 
 def measured(diagnosis: Diagnosis) -> str:
