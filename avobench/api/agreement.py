@@ -242,5 +242,5 @@ def left_open(task: Task, theta: NDArray[np.float64], covariance: NDArray[np.flo
         one, other = (
             ", ".join(f"{names[j]} = {end[j]:.3g}" for j in np.flatnonzero(np.abs(axis) > TAKES_PART)) for end in ends
         )
-        said.append(f"the events hardly tell {one} from {other}, or what lies between")
+        said.append(f"the events hardly distinguish {one} from {other}, or from what lies between")
     return said

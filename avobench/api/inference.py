@@ -442,7 +442,8 @@ def infer(
     task = task if isinstance(task, Joint) else registry.task_of(task)
     sample = isinstance(task, SampleTask)
     if sample and not task.prior.dim:
-        raise UsageError("there is no theta to infer: say by `theta` at which each event was made, or use diagnose")
+        what = "say at which each event was made, by `theta` or --theta-columns, or use diagnose"
+        raise UsageError(f"there is no theta to infer: {what}")
     if isinstance(task, Joint) or tables_in(x) is not None or (task.missing and by_moments):
         if not by_moments:
             what = "tables and several data sets"

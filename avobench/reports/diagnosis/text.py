@@ -26,8 +26,8 @@ OUTSIDE = "something outside the catalogue"
 AS_IT_IS = "the simulator as it is"
 OTHERS = "another set of effects"
 MEANT = (
-    f"These probabilities were fitted to {SCORE.calibrated[0]} data sets with a known answer, {SCORE.calibrated[1]} of "
-    "them outside the catalogue."
+    f"How sure such a set is was learnt from {SCORE.calibrated[0]} other data sets whose answer is known, "
+    f"{SCORE.calibrated[1]} of them with an effect outside the catalogue."
 )
 """What the probabilities mean."""
 FAINT = 0.02
@@ -35,8 +35,8 @@ FAINT = 0.02
 CLEARLY = 1.5
 """Factor by which the largest excess must exceed the largest deficit, or be exceeded, to be all that there is."""
 THETA = (
-    "Errors of theta are those of the summary, with room for what the simulator lacks; "
-    "infer takes the simulator as right."
+    "These errors of the parameters allow for what the simulator may lack. "
+    "Those of infer do not: it takes the simulator as right."
 )
 """Why the errors differ from those that a fit quotes for the same parameters."""
 READ = " (read off the events)"
@@ -178,10 +178,10 @@ def _lacking(diagnosis: Diagnosis) -> str:
             return f"What the simulator lacks is most like {names}, but the catalogue does not have its shape."
         return f"What the simulator lacks is most probably {names}."
     if len(tied) == 1:
-        which = f"{tied[0]} effects replace each other in the 95 % set, and the most probable is added."
+        which = f"{tied[0]} of the 95 % set explain them about as well as each other. The most probable one is added."
     else:
-        which = f"each effect that was added is one of {' and '.join(map(str, tied))} that replace each other."
-    return f"These data show that something is missing, but do not surely tell which: {which}"
+        which = f"each that is added is one of {' and '.join(map(str, tied))} that explain them about as well."
+    return f"Something is missing, but these data do not tell for sure which effect: {which}"
 
 
 def _left(diagnosis: Diagnosis) -> str:
@@ -297,8 +297,11 @@ def _chi_squared(diagnosis: Diagnosis) -> list[str]:
 
 
 def _gap(diagnosis: Diagnosis) -> str:
-    line = f"gap on {aside(diagnosis)} (chi2/ndf, 1 if nothing is missing): {gap_of(diagnosis.gap_before)}"
-    return line + (f" -> {gap_of(diagnosis.gap_after)}" if diagnosis.gap_after is not None else "")
+    before, after = diagnosis.gap_before, diagnosis.gap_after
+    line = f"gap on {aside(diagnosis)} (chi2/ndf, 1 if nothing is missing"
+    if after is None:
+        return f"{line}): {gap_of(before)}"
+    return f"{line}; as it is -> with what is added): {gap_of(before)} -> {gap_of(after)}"
 
 
 def _theta(diagnosis: Diagnosis) -> list[str]:

@@ -104,7 +104,7 @@ def test_the_page_opens_without_network_shows_its_figures_and_escapes(browser, t
     assert browser.run("return document.querySelector('#verdict').textContent") == "missing effect named"
     text = browser.run("return document.body.innerText")
     for expected in (
-        "2 effects replace each other",
+        "2 of the 95 % set",
         "one-sided",
         "zero_inflation",
         "cannot tell it from dead_time",
