@@ -9,12 +9,12 @@ import click
 from avobench.bench.plugins import registry
 from avobench.bench.processes.workers import Workers
 from avobench.cli.isolated import Isolated
-from avobench.cli.options import MEMORY_LIMIT, TIME_LIMIT, TRUST
+from avobench.cli.options import MEMORY_LIMIT, PATH, TIME_LIMIT, TRUST
 from avobench.cli.state import State
 from avobench.cli.terminal import say
 from avobench.tasks.errors import UsageError
 
-FOLDER = click.argument("folder", type=click.Path(path_type=Path))
+FOLDER = click.argument("folder", type=PATH)
 
 
 @click.group()
@@ -26,7 +26,7 @@ def challenge() -> None:
 @click.option("--task", required=True, metavar="NAME", help="Task by name, or module:Class.")
 @click.option("--cases", type=int, required=True, help="Number of data sets.")
 @click.option("--seed", type=int, default=0, help="Seed of all random numbers.")
-@click.option("--out", type=click.Path(path_type=Path), required=True, help="New folder for data and answers.")
+@click.option("--out", type=PATH, required=True, help="New folder for data and answers.")
 @click.option("--events", "num_events", type=int, default=50_000, help="Events of each data set.")
 @click.option("--kinds", metavar="A,B", help="Kinds to hide, of none, own, foreign, two, withheld.  [all]")
 @click.option("--shapes", metavar="MODULE:NAME", help="Shapes for the kind foreign, such as shapes:SEEN in a clone.")
@@ -73,9 +73,9 @@ def solve(
 
 
 @challenge.command(cls=Isolated)
-@click.argument("places", metavar="FOLDER...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.argument("places", metavar="FOLDER...", nargs=-1, required=True, type=PATH)
 @click.option("--format", "kind", type=click.Choice(["text", "json"]), default="text")
-@click.option("--records", type=click.Path(path_type=Path), help="File for the answers and diagnoses.")
+@click.option("--records", type=PATH, help="File for the answers and diagnoses.")
 @click.option("--targets", is_flag=True, help="Print the project's targets beside the results.")
 @TRUST
 def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bool, trust: bool) -> None:

@@ -10,43 +10,30 @@ from avobench.api.progress import shown
 from avobench.bench.store.files import require_folder
 from avobench.cli.isolated import Isolated
 from avobench.cli.measured import Asked, of_measurement
-from avobench.cli.options import DROP_INVALID, SECONDS, SEED, listed
+from avobench.cli.options import DROP_INVALID, PATH, SECONDS, SEED, names
 from avobench.cli.terminal import say
 
 
 @click.command(cls=Isolated)
 @of_measurement
-@click.option("--out", required=True, type=click.Path(path_type=Path), metavar="DIR", help="Folder of the results.")
+@click.option("--out", required=True, type=PATH, metavar="DIR", help="Folder of the results.")
 @DROP_INVALID
 @SECONDS
 @SEED
-@click.option("--alpha", type=float, default=0.05, show_default=True, help="Upper bound on the rate of false alarms.")
-@click.option(
-    "--max-effects", type=click.IntRange(0), default=3, show_default=True, help="Largest number of effects to add."
-)
-@click.option(
-    "--simulations", type=click.IntRange(1), default=None, help="Limit on simulated events.  [as many as needed]"
-)
+@click.option("--alpha", type=float, default=0.05, help="Upper bound on the rate of false alarms.")
+@click.option("--max-effects", type=click.IntRange(0), default=3, help="Largest number of effects to add.")
+@click.option("--simulations", type=click.IntRange(1), help="Limit on simulated events.  [as many as needed]")
 @click.option(
     "--ordered", is_flag=True, help="Also test the order of the rows: drift, change points, seasons, clustering."
 )
-@click.option(
-    "--time", default=None, metavar="COLUMN", help="Also test the order along this column, which is then not a feature."
-)
+@click.option("--time", metavar="COLUMN", help="Also test the order along this column, which is then not a feature.")
 @click.option(
     "--fit",
     default="surrogate",
-    show_default=True,
     metavar="NAME",
     help="Method that fits theta first. The diagnosis's own fit is named surrogate.",
 )
-@click.option(
-    "--effects",
-    multiple=True,
-    metavar="A,B,...",
-    callback=listed,
-    help="Effects of the catalogue to try.  [all that apply]",
-)
+@names("--effects", "Effects of the catalogue to try.  [all that apply]")
 @click.option(
     "--effect",
     "own",
@@ -54,8 +41,8 @@ from avobench.cli.terminal import say
     metavar="EFFECT",
     help="Your own effect to try as well, module:Class or file.py:Class. Repeatable.",
 )
-@click.option("--bank", type=click.Path(path_type=Path), default=None, help="Folder that keeps simulated events.")
-@click.option("--jobs", "-j", type=click.IntRange(1), default=1, show_default=True, help="Worker processes.")
+@click.option("--bank", type=PATH, help="Folder that keeps simulated events.")
+@click.option("--jobs", "-j", type=click.IntRange(1), default=1, help="Worker processes.")
 def diagnose(out: Path, time: str | None, **options: Any) -> None:
     """Test whether a simulator describes measured events, and find the effect that it lacks.
 

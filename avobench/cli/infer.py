@@ -12,34 +12,22 @@ from avobench.bench.store.files import require_folder
 from avobench.bench.sweep.plan import parse_settings
 from avobench.cli.isolated import Isolated
 from avobench.cli.measured import Asked, of_measurement
-from avobench.cli.options import DROP_INVALID, SECONDS, SEED, SETTINGS
+from avobench.cli.options import DROP_INVALID, PATH, SECONDS, SEED, SETTINGS
 from avobench.cli.terminal import say
 
 
 @click.command(cls=Isolated)
 @of_measurement
-@click.option(
-    "--method", default=None, metavar="NAME", help="Method, or file.py:Class.  [avo, or rank-moments without PyTorch]"
-)
-@click.option("--budget", type=int, default=160_000, show_default=True, help="Simulated events, at most.")
+@click.option("--method", metavar="NAME", help="Method, or file.py:Class.  [avo, or rank-moments without PyTorch]")
+@click.option("--budget", type=int, default=160_000, help="Simulated events, at most.")
 @SEED
 @SETTINGS
 @DROP_INVALID
 @click.option("--jobs", "-j", type=click.IntRange(1), help="Processes that simulate events.  [that of the method]")
 @SECONDS
-@click.option("--bank", type=click.Path(path_type=Path), default=None, help="Folder that keeps simulated events.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="JSON file to write the result to.")
-def infer(
-    method: str | None,
-    budget: int,
-    seed: int,
-    settings: tuple[str, ...],
-    drop_invalid: bool,
-    bank: Path | None,
-    jobs: int | None,
-    out: Path | None,
-    **options: Any,
-) -> None:
+@click.option("--bank", type=PATH, help="Folder that keeps simulated events.")
+@click.option("--out", type=PATH, metavar="FILE", help="JSON file to write the result to.")
+def infer(method: str | None, settings: tuple[str, ...], out: Path | None, **options: Any) -> None:
     """Infer the parameters of a simulator from measured events."""
     if out is not None:
         require_folder(out.parent, make=False)
@@ -49,18 +37,7 @@ def infer(
     chosen = parse_settings(list(settings), {"task": [spec] if spec else [], "method": methods})
     task, x, _ = asked.read(chosen.get(spec))
     with shown(None, plain=True) as progress:
-        found = infer_events(
-            task,
-            x,
-            method,
-            budget=budget,
-            seed=seed,
-            settings=chosen.get(method),
-            drop_invalid=drop_invalid,
-            progress=progress,
-            bank=bank,
-            jobs=jobs,
-        )
+        found = infer_events(task, x, method, settings=chosen.get(method), progress=progress, **options)
     if out is not None:
         found.save(out)
     say(found)

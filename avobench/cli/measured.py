@@ -13,7 +13,7 @@ import click
 from avobench.api.joint import Joint, joint
 from avobench.bench.events import read_events, read_timed
 from avobench.bench.plugins import registry
-from avobench.cli.options import COLUMNS, JOINT, TRUST, listed
+from avobench.cli.options import COLUMNS, JOINT, TRUST, names
 from avobench.cli.terminal import say
 from avobench.tables.read import read_table
 from avobench.tables.table import Table
@@ -29,18 +29,12 @@ KEYS = {
 }
 """What a file says of each data set."""
 OPTIONS = (
-    click.option("--task", "spec", default=None, metavar="NAME", help="Task, file.py:Class, or a model.json."),
-    click.option("--simulated", default=None, metavar="FILE", help="Simulated events, in place of a task."),
-    click.option(
-        "--theta-columns",
-        multiple=True,
-        metavar="A,B,...",
-        callback=listed,
-        help="Columns of --simulated that are parameters.",
-    ),
-    click.option("--weights", default=None, metavar="COLUMN", help="Column of --simulated with weights."),
-    click.option("--data", default=None, metavar="FILE", help="File of measured events. For ROOT, file.root:tree."),
-    click.option("--data-weights", default=None, metavar="COLUMN", help="Column of --data with weights."),
+    click.option("--task", "spec", metavar="NAME", help="Task, file.py:Class, or a model.json."),
+    click.option("--simulated", metavar="FILE", help="Simulated events, in place of a task."),
+    names("--theta-columns", "Columns of --simulated that are parameters."),
+    click.option("--weights", metavar="COLUMN", help="Column of --simulated with weights."),
+    click.option("--data", metavar="FILE", help="File of measured events. For ROOT, file.root:tree."),
+    click.option("--data-weights", metavar="COLUMN", help="Column of --data with weights."),
     click.option(
         "--table",
         "tables",

@@ -1,6 +1,8 @@
 """Options that several commands share."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -16,19 +18,22 @@ def listed(context: click.Context, option: click.Parameter, given: tuple[str, ..
     return names or None
 
 
-RESULTS = click.option("--results", type=click.Path(path_type=Path), default=DEFAULT, help="Folder of the records.")
+def names(option: str, told: str) -> Callable[..., Any]:
+    """An option that takes names in one or several lists `A,B,...`."""
+    return click.option(option, multiple=True, metavar="A,B,...", callback=listed, help=told)
+
+
+PATH = click.Path(path_type=Path)
+RESULTS = click.option("--results", type=PATH, default=DEFAULT, help="Folder of the records.")
 SEED = click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, help="Seed of all random numbers.")
 TRUST = click.option("--trust", is_flag=True, help="Allow a model.json to run code that it names.")
 JOINT = click.option(
     "--joint",
     "sets",
-    default=None,
     metavar="FILE.toml",
     help="Several data sets with one theta, a section each, in place of a task and data.",
 )
-COLUMNS = click.option(
-    "--columns", multiple=True, metavar="A,B,...", callback=listed, help="Columns or branches to read, in this order."
-)
+COLUMNS = names("--columns", "Columns or branches to read, in this order.")
 SETTINGS = click.option(
     "--set",
     "settings",

@@ -11,7 +11,7 @@ from avobench.bench.store.pack import pack as pack_store
 from avobench.bench.store.status import Status, reason
 from avobench.bench.store.store import Store
 from avobench.cli import listing
-from avobench.cli.options import RESULTS
+from avobench.cli.options import PATH, RESULTS
 from avobench.cli.terminal import say
 from avobench.tasks.errors import UsageError
 
@@ -30,7 +30,7 @@ def status(results: Path) -> None:
 
 @click.command()
 @click.option("--format", "kind", type=click.Choice(["csv", "parquet"]), required=True, help="Format of the file.")
-@click.option("--out", type=click.Path(path_type=Path), required=True, help="File to write.")
+@click.option("--out", type=PATH, required=True, help="File to write.")
 @RESULTS
 def export(kind: str, out: Path, results: Path) -> None:
     """Write all records as one table, one row per cell."""

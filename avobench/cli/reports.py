@@ -6,11 +6,11 @@ import click
 
 from avobench.bench.store.files import require_folder, write_file
 from avobench.bench.store.store import Store
-from avobench.cli.options import RESULTS
+from avobench.cli.options import PATH, RESULTS
 from avobench.cli.terminal import say
 from avobench.reports.figures import FIGURES, TRACED, draw
 
-OUT = click.option("--out", type=click.Path(path_type=Path), default=Path("reports"), help="Folder to write to.")
+OUT = click.option("--out", type=PATH, default=Path("reports"), help="Folder to write to.")
 
 
 @click.command("figure")

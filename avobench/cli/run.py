@@ -18,7 +18,7 @@ from avobench.bench.store.status import Status
 from avobench.bench.sweep.runner import Sweep
 from avobench.cli import listing
 from avobench.cli.isolated import State
-from avobench.cli.options import MEMORY_LIMIT, RESULTS, SETTINGS, TIME_LIMIT, TRUST
+from avobench.cli.options import MEMORY_LIMIT, PATH, RESULTS, SETTINGS, TIME_LIMIT, TRUST
 from avobench.cli.progress import ProgressView
 from avobench.cli.terminal import say
 from avobench.reports.figures import draw
@@ -57,10 +57,7 @@ from avobench.reports.figures import draw
 @TRUST
 @click.option("--retry-failed", is_flag=True, help="Run cells again whose status is not ok.")
 @click.option(
-    "--figure",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Folder for box plots, which are drawn again after each target.",
+    "--figure", type=PATH, metavar="DIR", help="Folder for box plots, which are drawn again after each target."
 )
 @click.pass_obj
 def run(
