@@ -18,11 +18,12 @@ from numpy.typing import ArrayLike, NDArray
 from avobench.api.described import Described, array, description, plain
 from avobench.api.joint import Joint, require_measured, tables_in
 from avobench.api.progress import Progress, limited, shown
-from avobench.bench.events.checks import NUM_REFERENCE, Simulate, require_order, valid, with_times
+from avobench.bench.events.checks import NUM_REFERENCE, require_order, valid, with_times
 from avobench.bench.plugins import registry
 from avobench.bench.plugins.source import CODE, as_module
 from avobench.bench.store.files import require_folder, write_atomically
 from avobench.effects import Effect
+from avobench.effects.contract import Simulate
 from avobench.tables.table import Table, Tables
 from avobench.tasks import Task
 from avobench.tasks.arguments import checked

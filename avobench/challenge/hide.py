@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from avobench.challenge.shape import Injection, Place, Shape, Simulate
+from avobench.challenge.shape import Injection, Place, Shape
 from avobench.challenge.visibility import Visibility, visibility
 from avobench.effects.catalogue import catalogue
-from avobench.effects.contract import Effect
+from avobench.effects.contract import Effect, Simulate
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 

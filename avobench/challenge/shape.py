@@ -9,10 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from avobench.effects.contract import Simulate
 from avobench.tasks import Task
-
-Simulate = Callable[[NDArray[np.float64], np.random.Generator], NDArray]
-"""A simulator: theta (n, p), rng -> events (n, d)."""
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, ncx2
 
-from avobench.challenge.shape import Simulate
+from avobench.effects.contract import Simulate
 from avobench.tasks import Task
 
 ALPHA = 0.05

@@ -6,13 +6,14 @@ from typing import Any
 
 from numpy.typing import ArrayLike, NDArray
 
-from avobench.bench.events.checks import FEW_REFERENCE, LEAST_REFERENCE, SHARE, Simulate, check_events, reference
+from avobench.bench.events.checks import FEW_REFERENCE, LEAST_REFERENCE, SHARE, check_events, reference
 from avobench.bench.store.kept_bank import KeptBank
 from avobench.diagnosis.summary.joint import JointPart
 from avobench.diagnosis.summary.published import TablePart, tables_of
 from avobench.effects import Effect
 from avobench.effects.bank import Bank, Given
 from avobench.effects.catalogue import catalogue
+from avobench.effects.contract import Simulate
 from avobench.effects.pool import Counted
 from avobench.tables.table import Tables
 from avobench.tasks import Task

@@ -10,6 +10,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from avobench.bench.events.files import seconds
+from avobench.effects.contract import Simulate
 from avobench.tasks import Task
 from avobench.tasks.checked import checked_events
 from avobench.tasks.copies import copies
@@ -45,10 +46,6 @@ BY_CHANCE = 0.01
 TRUTH = "truth values are taken as 0 and 1"
 MANY_REPEATS = 0.01
 """A larger share of repeated events is worth a warning."""
-
-
-Simulate = Callable[[NDArray[np.float64], np.random.Generator], NDArray]
-"""A simulator whose events may be counted: theta (n, p), rng -> (n, d)."""
 
 
 def check_events(
