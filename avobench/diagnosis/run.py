@@ -26,7 +26,7 @@ from avobench.diagnosis.schema import Verdict
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.search import Search, refined
 from avobench.diagnosis.settings import BUDGET, FIT, SCORE, TEST
-from avobench.diagnosis.summary.part import Measured, Part
+from avobench.diagnosis.summary.part import Measured, Part, split
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.effects.bank import Bank
@@ -77,7 +77,6 @@ def diagnose(
     effects = catalogue(task) if effects is None else effects
     order, notes, num_events = None, [], None
     if isinstance(x, Part):
-        fitted, aside = x.split(TEST.held_out_share, rng)
         notes.append(OF_TABLES)
     else:
         if len(x) < BUDGET.least_events:
@@ -86,9 +85,7 @@ def diagnose(
         num_events = len(x)
         if ordered or time is not None:
             order = exchangeability(task, filled(x), position, "index" if time is None else "time", alpha, seed)
-        shuffled = rng.permutation(len(x))
-        cut = len(x) - int(TEST.held_out_share * len(x))
-        fitted, aside = x[shuffled[:cut]], x[shuffled[cut:]]
+    fitted, aside = split(x, TEST.held_out_share, rng)
     bank = bank or bank_of(task, Meter(num_simulations), seed, jobs)
     effort = effort_for(task, domain(task), bank.meter.limit, len(fitted), bank.meter.used)
     phases = Phases(progress, first_fit_events(effort, task, len(fitted)) // 2)

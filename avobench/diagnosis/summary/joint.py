@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from avobench.diagnosis.summary.bins import Shown, Summary, View
-from avobench.diagnosis.summary.part import Measured, Part, target_for
+from avobench.diagnosis.summary.part import Measured, Part, split, target_for
 from avobench.diagnosis.summary.table import TableSummary
 from avobench.diagnosis.summary.target import Target
 from avobench.tasks import Task
@@ -106,7 +106,7 @@ class JointPart(Part):
         return self.first.num_events
 
     def split(self, aside: float, rng: np.random.Generator) -> "tuple[JointPart, JointPart]":
-        fitted, held_out = zip(*(_split(one, aside, rng) for one in self.sets), strict=True)
+        fitted, held_out = zip(*(split(one, aside, rng) for one in self.sets), strict=True)
         return replace(self, sets=fitted), replace(self, sets=held_out)
 
     @cached_property
@@ -152,13 +152,6 @@ def _shares(mean: NDArray[np.float64], num_events: int) -> Shown:
     """Shares of events in bins, with their errors, of one event at least."""
     errors = np.sqrt(np.maximum(mean * (1 - mean), 1 / num_events) / num_events)
     return Shown(mean, errors, np.ones(len(mean)))
-
-
-def _split(one: Measured, aside: float, rng: np.random.Generator) -> tuple[Measured, Measured]:
-    if isinstance(one, Part):
-        return one.split(aside, rng)
-    shuffled, cut = rng.permutation(len(one)), len(one) - int(aside * len(one))
-    return one[shuffled[:cut]], one[shuffled[cut:]]
 
 
 def _of(task: Task, x: NDArray, columns: slice) -> NDArray:

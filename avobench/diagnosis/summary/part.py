@@ -45,6 +45,14 @@ Measured = NDArray | Part
 """Measured events (n, d), or what stands for them."""
 
 
+def split(x: Measured, aside: float, rng: np.random.Generator) -> tuple[Measured, Measured]:
+    """What is fitted, and the share `aside` that no fit sees."""
+    if isinstance(x, Part):
+        return x.split(aside, rng)
+    shuffled, cut = rng.permutation(len(x)), len(x) - int(aside * len(x))
+    return x[shuffled[:cut]], x[shuffled[cut:]]
+
+
 def target_for(task: Task, x: Measured, simulated: NDArray) -> Target:
     """The target of what was measured, with bins that suit simulated events (n, d) too."""
     return x.target(simulated) if isinstance(x, Part) else target_of(x, summary_of(task, x, simulated), simulated)
