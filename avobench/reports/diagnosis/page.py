@@ -6,28 +6,15 @@ from avobench.diagnosis import Result
 from avobench.diagnosis.schema import Diagnosis, EffectValue, Value
 from avobench.diagnosis.settings import TEST
 from avobench.reports import html
+from avobench.reports.diagnosis import text as words
 from avobench.reports.diagnosis.order import sentences
-from avobench.reports.diagnosis.text import (
-    ASSUMED,
-    MEANT,
-    SIDES,
-    aside,
-    decisions,
-    doubtful,
-    label,
-    likely_models,
-    meaning,
-    measured,
-    probabilities,
-    unit_of,
-)
 from avobench.reports.numbers import number, p_equals, with_error
 from avobench.tasks import Task
 
 PARAMETERS = "θ as fitted without effects, and with the effects that were added."
 SIZE = (
-    f" {ASSUMED} Where nature's effect has another shape than the catalogue's, such as longer tails, the fitted size "
-    "stands in for that shape as well, and may lie many errors from the size of nature's."
+    f" {words.ASSUMED} Where nature's effect has another shape than the catalogue's, such as longer tails, the fitted "
+    "size stands in for that shape as well, and may lie many errors from the size of nature's."
 )
 
 
@@ -39,19 +26,14 @@ def render(task: Task, result: Result, figures: list[html.Picture | html.Missing
         title=title,
         task=task,
         diagnosis=diagnosis,
-        meaning=meaning(diagnosis),
-        measured=measured,
-        doubtful=doubtful,
-        aside=aside,
-        probabilities=probabilities(diagnosis),
-        models=likely_models(diagnosis),
-        decisions=decisions(diagnosis),
-        meant=MEANT,
+        words=words,
+        probabilities=words.probabilities(diagnosis),
+        models=words.likely_models(diagnosis),
+        decisions=words.decisions(diagnosis),
         figures=figures,
         tables=list(_tables(task, diagnosis)),
         order=sentences(diagnosis),
         sentences={(effect.name, effect.shape): effect.sentence for effect in added},
-        label=label,
         number=number,
         p_equals=p_equals,
     )
@@ -78,7 +60,7 @@ def _parameters(task: Task, diagnosis: Diagnosis) -> html.Table:
         rows.append((title, _value(before), _value(after.get(name)), unit))
     for effect in diagnosis.effects:
         for name, parameter in effect.parameters.items():
-            title, unit = html.texts([f"{label(effect)}: {name}", _unit(unit_of(parameter, effect))])
+            title, unit = html.texts([f"{words.label(effect)}: {name}", _unit(words.unit_of(parameter, effect))])
             null = html.Cell(number(parameter.null), html.key(parameter.null), True)
             rows.append((title, null, _value(parameter), unit))
     text = PARAMETERS + SIZE * bool(diagnosis.effects)
@@ -110,7 +92,7 @@ def _tests(diagnosis: Diagnosis) -> html.Table:
         "statistic": html.figures([gate.statistic for gate in gates]),
         "degrees of freedom": html.figures([gate.dof for gate in gates]),
         "p": html.p_values([gate.p_value for gate in gates]),
-        "sides": html.texts([SIDES[gate.sides] for gate in gates]),
+        "sides": html.texts([words.SIDES[gate.sides] for gate in gates]),
         "share": html.figures([gate.share for gate in gates]),
         "corrected p": html.p_values([gate.corrected for gate in gates]),
     }
@@ -164,7 +146,7 @@ def _each(values: list[float | None]) -> list[str]:
 def _candidates(diagnosis: Diagnosis) -> html.Table:
     candidates = sorted(diagnosis.candidates, key=lambda candidate: candidate.score)
     columns = {
-        "effect": html.texts([label(candidate) for candidate in candidates]),
+        "effect": html.texts([words.label(candidate) for candidate in candidates]),
         "score": html.figures([candidate.score for candidate in candidates]),
         "p": html.p_values([candidate.p_value for candidate in candidates]),
         "held-out χ²/ndf": html.figures([candidate.held_out_gap for candidate in candidates]),
@@ -176,14 +158,14 @@ def _candidates(diagnosis: Diagnosis) -> html.Table:
 def _identifiability(diagnosis: Diagnosis) -> html.Table:
     card = diagnosis.identifiability
     columns = {
-        "effect": html.texts([label(row) for row in card]),
+        "effect": html.texts([words.label(row) for row in card]),
         "signal left once θ is fitted": html.figures([row.retained for row in card]),
         "smallest strength seen": html.figures([row.minimum_detectable for row in card]),
         "change of θ if it is there unseen": html.texts(
             [", ".join(f"{name} {number(bias)}" for name, bias in row.theta_bias.items()) for row in card]
         ),
         "at the strength": html.figures([row.theta_bias_at for row in card]),
-        "cannot be told from": html.texts([", ".join(map(label, row.rivals)) for row in card]),
+        "cannot be told from": html.texts([", ".join(map(words.label, row.rivals)) for row in card]),
     }
     text = (
         "The smallest strength of each effect that these data would have shown. Where there is none, no strength up to "
