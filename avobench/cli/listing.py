@@ -1,6 +1,5 @@
 """Tables that the command line prints."""
 
-import dataclasses
 import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -145,7 +144,5 @@ def status_table(records: list[dict[str, Any]]) -> str:
 
 
 def _settings(instance: object) -> list[str]:
-    if not dataclasses.is_dataclass(instance):
-        return []
-    settings = [f"{f.name}={getattr(instance, f.name)}" for f in dataclasses.fields(instance) if f.init]
+    settings = [f"{f.name}={getattr(instance, f.name)}" for f in registry.fields_of(instance)]
     return _wrapped(f"    settings: {', '.join(settings)}", 6) if settings else []

@@ -114,7 +114,7 @@ def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
         if settings:
             raise UsageError(f"{kind} '{spec}' is ready-made; its settings are in {spec.rpartition(':')[0]}")
         return found
-    known = [field.name for field in _fields(found)]
+    known = [field.name for field in fields_of(found)]
     for name in settings:
         if name not in known:
             hint = did_you_mean(name, known) or f"it has: {', '.join(known) or 'none'}"
@@ -240,12 +240,13 @@ def settings_of(instance: Any) -> dict[str, Any]:
     """The settings of a task or method by name, as they identify it."""
     return {
         f.name: getattr(instance, f.name)
-        for f in _fields(instance)
+        for f in fields_of(instance)
         if not (f.metadata.get("identifies") == "unless default" and getattr(instance, f.name) == f.default)
     }
 
 
-def _fields(found: Any) -> list[dataclasses.Field]:
+def fields_of(found: Any) -> list[dataclasses.Field]:
+    """The settings that a class of tasks or methods, or one of them, may be given."""
     return [field for field in dataclasses.fields(found) if field.init] if dataclasses.is_dataclass(found) else []
 
 

@@ -1,6 +1,5 @@
 """The plan of a sweep: the cells that a user asks for, in the order in which they are carried out."""
 
-import dataclasses
 import json
 from functools import partial
 from typing import Any
@@ -80,7 +79,7 @@ def plan(
 def on_device(methods: list[str], device: str) -> list[str]:
     """The settings that put those of the methods on a device that can use one. Raises UsageError when none can."""
     classes = [registry.load("method", spec) for spec in methods]
-    able = [c.name for c in classes if dataclasses.is_dataclass(c) and "device" in c.__dataclass_fields__]
+    able = [c.name for c in classes if any(field.name == "device" for field in registry.fields_of(c))]
     if not able:
         raise UsageError(f"--device {device}: none of {', '.join(methods)} can use one")
     return [f"{name}.device={device}" for name in able]
