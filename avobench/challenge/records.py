@@ -10,24 +10,9 @@ from avobench.tasks.errors import UsageError
 RECORDS = {"schema": "avobench-challenge-records", "version": 1}
 """What says that a file holds records, and of which version."""
 KEPT = (
-    "verdict",
-    "alpha",
-    "p_value_before",
-    "p_value_after",
-    "gates",
-    "gap_before",
-    "gap_after",
-    "theta_before",
-    "theta_after",
-    "identified_before",
-    "identified_after",
-    "effects",
-    "probabilities",
-    "outside",
-    "models",
-    "num_simulations",
-    "seed",
-    "versions",
+    *("verdict", "alpha", "p_value_before", "p_value_after", "gates", "gap_before", "gap_after"),
+    *("theta_before", "theta_after", "identified_before", "identified_after"),
+    *("effects", "probabilities", "outside", "models", "num_simulations", "seed", "versions"),
 )
 """Fields of a diagnosis in records. Long fields that are not scored, such as the candidates, are left out."""
 
