@@ -272,11 +272,8 @@ class Diagnosed:
                 "true": model(each.true),
                 "rival": model(each.rival),
                 "condition": each.condition or "more of the same",
-                "events": each.events,
-                "low": each.low,
-                "high": each.high,
                 "where": each.where and where(each.where),
-                "share": each.share,
+                **each.model_dump(include={"events", "low", "high", "share"}),
             }
             for each in found
         ]

@@ -145,17 +145,10 @@ class Inference:
 
     def to_frame(self) -> pd.DataFrame:
         """One row per parameter: value, std, unit, and the ends of its prior."""
-        prior = self.task.prior
-        return pd.DataFrame(
-            {
-                "value": self._quoted[0],
-                "std": self._quoted[1],
-                "unit": self.task.parameter_units,
-                "prior_low": prior.low,
-                "prior_high": prior.high,
-            },
-            index=pd.Index(self.task.parameter_names, name="parameter"),
-        )
+        (value, std), prior = self._quoted, self.task.prior
+        columns = {"value": value, "std": std, "unit": self.task.parameter_units}
+        columns |= {"prior_low": prior.low, "prior_high": prior.high}
+        return pd.DataFrame(columns, index=pd.Index(self.task.parameter_names, name="parameter"))
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the trace, of plain numbers and texts."""

@@ -70,14 +70,9 @@ def rate(hits: Iterable[bool]) -> dict[str, Any]:
     hits = list(hits)
     if not hits:
         return {"count": 0, "of": 0, "share": None, "low": None, "high": None}
-    interval = binomtest(sum(hits), len(hits)).proportion_ci()
-    return {
-        "count": sum(hits),
-        "of": len(hits),
-        "share": sum(hits) / len(hits),
-        "low": float(interval.low),
-        "high": float(interval.high),
-    }
+    count, n = sum(hits), len(hits)
+    interval = binomtest(count, n).proportion_ci()
+    return {"count": count, "of": n, "share": count / n, "low": float(interval.low), "high": float(interval.high)}
 
 
 def _of_set(cases: list[Case], each: str) -> list[Case]:

@@ -53,10 +53,8 @@ class ProgressView(View):
         if self.live:
             table = Table.grid(padding=(0, 1))
             share = (len(sweep.done) + sum(running.values())) / len(sweep.cells)
-            for label, value in {
-                f"{len(sweep.done)} of {len(sweep.cells)} cells{_left(sweep)}": share,
-                **running,
-            }.items():
+            bars = {f"{len(sweep.done)} of {len(sweep.cells)} cells{_left(sweep)}": share, **running}
+            for label, value in bars.items():
                 table.add_row(ProgressBar(total=1, completed=value, width=30), f"{value:4.0%}", label)
             self.live.update(table, refresh=True)
         elif time.monotonic() - self.last >= QUIET_SECONDS:

@@ -63,18 +63,11 @@ def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
     pooled = by_method(records)
     if not pooled:
         raise StoreError("no record has a standard error or a posterior, so there is no coverage to draw")
-    rows = [
-        pd.DataFrame(
-            {
-                "task": task,
-                "method": method,
-                "nominal": CURVE,
-                "empirical": (away[:, None] <= norm.ppf((1 + CURVE) / 2)).mean(axis=0),
-            }
-        )
-        for (task, method), away in pooled.items()
-    ]
-    table = pd.concat(rows)
+    curves = []
+    for (task, method), away in pooled.items():
+        held = (away[:, None] <= norm.ppf((1 + CURVE) / 2)).mean(axis=0)
+        curves.append(pd.DataFrame({"task": task, "method": method, "nominal": CURVE, "empirical": held}))
+    table = pd.concat(curves)
     tasks, methods = ordered(table["task"], TASK_ORDER), ordered(table["method"], METHOD_ORDER)
     return by_task(table, tasks, methods, _panel), table
 

@@ -37,13 +37,8 @@ def render(results: Path) -> str:
     store = Store(results)
     records = store.read_all()
     frame = to_frame(records)
-    failed = int((~frame["status"].isin(ESTIMATED)).sum())
-    facts = {
-        "cells": len(records),
-        "failed": failed,
-        "tasks": frame["task"].nunique(),
-        "methods": frame["method"].nunique(),
-    }
+    facts = {"cells": len(records), "failed": int((~frame["status"].isin(ESTIMATED)).sum())}
+    facts |= {"tasks": frame["task"].nunique(), "methods": frame["method"].nunique()}
     return html.page(
         "page.html.jinja",
         title=f"records in {results}",

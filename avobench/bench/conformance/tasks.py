@@ -11,15 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import ks_2samp, norm, rankdata
 
-from avobench.bench.conformance.promises import (
-    ALPHA,
-    BrokenPromise,
-    Round,
-    expect,
-    is_text,
-    recordable,
-    state_kept,
-)
+from avobench.bench.conformance.promises import ALPHA, BrokenPromise, Round, expect, is_text, recordable, state_kept
 from avobench.effects.ranges import ranges
 from avobench.methods.contract import global_seed
 from avobench.tasks import Box, Discriminator, Task

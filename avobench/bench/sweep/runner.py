@@ -147,19 +147,11 @@ def _logged(sweep: Sweep, store: Store) -> Iterator[None]:
 
     def log() -> None:
         if sweep.fresh:
-            store.log_sweep(
-                {
-                    "started": started,
-                    "command": " ".join(["avobench", *sys.argv[1:]]),
-                    "backend": sweep.backend.name,
-                    "jobs": sweep.backend.workers,
-                    "cells": len(sweep.fresh),
-                    "cell_seconds": sum(seconds(record) for record in sweep.fresh),
-                    "wall_seconds": time.monotonic() - wall,
-                    "cpu_seconds": time.process_time() - cpu,  # of the sweep itself, not of its workers
-                    "versions": versions(),
-                }
-            )
+            entry = {"started": started, "command": " ".join(["avobench", *sys.argv[1:]])}
+            entry |= {"backend": sweep.backend.name, "jobs": sweep.backend.workers, "cells": len(sweep.fresh)}
+            entry |= {"cell_seconds": sum(map(seconds, sweep.fresh)), "wall_seconds": time.monotonic() - wall}
+            entry |= {"cpu_seconds": time.process_time() - cpu, "versions": versions()}  # of the sweep, not its workers
+            store.log_sweep(entry)
 
     try:
         yield
