@@ -74,4 +74,9 @@ def sound_records(draw: st.DrawFn, statuses: Sequence[Status] = tuple(Status)) -
         }
         if draw(st.booleans()):
             record["standard_error"] = draw(vectors(p, spread))
-    return record | {"id": identity_hash({name: record[name] for name in IDENTITY if name in record})}
+    return identified(record)
+
+
+def identified(record):
+    """The record with the id of the fields that it stands for."""
+    return {**record, "id": identity_hash({name: record[name] for name in IDENTITY if name in record})}

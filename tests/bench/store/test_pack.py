@@ -5,13 +5,13 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from sound_records import sound_records
+from sound_records import identified, sound_records
 
 from avobench.bench.processes.local import LocalBackend
 from avobench.bench.store import packed
 from avobench.bench.store.pack import pack
 from avobench.bench.store.packed import ROWS_A_GROUP, Row, read_rows, write_rows
-from avobench.bench.store.record import IDENTITY, file_name, identity_hash
+from avobench.bench.store.record import file_name
 from avobench.bench.store.store import DamagedRecord, Store
 from avobench.bench.sweep.plan import plan
 from avobench.bench.sweep.runner import View, run
@@ -121,7 +121,7 @@ def test_damage_in_one_part_of_the_table_leaves_the_rest(tmp_path):
     store, copies = Store(tmp_path, create=True), []
     record = REFERENCE.read_all()[0]
     for number in range(2 * ROWS_A_GROUP):
-        copies.append(_with_repetition(record, number))
+        copies.append(identified({**record, "repetition": number}))
         store.write(copies[-1])
     pack(store)
     content = bytearray(store.table.read_bytes())
@@ -142,11 +142,6 @@ def test_a_row_whose_name_leads_elsewhere_is_damage_of_the_table(store, name):
     assert list(damaged) == [store.table]
     with pytest.raises(StoreError, match="would not lie in"):
         pack(store)
-
-
-def _with_repetition(record, number):
-    record = {**record, "repetition": number}
-    return {**record, "id": identity_hash({name: record[name] for name in IDENTITY if name in record})}
 
 
 def test_a_table_that_is_not_read_back_as_written_replaces_nothing(store, monkeypatch):

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from sound_records import sound_records
+from sound_records import identified, sound_records
 
-from avobench.bench.store.record import IDENTITY, Record, check, decode_record, encode, file_name, identity_hash
+from avobench.bench.store.record import IDENTITY, Record, check, decode_record, encode, file_name
 from avobench.bench.store.status import ESTIMATED, LOST, Status
 from avobench.bench.store.store import Store
 from avobench.tasks.errors import UsageError
@@ -20,10 +20,6 @@ known_records = sound_records([status for status in Status if status not in LOST
 negative = st.floats(max_value=0, exclude_max=True, allow_infinity=False)
 patient = settings(max_examples=25)
 more = st.integers(1, 2**40)
-
-
-def identified(record):
-    return {**record, "id": identity_hash({name: record[name] for name in IDENTITY if name in record})}
 
 
 def refused(record):

@@ -5,11 +5,12 @@ import json
 from pathlib import Path
 
 import pytest
+from sound_records import identified
 
 from avobench.bench.cells.trial import execute
 from avobench.bench.processes.local import LocalBackend
 from avobench.bench.store.pack import pack
-from avobench.bench.store.record import IDENTITY, file_name, identity_hash
+from avobench.bench.store.record import file_name
 from avobench.bench.store.store import DamagedRecord, Store
 from avobench.bench.sweep.plan import plan
 from avobench.bench.sweep.runner import View, run
@@ -78,8 +79,7 @@ def test_a_record_that_no_reader_could_use_is_damaged_though_its_checksum_is_rig
 ):
     good, bad = records()
     store.write(good)
-    bad |= change
-    bad["id"] = identity_hash({name: bad[name] for name in IDENTITY if name in bad})
+    bad = identified({**bad, **change})
     checksum = hashlib.sha256(json.dumps(bad, sort_keys=True).encode()).hexdigest()
     path = store.records / file_name(bad)
     path.write_text(json.dumps({**bad, "sha256": checksum}))
