@@ -33,8 +33,3 @@ def test_a_sweep_gives_a_row_a_cell_and_the_next_one_makes_nothing_again(tmp_pat
 def test_workers_that_make_no_sense_are_refused(workers, said):
     with pytest.raises(avobench.UsageError, match=said):
         avobench.Workers(**workers)
-
-
-def test_a_folder_without_records_is_named(tmp_path):
-    with pytest.raises(avobench.UsageError, match="no results folder"):
-        avobench.records(tmp_path / "none")

@@ -85,13 +85,11 @@ def test_the_example_that_alters_a_stage_stops_its_share(monkeypatch):
 )
 def test_a_faulty_effect_fails_on_what_it_breaks(monkeypatch, name, what, why):
     monkeypatch.setattr(suite, "TASKS", {"counts": ("poisson",)})
-    monkeypatch.syspath_prepend(str(Path(__file__).parents[1] / "users"))
     faults = {r.what: r.why for r in check.run("effect", f"faulty_effects:{name}") if not r.passed}
     assert why in faults[f"{what} (poisson)"]
 
 
-def test_a_users_effect_on_counts_keeps_the_contract_whatever_other_events_are(monkeypatch):
-    monkeypatch.syspath_prepend(str(Path(__file__).parents[1] / "users"))
+def test_a_users_effect_on_counts_keeps_the_contract_whatever_other_events_are():
     results = list(check.run("effect", "faulty_effects:Sound"))
     assert [f"{r.what}: {r.why}" for r in results if not r.passed] == []
     assert not any("alignment" in result.what for result in results)  # of its hits it makes other numbers

@@ -37,8 +37,7 @@ def test_inputs_have_zero_mean_and_unit_spread(whiten):
 
 
 @given(
-    arrays(float, st.integers(2, 40), elements=st.floats(-1e9, 1e9)),
-    arrays(float, 20, elements=st.floats(-1e12, 1e12)),
+    arrays(float, st.integers(2, 40), elements=st.floats(-1e9, 1e9)), arrays(float, 20, elements=st.floats(-1e12, 1e12))
 )
 def test_a_gaussian_scale_keeps_the_order_of_all_values(observed, x):
     """Also of those beyond what was observed, and of equal ones."""

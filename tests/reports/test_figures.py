@@ -25,8 +25,7 @@ def test_efficiency_reads_the_trace_as_it_was_known_at_the_time(make_record):
 def test_efficiency_ends_at_the_estimate_where_the_trace_ends_before(make_record):
     record = make_record("poisson", "avo", 0, 0.1)
     record["trace"] = record["trace"][:1]  # at half the budget, ten times as far
-    np.testing.assert_allclose(errors_at(record, np.array([15_999, 16_000])), [1, 0.01])
-    assert errors_at(record, np.array([16_000])) == pytest.approx(record["squared_error"])
+    np.testing.assert_allclose(errors_at(record, np.array([15_999, 16_000])), [1, record["squared_error"]])
 
 
 def test_efficiency_shows_medians_from_the_first_estimate_of_all(benchmark, make_record):

@@ -76,11 +76,7 @@ def test_the_table_of_effects_counts_what_is_far_off_without_a_doubt():
             "row": "avo",
             "seconds": 1.0,
             "doubt": doubt,
-        } | {
-            "estimate": [off],
-            "minimiser": [0.0],
-            "error": [1.0],
-        }
+        } | {"estimate": [off], "minimiser": [0.0], "error": [1.0]}
 
     [row] = report.effects([{"runs": [run("a", 5, ""), run("b", 9, "d"), run("c", 1, "")]}]).to_dict("records")
     assert (row["effects"], row["median pull"], row["worst pull"]) == (3, 5, 9)
