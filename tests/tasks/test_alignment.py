@@ -249,16 +249,11 @@ def test_interaction_point_outside_the_sphere_is_refused(theta: float) -> None:
 @pytest.mark.parametrize(
     "changed",
     [
-        {"radius": 1.5},
-        {"radius": -3.2},
-        {"radius": np.nan},
-        {"radius": np.inf},
+        *({"radius": radius} for radius in (1.5, -3.2, np.nan, np.inf)),
         {"response": "miss"},
         {"log1p": True},
         {"particles": "neutral"},
-        {"max_tau0": -1},
-        {"max_tau0": 1e4},
-        {"max_tau0": np.nan},
+        *({"max_tau0": longest} for longest in (-1, 1e4, np.nan)),
     ],
 )
 def test_settings_that_make_no_sense_are_refused(changed: dict) -> None:
