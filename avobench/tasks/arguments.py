@@ -31,6 +31,8 @@ WORDS = {
     Task: "a task, such as avobench.task makes of a function",
 }
 """How the types of arguments are called in messages."""
+ARRAY = frozenset(get_args(ArrayLike))
+"""The types that NumPy makes an array of."""
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -61,13 +63,14 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 def _said(hint: Any) -> str:
     origin, inner = get_origin(hint) or hint, get_args(hint)
     if origin in (Union, UnionType):
-        return " or ".join(dict.fromkeys(map(_said, inner)))
+        arrays = ["an array of one dimension or more"] if set(inner) >= ARRAY else []
+        return " or ".join(dict.fromkeys(arrays + [_said(each) for each in inner if not arrays or each not in ARRAY]))
     if origin in (Sequence, list):
         return f"a list, each {_said(inner[0])}"
     if origin in WORDS:
         return WORDS[origin]
     if inspect.isclass(origin) and not getattr(origin, "_is_protocol", False):
-        return f"of {origin.__name__}"
+        return f"{'an' if origin.__name__[0] in 'AEIOU' else 'a'} {origin.__name__}"
     return "an array"
 
 
