@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import Any
 
 from avobench.bench.cells.cell import Cell
@@ -147,7 +148,9 @@ def _logged(sweep: Sweep, store: Store) -> Iterator[None]:
 
     def log() -> None:
         if sweep.fresh:
-            entry = {"started": started, "command": " ".join(["avobench", *sys.argv[1:]])}
+            module = sys.orig_argv[1:2] == ["-m"]
+            program, *rest = sys.orig_argv if module else sys.argv
+            entry = {"started": started, "command": " ".join([Path(program).name, *rest])}
             entry |= {"backend": sweep.backend.name, "jobs": sweep.backend.workers, "cells": len(sweep.fresh)}
             entry |= {"cell_seconds": sum(map(seconds, sweep.fresh)), "wall_seconds": time.monotonic() - wall}
             entry |= {"cpu_seconds": time.process_time() - cpu, "versions": versions()}  # of the sweep, not its workers
