@@ -440,7 +440,7 @@ class Avo(Method):
     """
 
     name = "avo"
-    version = "5"
+    version = "6"
     packages, extra = ("torch",), "avo"
     by_moments = True
     source = "after G. Louppe, J. Hermans, K. Cranmer, Adversarial Variational Optimization, AISTATS 2019"
@@ -498,9 +498,9 @@ class Avo(Method):
     """Least width of a round of the local phase in standard errors of the answer before it."""
     local_share: float = 0.7
     """Share of the budget that is kept for the local phase; without the polish there is none."""
-    refine: bool = field(default=False, metadata=LATER)
+    refine: bool = field(default=True, metadata=LATER)
     """Aim again while the answer moves on, and once it stays learn the statistic from the events that the polish uses,
-    without those far off. The records of the benchmark were made without it."""
+    without those far off."""
     device: Literal["cpu", "cuda"] = field(default="cpu", metadata=LATER)
     """Where the discriminators are; on another device sums are rounded otherwise, so it is another cell there."""
 
