@@ -98,7 +98,7 @@ ABLATIONS: dict[str, tuple[Settings, tuple[str, ...]]] = {
     "means of last layers matched": ({"matched": "layers"}, ABLATION_TASKS),
     "means of inputs matched": ({"matched": "inputs"}, ABLATION_TASKS),
     "learnt-moments: one iteration": ({"iterations": 1}, ABLATION_TASKS),
-    "no further rounds, all events taught": ({"refine": False}, (*CHEAP, *BEYOND_MEANS)),
+    "three rounds, taught by all events": ({"refine": False}, (*CHEAP, *BEYOND_MEANS)),
     "all events from the proposal": ({"wide_share": 0.0}, (*CHEAP, *BEYOND_MEANS)),
     "each d used on its own events": ({"cross_fit": False}, (*CHEAP, "alignment")),
     "images not summed": ({"symmetric": False}, ("alignment",)),

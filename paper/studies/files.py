@@ -39,11 +39,19 @@ class StudyFile:
         wanted: Iterable[tuple[dict[str, Any], Callable[[], dict[str, Any]]]],
         *packages: str,
     ) -> dict[str, Any]:
-        """The record with a row for each key that is `wanted`: what is lacking is made, and written at once."""
+        """The record with a row for each key that is `wanted`, and no other, as of an earlier version of a method.
+
+        What is lacking is made, and written at once.
+        """
+        wanted = list(wanted)
         for key, make in wanted:
             if not any(key.items() <= row.items() for row in record[rows]):
                 record[rows].append({**key, **make()})
                 self.keep(path, record, *packages)
+        kept = [row for row in record[rows] if any(key.items() <= row.items() for key, _ in wanted)]
+        if len(kept) < len(record[rows]):
+            record[rows] = kept
+            self.keep(path, record, *packages)
         return record
 
     def keep(self, path: Path, record: dict[str, Any], *packages: str) -> None:

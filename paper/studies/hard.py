@@ -34,7 +34,7 @@ METHODS: dict[str, tuple[str, dict[str, Any]]] = {
     "smm": ("smm", {}),
     "rank-moments": ("rank-moments", {}),
     "avo, values": ("avo", {"inputs": "values"}),
-    "avo, refined": ("avo", {"refine": True}),
+    "avo, three rounds": ("avo", {"refine": False}),
     "npe": ("npe", {}),
     "nre": ("nre", {}),
     "nle": ("nle", {}),
