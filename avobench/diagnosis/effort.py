@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from avobench.diagnosis.settings import BUDGET, TEST
+from avobench.diagnosis.settings import BUDGET, SUMMARY, TEST
 from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 from avobench.tasks.joint import JointTask
@@ -59,7 +59,11 @@ class Effort:
     screen: int = 6_000
     """Events of a screening grid; each of its points gets a fiftieth of them at least."""
     covariance: int = 60_000
-    """Events from which the covariance that a model predicts is taken."""
+    """Events from which the covariance that a model predicts is taken, at most."""
+    covariance_of_pairs: int = 0
+    """The same, at least, where pairs of features have bins: of features that depend closely on each other hardly any
+    event differs along some combinations of bins, and a few measured ones there reject a right simulator. Chosen on
+    development cases."""
     metrics: int = 4
     """Tests of a model, at most, each with the covariance of where the one before ended: of one that is rejected, and
     never more of one that is not. Chosen on development cases."""
@@ -99,11 +103,12 @@ class Effort:
     def of(self, num_events: int) -> "Effort":
         """The effort for so few measured events: their own scatter is more than that of fewer simulated ones."""
         points, events = self.scan
+        paired = num_events >= SUMMARY.paired
         return replace(
             self,
             fit=min(self.fit, max(num_events, 2000)),
             sample=min(self.sample, max(3 * num_events, 8000)),
-            covariance=min(self.covariance, max(3 * num_events, 2000)),
+            covariance=min(self.covariance, max(3 * num_events, 2000, self.covariance_of_pairs * paired)),
             scan=(points, min(events, max(num_events // 100, 20))),
         )
 
@@ -145,7 +150,9 @@ IMAGES = Effort(
     begun=6,
 )
 """The effort for images, which are slow to simulate and to summarise."""
-MANY = Effort(rounds_of_search=((0.4, 6), (1.2, 2), (3.2, 1)), screen=4000, starts=15, begun=12)
+MANY = Effort(
+    rounds_of_search=((0.4, 6), (1.2, 2), (3.2, 1)), screen=4000, covariance_of_pairs=20_000, starts=15, begun=12
+)
 """The effort for several features, each of which has its entries in the catalogue."""
 
 

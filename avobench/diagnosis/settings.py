@@ -24,6 +24,8 @@ class SummarySettings:
     events_a_number: int = 5
     """Measured events for each number in the summary of several features, at least: the covariance that a model is
     tested with is of three times as many events, and is then known well enough for Hotelling's test."""
+    paired: int = 2000
+    """Measured events from which pairs of features have bins, 16 each: of fewer events most of them would be empty."""
     numbers_at_once: int = 4_000_000
     """Products of features that are held in memory at once: 32 MB."""
     least_hits: int = 40

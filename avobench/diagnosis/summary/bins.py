@@ -354,7 +354,7 @@ def bins_of(x: NDArray, simulated: NDArray) -> Bins:
     near = sorted(combinations(varies, 2), key=lambda pair: (pair[1] - pair[0], pair))
     room = numbers - sum(len(e) + 1 for e in edges) - 2  # what all have in common
     products = tuple(near[: max(room, 0)])
-    coarse = tuple(inner_edges(x[:, j], simulated[:, j], 4) for j in range(d)) if n >= 2000 else ()
+    coarse = tuple(inner_edges(x[:, j], simulated[:, j], 4) for j in range(d)) if n >= SUMMARY.paired else ()
     pairs = []
     room -= len(products)
     for i, j in near if coarse else ():
