@@ -19,10 +19,8 @@ from paper.study import study
 ROOT = Path(__file__).parents[2]
 
 
-PARTLY = ("alignment", "fresh", "reading", "rivals", "tuning")
+PARTLY = ("fresh", "tuning")
 """Experiments of which not all runs were made."""
-OLDER = {"rivals": ("tsnpe",)}
-"""Methods whose records are of an earlier version, by experiment: docs/methods.md says so."""
 
 
 @pytest.mark.parametrize("name", [name for name in EXPERIMENTS if name != "reference"])
@@ -32,8 +30,7 @@ def test_the_committed_records_are_those_of_the_grid(name):
     assert len(ids) == len(cells)
     assert [(c.repetition, c.target) for c in cells] == sorted((c.repetition, c.target) for c in cells)
     folder = EXPERIMENTS[name].folder
-    records = Store(ROOT / folder).read_all(traces=False)
-    kept = {record["id"] for record in records if record["method"] not in OLDER.get(name, ())}
+    kept = {record["id"] for record in Store(ROOT / folder).read_all(traces=False)}
     sharing = [each for other, each in EXPERIMENTS.items() if each.folder == folder and other != name]
     assert kept <= ids | {cell.id for each in sharing for cell in each.cells()}
     assert ids <= kept or name in PARTLY
