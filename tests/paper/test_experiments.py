@@ -19,7 +19,7 @@ from paper.study import study
 ROOT = Path(__file__).parents[2]
 
 
-PARTLY = ("fresh", "tuning")
+PARTLY = ("fresh",)
 """Experiments of which not all runs were made."""
 
 
