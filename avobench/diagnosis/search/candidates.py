@@ -81,7 +81,7 @@ class Candidates:
         possible = [look for look in glances if look.effect.key in free]
         best_first = sorted(possible, key=lambda look: look.expected(self.sample).q.min())
         with self.meter.keeping(max(self.meter.remaining or 0, 0) // 2):
-            looks = best_first[: SEARCH.looked_at * self.effort.starts]
+            looks = of_all(best_first, SEARCH.looked_at * self.effort.starts)
             for k, look in enumerate(looks):
                 with suppress(BudgetExhausted):
                     looks[k] = closer(self.sample, look, self.rng)
@@ -211,6 +211,16 @@ def varied(some: list[T], cost: Callable[[T], float], model: Callable[[T], Model
         costs.append((cost(one) + SEARCH.alike * places[effects], one))
         places[effects] += 1
     return [one for _, one in sorted(costs, key=lambda each: each[0])]
+
+
+def of_all(looks: list[Look], most: int) -> list[Look]:
+    """So many of the looks, best first: half of them the best look of an effect, and the others the best of the rest.
+
+    Where theta takes up much of an effect, a first look promises little of it: shapes of others must not crowd it out.
+    """
+    best = sorted({look.effect.key: k for k, look in reversed([*enumerate(looks)])}.values())[: most // 2]
+    others = [k for k in range(len(looks)) if k not in best][: most - len(best)]
+    return [looks[k] for k in sorted([*best, *others])]
 
 
 def by_shape(starts: list[Start]) -> list[list[Start]]:
