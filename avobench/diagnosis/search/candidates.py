@@ -127,7 +127,12 @@ class Candidates:
         promising = [start for start in starts if start.expected < self.without.noiseless_q]
         with self.meter.keeping(3 * max(self.meter.remaining or 0, 0) // 4):
             tried = self.work(check, [each for some in by_shape(promising) for each in some[:2]], self.effort.fit // 2)
-        seen = sorted((start for start in tried if start is not None), key=lambda start: start.expected)
+            seen = sorted((start for start in tried if start is not None), key=lambda start: start.expected)
+            best = list({start.model.effects[-1].key: start for start in seen[::-1] if start.slope is not None}.values())
+            nearer = self.work(approach, best, self.effort.fit // 2, self.without)
+        seen = [one for one in seen if not any(one is start for start in best)]
+        seen += [near or start for near, start in zip(nearer, best, strict=True)]
+        seen.sort(key=lambda start: start.expected)
         first, second = ([some[k] for some in by_shape(seen or promising) if len(some) > k] for k in (0, 1))
         first = varied(first, lambda start: start.expected / 2, lambda start: start.model)
         return [*first[: self.effort.starts], *second[: self.effort.starts // 4]]
@@ -176,7 +181,7 @@ class Candidates:
         events, rng = int(self.effort.reference * self.target.num_events), np.random.default_rng(self.seed)
         return self.without.reference(self.target, events, rng)
 
-    def work(self, fitting: Callable[..., T], begun: list, *how: int) -> list[T | None]:
+    def work(self, fitting: Callable[..., T], begun: list, *how: Any) -> list[T | None]:
         """The fits of all, from one seed, by so many processes as were asked for; None where events end."""
         seed = int(self.rng.integers(2**63))
         reference = self.reference()
@@ -214,13 +219,12 @@ def varied(some: list[T], cost: Callable[[T], float], model: Callable[[T], Model
 
 
 def of_all(looks: list[Look], most: int) -> list[Look]:
-    """So many of the looks, best first: half of them the best look of an effect, and the others the best of the rest.
+    """So many of the looks, best first, and beside them the best one of each of the best SEARCH.effects_looked_at effects.
 
     Where theta takes up much of an effect, a first look promises little of it: shapes of others must not crowd it out.
     """
-    best = sorted({look.effect.key: k for k, look in reversed([*enumerate(looks)])}.values())[: most // 2]
-    others = [k for k in range(len(looks)) if k not in best][: most - len(best)]
-    return [looks[k] for k in sorted([*best, *others])]
+    best = list({look.effect.key: k for k, look in reversed([*enumerate(looks)])}.values())
+    return [looks[k] for k in sorted({*range(min(most, len(looks))), *sorted(best)[: SEARCH.effects_looked_at]})]
 
 
 def by_shape(starts: list[Start]) -> list[list[Start]]:
@@ -249,6 +253,27 @@ def check(start: Start, reference: ReferenceModel, target: Target, rng: np.rando
         if q < reference.surrogate.noiseless_q_at_centre(target)[0]:
             break
     return min(tried, key=lambda one: one.expected)
+
+
+def approach(
+    start: Start, reference: ReferenceModel, target: Target, rng: np.random.Generator, num_events: int, without: Fit
+) -> Start:
+    """The best of a start and some steps of Gauss-Newton from it, of theta and the strength together.
+
+    The slopes are those of the model without the effect. Events are simulated at each step, so that it shows where theta
+    follows the effect far.
+    """
+    model, last, point, best = start.model, without.model.dim, start.point.copy(), start
+    free = without.projector() @ start.slope
+    for _ in range(SEARCH.approached):
+        x = model.simulate(np.tile(model.from_cube(point), (num_events, 1)), rng)
+        left = target.whiten(target.mean - target.summary.mean(x)[0])
+        q = float(left @ left) - target.num_events / num_events * target.rank
+        best = replace(start, point=point.copy(), expected=q) if q < best.expected else best
+        stronger = free @ left / (free @ free)
+        step = np.r_[without.follow(left - stronger * start.slope), stronger]
+        point[: last + 1] = np.clip(point[: last + 1] + np.clip(step, -0.1, 0.1), 0, 1)
+    return best
 
 
 def begin(start: Start, reference: ReferenceModel, target: Target, rng: np.random.Generator, num_events: int) -> Fit:

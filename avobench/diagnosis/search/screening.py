@@ -300,6 +300,8 @@ class Start:
     """How the fit's parameters move, in cube coordinates (P,), with that of the strength."""
     half: NDArray[np.float64] | None = None
     """How far off each parameter may be, in cube coordinates (P,), where that is known."""
+    slope: NDArray[np.float64] | None = None
+    """What the strength does to the summary, whitened (r,), per unit of its cube coordinate, where that is known."""
 
 
 def starts_of(sample: Sample, look: Look) -> list[Start]:
@@ -321,9 +323,9 @@ def starts_of(sample: Sample, look: Look) -> list[Start]:
             theta = np.clip(fit.point + np.clip(shift, -0.1, 0.1), 0, 1)
         point = np.concatenate([theta, model.to_cube(np.concatenate([fit.params, phi]))[fit.model.dim :]])
         step = (points[i, 0] - strength.null) / (strength.high - strength.low)
-        along = -fit.follow(look.change[i]) / step
-        off = SEARCH.guessed if look.guessed else SEARCH.rough
-        starts.append(Start(model, point, float(expected.q[i]), off * model.strengths(point)[fit.model.dim], along))
+        slope = look.change[i] / step
+        off = (SEARCH.guessed if look.guessed else SEARCH.rough) * model.strengths(point)[fit.model.dim]
+        starts.append(Start(model, point, float(expected.q[i]), off, -fit.follow(slope), slope=slope))
     return starts
 
 
