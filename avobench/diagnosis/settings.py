@@ -226,9 +226,6 @@ class SearchSettings:
     """How far a strength may be moved from its grid point by linearity: to about the next point of `strengths`."""
     looked_at: int = 3
     """Times as many shapes as fits that begin are looked at more closely. Chosen on development cases."""
-    effects_looked_at: int = 30
-    """Effects, the most promising ones, of which the best shape at least is looked at more closely: theta may take up
-    much of one, so that a first look promises little. Chosen on development cases."""
     approached: int = 5
     """Places, the start among them, at which events are simulated on the way to where theta and an effect fit together:
     on carl an offset that theta takes up takes four. Chosen on development cases."""

@@ -8,8 +8,8 @@ from avobench.diagnosis.schema import TableGap
 from avobench.diagnosis.summary.bins import Summary
 from avobench.diagnosis.summary.joint import StackedSummary
 from avobench.diagnosis.summary.table import TableSummary
-from avobench.diagnosis.summary.target import Target
-from avobench.tables.comparison import Comparison, distance
+from avobench.diagnosis.summary.target import Target, whitening
+from avobench.tables.comparison import Comparison
 
 
 def table_gaps(target: Target, before: Fit, after: Fit | None) -> list[TableGap]:
@@ -29,7 +29,7 @@ def table_gaps(target: Target, before: Fit, after: Fit | None) -> list[TableGap]
 
 def _of_set(name: str, summary: Summary, part: slice, target: Target, before: Fit, after: Fit | None) -> list[TableGap]:
     """Of the tables of one set, or of its events."""
-    cov = (target.cov / target.num_events)[part, part]
+    cov, directions = (target.cov / target.num_events)[part, part], whitening(target.cov[part, part])
 
     def compared(fit: Fit) -> list[tuple[float, int]]:
         predicted: NDArray[np.float64] = fit.predicted[part]
@@ -37,7 +37,8 @@ def _of_set(name: str, summary: Summary, part: slice, target: Target, before: Fi
             errors = summary.simulated.errors_of(summary.tables, predicted)
             rows = Comparison.of(summary.tables, predicted, errors + fit.noise * cov, fit.num_events).rows
             return [(row.chi_squared, row.dof) for row in rows]
-        return [distance(target.mean[part] - predicted, (1 + fit.noise) * cov)]
+        left = np.sqrt(target.num_events) * (target.mean[part] - predicted) @ directions
+        return [(float(left @ left) / (1 + fit.noise), len(left))]
 
     of_tables = isinstance(summary, TableSummary)
     names = [table.name for table in summary.tables] if isinstance(summary, TableSummary) else [""]

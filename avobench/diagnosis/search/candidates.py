@@ -219,12 +219,13 @@ def varied(some: list[T], cost: Callable[[T], float], model: Callable[[T], Model
 
 
 def of_all(looks: list[Look], most: int) -> list[Look]:
-    """So many of the looks, best first, and beside them the best one of each of the best SEARCH.effects_looked_at effects.
+    """So many of the looks, best first, of which up to two thirds are the best ones of an effect.
 
     Where theta takes up much of an effect, a first look promises little of it: shapes of others must not crowd it out.
     """
-    best = list({look.effect.key: k for k, look in reversed([*enumerate(looks)])}.values())
-    return [looks[k] for k in sorted({*range(min(most, len(looks))), *sorted(best)[: SEARCH.effects_looked_at]})]
+    best = sorted({look.effect.key: k for k, look in reversed([*enumerate(looks)])}.values())[: 2 * most // 3]
+    others = [k for k in range(len(looks)) if k not in best]
+    return [looks[k] for k in sorted([*best, *others[: most - len(best)]])]
 
 
 def by_shape(starts: list[Start]) -> list[list[Start]]:
@@ -258,21 +259,23 @@ def check(start: Start, reference: ReferenceModel, target: Target, rng: np.rando
 def approach(
     start: Start, reference: ReferenceModel, target: Target, rng: np.random.Generator, num_events: int, without: Fit
 ) -> Start:
-    """The best of a start and some steps of Gauss-Newton from it, of theta and the strength together.
+    """A start, or the last of the steps of Gauss-Newton from it that come nearer, of theta and the strength together.
 
-    The slopes are those of the model without the effect. Events are simulated at each step, so that it shows where theta
-    follows the effect far.
+    Their slopes are those of the model without the effect, and events are simulated at each.
     """
-    model, last, point, best = start.model, without.model.dim, start.point.copy(), start
+    model, last = start.model, without.model.dim
     free = without.projector() @ start.slope
+    best, point = replace(start, expected=np.inf), start.point
     for _ in range(SEARCH.approached):
         x = model.simulate(np.tile(model.from_cube(point), (num_events, 1)), rng)
         left = target.whiten(target.mean - target.summary.mean(x)[0])
         q = float(left @ left) - target.num_events / num_events * target.rank
-        best = replace(start, point=point.copy(), expected=q) if q < best.expected else best
+        if q >= best.expected:
+            break
+        best = replace(start, point=point, expected=q)
         stronger = free @ left / (free @ free)
         step = np.r_[without.follow(left - stronger * start.slope), stronger]
-        point[: last + 1] = np.clip(point[: last + 1] + np.clip(step, -0.1, 0.1), 0, 1)
+        point = np.r_[np.clip(point[: last + 1] + np.clip(step, -0.1, 0.1), 0, 1), point[last + 1 :]]
     return best
 
 
