@@ -63,6 +63,20 @@ def test_the_answer_tells_each_set_and_is_kept(found, tmp_path):
     assert avobench.load(tmp_path).details() == found.details()
 
 
+def test_a_set_whose_features_depend_closely_on_each_other_has_its_distance():
+    """Most cells of their pair are empty, measured and simulated."""
+
+    def twice(theta, rng):
+        z = theta[:, 0] + rng.standard_normal(len(theta))
+        return np.stack([z, z + 0.02 * rng.standard_normal(len(theta))], axis=1)
+
+    task, rng = avobench.task(twice, prior={"mean": (-2, 2)}, features=["here", "there"]), np.random.default_rng(3)
+    sets = avobench.joint({name: (task, twice(np.full((n, 1), 0.4), rng)) for name, n in (("a", 3000), ("b", 4000))})
+    rows = avobench.diagnose(sets, effects=[], max_effects=0, progress=False).diagnosis.tables
+    assert all(row.dof > 20 for row in rows)
+    assert all(stats.chi2.sf(row.chi_squared_before, row.dof) > 1e-4 for row in rows)
+
+
 @pytest.mark.parametrize("tables", [(), ("slow", "fast")])
 def test_theta_is_that_of_all_sets_and_each_simulated_event_is_counted(tables):
     errors, events = [], 3000 * 1 + 1500 * 3 + 2500 * 10
