@@ -178,9 +178,12 @@ def usual_events(domain: str, num_events: int) -> int:
 
 def full_effort(task: Task, domain: str, num_events: int) -> Effort:
     """The effort for so many measured events where nothing limits it."""
-    # Of several data sets one may take up what another lacks, so that more fits have to go on.
-    several = task.num_features > 1 and not isinstance(task, JointTask)
-    return IMAGES if domain == "images" else (MANY if several else Effort()).of(num_events)
+    if domain == "images":
+        return IMAGES
+    if isinstance(task, JointTask):  # one data set may take up what another lacks, so that more fits have to go on
+        pairs = MANY.covariance_of_pairs * any(each.num_features > 1 for each in task.tasks)
+        return Effort(covariance_of_pairs=pairs).of(num_events)
+    return (MANY if task.num_features > 1 else Effort()).of(num_events)
 
 
 def effort_for(task: Task, domain: str, num_simulations: int | None, num_events: int, num_spent: int = 0) -> Effort:
