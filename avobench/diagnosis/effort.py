@@ -103,12 +103,11 @@ class Effort:
     def of(self, num_events: int) -> "Effort":
         """The effort for so few measured events: their own scatter is more than that of fewer simulated ones."""
         points, events = self.scan
-        paired = num_events >= SUMMARY.paired
         return replace(
             self,
             fit=min(self.fit, max(num_events, 2000)),
             sample=min(self.sample, max(3 * num_events, 8000)),
-            covariance=min(self.covariance, max(3 * num_events, 2000, self.covariance_of_pairs * paired)),
+            covariance=min(self.covariance, max(3 * num_events, 2000, self.covariance_of_pairs)),
             scan=(points, min(events, max(num_events // 100, 20))),
         )
 
@@ -181,9 +180,11 @@ def full_effort(task: Task, domain: str, num_events: int) -> Effort:
     if domain == "images":
         return IMAGES
     if isinstance(task, JointTask):  # one data set may take up what another lacks, so that more fits have to go on
-        pairs = MANY.covariance_of_pairs * any(each.num_features > 1 for each in task.tasks)
-        return Effort(covariance_of_pairs=pairs).of(num_events)
-    return (MANY if task.num_features > 1 else Effort()).of(num_events)
+        effort, pairs = Effort(), any(each.num_features > 1 for each in task.tasks)  # any of them may be large
+    else:
+        effort = MANY if task.num_features > 1 else Effort()
+        pairs = task.num_features > 1 and num_events >= SUMMARY.paired
+    return replace(effort, covariance_of_pairs=pairs * MANY.covariance_of_pairs).of(num_events)
 
 
 def effort_for(task: Task, domain: str, num_simulations: int | None, num_events: int, num_spent: int = 0) -> Effort:

@@ -128,11 +128,11 @@ class Candidates:
         with self.meter.keeping(3 * max(self.meter.remaining or 0, 0) // 4):
             tried = self.work(check, [each for some in by_shape(promising) for each in some[:2]], self.effort.fit // 2)
             seen = sorted((start for start in tried if start is not None), key=lambda start: start.expected)
-            best = list({start.model.effects[-1].key: start for start in seen[::-1] if start.slope is not None}.values())
-            nearer = self.work(approach, best, self.effort.fit // 2, self.without)
-        seen = [one for one in seen if not any(one is start for start in best)]
-        seen += [near or start for near, start in zip(nearer, best, strict=True)]
-        seen.sort(key=lambda start: start.expected)
+            firsts = {start.model.effects[-1].key: start for start in seen[::-1] if start.slope is not None}
+            nearer = self.work(approach, list(firsts.values()), self.effort.fit // 2, self.without)
+        others = [start for start in seen if not any(start is first for first in firsts.values())]
+        reached = [near or first for near, first in zip(nearer, firsts.values(), strict=True)]
+        seen = sorted([*others, *reached], key=lambda start: start.expected)
         first, second = ([some[k] for some in by_shape(seen or promising) if len(some) > k] for k in (0, 1))
         first = varied(first, lambda start: start.expected / 2, lambda start: start.model)
         return [*first[: self.effort.starts], *second[: self.effort.starts // 4]]
@@ -219,13 +219,12 @@ def varied(some: list[T], cost: Callable[[T], float], model: Callable[[T], Model
 
 
 def of_all(looks: list[Look], most: int) -> list[Look]:
-    """So many of the looks, best first, of which up to two thirds are the best ones of an effect.
+    """So many of the looks, best first, and the best look at each of two thirds as many effects.
 
     Where theta takes up much of an effect, a first look promises little of it: shapes of others must not crowd it out.
     """
     best = sorted({look.effect.key: k for k, look in reversed([*enumerate(looks)])}.values())[: 2 * most // 3]
-    others = [k for k in range(len(looks)) if k not in best]
-    return [looks[k] for k in sorted([*best, *others[: most - len(best)]])]
+    return [looks[k] for k in sorted({*range(min(most, len(looks))), *best})]
 
 
 def by_shape(starts: list[Start]) -> list[list[Start]]:
@@ -273,7 +272,7 @@ def approach(
         if q >= best.expected:
             break
         best = replace(start, point=point, expected=q)
-        stronger = free @ left / (free @ free)
+        stronger = free @ left / max(free @ free, 1e-30)  # what an effect does may be nothing, or what theta does
         step = np.r_[without.follow(left - stronger * start.slope), stronger]
         point = np.r_[np.clip(point[: last + 1] + np.clip(step, -0.1, 0.1), 0, 1), point[last + 1 :]]
     return best
