@@ -209,3 +209,13 @@ def test_a_right_simulator_is_not_rejected_where_features_depend_closely_on_each
     colour = (x[:, 0] - x[:, 4]) / 1.85
     for name, truth in (("colour", colour.mean()), ("width", np.sqrt(colour.var() - 2 * (0.03 / 1.85) ** 2))):
         assert abs(said.theta_before[name].value - truth) < 4 * said.theta_before[name].std
+
+
+def test_nor_is_it_where_such_events_are_one_of_several_data_sets():
+    """The other set is so small that on average there are too few events for bins of pairs."""
+    task, rng = opened("star_plain").task, np.random.default_rng([4, 5])
+    low, high = np.array(task.prior.low), np.array(task.prior.high)
+    theta = low + (high - low) * rng.uniform(0.25, 0.75, len(low))
+    sets = {name: (task, task.simulate(np.tile(theta, (n, 1)), rng)) for name, n in (("large", 2700), ("small", 400))}
+    said = avobench.diagnose(avobench.joint(sets), seed=4, effects=[], max_effects=0, progress=False).diagnosis
+    assert said.p_value_before > 0.01  # 0.004 by the covariance of 5157 events
