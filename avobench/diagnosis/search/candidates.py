@@ -159,8 +159,9 @@ class Candidates:
         ranked: list[Weighed] = []
         left: list[Weighed] = []
         for (ratio, rounds), most in zip(self.effort.rounds_of_search, SEARCH.most, strict=True):
-            events = int(ratio * max(self.target.num_events, self.effort.few))
-            more = self.work(go_on, fits, events, rounds)
+            wanted = ratio * max(self.target.num_events, self.effort.few)
+            events = max(int(wanted), self.effort.fit)  # fewer than the fits began with would lead them astray
+            more = self.work(go_on, fits, events, max(round(rounds * wanted / events), 2))
             if not any(more):
                 break
             settled = bool(ranked)  # a first fit may have far to go: the best of them stay, however far
