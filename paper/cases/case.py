@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -69,6 +70,21 @@ def case(
 def draw(task: Task, rng: np.random.Generator, n: int, *theta: float) -> NDArray:
     """Return n events of a task at one point."""
     return task.simulate(np.tile(np.asarray(theta, dtype=float), (n, 1)), rng)
+
+
+def one(of: Task, rng: np.random.Generator, n: int, *theta: float) -> NDArray:
+    """Return n events (n,) of a task of one feature at one point."""
+    return draw(of, rng, n, *theta)[:, 0]
+
+
+def reader(module: str) -> Callable[..., NDArray]:
+    """Return what reads the columns of a CSV file in `data` beside this module: (n,), or (n, d) where there are more."""
+
+    def read(name: str, *, counts: bool = False) -> NDArray:
+        x = np.loadtxt(Path(module).parent / "data" / f"{name}.csv", delimiter=",", skiprows=1)
+        return x.astype(int) if counts else x
+
+    return read
 
 
 def plain(name: str, of: Task, n: int, *theta: float) -> Case:

@@ -1,40 +1,19 @@
 """Measured data with an answer from the literature. Their sources are in data/README.md."""
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
 from avobench import task
-from paper.cases.case import Case, case
+from paper.cases.case import Case, case, reader
+from paper.cases.laws import one_and_more, poisson, whole_normal
 
 Rng = np.random.Generator
-
-
-def read(name: str, *, counts: bool = False) -> NDArray:
-    """Return the column of a file of data/."""
-    x = np.loadtxt(Path(__file__).parent / "data" / f"{name}.csv", delimiter=",", skiprows=1)
-    return x.astype(int) if counts else x
-
-
-def poisson(theta: NDArray, rng: Rng) -> NDArray:
-    """Return counts of events that come by chance, at one rate."""
-    return rng.poisson(theta[:, 0])
-
-
-def one_and_more(theta: NDArray, rng: Rng) -> NDArray:
-    """Return one week and a negative binomial number of further ones."""
-    return 1 + rng.poisson(rng.gamma(theta[:, 1], theta[:, 0] / theta[:, 1]))
+read = reader(__file__)
 
 
 def of_five(theta: NDArray, rng: Rng) -> NDArray:
     """Return how many of five seeds are taken, each with the same chance."""
     return rng.binomial(5, theta[:, 0])
-
-
-def whole_normal(theta: NDArray, rng: Rng) -> NDArray:
-    """Return normal values, rounded to whole units."""
-    return np.round(rng.normal(theta[:, 0], theta[:, 1]))
 
 
 def whole_lognormal(theta: NDArray, rng: Rng) -> NDArray:

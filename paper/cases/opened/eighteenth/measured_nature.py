@@ -1,30 +1,14 @@
 """Measured data of the earth and life sciences, with an answer that was written down first. Sources: data/README.md."""
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
 from avobench import task
-from paper.cases.case import Case, case
+from paper.cases.case import Case, case, reader
+from paper.cases.laws import negative_binomial, poisson
 
 Rng = np.random.Generator
-
-
-def read(name: str, *, counts: bool = False) -> NDArray:
-    """Return the columns of a file of data/: (n,) where there is one."""
-    x = np.loadtxt(Path(__file__).parent / "data" / f"{name}.csv", delimiter=",", skiprows=1)
-    return x.astype(int) if counts else x
-
-
-def poisson(theta: NDArray, rng: Rng) -> NDArray:
-    """Return counts of events that come by chance, at one rate."""
-    return rng.poisson(theta[:, 0])
-
-
-def negative_binomial(theta: NDArray, rng: Rng) -> NDArray:
-    """Return counts whose rate varies by a gamma distribution."""
-    return rng.poisson(rng.gamma(theta[:, 1], theta[:, 0] / theta[:, 1]))
+read = reader(__file__)
 
 
 def activity(theta: NDArray, rng: Rng) -> NDArray:

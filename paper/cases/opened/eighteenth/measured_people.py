@@ -1,40 +1,19 @@
 """Measured data of people and what they make. Their sources are in data/README.md."""
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
 from avobench import task
-from paper.cases.case import Case, case
+from paper.cases.case import Case, case, reader
+from paper.cases.laws import lognormal, negative_binomial, normal, poisson
 
 Rng = np.random.Generator
-
-
-def read(name: str, *, counts: bool = False) -> NDArray:
-    """Return the columns of a file of data/: (n,) where there is one."""
-    x = np.loadtxt(Path(__file__).parent / "data" / f"{name}.csv", delimiter=",", skiprows=1)
-    return x.astype(int) if counts else x
-
-
-def poisson(theta: NDArray, rng: Rng) -> NDArray:
-    """Return counts of events that come by chance, at one rate."""
-    return rng.poisson(theta[:, 0])
+read = reader(__file__)
 
 
 def ten_words(theta: NDArray, rng: Rng) -> NDArray:
     """Return how many of ten words somebody knows, with the same chance for everybody."""
     return rng.binomial(10, theta[:, 0])
-
-
-def negative_binomial(theta: NDArray, rng: Rng) -> NDArray:
-    """Return counts whose rate varies by a gamma distribution."""
-    return rng.poisson(rng.gamma(theta[:, 1], theta[:, 0] / theta[:, 1]))
-
-
-def lognormal(theta: NDArray, rng: Rng) -> NDArray:
-    """Return lognormal values."""
-    return theta[:, 0] * np.exp(theta[:, 1] * rng.standard_normal(len(theta)))
 
 
 def cents(theta: NDArray, rng: Rng) -> NDArray:
@@ -45,11 +24,6 @@ def cents(theta: NDArray, rng: Rng) -> NDArray:
 def months_begun(theta: NDArray, rng: Rng) -> NDArray:
     """Return lognormal times, in months that have begun."""
     return np.ceil(lognormal(theta, rng))
-
-
-def normal(theta: NDArray, rng: Rng) -> NDArray:
-    """Return normal values."""
-    return rng.normal(theta[:, 0], theta[:, 1])
 
 
 def twentieths(theta: NDArray, rng: Rng) -> NDArray:

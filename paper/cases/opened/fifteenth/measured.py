@@ -1,35 +1,14 @@
 """Measured data with an answer from the literature. Their sources are in README.md, and the files in data/."""
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
 from avobench import task
-from paper.cases.case import Case, case
+from paper.cases.case import Case, case, reader
+from paper.cases.laws import lognormal, negative_binomial, normal, one_and_more, poisson, whole_normal
 
 Rng = np.random.Generator
-
-
-def read(name: str, *, counts: bool = False) -> NDArray:
-    """Return the columns of a file of data/: (n,) where there is one."""
-    x = np.loadtxt(Path(__file__).parent / "data" / f"{name}.csv", delimiter=",", skiprows=1)
-    return x.astype(int) if counts else x
-
-
-def poisson(theta: NDArray, rng: Rng) -> NDArray:
-    """Return counts of events that come by chance, at one rate."""
-    return rng.poisson(theta[:, 0])
-
-
-def negative_binomial(theta: NDArray, rng: Rng) -> NDArray:
-    """Return counts whose rate varies by a gamma distribution."""
-    return rng.poisson(rng.gamma(theta[:, 1], theta[:, 0] / theta[:, 1]))
-
-
-def one_and_more(theta: NDArray, rng: Rng) -> NDArray:
-    """Return one and a negative binomial number of further cigarettes."""
-    return 1 + negative_binomial(theta, rng)
+read = reader(__file__)
 
 
 def ball(theta: NDArray, rng: Rng) -> NDArray:
@@ -44,16 +23,6 @@ def peas(theta: NDArray, rng: Rng) -> NDArray:
     return rng.binomial(2, theta)
 
 
-def normal(theta: NDArray, rng: Rng) -> NDArray:
-    """Return normal values."""
-    return rng.normal(theta[:, 0], theta[:, 1])
-
-
-def whole_normal(theta: NDArray, rng: Rng) -> NDArray:
-    """Return normal values, rounded to whole units."""
-    return np.round(normal(theta, rng))
-
-
 def tenth_normal(theta: NDArray, rng: Rng) -> NDArray:
     """Return normal values, rounded to tenths."""
     return np.round(normal(theta, rng), 1)
@@ -63,11 +32,6 @@ def root_of_tenths(theta: NDArray, rng: Rng) -> NDArray:
     """Return normal values that are roots of whole tenths where they are positive."""
     x = normal(theta, rng)
     return np.where(x > 0, np.sqrt(np.round(x * x, 1)), x)
-
-
-def lognormal(theta: NDArray, rng: Rng) -> NDArray:
-    """Return lognormal values."""
-    return theta[:, 0] * np.exp(theta[:, 1] * rng.standard_normal(len(theta)))
 
 
 def two_normals(theta: NDArray, rng: Rng) -> NDArray:

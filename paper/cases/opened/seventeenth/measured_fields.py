@@ -1,25 +1,14 @@
 """Measured data of the earth and life sciences with an answer from the literature. Their sources are in README_c.md."""
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
 from avobench import task
-from paper.cases.case import Case, case
+from paper.cases.case import Case, case, reader
+from paper.cases.laws import poisson, whole_normal
 
 Rng = np.random.Generator
-
-
-def read(name: str, *, counts: bool = False) -> NDArray:
-    """Return the columns of a file of data/: (n,) where there is one."""
-    x = np.loadtxt(Path(__file__).parent / "data" / f"{name}.csv", delimiter=",", skiprows=1)
-    return x.astype(int) if counts else x
-
-
-def poisson(theta: NDArray, rng: Rng) -> NDArray:
-    """Return counts at one rate."""
-    return rng.poisson(theta[:, 0])
+read = reader(__file__)
 
 
 def poisson_in_classes(theta: NDArray, rng: Rng) -> NDArray:
@@ -30,11 +19,6 @@ def poisson_in_classes(theta: NDArray, rng: Rng) -> NDArray:
 def hundredths_normal(theta: NDArray, rng: Rng) -> NDArray:
     """Return normal values, rounded to hundredths."""
     return np.round(rng.normal(theta[:, 0], theta[:, 1]), 2)
-
-
-def whole_normal(theta: NDArray, rng: Rng) -> NDArray:
-    """Return normal values, rounded to whole units."""
-    return np.round(rng.normal(theta[:, 0], theta[:, 1]))
 
 
 def tenths_exponential(theta: NDArray, rng: Rng) -> NDArray:

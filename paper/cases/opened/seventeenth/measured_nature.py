@@ -1,20 +1,14 @@
 """Measured data with an answer from the literature. Their sources are in data/README_a.md, and the files in data/."""
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
 from avobench import task
-from paper.cases.case import Case, case
+from paper.cases.case import Case, case, reader
+from paper.cases.laws import lognormal, normal, whole_normal
 
 Rng = np.random.Generator
-
-
-def read(name: str, *, counts: bool = False) -> NDArray:
-    """Return the columns of a file of data/: (n,) where there is one."""
-    x = np.loadtxt(Path(__file__).parent / "data" / f"{name}.csv", delimiter=",", skiprows=1)
-    return x.astype(int) if counts else x
+read = reader(__file__)
 
 
 def alleles(theta: NDArray, rng: Rng) -> NDArray:
@@ -35,21 +29,6 @@ def poisson_without_zeros(theta: NDArray, rng: Rng) -> NDArray:
 def gutenberg_richter(theta: NDArray, rng: Rng) -> NDArray:
     """Return magnitudes that fall off exponentially, to hundredths; those of 2.50 and more are in the table."""
     return np.round(2.495 + rng.exponential(1 / (np.log(10) * theta[:, 0])), 2)
-
-
-def normal(theta: NDArray, rng: Rng) -> NDArray:
-    """Return normal values."""
-    return rng.normal(theta[:, 0], theta[:, 1])
-
-
-def whole_normal(theta: NDArray, rng: Rng) -> NDArray:
-    """Return normal values, rounded to whole units."""
-    return np.round(normal(theta, rng))
-
-
-def lognormal(theta: NDArray, rng: Rng) -> NDArray:
-    """Return lognormal values."""
-    return theta[:, 0] * np.exp(theta[:, 1] * rng.standard_normal(len(theta)))
 
 
 def two_enzymes(theta: NDArray, rng: Rng) -> NDArray:

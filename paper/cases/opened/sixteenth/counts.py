@@ -4,15 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench import task
-from avobench.tasks import Task
-from paper.cases.case import Case, case, draw, plain, some
+from paper.cases.case import Case, case, one, plain, some
 
 Rng = np.random.Generator
-
-
-def one(of: Task, rng: Rng, n: int, *theta: float) -> NDArray:
-    """Return n events (n,) of a task at one point."""
-    return draw(of, rng, n, *theta)[:, 0]
 
 
 def dicentrics(theta: NDArray, rng: Rng) -> NDArray:

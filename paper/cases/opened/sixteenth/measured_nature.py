@@ -1,30 +1,14 @@
 """Measured data with an answer from the literature. Their sources are in README.md, and the files in data/."""
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
 from avobench import task
-from paper.cases.case import Case, case
+from paper.cases.case import Case, case, reader
+from paper.cases.laws import normal, poisson
 
 Rng = np.random.Generator
-
-
-def read(name: str, *, counts: bool = False) -> NDArray:
-    """Return the columns of a file of data/: (n,) where there is one."""
-    x = np.loadtxt(Path(__file__).parent / "data" / f"{name}.csv", delimiter=",", skiprows=1)
-    return x.astype(int) if counts else x
-
-
-def poisson(theta: NDArray, rng: Rng) -> NDArray:
-    """Return counts of events that come by chance, at one rate."""
-    return rng.poisson(theta[:, 0])
-
-
-def normal(theta: NDArray, rng: Rng) -> NDArray:
-    """Return normal values."""
-    return rng.normal(theta[:, 0], theta[:, 1])
+read = reader(__file__)
 
 
 def normal_hundredths(theta: NDArray, rng: Rng) -> NDArray:

@@ -1,20 +1,14 @@
 """Measured data on people, sport and language, with an answer from the literature. Their sources are in README.md."""
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
 from avobench import task
-from paper.cases.case import Case, case
+from paper.cases.case import Case, case, reader
+from paper.cases.laws import poisson
 
 Rng = np.random.Generator
-
-
-def read(name: str, *, counts: bool = False) -> NDArray:
-    """Return the columns of a file of data/: (n,) where there is one."""
-    x = np.loadtxt(Path(__file__).parent / "data" / f"{name}.csv", delimiter=",", skiprows=1)
-    return x.astype(int) if counts else x
+read = reader(__file__)
 
 
 ASKED = read("polls", counts=True)[:, 1]
@@ -50,11 +44,6 @@ EASE = np.array(
     ]
 )
 """How easily people say yes to each of the 24 items on verbal aggression, in logits."""
-
-
-def poisson(theta: NDArray, rng: Rng) -> NDArray:
-    """Return counts of events that come by chance, at one rate."""
-    return rng.poisson(theta[:, 0])
 
 
 def people_alike(theta: NDArray, rng: Rng) -> NDArray:

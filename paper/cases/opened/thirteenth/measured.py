@@ -1,35 +1,14 @@
 """Measured data with an answer from the literature. Their sources are in README.md, and the files in data/."""
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
 from avobench import task
-from paper.cases.case import Case, case
+from paper.cases.case import Case, case, reader
+from paper.cases.laws import lognormal, negative_binomial, normal, one_and_more, poisson, whole_normal
 
 Rng = np.random.Generator
-
-
-def read(name: str, *, counts: bool = False) -> NDArray:
-    """Return the columns of a file of data/: (n,) where there is one."""
-    x = np.loadtxt(Path(__file__).parent / "data" / f"{name}.csv", delimiter=",", skiprows=1)
-    return x.astype(int) if counts else x
-
-
-def poisson(theta: NDArray, rng: Rng) -> NDArray:
-    """Return counts of events that come by chance, at one rate."""
-    return rng.poisson(theta[:, 0])
-
-
-def negative_binomial(theta: NDArray, rng: Rng) -> NDArray:
-    """Return counts whose rate varies by a gamma distribution."""
-    return rng.poisson(rng.gamma(theta[:, 1], theta[:, 0] / theta[:, 1]))
-
-
-def one_and_more(theta: NDArray, rng: Rng) -> NDArray:
-    """Return one and a negative binomial number of further drinks."""
-    return 1 + negative_binomial(theta, rng)
+read = reader(__file__)
 
 
 EASE = np.array([2.730, 0.999, 0.240, 1.306, 2.099])
@@ -40,21 +19,6 @@ def rasch(theta: NDArray, rng: Rng) -> NDArray:
     """Return how many of five items somebody solves, whose ability is normal."""
     logit = theta[:, :1] + theta[:, 1:] * rng.standard_normal((len(theta), 1)) + EASE
     return (rng.random(logit.shape) < 1 / (1 + np.exp(-logit))).sum(axis=1)
-
-
-def normal(theta: NDArray, rng: Rng) -> NDArray:
-    """Return normal values."""
-    return rng.normal(theta[:, 0], theta[:, 1])
-
-
-def whole_normal(theta: NDArray, rng: Rng) -> NDArray:
-    """Return normal values, rounded to whole units."""
-    return np.round(normal(theta, rng))
-
-
-def lognormal(theta: NDArray, rng: Rng) -> NDArray:
-    """Return lognormal values."""
-    return theta[:, 0] * np.exp(theta[:, 1] * rng.standard_normal(len(theta)))
 
 
 def weibull_days(theta: NDArray, rng: Rng) -> NDArray:
