@@ -78,7 +78,7 @@ def one(of: Task, rng: np.random.Generator, n: int, *theta: float) -> NDArray:
 
 
 def reader(module: str) -> Callable[..., NDArray]:
-    """Return what reads the columns of a CSV file in `data` beside this module: (n,), or (n, d) where there are more."""
+    """Return what reads the columns of a CSV file in `data` beside this module: (n,), or (n, d) of several."""
 
     def read(name: str, *, counts: bool = False) -> NDArray:
         x = np.loadtxt(Path(module).parent / "data" / f"{name}.csv", delimiter=",", skiprows=1)
