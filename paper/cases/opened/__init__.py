@@ -7,6 +7,7 @@ from paper.cases.opened import (
     fifteenth,
     first,
     fourteenth,
+    nineteenth,
     seventeenth,
     sixteenth,
     tenth,
@@ -14,7 +15,19 @@ from paper.cases.opened import (
     twelfth,
 )
 
-SERIES = (first, tenth, eleventh, twelfth, thirteenth, fourteenth, fifteenth, sixteenth, seventeenth, eighteenth)
+SERIES = (
+    first,
+    tenth,
+    eleventh,
+    twelfth,
+    thirteenth,
+    fourteenth,
+    fifteenth,
+    sixteenth,
+    seventeenth,
+    eighteenth,
+    nineteenth,
+)
 CASES: dict[str, list[Case]] = {
     by: [case for series in SERIES for case in series.CASES[by]] for by in ("simulated", "measured")
 }
