@@ -72,6 +72,7 @@ def column(records: list[Record]) -> dict[str, str]:
         "right or defensible": of(first_defensible, single),
         "truth in the 95 % set": of(in_set, single),
         "models in it": f"{mean(sizes):.1f}" if sizes else "-",
+        "chi-squared per dof with it": f"{median(map(chi_squared, single)):.2f}" if single else "-",
         "pairs, detected": f"{len(pairs)} of {len(kinds['pair'])}",
         "both named": of(both_named, pairs),
         "both in the 95 % set": of(in_set, pairs),
@@ -113,6 +114,12 @@ def true(record: Record, effects: list[dict[str, Any]]) -> bool:
 
 def in_set(record: Record) -> bool:
     return any(true(record, each["effects"]) for each in record["diagnosis"]["models"])
+
+
+def chi_squared(record: Record) -> float:
+    """How well the best fit with what happened describes the events; infinite if there is none."""
+    fits = [each for each in record["sets"] if each["effects"] and true(record, each["effects"])]
+    return min((each["q"] / max(each["dof"], 1) for each in fits), default=np.inf)
 
 
 def both_named(record: Record) -> bool:
