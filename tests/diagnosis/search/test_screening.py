@@ -7,10 +7,11 @@ from measurements import with_effect
 from avobench import task as task_of
 from avobench.diagnosis.effort import Effort, effort_for
 from avobench.diagnosis.fit.null import fit_null
-from avobench.diagnosis.search.candidates import begin, check, go_on, search_again
+from avobench.diagnosis.search.candidates import approach, begin, check, go_on, search_again
 from avobench.diagnosis.search.screening import Around, Sample, Start, closer, glance, hidden, starts_of
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
+from avobench.tasks.carl import Carl
 from avobench.tasks.weinberg import Weinberg
 
 
@@ -44,6 +45,25 @@ def test_a_start_that_goes_too_far_is_tried_on_the_way():
     assert right.expected < null.noiseless_q
     np.testing.assert_allclose(far.point, right.point, atol=1e-9)  # 0.4 of the way to 0.25 is 0.1
     assert farther.expected > right.expected
+
+
+def test_an_effect_that_theta_takes_up_for_the_most_part_is_approached_along_both():
+    """An offset of 0.5 moves theta of carl by fifteen of its errors: from there it looks as if it explained little."""
+    task, rng = Carl(), np.random.default_rng(0)
+    offset = next(effect for effect in catalogue(task) if effect.key == ("offset", 0))
+    middle = np.add(task.prior.low, task.prior.high) / 2
+    x = Model(task, (offset,)).simulate(np.tile([*middle, 0.5], (10_000, 1)), rng)
+    effort = effort_for(task, "continuous", None, len(x))
+    null, target = fit_null(Model(task), x, rng, effort, None)
+    reference = null.reference(target, int(effort.reference * target.num_events), rng)
+    sample = Sample(null, target, effort.sample, rng, Around(reference, target))
+    look = closer(sample, glance(sample, offset, offset.guess(x), rng, effort), rng)
+    start = check(starts_of(sample, look)[0], reference, target, rng, effort.fit)
+    reached = approach(start, reference, target, rng, effort.fit, null)
+    assert reached.expected < 0.7 * start.expected
+    assert reached.expected < 300 < start.expected  # 190 degrees of freedom, and an error of 40 by simulation
+    before, after = (each.model.from_cube(each.point)[0] for each in (start, reached))
+    assert abs(after - middle[0]) < abs(before - middle[0]) - 0.05
 
 
 @pytest.mark.parametrize("seed", [2, 3])
