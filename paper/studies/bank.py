@@ -5,6 +5,7 @@ A challenge is a folder of `avobench challenge make`; the ones of `results/bank`
     avobench challenge make --task T --cases 12 --seed 71 --events 20000 --kinds foreign --shapes shapes:SEEN --out T
     avobench challenge make --task T --cases 20 --seed 72 --events 20000 --kinds none --out T-null
     avobench challenge make --task T --cases 20 --seed 73 --events 1000 --kinds none --out T-null-1000
+    avobench challenge make --task T --cases 40 --seed 74 --events 5000 --kinds none --out T-null-5000
 
 for poisson, weinberg and carl. The search before was run in a checkout of 4c8d801. One JSON line per data set is added
 to FILE; those that it has are left alone.
