@@ -34,6 +34,8 @@ FAINT = 0.02
 """Probability of a model below which `summary` counts it and `details` names it."""
 CLEARLY = 1.5
 """Factor by which the largest excess must exceed the largest deficit, or be exceeded, to be all that there is."""
+ALIKE = 6.0
+"""Difference of chi-squared, a likelihood ratio of twenty, up to which it speaks for neither of two models."""
 THETA = (
     "These errors of the parameters allow for what the simulator may lack. "
     "Those of infer do not: it takes the simulator as right."
@@ -69,7 +71,7 @@ def details(diagnosis: Diagnosis) -> str:
     for effect in diagnosis.effects:
         lines.append(f"{_role(diagnosis)}: {_effect(effect)}")
         if effect.tied_with:
-            lines.append(f"  these data do not tell it from {', '.join(map(label, effect.tied_with))}")
+            lines.append(f"  others of the 95 % set: {', '.join(map(label, effect.tied_with))}")
     lines += [f"probability of being missing: {names}" for names in [probabilities(diagnosis)] if names]
     lines += [f"95 % set of models: {models}\n{MEANT}" for models in [likely_models(diagnosis)] if models]
     lines += decisions(diagnosis)
@@ -143,8 +145,11 @@ def _decision(same: Decision, diagnosis: Diagnosis) -> str:
         least = f": at least {_rounded(same.low)}" if same.low else ""
         return f"It is not known how many more events would tell {pair}{least}.{of_one}"
     if same.events == 0:
-        by = f"chi-squared is {abs(same.chi_squared):.0f} {'larger' if same.chi_squared > 0 else 'smaller'}"
-        return f"These events are enough to tell {pair} if one of them is right: {by} with {model(same.rival)}."
+        by = f"{abs(same.chi_squared):.0f} {'larger' if same.chi_squared > 0 else 'smaller'} with {model(same.rival)}"
+        if abs(same.chi_squared) <= ALIKE:
+            return f"Were either right, these events would tell {pair}: probably neither is, chi-squared is only {by}."
+        ahead, behind = (same.true, same.rival) if same.chi_squared > 0 else (same.rival, same.true)
+        return f"These events speak for {model(ahead)} rather than {model(behind)}: chi-squared is {by}."
     its = "its " if same.where and same.where.kind != "dependence" else ""
     place = f" {100 * same.share:.0f} % of the difference is {its}{where(same.where)}." if same.where else ""
     return f"{_events(same)} would tell {pair}.{place}{of_one}"
@@ -178,9 +183,9 @@ def _lacking(diagnosis: Diagnosis) -> str:
             return f"What the simulator lacks is most like {names}, but the catalogue does not have its shape."
         return f"What the simulator lacks is most probably {names}."
     if len(tied) == 1:
-        which = f"{tied[0]} of the 95 % set explain them about as well as each other. The most probable one is added."
+        which = f"the 95 % set has {tied[0]}. The most probable one is added."
     else:
-        which = f"each that is added is one of {' and '.join(map(str, tied))} that explain them about as well."
+        which = f"each that is added is one of {' and '.join(map(str, tied))} of the 95 % set."
     return f"Something is missing, but these data do not tell for sure which effect: {which}"
 
 

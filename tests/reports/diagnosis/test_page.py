@@ -104,10 +104,10 @@ def test_the_page_opens_without_network_shows_its_figures_and_escapes(browser, t
     assert browser.run("return document.querySelector('#verdict').textContent") == "missing effect named"
     text = browser.run("return document.body.innerText")
     for expected in (
-        "2 of the 95 % set",
+        "the 95 % set has 2",
         "one-sided",
         "zero_inflation",
-        "cannot tell it from dead_time",
+        "Others of the 95 % set: dead_time",
         "0.0400 ± 0.0020",
         "deficit",
         "log_rate 0.01",

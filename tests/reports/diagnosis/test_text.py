@@ -124,3 +124,10 @@ def test_no_number_is_said_where_none_is_known_or_needed(numbers, word):
     told = details(diagnosis(Verdict.NAMED, decisions=[decision(*numbers)]))
     assert word in told
     assert "more events (" not in told
+
+
+@pytest.mark.parametrize(("chi_squared", "ahead"), [(33.0, "saturation"), (-9.0, "scale"), (1.0, None)])
+def test_enough_events_speak_for_the_model_that_is_nearer_to_them_or_for_neither(chi_squared, ahead):
+    told = details(diagnosis(Verdict.NAMED, decisions=[decision(0, 0, 0) | {"chi_squared": chi_squared}]))
+    (said,) = [line for line in told.splitlines() if "chi-squared is" in line]
+    assert said.startswith(f"These events speak for {ahead} ") == (ahead is not None)
