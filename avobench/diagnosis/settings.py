@@ -229,6 +229,8 @@ class SearchSettings:
     approached: int = 5
     """Places, the start among them, at which events are simulated on the way to where theta and an effect fit together:
     on carl an offset that theta takes up takes four. Chosen on development cases."""
+    stride: float = 0.1
+    """Step of a parameter, in cube coordinates, at most, where slopes of elsewhere are followed: they bend."""
     absorbed: float = 0.3
     """Share of an effect's signal below which theta hides it, so that it is also looked for where it is strong. Chosen
     on development cases."""

@@ -237,6 +237,15 @@ def by_shape(starts: list[Start]) -> list[list[Start]]:
     return list(kept.values())
 
 
+def seen_at(
+    model: Model, point: NDArray[np.float64], target: Target, rng: np.random.Generator, num_events: int
+) -> tuple[NDArray[np.float64], float]:
+    """What events of a model at a point (P,) of the unit cube leave, whitened (r,), and Q less what simulation adds."""
+    x = model.simulate(np.tile(model.from_cube(point), (num_events, 1)), rng)
+    left = target.whiten(target.mean - target.summary.mean(x)[0])
+    return left, float(left @ left) - target.num_events / num_events * target.rank
+
+
 def check(start: Start, reference: ReferenceModel, target: Target, rng: np.random.Generator, num_events: int) -> Start:
     """The same start, or part of the way to it from the model without the effect, with the Q that events have there."""
     model, origin = start.model, reference.surrogate.design.centre
@@ -247,9 +256,7 @@ def check(start: Start, reference: ReferenceModel, target: Target, rng: np.rando
         point = start.point.copy()
         point[:last] = origin + share * (point[:last] - origin)
         point[last] = null + share * (point[last] - null)
-        x = model.simulate(np.tile(model.from_cube(point), (num_events, 1)), rng)
-        left = target.whiten(target.mean - target.summary.mean(x)[0])
-        q = float(left @ left) - target.num_events / num_events * target.rank
+        _, q = seen_at(model, point, target, rng, num_events)
         tried.append(replace(start, point=point, expected=q, near=share * start.near))
         if q < reference.surrogate.noiseless_q_at_centre(target)[0]:
             break
@@ -267,15 +274,14 @@ def approach(
     free = without.projector() @ start.slope
     best, point = replace(start, expected=np.inf), start.point
     for _ in range(SEARCH.approached):
-        x = model.simulate(np.tile(model.from_cube(point), (num_events, 1)), rng)
-        left = target.whiten(target.mean - target.summary.mean(x)[0])
-        q = float(left @ left) - target.num_events / num_events * target.rank
+        left, q = seen_at(model, point, target, rng, num_events)
         if q >= best.expected:
             break
         best = replace(start, point=point, expected=q)
         stronger = free @ left / max(free @ free, 1e-30)  # what an effect does may be nothing, or what theta does
         step = np.r_[without.follow(left - stronger * start.slope), stronger]
-        point = np.r_[np.clip(point[: last + 1] + np.clip(step, -0.1, 0.1), 0, 1), point[last + 1 :]]
+        moved = point[: last + 1] + np.clip(step, -SEARCH.stride, SEARCH.stride)
+        point = np.r_[np.clip(moved, 0, 1), point[last + 1 :]]
     return best
 
 

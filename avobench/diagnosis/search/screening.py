@@ -320,7 +320,7 @@ def starts_of(sample: Sample, look: Look) -> list[Start]:
         theta = expected.point[i]
         if not sample.around.holds(theta):
             shift = fit.follow(fit.residual - expected.gain[i] * look.change[i])
-            theta = np.clip(fit.point + np.clip(shift, -0.1, 0.1), 0, 1)
+            theta = np.clip(fit.point + np.clip(shift, -SEARCH.stride, SEARCH.stride), 0, 1)
         point = np.concatenate([theta, model.to_cube(np.concatenate([fit.params, phi]))[fit.model.dim :]])
         step = (points[i, 0] - strength.null) / (strength.high - strength.low)
         slope = look.change[i] / step
@@ -358,7 +358,7 @@ def hidden(sample: Sample, start: Start, rng: np.random.Generator, effort: Effor
             for _ in range(SEARCH.stepped):
                 x = start.model.simulate(np.tile(start.model.from_cube(point), (effort.fit // SEARCH.stepped, 1)), rng)
                 left = target.whiten(target.mean - target.summary.mean(x)[0])
-                theta = point[:p] = np.clip(point[:p] + np.clip(fit.follow(left), -0.1, 0.1), 0, 1)
+                theta = point[:p] = np.clip(point[:p] + np.clip(fit.follow(left), -SEARCH.stride, SEARCH.stride), 0, 1)
             noise = target.num_events / len(x) * target.rank
             row.append((point, float(((left @ free) ** 2).sum()) - noise))
         places, expected = np.array([point for point, _ in row]), np.array([value for _, value in row])
