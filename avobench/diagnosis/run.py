@@ -112,7 +112,7 @@ class Run:
     events: Measured
     """The measured events that are fitted (n, d), or what is fitted of tables."""
     num_events: int | None
-    """Measured events, with those that are held out; None of tables."""
+    """Number of measured events, held-out ones included; None if tables were measured."""
     effects: list[Effect]
     """The effects that may be missing."""
     alpha: float
@@ -127,7 +127,7 @@ class Run:
     left_out: list[str] = field(default_factory=list)
     """What the simulated events did not suffice for."""
     target: Target = field(init=False)
-    """What is fitted of the events, once the null model was."""
+    """What is fitted of the events; it is set when the null model is fitted."""
 
     @contextmanager
     def affordable(self, what: str, required: bool = False) -> Iterator[None]:
@@ -167,16 +167,18 @@ class Run:
         return self.bank.meter
 
     def source(self) -> Bank | Pool:
-        """The bank; of a task that generates something first a pool of that."""
+        """The bank, or a pool of generated things for a task whose slow generator is asked only once."""
         if isinstance(self.bank, Bank):
             return self.bank
         size = int(max(self.effort.generated * len(self.events), self.effort.least))
         return Pool(self.task, size, self.rng.spawn(1)[0], self.meter)
 
     def null_model(self, method: str) -> tuple[ExtendedModel, Inferred | None]:
-        """Fit theta, from where a registered `method` has it if it is one, and test whether that describes the events.
+        """Fit theta, and test whether the fit describes the events.
 
-        Where it is rejected theta is fitted again: a fit that went astray looks like a missing effect.
+        Unless `method` is "surrogate", the fit starts at the estimate of that registered method.
+
+        If the model is rejected, theta is fitted again: a fit that went astray looks like a missing effect.
         """
         task, x, rng, effort, inferred = self.task, self.events, self.rng, self.effort, None
         with self.affordable("the first fit and the tests", required=True):
@@ -225,41 +227,45 @@ class Run:
         extended = None
         with meter.keeping(self.later):
             refused = meter.refused
-            tests = BUDGET.added * n if meter.limit is None else min(BUDGET.added * n, max(meter.remaining, 0) // 2)
-            with meter.keeping(tests):
+            most = BUDGET.added * n
+            for_tests = most if meter.limit is None else min(most, max(meter.remaining, 0) // 2)
+            with meter.keeping(for_tests):
                 posterior = search.posterior(null.fit)
             if meter.refused > refused:
                 self.left_out.append("the whole search for what is missing")
             if posterior:
                 with self.affordable("the tests of the effects that were found, which are left out"):
-                    extended, posterior = self.added(posterior, tests)
+                    extended, posterior = self.added(posterior, for_tests)
         return extended, posterior
 
-    def added(self, posterior: Posterior, tests: int) -> tuple[ExtendedModel | None, Posterior]:
-        """The most probable model of which each effect counts, with its tests, and what is probable without others.
+    def added(self, posterior: Posterior, for_tests: int) -> tuple[ExtendedModel | None, Posterior]:
+        """The most probable model whose effects all count, with its tests, and the posterior without rejected effects.
 
-        So many simulated events as `tests` are for these. Where no others remain, the fit is that of the search.
+        `for_tests` simulated events are kept for the tests. Where no others remain, the fit is that of the search.
         """
         for _ in range(SCORE.tried):
             if posterior.best is None:
                 break
             fit, notes = posterior.best.fit, []
-            with self.meter.keeping(tests), self.affordable("a sharper fit"):
+            with self.meter.keeping(for_tests), self.affordable("a sharper fit"):
                 fit, notes = refined(fit, self.target, self.rng, self.effort)
-            key = posterior.unsupported(fit, self.refitted(tests))
+            key = posterior.unsupported(fit, self.refitted(for_tests))
             if key is None:
                 self.notes += notes
                 return self.tested(fit), posterior
-            self.notes.append(f"{key[0]} was fitted and left out: what it adds is compatible with nothing.")
+            self.notes.append(
+                f"{key[0]} was fitted and left out: its size is compatible with none, "
+                "and it explains no more than chance does."
+            )
             posterior = posterior.without(key)
         return None, posterior
 
-    def refitted(self, tests: int) -> Callable[[Fit], Fit]:
-        """Makes a fit of the search as good as that of an answer, if simulated events suffice beside those of tests."""
+    def refitted(self, for_tests: int) -> Callable[[Fit], Fit]:
+        """A function that fits again as precisely as for the answer, or returns the fit if too few events are left."""
 
         def refit(fit: Fit) -> Fit:
             if fit.model.effects:
-                with self.meter.keeping(tests), suppress(BudgetExhausted):
+                with self.meter.keeping(for_tests), suppress(BudgetExhausted):
                     return refined(fit, self.target, self.rng, self.effort)[0]
             return fit
 

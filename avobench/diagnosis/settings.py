@@ -210,7 +210,7 @@ class SearchSettings:
     """Times the events of the first look, for the second, of effects for which each event is simulated anew."""
     final_events: int = 5
     """Times the events of the first look, for the second: as many again in all, since a grid has some 100 points."""
-    closer: tuple[tuple[int, float], ...] = ((6, 1 / 2), (3, 1 / 4))
+    looks: tuple[tuple[int, float], ...] = ((6, 1 / 2), (3, 1 / 4))
     """Best points of a look beside which the next one looks, and how far from them, in steps of the grid: an edge must
     be met within a fit's first design."""
     followed: int = 4
@@ -307,8 +307,8 @@ class ScoreSettings:
     credible: float = 0.95
     """Probability of the smallest set of models that is told, among those that were weighed."""
     decision: tuple[float, ...] = (0.428, 0.323, 0.843, -0.324, 0.156, 0.621, 0.338)
-    """Weights of what a set of effects is told by, see `posterior.marks_of`. This and the three below are a conditional
-    logit of what was missing in data sets with a known answer, by `python -m paper.tables.decision`."""
+    """Weights of the covariates of a set of effects, see `posterior.covariates_of`. This and the three below are a
+    conditional logit of what was missing in data sets with a known answer, by `python -m paper.tables.decision`."""
     families: dict[str, float] = field(
         default_factory=lambda: {
             "quantisation": 1.01,

@@ -138,7 +138,7 @@ def weighed(posterior: Posterior, labels: tuple[str, ...]) -> list[dict[str, Any
             "dof": best.dof,
             "events": best.num_events,
         }
-        for names, marks in posterior.marks.items()
+        for names, marks in posterior.covariates.items()
     ]
     return [*sets, {"effects": None, "marks": [0, 0, posterior.looks_outside, 0, 0, 0, 0]}]
 

@@ -1,1 +1,1 @@
-"""Which effects to add to a model that the gates reject."""
+"""Which effects to add to a model that the goodness-of-fit tests reject."""

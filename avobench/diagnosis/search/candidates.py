@@ -23,7 +23,7 @@ from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.surrogate import ReferenceModel
 from avobench.diagnosis.search.evidence import Weighed
 from avobench.diagnosis.search.populations import populations
-from avobench.diagnosis.search.screening import Around, Look, Sample, Start, closer, glance, hidden, starts_of
+from avobench.diagnosis.search.screening import Around, Look, Sample, Start, glance, hidden, looked_again, starts_of
 from avobench.diagnosis.settings import SCORE, SEARCH
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
@@ -41,7 +41,7 @@ class Candidates:
     """The search for one more effect: what it adds to, and what all its parts need."""
 
     parent: Weighed
-    """That one effect is added to."""
+    """The model to which one effect is added."""
     target: Target
     effects: list[Effect]
     """Adapted to the measured events."""
@@ -73,9 +73,10 @@ class Candidates:
         return [glance(self.sample, shape, points, self.rng, self.effort) for shape, points in possible]
 
     def screened(self, glances: list[Look]) -> list[Start]:
-        """Starts, most promising first, of what looked so at first, also beside other effects, which hardly matter.
+        """Starts from the most promising first looks, best first.
 
-        Where few events may be simulated, half of them are for that. What needs more is left at its first look.
+        Looks at the simulator alone serve beside other effects too, which hardly change them. Where few events may be
+        simulated, half of them are for the second looks; what needs more is left at its first look.
         """
         free = {effect.key for effect in self.effects}
         possible = [look for look in glances if look.effect.key in free]
@@ -84,12 +85,12 @@ class Candidates:
             looks = of_all(best_first, SEARCH.looked_at * self.effort.starts)
             for k, look in enumerate(looks):
                 with suppress(BudgetExhausted):
-                    looks[k] = closer(self.sample, look, self.rng)
+                    looks[k] = looked_again(self.sample, look, self.rng)
             begun = [(starts_of(self.sample, look), look) for look in looks]
             return self.elsewhere(sorted(begun, key=lambda one: one[0][0].expected))
 
     def elsewhere(self, begun: list[tuple[list[Start], Look]]) -> list[Start]:
-        """Starts of looks, and others at other thetas or strengths where theta follows far, or hides an effect."""
+        """Starts of looks, and others where theta moves far from where it was, or hides a weak effect."""
         all_alone = not self.parent.effects and len(self.effects) <= SEARCH.of_one_feature
         starts, again = [], 0
         for of_shape, look in begun:
@@ -99,7 +100,7 @@ class Candidates:
                     first
                 ):  # an effect does something else to events of another theta
                     there = self.sample.elsewhere(first.point[: self.without.model.dim], self.effort.fit, self.rng)
-                    of_shape, again = starts_of(there, closer(there, look, self.rng)), again + 1
+                    of_shape, again = starts_of(there, looked_again(there, look, self.rng)), again + 1
                 second = look.effect.second
                 if not self.parent.effects and 1 < len(second) == self.without.model.num_theta:
                     of_shape = populations(self.without, self.target, look.effect, self.rng, self.effort)
@@ -109,9 +110,9 @@ class Candidates:
         return sorted(starts, key=lambda start: start.expected)
 
     def moved(self, start: Start) -> bool:
-        """Whether theta is far from where it was, in standard errors, and the effect acts on events that are finished.
+        """Whether theta moved by more than SEARCH.moved standard errors, and the effect acts on finished events.
 
-        One that does not would have all events simulated anew.
+        Any other effect would need all events simulated again.
         """
         away = start.point[: self.without.model.dim] - self.without.point
         far = away @ self.without.information[0] @ away > SEARCH.moved**2
@@ -138,16 +139,14 @@ class Candidates:
         return [*first[: self.effort.starts], *second[: self.effort.starts // 4]]
 
     def weighed(self, glances: list[Look], beside: float) -> tuple[list[Weighed], list[Weighed]]:
-        """The model with one more effect, fitted, as `told_apart` has them: beside a log evidence of `beside`."""
-        return self.told_apart(self.hopeful(self.screened(glances)), beside)
+        """The models with one more effect that may matter beside a log evidence of `beside`, and the dropped ones."""
+        return self.halved(self.hopeful(self.screened(glances)), beside)
 
-    def told_apart(self, starts: list[Start], beside: float) -> tuple[list[Weighed], list[Weighed]]:
-        """Fits from these starts, with more and more events, of those that may matter beside each other.
+    def halved(self, starts: list[Start], beside: float) -> tuple[list[Weighed], list[Weighed]]:
+        """Fits from these starts that may matter beside each other, made with more and more events, and dropped ones.
 
-        With them the others, as they were when they were left behind.
-
-        Where few events may be simulated, half of them are for fits that begin, of the best starts first, and what was
-        fitted when they end is weighed.
+        A dropped fit is as it was when it was dropped. Where few events may be simulated, half of them are for the
+        first fits, those of the best starts first, and what was fitted when they end is weighed.
         """
         with self.meter.keeping(max(self.meter.remaining or 0, 0) // 2):
             begun = [fit for fit in self.work(begin, starts, self.effort.fit) if fit is not None]
@@ -157,7 +156,7 @@ class Candidates:
         begun = distinct(sorted([*begun, *(fit for fit in again if fit)], key=lambda fit: fit.noiseless_q))
         fits = varied(begun, lambda fit: fit.noiseless_q / 2, lambda fit: fit.model)[: self.effort.begun]
         ranked: list[Weighed] = []
-        left: list[Weighed] = []
+        dropped: list[Weighed] = []
         for (ratio, rounds), most in zip(self.effort.rounds_of_search, SEARCH.most, strict=True):
             wanted = ratio * max(self.target.num_events, self.effort.few)
             events = max(int(wanted), self.effort.fit)  # fewer than the fits began with would lead them astray
@@ -166,19 +165,19 @@ class Candidates:
                 break
             settled = bool(ranked)  # a first fit may have far to go: the best of them stay, however far
             fits = [fit or before for fit, before in zip(more, fits, strict=True)]  # where events end, as it was
-            fitted = sorted((Weighed.of(fit, self.like) for fit in fits), key=worth)
-            ranked = varied(self.matter(fitted, beside) if settled else fitted, worth, lambda one: one.fit.model)[:most]
-            left += [one for one in fitted if not any(one is other for other in ranked)]
+            fitted = sorted((Weighed.of(fit, self.like) for fit in fits), key=cost)
+            ranked = varied(self.matter(fitted, beside) if settled else fitted, cost, lambda one: one.fit.model)[:most]
+            dropped += [one for one in fitted if not any(one is other for other in ranked)]
             fits = [one.fit for one in ranked]
-        return ranked or self.matter((Weighed.of(fit, self.like) for fit in fits), beside)[: SEARCH.most[0]], left
+        return ranked or self.matter((Weighed.of(fit, self.like) for fit in fits), beside)[: SEARCH.most[0]], dropped
 
     @cached_property
     def seed(self) -> int:
-        """Of the reference."""
+        """Seed of the reference."""
         return int(self.rng.integers(2**63))
 
     def reference(self) -> ReferenceModel:
-        """What effects are added to: its noise is the same for all, and the less, the more was simulated by then."""
+        """The surrogate of the model to which effects are added. Its noise is the same for all effects."""
         events, rng = int(self.effort.reference * self.target.num_events), np.random.default_rng(self.seed)
         return self.without.reference(self.target, events, rng)
 
@@ -192,35 +191,35 @@ class Candidates:
     def matter(self, ranked: Iterable[Weighed], beside: float) -> list[Weighed]:
         """Those that may matter beside the best of them, or beside another model, best first.
 
-        The best few families stay, since further effects may be added to them.
+        The best few sets of effects stay, since further effects may be added to them.
         """
-        ranked = sorted(ranked, key=worth)
+        ranked = sorted(ranked, key=cost)
         least = max([beside, *(one.evidence.at_least for one in ranked)]) - SCORE.indifferent
         firsts = list({one.effects: one for one in reversed(ranked)}.values())[::-1][: SEARCH.parents]
         return [one for one in ranked if one.evidence.at_most > least or any(one is first for first in firsts)]
 
 
-def worth(one: Weighed) -> float:
-    """Lowest for what is worth most: whether it is known well, further events tell."""
+def cost(one: Weighed) -> float:
+    """The key by which models are sorted, best first. The error of the evidence is left to later rounds."""
     return -one.evidence.value - SEARCH.likeness * one.resemblance
 
 
-def varied(some: list[T], cost: Callable[[T], float], model: Callable[[T], Model]) -> list[T]:
-    """Starts or fits by their cost in log evidence, lowest first, where each further shape of an effect costs more.
+def varied(some: list[T], key: Callable[[T], float], model: Callable[[T], Model]) -> list[T]:
+    """Starts or fits by a key in units of log evidence, lowest first; each further shape of an effect pays a price.
 
     What is to be told is which effect is missing: shapes of one must not crowd out others.
     """
     places: Counter[tuple] = Counter()
     costs = []
-    for one in sorted(some, key=cost):
+    for one in sorted(some, key=key):
         effects = tuple(effect.key for effect in model(one).effects)
-        costs.append((cost(one) + SEARCH.alike * places[effects], one))
+        costs.append((key(one) + SEARCH.alike * places[effects], one))
         places[effects] += 1
     return [one for _, one in sorted(costs, key=lambda each: each[0])]
 
 
 def of_all(looks: list[Look], most: int) -> list[Look]:
-    """So many of the looks, best first, and the best look at each of two thirds as many effects.
+    """The best `most` of the looks, and the best look at each of the `2 * most // 3` most promising effects.
 
     Where theta takes up much of an effect, a first look promises little of it: shapes of others must not crowd it out.
     """
@@ -240,10 +239,10 @@ def by_shape(starts: list[Start]) -> list[list[Start]]:
 def seen_at(
     model: Model, point: NDArray[np.float64], target: Target, rng: np.random.Generator, num_events: int
 ) -> tuple[NDArray[np.float64], float]:
-    """What events of a model at a point (P,) of the unit cube leave, whitened (r,), and Q less what simulation adds."""
+    """The whitened residual (r,) of a model that is simulated at a point (P,) of the unit cube, and its noiseless Q."""
     x = model.simulate(np.tile(model.from_cube(point), (num_events, 1)), rng)
-    left = target.whiten(target.mean - target.summary.mean(x)[0])
-    return left, float(left @ left) - target.num_events / num_events * target.rank
+    residual = target.whiten(target.mean - target.summary.mean(x)[0])
+    return residual, float(residual @ residual) - target.num_events / num_events * target.rank
 
 
 def check(start: Start, reference: ReferenceModel, target: Target, rng: np.random.Generator, num_events: int) -> Start:
@@ -266,20 +265,20 @@ def check(start: Start, reference: ReferenceModel, target: Target, rng: np.rando
 def approach(
     start: Start, reference: ReferenceModel, target: Target, rng: np.random.Generator, num_events: int, without: Fit
 ) -> Start:
-    """A start, or the last of the steps of Gauss-Newton from it that come nearer, of theta and the strength together.
+    """Where Gauss-Newton steps of theta and the strength lead from a start, as long as the simulated Q falls.
 
-    Their slopes are those of the model without the effect, and events are simulated at each.
+    The slopes are those of the model without the effect, and are not updated on the way.
     """
     model, last = start.model, without.model.dim
     free = without.projector() @ start.slope
     best, point = replace(start, expected=np.inf), start.point
     for _ in range(SEARCH.approached):
-        left, q = seen_at(model, point, target, rng, num_events)
+        residual, q = seen_at(model, point, target, rng, num_events)
         if q >= best.expected:
             break
         best = replace(start, point=point, expected=q)
-        stronger = free @ left / max(free @ free, 1e-30)  # what an effect does may be nothing, or what theta does
-        step = np.r_[without.follow(left - stronger * start.slope), stronger]
+        stronger = free @ residual / max(free @ free, 1e-30)  # what an effect does may be nothing, or what theta does
+        step = np.r_[without.follow(residual - stronger * start.slope), stronger]
         moved = point[: last + 1] + np.clip(step, -SEARCH.stride, SEARCH.stride)
         point = np.r_[np.clip(moved, 0, 1), point[last + 1 :]]
     return best
@@ -327,16 +326,16 @@ def go_on(
 
 
 def distinct(fits: list[Fit]) -> list[Fit]:
-    """Of fits, best first, each once, and of each family the best SEARCH.shapes_kept.
+    """Of fits, best first, each once, and of each effect the best SEARCH.shapes_kept.
 
     Where even the best has far to go, all that are not much worse are kept: the order may change on the way.
     """
     kept: list[Fit] = []
     for fit in fits:
-        of_family = [one for one in kept if one.model.effects[-1].key == fit.model.effects[-1].key]
-        far = bool(of_family) and fit.far
-        open_yet = far and fit.noiseless_q < SEARCH.not_much_worse * of_family[0].noiseless_q
-        if (len(of_family) < SEARCH.shapes_kept or open_yet) and not any(same(fit, one) for one in of_family):
+        of_effect = [one for one in kept if one.model.effects[-1].key == fit.model.effects[-1].key]
+        far = bool(of_effect) and fit.far
+        open_yet = far and fit.noiseless_q < SEARCH.not_much_worse * of_effect[0].noiseless_q
+        if (len(of_effect) < SEARCH.shapes_kept or open_yet) and not any(same(fit, one) for one in of_effect):
             kept.append(fit)
     return kept
 
@@ -360,8 +359,8 @@ def in_processes(
     rest; None where that is too little.
     """
     jobs = 1 if isinstance(events, Bank) else jobs
-    left = events.meter.remaining if events is not None else None
-    share = None if jobs == 1 or left is None else max(left, 0) // max(len(calls), 1)
+    remaining = events.meter.remaining if events is not None else None
+    share = None if jobs == 1 or remaining is None else max(remaining, 0) // max(len(calls), 1)
     try:
         work = joblib.Parallel(n_jobs=jobs, return_as="generator")
         made: list[T | None] = []

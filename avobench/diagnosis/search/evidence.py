@@ -2,8 +2,8 @@
 
 The measured mean m is normal about that of the model, m ~ N(s(theta, eta), C / N), with the covariance C of the
 measurement. Theta and the effects' parameters eta are integrated over (Laplace), so that whatever is free pays for
-itself. That no shape of the catalogue is exactly right is a matter of the temperature of what a fit leaves, see
-`posterior`. After D. J. C. MacKay, Neural Computation 4 (1992) 415.
+itself. No shape of the catalogue is exactly right: `posterior.covariates_of` allows for this by a logarithm. After D.
+J. C. MacKay, Neural Computation 4 (1992) 415.
 """
 
 from dataclasses import dataclass
@@ -22,18 +22,18 @@ class Evidence:
 
     value: float
     error: float
-    """By simulation."""
+    """Standard error of the value, by simulation."""
     excess: float = 0.0
     """What a further effect might gain at most: half of what chi-squared exceeds its degrees of freedom by."""
 
     @property
     def at_least(self) -> float:
-        """What it is surely worth: others matter beside that, and of one set the fit that has most is told."""
+        """The value less its error. Other models are compared with it, and it chooses the fit that stands for a set."""
         return self.value - self.error
 
     @property
     def at_most(self) -> float:
-        """What it may be worth, for all that simulation leaves open."""
+        """The value with its error added: what it may be, for all that simulation leaves open."""
         return self.value + self.error
 
 
@@ -52,10 +52,10 @@ def evidence_of(fit: Fit) -> Evidence:
     q = closest(j, r, -fit.point * np.sqrt(precision) / scale, (1 - fit.point) * np.sqrt(precision) / scale)
     values = np.maximum(np.linalg.eigvalsh(information - noise), 0)
     free = float(len(r) - (values / (1 + values)).sum())
-    left = q - fit.noise * free
-    value = -0.5 * (left + np.log1p(values).sum())
-    error = np.sqrt(2 * free * fit.noise**2 + 4 * max(left, 0) * fit.noise) / 2
-    return Evidence(value, float(error), max(left - free, 0) / 2)
+    noiseless = q - fit.noise * free
+    value = -0.5 * (noiseless + np.log1p(values).sum())
+    error = np.sqrt(2 * free * fit.noise**2 + 4 * max(noiseless, 0) * fit.noise) / 2
+    return Evidence(value, float(error), max(noiseless - free, 0) / 2)
 
 
 def closest(

@@ -1,6 +1,8 @@
-"""Where two populations of events may be: the mean of a mixture is that of two means, so that only these are simulated.
+"""Where two populations of events may be.
 
-A grid over both would be too coarse, and a fit that begins where there is one goes astray if the other is large.
+The mean of a mixture is the weighted mean of those of its two populations. So each theta is simulated once, and every
+pair of thetas follows without further events. A grid over both thetas would be too coarse. A fit that begins where
+there is one population goes astray if the second one is large.
 """
 
 import numpy as np
@@ -25,23 +27,23 @@ def populations(fit: Fit, target: Target, effect: Effect, rng: np.random.Generat
     ends = (np.array([(other.low, other.high) for other in effect.parameters[1:]]).T - low) / width
     noise = target.num_events / events * target.rank
 
-    def left(u: NDArray[np.float64], more: int = 1) -> NDArray[np.float64]:
+    def residuals(u: NDArray[np.float64], more: int = 1) -> NDArray[np.float64]:
         x = fit.model.simulate(np.repeat(low + u * width, more * events, axis=0), rng)
         return target.whiten(target.mean - target.summary.mean(x, len(u)))
 
     near = rng.standard_normal((points, p)) * SEARCH.apart ** rng.uniform(0, 2, (points, 1))
     u = np.clip(np.concatenate([rng.uniform(*ends, (points, p)), fit.point + near, fit.point[None]]), *ends)
-    seen = left(u)
+    seen = residuals(u)
     for k in range(SEARCH.pairings):
         pairs, _, _ = best_pairs(seen, noise, inside(u))
         around = np.unique(pairs[: SEARCH.pairs])
         beside = u[np.resize(around, points)]
         beside = np.clip(beside + SEARCH.apart ** (1 + k / 2) * rng.standard_normal(beside.shape), *ends)
-        u, seen = np.concatenate([u, beside]), np.concatenate([seen, left(beside)])
+        u, seen = np.concatenate([u, beside]), np.concatenate([seen, residuals(beside)])
     pairs, _, _ = best_pairs(seen, noise, inside(u))
     starts = []
     for two in u[pairs[: SEARCH.pairs]]:
-        seen, noise_of_two = left(two, SEARCH.final_events), noise / SEARCH.final_events
+        seen, noise_of_two = residuals(two, SEARCH.final_events), noise / SEARCH.final_events
         (pair, *_), (share, *_), (q, *_) = best_pairs(seen, noise_of_two, inside(two))
         first, second = low + two[pair] * width
         point = model.to_cube(np.r_[first, max(share, 0.01), second])
@@ -51,19 +53,19 @@ def populations(fit: Fit, target: Target, effect: Effect, rng: np.random.Generat
 
 
 def inside(u: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which points (m, p) lie in the unit cube, as that of most events must."""
+    """Which points (m, p) lie in the unit cube. The theta of the larger population must."""
     return ((u >= 0) & (u <= 1)).all(axis=1)
 
 
 def best_pairs(
-    left: NDArray[np.float64], noise: float, may_be_first: NDArray[np.bool_]
+    residuals: NDArray[np.float64], noise: float, may_be_first: NDArray[np.bool_]
 ) -> tuple[NDArray[np.intp], NDArray[np.float64], NDArray[np.float64]]:
     """The pairs of means whose mixtures are nearest to what was measured (k, 2), the second's share (k,), and Q (k,).
 
-    `left` (m, r) is what remains of the measured mean at each, whitened, with a square of `noise` by simulation. The
-    share is a half at most; of the pairs of one first mean the best counts.
+    `residuals` (m, r) are the measured mean less each simulated one, whitened, with a square of `noise` by simulation.
+    The share is at most one half. For each first mean only its best partner is kept.
     """
-    products = left @ left.T
+    products = residuals @ residuals.T
     own = np.diag(products) - noise
     length = np.maximum(own[:, None] + own - 2 * products, 1e-12)
     share = np.clip((own[:, None] - products) / length, 0, 0.5)

@@ -16,7 +16,7 @@ from avobench.diagnosis.settings import SCORE
 from avobench.effects import Effect
 
 LIKENESS = 2
-"""The mark of a set that tells how much the events look like its effects; what is outside has this one alone."""
+"""The column of the likeness among the covariates. *Something outside the catalogue* has this covariate alone."""
 Names = frozenset[tuple]
 """The effects of a model, by their keys; empty for the simulator as it is."""
 
@@ -32,8 +32,8 @@ class Posterior:
     """What each set weighs, most first."""
     shapes: dict[Names, list[Weighed]]
     """The fits of each set, a shape each, best first."""
-    marks: dict[Names, NDArray[np.float64]] = field(default_factory=dict)
-    """What each set is told by: (7,)."""
+    covariates: dict[Names, NDArray[np.float64]] = field(default_factory=dict)
+    """Of each set in the logit: (7,)."""
     looks_outside: float = -np.inf
     """Logarithm of how much the events look like what is outside the catalogue."""
 
@@ -47,19 +47,21 @@ class Posterior:
             if each not in best or best[each].evidence.at_least < one.evidence.at_least:
                 best[each] = one
         fits = {each: sorted(best.values(), key=lambda one: -one.evidence.at_least) for each, best in shapes.items()}
-        marks = marks_of(fits, Prior.of(catalogue))
-        weights = {names: float(np.exp(each @ SCORE.decision + of_families(names))) for names, each in marks.items()}
-        return cls(_most_first(weights), fits, marks, like[OUTSIDE])
+        covariates = covariates_of(fits, Prior.of(catalogue))
+        weights = {
+            names: float(np.exp(each @ SCORE.decision + of_families(names))) for names, each in covariates.items()
+        }
+        return cls(_most_first(weights), fits, covariates, like[OUTSIDE])
 
     @property
-    def beyond(self) -> float:
-        """What is outside the catalogue weighs beside the sets."""
+    def outside_weight(self) -> float:
+        """The weight of *something outside the catalogue*, on the scale of the weights of the sets."""
         return float(np.exp(SCORE.outside + SCORE.decision[LIKENESS] * self.looks_outside))
 
     @property
     def total(self) -> float:
         """What all sets weigh, with other sets and what is outside the catalogue."""
-        return sum(self.weights.values()) + np.exp(SCORE.others) + self.beyond
+        return sum(self.weights.values()) + np.exp(SCORE.others) + self.outside_weight
 
     @property
     def probability(self) -> dict[Names, float]:
@@ -74,7 +76,7 @@ class Posterior:
     @property
     def outside(self) -> float:
         """The probability that what is missing is outside the catalogue."""
-        return float(self.beyond / self.total)
+        return float(self.outside_weight / self.total)
 
     @property
     def best(self) -> Weighed | None:
@@ -83,7 +85,7 @@ class Posterior:
         return self.shapes[names][0] if names else None
 
     def without(self, key: tuple) -> "Posterior":
-        """The same if an effect of the best model is none: what the model has goes to that without the effect."""
+        """The same without its best set, whose weight goes to that set without `key`, if that was weighed."""
         names = self.best.effects
         weights = {each: weight for each, weight in self.weights.items() if each != names}
         if names - {key} in weights:
@@ -116,7 +118,7 @@ class Posterior:
         return list(self.weights)[: int(np.searchsorted(reached, SCORE.credible * reached[-1])) + 1]
 
     def rivals(self, k: int) -> list[tuple]:
-        """Effects in credible models that lack the k-th of the named ones, but for the named ones: by key."""
+        """Keys of effects that are not named, but are in a credible model without the k-th named effect."""
         model = self.best.fit.model
         names, key = {effect.key for effect in model.effects}, model.effects[k].key
         others = [each for each in self.credible if key not in each]
@@ -148,19 +150,19 @@ class Posterior:
         return dict(sorted(shares.items(), key=lambda item: -item[1]))
 
 
-def marks_of(fits: dict[Names, list[Weighed]], prior: "Prior") -> dict[Names, NDArray[np.float64]]:
-    """What each set of effects is told by: (7,).
+def covariates_of(fits: dict[Names, list[Weighed]], prior: "Prior") -> dict[Names, NDArray[np.float64]]:
+    """The covariates of each set of effects in the logit, in the order of `SCORE.decision`: (7,).
 
-    How much its log evidence falls short of the best, as -ln(1 + deficit), since no shape of the catalogue is exactly
-    that of nature; the log prior; how much the events look like its effects; whether it has more than one; how far down
-    the list of its family its shape is; the logarithm of the share of the most events with which its fit was made; and
-    how far it is from describing the events, as -ln(Q / dof) where Q is larger. The simulator as it is has no shape, so
-    that its deficit counts in full.
+    These are how much its log evidence falls short of the best, as -ln(1 + deficit), since no shape of the catalogue is
+    exactly that of nature; the log prior; how much the events look like its effects; whether it has more than one; how
+    far down the list of its family its shape is; the logarithm of the number of its fit's events, as a share of the
+    largest; and how far it is from describing the events, as -ln(Q / dof) where Q is larger than dof. The simulator as
+    it is has no shape, so that its deficit counts in full.
     """
     values = {names: logsumexp([one.evidence.value for one in some]) for names, some in fits.items()}
     most, looks = max(values.values()), [some[0].resemblance for names, some in fits.items() if names]
     events = max((some[0].fit.num_events for names, some in fits.items() if names), default=1)
-    marks = {}
+    covariates = {}
     for names, (best, *_) in fits.items():
         deficit, log, fit = most - values[names], prior.log(names), best.fit
         if names:
@@ -169,8 +171,8 @@ def marks_of(fits: dict[Names, list[Weighed]], prior: "Prior") -> dict[Names, ND
             told = -np.log1p(deficit), log, *kind, *reached
         else:
             told = -deficit, log, np.mean(looks or [0.0]), 0, 0, 0, 0
-        marks[names] = np.array(told, dtype=float)
-    return marks
+        covariates[names] = np.array(told, dtype=float)
+    return covariates
 
 
 def of_families(names: Names) -> float:

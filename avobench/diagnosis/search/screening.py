@@ -131,8 +131,8 @@ class Sample:
         """At points (m, q), with so many events each."""
         return Look(effect, points, *self.changes(effect, points, events, rng), events, guessed)
 
-    def closer(self, look: "Look", most: int, share: float, events: int, rng: np.random.Generator) -> "Look":
-        """A look at what looked best, beside it, and where measured events and these disagree."""
+    def again(self, look: "Look", most: int, share: float, events: int, rng: np.random.Generator) -> "Look":
+        """A look at the best points of another, at points next to them, and where the measured events disagree."""
         points = np.concatenate([look.beside(self, most, share), self.places(look.effect)])
         return self.look(look.effect, points, events, rng, look.guessed)
 
@@ -161,7 +161,7 @@ class Look:
     scatter: NDArray[np.float64]
     """Square that the scatter of the events adds to it (m,)."""
     events: int
-    """Of each point."""
+    """Simulated events of each point."""
     guessed: bool
     """Whether the points were read off the data, the strength with them."""
 
@@ -209,10 +209,11 @@ class Around:
         start: NDArray[np.float64],
         steps: int,
     ) -> Expected:
-        """By Gauss-Newton `steps` from `start` (p,) and of the gain, up to `most` (m,), or of the parameters alone.
+        """What is reached by Gauss-Newton `steps` of the parameters, from `start` (p,), and of the gain together.
 
-        `change` (m, r) is of the summary, whitened, and has a square by its `scatter` (m,) that is none of the effect.
-        Where a step would leave the unit cube, it is taken once more along the wall.
+        The gain stays between 0 and `most` (m,), or at 1 if `most` is None. `change` (m, r) is what an effect does to
+        the whitened summary, and `scatter` (m,) the part of its square that comes from the scatter of events. A step
+        that would leave the unit cube is taken once more along the wall.
         """
         m, p, design = len(change), len(self._slopes), self.surrogate.design
         t, gain = np.tile(np.clip(design.to_t(start), -1, 1), (m, 1)), np.ones(m)
@@ -278,12 +279,12 @@ def glance(
     return sample.look(effect, np.concatenate([points, sample.places(effect)]), events, rng, guessed)
 
 
-def closer(sample: Sample, look: Look, rng: np.random.Generator) -> Look:
+def looked_again(sample: Sample, look: Look, rng: np.random.Generator) -> Look:
     """A look with more events at what looked best at first, and beside it, and where the events disagree."""
     finished = sample.fit.model.plus(look.effect).newest_acts_last
     events = (SEARCH.final_events if finished else SEARCH.dear_events) * look.events
-    for most, share in SEARCH.closer:
-        look = sample.closer(look, most, share, events, rng)
+    for most, share in SEARCH.looks:
+        look = sample.again(look, most, share, events, rng)
     return look
 
 
@@ -330,10 +331,10 @@ def starts_of(sample: Sample, look: Look) -> list[Start]:
 
 
 def hidden(sample: Sample, start: Start, rng: np.random.Generator, effort: Effort) -> list[Start]:
-    """Starts at large strengths, to either side, of an effect whose small strength theta hides; else none.
+    """Starts at large strengths, to either side, of an effect that theta hides where it is weak; else none.
 
-    Theta is searched for at each of a row of strengths, near where it was at the one before; where it then fits better
-    than beside it, a fit may begin.
+    Theta is searched for along a row of strengths, at each from where it was at the one before. A fit may begin where
+    chi-squared is lower than at the strengths next to it.
     """
     fit, target, effect = sample.fit, sample.target, start.model.effects[-1]
     strength, p = effect.parameters[0], fit.model.dim

@@ -12,7 +12,7 @@ from avobench.diagnosis.effort import Effort, Phases
 from avobench.diagnosis.experience.recogniser import resemblance
 from avobench.diagnosis.fit.descent import refine, sharpen
 from avobench.diagnosis.fit.fit import Fit
-from avobench.diagnosis.search.candidates import Candidates, Weighed, worth
+from avobench.diagnosis.search.candidates import Candidates, Weighed, cost
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.search.screening import Start
 from avobench.diagnosis.settings import BUDGET, FIT, SCORE, SEARCH
@@ -48,14 +48,14 @@ class Search:
         Where the simulated events end, those that were weighed until then; None if they end before any was.
         """
         effects = [effect.adapted(self.x) for effect in self.effects if self.looks_at({effect.feature})]
-        weighed, left = [Weighed.of(null)], []
+        weighed, dropped = [Weighed.of(null)], []
         meter = null.model.events.meter if null.model.events is not None else Meter()
         like = resemblance(null.model.task, effects, self.x, None)
         with suppress(BudgetExhausted):
             like = self.like(null.model, null.params)
-            self.look(weighed, left, effects, like)
+            self.extend(weighed, dropped, effects, like)
         known = {one.effects for one in weighed}
-        weighed += [one for one in left if one.effects not in known]
+        weighed += [one for one in dropped if one.effects not in known]
         return Posterior.of(weighed, effects, like) if len(weighed) > 1 or not meter.refused else None
 
     def like(self, model: Model, theta: NDArray[np.float64]) -> dict[str, float]:
@@ -64,11 +64,13 @@ class Search:
         make = (lambda n: model.simulate(np.tile(theta, (n, 1)), rng)) if self.experience else None
         return resemblance(model.task, self.effects, self.x, make)
 
-    def look(self, weighed: list[Weighed], left: list[Weighed], effects: list[Effect], like: dict[str, float]) -> None:
-        """Add to the models `weighed`, at first the null alone, all that may matter: an effect more in each round.
+    def extend(
+        self, weighed: list[Weighed], dropped: list[Weighed], effects: list[Effect], like: dict[str, float]
+    ) -> None:
+        """Extend the models `weighed`, at first the null alone, by all that may matter: an effect more in each round.
 
-        What was `left` behind is no model to add to. It may be right, as no shape is exactly that of nature. Raises
-        BudgetExhausted where the simulated events end.
+        Models that fall behind go to `dropped`, and no effect is added to them. They may be right all the same, as no
+        shape is exactly that of nature. Raises BudgetExhausted where the simulated events end.
         """
         first, beam = self.candidates(weighed[0], effects, like), weighed[:1]
         shapes = [shape for effect in effects for shape in effect.shapes() if self.looks_at(named(shape))]
@@ -87,10 +89,10 @@ class Search:
                 larger, smaller = search.weighed(looks, beside)
                 added += larger
                 weighed += larger
-                left += smaller
+                dropped += smaller
             beam = self.foremost(added)
-            if size == 2 and beam:  # each of the two may describe the events alone, from where it is beside the other
-                weighed += first.told_apart([start_without(beam[0].fit, k) for k in (0, 1)], -np.inf)[0]
+            if size == 2 and beam:  # each of the two may describe the events alone: fitted from its values in the pair
+                weighed += first.halved([start_without(beam[0].fit, k) for k in (0, 1)], -np.inf)[0]
 
     def looks_at(self, features: set[int | str | None]) -> bool:
         """Whether effects are looked for on all single features among these."""
@@ -104,7 +106,7 @@ class Search:
 
     def foremost(self, added: list[Weighed]) -> list[Weighed]:
         """The best model of each set of effects, of the best SEARCH.parents sets."""
-        best_last = sorted(added, key=worth)[::-1]
+        best_last = sorted(added, key=cost)[::-1]
         return list({one.effects: one for one in best_last}.values())[::-1][: SEARCH.parents]
 
 
@@ -114,7 +116,7 @@ def named(shape: Effect) -> set[int | str | None]:
 
 
 def start_without(fit: Fit, k: int) -> Start:
-    """Where to begin a fit without the k-th effect: where the others are beside it, as far as they are known there."""
+    """A start without the k-th effect: other parameters keep their values, and are searched for within their errors."""
     model, gone = fit.model.minus(k), fit.model.columns(k)
     kept = np.delete(np.arange(fit.model.dim), np.arange(gone.start, gone.stop))
     half = FIT.min_sigmas * np.sqrt(np.diag(fit.point_covariance))[kept]

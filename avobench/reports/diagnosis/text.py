@@ -26,8 +26,8 @@ OUTSIDE = "something outside the catalogue"
 AS_IT_IS = "the simulator as it is"
 OTHERS = "another set of effects"
 MEANT = (
-    f"How sure such a set is was learnt from {SCORE.calibrated[0]} other data sets whose answer is known, "
-    f"{SCORE.calibrated[1]} of them with an effect outside the catalogue."
+    f"These probabilities were calibrated on {SCORE.calibrated[0]} other data sets whose answer is known; "
+    f"in {SCORE.calibrated[1]} of them the effect is outside the catalogue."
 )
 """What the probabilities mean."""
 FAINT = 0.02
@@ -229,11 +229,13 @@ def likely_models(diagnosis: Diagnosis, least: float = 0.0) -> str:
 
     Models whose probability is below `least` are counted only.
     """
+    if not diagnosis.models:
+        return ""
     models = [(model(each.effects), each.probability) for each in diagnosis.models if each.probability >= least]
-    beside = [(OTHERS, diagnosis.others), (OUTSIDE, diagnosis.outside)] if diagnosis.models else []
-    told = _ranked(models + [(name, p) for name, p in beside if p is not None])
+    beside = [(name, p) for name, p in ((OTHERS, diagnosis.others), (OUTSIDE, diagnosis.outside)) if p is not None]
     counted = len(diagnosis.models) - len(models)
-    return told + (f"; {counted} more, each below {least:g}" if counted else "")
+    more = f"; {counted} more, each below {least:g}" if counted else ""
+    return f"{_ranked(models)}{more}. Not in the set: {_ranked(beside)}."
 
 
 def model(effects: list[Named]) -> str:

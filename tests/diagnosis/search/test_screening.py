@@ -8,7 +8,7 @@ from avobench import task as task_of
 from avobench.diagnosis.effort import Effort, effort_for
 from avobench.diagnosis.fit.null import fit_null
 from avobench.diagnosis.search.candidates import approach, begin, check, go_on, search_again
-from avobench.diagnosis.search.screening import Around, Sample, Start, closer, glance, hidden, starts_of
+from avobench.diagnosis.search.screening import Around, Sample, Start, glance, hidden, looked_again, starts_of
 from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.tasks.carl import Carl
@@ -22,7 +22,7 @@ def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
         rng = np.random.default_rng(seed)
         reference = counter.null.reference(counter.target, int(effort.reference * counter.target.num_events), rng)
         sample = Sample(counter.null, counter.target, effort.sample, rng, Around(reference, counter.target))
-        look = closer(sample, glance(sample, counter.effect, counter.effect.guess(counter.x), rng, effort), rng)
+        look = looked_again(sample, glance(sample, counter.effect, counter.effect.guess(counter.x), rng, effort), rng)
         starts = hidden(sample, starts_of(sample, look)[0], rng, effort)
         fits = [begin(start, reference, counter.target, rng, 20_000) for start in starts]
         fits = [go_on(fit, reference, counter.target, rng, 20_000, 7) for fit in fits]
@@ -57,7 +57,7 @@ def test_an_effect_that_theta_takes_up_for_the_most_part_is_approached_along_bot
     null, target = fit_null(Model(task), x, rng, effort, None)
     reference = null.reference(target, int(effort.reference * target.num_events), rng)
     sample = Sample(null, target, effort.sample, rng, Around(reference, target))
-    look = closer(sample, glance(sample, offset, offset.guess(x), rng, effort), rng)
+    look = looked_again(sample, glance(sample, offset, offset.guess(x), rng, effort), rng)
     start = check(starts_of(sample, look)[0], reference, target, rng, effort.fit)
     reached = approach(start, reference, target, rng, effort.fit, null)
     assert reached.expected < 0.7 * start.expected
@@ -89,7 +89,7 @@ def test_a_fit_begins_where_a_gap_is_that_is_narrower_than_any_grid():
     effect = next(e for e in catalogue(task) if e.name == "dead_region")
     reference = base.reference(target, int(effort.reference * target.num_events), rng)
     sample = Sample(base, target, effort.sample, rng, Around(reference, target))
-    look = closer(sample, glance(sample, effect, effect.guess(x), rng, effort), rng)
+    look = looked_again(sample, glance(sample, effect, effect.guess(x), rng, effort), rng)
     (best, *_) = starts_of(sample, look)
     _, centre, width = best.model.from_cube(best.point)[-3:]
     assert centre == pytest.approx(at, abs=0.03)
