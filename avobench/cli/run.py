@@ -91,7 +91,7 @@ def run(
             draw("benchmark", list(now.done.values()), figure)
 
     with kept():
-        cells = sweep.asked(tuple(trusted(task, trust) for task in tasks), **asked, in_process=state.in_process)
+        cells = sweep.asked(tuple(trusted(task, trust) for task in tasks), in_process=state.in_process, **asked)
         if figure is not None:
             require_folder(figure)
 
