@@ -189,11 +189,10 @@ class Diagnosed:
 
         Their weights are alike, and add up to those of the sample.
         """
-        fit, content = self.result.fit, io.BytesIO()
+        fit = self.result.fit
         x = fit.model.simulate(np.tile(fit.params, (len(self.task.events), 1)), np.random.default_rng(0))
         table = pd.DataFrame(x, columns=list(self.task.labels))
-        table.assign(**{WEIGHT: self.task.total / len(x)}).to_parquet(content, index=False)
-        return content.getvalue()
+        return table.assign(**{WEIGHT: self.task.total / len(x)}).to_parquet(index=False)
 
     @classmethod
     def read(cls, folder: Path, trust: bool = False) -> "Diagnosed":

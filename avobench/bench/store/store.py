@@ -172,23 +172,21 @@ class Store:
                 }
         return [sound[name] for name in sorted(sound)], {path: damaged[path] for path in sorted(damaged)}
 
-    def read_sound(self, *, traces: bool = True) -> list[dict[str, Any]]:
-        """All sound records, ordered by file name, maybe none, with a warning DamagedRecord for each other one."""
+    def read_all(self, *, traces: bool = True) -> list[dict[str, Any]]:
+        """All sound records, ordered by file name, with a warning DamagedRecord for each other one.
+
+        Raises StoreError when there are none.
+        """
         sound, damaged = self.read(traces=traces)
         for path, fault in damaged.items():
-            warnings.warn(f"{path} {fault}; {self.remedy(path, fault)}", DamagedRecord, stacklevel=3)
-        return sound
-
-    def read_all(self, *, traces: bool = True) -> list[dict[str, Any]]:
-        """All sound records as `read_sound` gives them. Raises StoreError when there are none."""
-        sound = self.read_sound(traces=traces)
+            warnings.warn(f"{path} {fault}; {self.remedy(path, fault)}", DamagedRecord, stacklevel=2)
         if not sound:
             raise StoreError(
                 f"there are no sound records in {self.path}; `avobench run --results {self.path}` makes them"
             )
         return sound
 
-    def remedy(self, path: Path, fault: str = "") -> str:
+    def remedy(self, path: Path, fault: str) -> str:
         """The sentence that says what to do about a damaged file, row or table."""
         if fault.startswith(NEWER):
             return "use the avobench that wrote it, or another results folder"

@@ -90,7 +90,7 @@ def test_a_file_that_is_edited_while_a_sweep_runs_ends_it(tmp_path):
     path.write_text(OWN.replace("SIGMA = 1.0", "SIGMA = 30.0"))
     with pytest.raises(UsageError, match="changed"):
         run(cells, store, LocalBackend(1, store.running), Watch())
-    assert not store.read_sound()
+    assert not store.read()[0]
     path.write_text(OWN)
     assert len(run(cells, store, LocalBackend(1, store.running), Watch())) == 4  # though the object counts its calls
 
