@@ -111,7 +111,7 @@ def test_a_table_cut_short_is_noticed_and_left(store):
     whole = store.table.read_bytes()
     store.table.write_bytes(whole[: len(whole) // 2])
     cells = plan(["toys:Normal"], ["toys:Moment"], "0", 1, 400, 100, 0, [])
-    for refused in (pack, lambda store: run(cells, store, LocalBackend(1, store.running, in_process=True), View())):
+    for refused in (pack, lambda store: run(cells, store, LocalBackend(None, store.running), View())):
         with pytest.raises(StoreError, match="cannot be read"):
             refused(store)
     assert store.table.read_bytes() == whole[: len(whole) // 2]

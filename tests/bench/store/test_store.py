@@ -101,7 +101,7 @@ def test_a_store_without_a_sound_record_says_so(store):
 def test_a_name_that_leads_elsewhere_is_told_before_anything_is_made(store):
     cells = plan(["toys:Normal"], ["toys:Moment"], "0-1", 1, 400, 100, 0, [])
     cells[1].identity["task"] = "../../x"  # as a file of a model could say
-    backend = LocalBackend(1, store.running, in_process=True)
+    backend = LocalBackend(None, store.running)
     with pytest.raises(UsageError, match=r"name of a task must be .* got '\.\./\.\./x'"):
         run(cells, store, backend, View())
     assert [path.name for path in store.path.rglob("*.json")] == ["store.json"]
