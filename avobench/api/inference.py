@@ -437,13 +437,12 @@ def infer(
     if sample and not task.prior.dim:
         what = "say at which each event was made, by `theta` or --theta-columns, or use diagnose"
         raise UsageError(f"there is no theta to infer: {what}")
-    if isinstance(task, Joint) or tables_in(x) is not None or (task.missing and by_moments):
-        if not by_moments:
-            what = "tables and several data sets"
-            raise UsageError(f"{what} are fitted by smm, without settings: leave method and settings out")
-        return moments(task, x, budget, seed, drop_invalid, progress, bank, jobs)
+    several = isinstance(task, Joint) or tables_in(x) is not None
+    if several and not by_moments:
+        what = "tables and several data sets"
+        raise UsageError(f"{what} are fitted by smm, without settings: leave method and settings out")
     # The lines through the whole prior, which smm has elsewhere, bend where a simulator begins to fail.
-    if by_moments and (sample or bank is not None or (failing(task) and method == "smm")):
+    if by_moments and (several or task.missing or sample or bank is not None or (failing(task) and method == "smm")):
         return moments(task, x, budget, seed, drop_invalid, progress, bank, jobs)
     if sample and bank is not None:
         raise UsageError(ALL_THERE_ARE)
@@ -472,8 +471,8 @@ def by_method(
     seed: int,
     drop_invalid: bool,
     progress: Progress | bool | None,
-    folder: str | Path | None = None,
-    jobs: int | None = None,
+    folder: str | Path | None,
+    jobs: int | None,
 ) -> Inference:
     """Infer theta from events x by a method, with events of a `folder`, or of a sample, where there is one."""
     sample = isinstance(task, SampleTask)
@@ -684,37 +683,33 @@ def by_effort(
 
 
 def moments(
-    task: Task | str | Joint,
+    task: Task | Joint,
     x: Any,
     budget: int,
     seed: int,
     drop_invalid: bool,
     progress: Progress | bool | None,
-    folder: str | Path | None = None,
-    jobs: int | None = None,
+    folder: str | Path | None,
+    jobs: int | None,
 ) -> Inference:
     """Infer theta from events or tables x, or several data sets, by the means of their summaries. Raises UsageError."""
     from avobench.diagnosis.checks import Checks
     from avobench.effects.bank import Bank
     from avobench.effects.model import Model
 
-    start, calls = time.perf_counter(), 1
-    joint, task = (task, task.task) if isinstance(task, Joint) else (None, registry.task_of(task))
-    before = beside(task)
+    start, tables = time.perf_counter(), tables_in(x)
+    joint, task = (task, task.task) if isinstance(task, Joint) else (None, task)
+    before, sample, calls = beside(task), isinstance(task, SampleTask), len(joint.sets) if joint else 1
+    if sample and folder is not None:
+        raise UsageError(ALL_THERE_ARE)
+    size = NUM_REFERENCE if joint or tables or not hasattr(x, "__len__") else len(x)
+    limit = None if sample else budget // calls
+    checks = Checks(task, size, limit, seed=seed, jobs=jobs or 1, folder=folder and Path(folder))
     if joint:
-        calls, sets = len(joint.sets), joint.sets
-        checks = Checks(task, NUM_REFERENCE, budget // calls, seed=seed, jobs=jobs or 1, folder=folder and Path(folder))
-        part, warnings = checks.joint(sets, drop_invalid=drop_invalid)
-        parts, worth = part.sets, sum(map(len, part.sets))
+        part, warnings = checks.joint(joint.sets, drop_invalid=drop_invalid)
     else:
-        tables = tables_in(x)
-        if isinstance(task, SampleTask) and folder is not None:
-            raise UsageError(ALL_THERE_ARE)
-        size = NUM_REFERENCE if tables or not hasattr(x, "__len__") else len(x)
-        limit = None if isinstance(task, SampleTask) else budget
-        checks = Checks(task, size, limit, seed=seed, jobs=jobs or 1, folder=folder and Path(folder))
         part, warnings = (checks.tables(tables), []) if tables else checks.events(x, drop_invalid=drop_invalid)
-        parts, worth = (part,), len(part)
+    parts = part.sets if joint else (part,)
     meter = checks.bank.meter
     with shown(progress) as tell:
         meter.progress = lambda used: tell("smm", calls * used, budget)
@@ -722,7 +717,7 @@ def moments(
         gate, fit, posterior = by_effort(
             Model(task, events=source), part, meter, stream(seed, "method", task.name, "smm")
         )
-    require_enough(task, fit.params, worth)
+    require_enough(task, fit.params, sum(map(len, parts)))
     theta, std, width = fit.params, fit.std, task.support.width
     covariance = fit.point_covariance * np.outer(width, width)
     if posterior:
