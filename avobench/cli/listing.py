@@ -1,17 +1,22 @@
-"""Tables that the command line prints."""
+"""`avobench list`, what there is to choose from, and the tables that other commands print."""
 
 import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import click
 import pandas as pd
 
 from avobench.bench.plugins import registry
 from avobench.bench.store.frame import labels, mean_errors, to_frame
 from avobench.bench.store.status import Status
+from avobench.cli.isolated import Isolated
+from avobench.cli.options import TRUST
+from avobench.cli.terminal import say
 from avobench.effects import Effect, Parameter
 from avobench.effects.catalogue import catalogue
 from avobench.reports.numbers import in_unit
+from avobench.tasks.errors import UsageError
 
 WIDTH = 110
 """Columns that a line takes at most, as in the help of the commands."""
@@ -23,6 +28,26 @@ EXAMPLES = {
     "images": ("alignment",),
 }
 """Tasks for which the effects of each domain are listed where no task is given: together they show all shapes."""
+
+
+@click.command("list", cls=Isolated)
+@click.argument("kind", type=click.Choice(["tasks", "methods", "effects"]), required=False)
+@click.option(
+    "--task",
+    "spec",
+    metavar="NAME",
+    help="List the effects that apply to this task, with the bounds of their parameters.",
+)
+@TRUST
+def list_(kind: str | None, spec: str | None, trust: bool) -> None:
+    """List the tasks, the methods and the effects, or one kind of them."""
+    if spec is not None:
+        if kind not in (None, "effects"):
+            raise UsageError(f"--task is for `avobench list effects`, not for {kind}")
+        say(effects_of(registry.trusted(spec, trust)))
+        return
+    tables = {"tasks": tasks, "methods": methods, "effects": effects}
+    say("\n\n".join(table() for name, table in tables.items() if kind in (None, name)))
 
 
 def tasks() -> str:
