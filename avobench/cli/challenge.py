@@ -1,6 +1,7 @@
 """`avobench challenge`: hide effects in data, diagnose them, and see how often the diagnosis was right."""
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from avobench.cli.state import State
 from avobench.cli.terminal import say
 from avobench.tasks.errors import UsageError
 
+_say = partial(say, err=True)
 FOLDER = click.argument("folder", type=PATH)
 
 
@@ -102,7 +104,3 @@ def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bo
         return
     result = score_all(*challenges, trust=trust)
     say(json.dumps(result, indent=1, allow_nan=False) if kind == "json" else as_text(result))
-
-
-def _say(line: str) -> None:
-    say(line, err=True)
