@@ -14,7 +14,7 @@ from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.trial import blank_record, execute, execute_together, told
 from avobench.bench.processes.calls import Call, Limits, outcomes
 from avobench.bench.processes.contract import ATTEMPTS, Backend, differing, heartbeat
-from avobench.bench.store.files import store_errors, write_atomically
+from avobench.bench.store.files import disk_errors, write_atomically
 from avobench.bench.store.status import Status
 from avobench.tasks.errors import UsageError
 
@@ -55,7 +55,7 @@ class LocalBackend(Backend):
         return self.jobs or 1
 
     def records(self, cells: list[Cell], note: Callable[[str], None]) -> Iterator[dict[str, Any]]:
-        with store_errors(f"{self.marks} cannot be made"):
+        with disk_errors(f"{self.marks} cannot be made"):
             self.marks.mkdir(exist_ok=True)
         deaths: dict[str, int] = {}
         work, jobs = self.pieces(cells), self.jobs

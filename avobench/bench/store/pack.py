@@ -4,7 +4,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from avobench.bench.store.files import store_errors, sync_folder
+from avobench.bench.store.files import disk_errors, sync_folder
 from avobench.bench.store.packed import Row, Unreadable, read_rows, write_rows
 from avobench.bench.store.store import Store
 from avobench.tasks.errors import StoreError
@@ -40,7 +40,7 @@ def pack(store: Store) -> Packed:
                 files.append(entry.path)
         if not rows and not damaged:
             raise StoreError(f"there are no records in {store.path} to pack")
-        with store_errors(f"{store.path} could not be packed"):
+        with disk_errors(f"{store.path} could not be packed"):
             if rows != before:
                 write_rows(store.table, [rows[name] for name in sorted(rows)])
             sync_folder(store.path)  # the table is in its folder for good before the first file goes

@@ -13,7 +13,7 @@ from typing import Any
 
 from avobench.bench.store.claim import claim
 from avobench.bench.store.damage import DamagedRecord
-from avobench.bench.store.files import NAMES, locked, not_plain, store_errors, within, write_atomically
+from avobench.bench.store.files import NAMES, disk_errors, locked, not_plain, within, write_atomically
 from avobench.bench.store.packed import Unreadable, read_rows
 from avobench.bench.store.record import NEWER, SCHEMA_VERSION, UNREAD, decode_record, encode, file_name
 from avobench.tasks.errors import StoreError, UsageError
@@ -95,7 +95,7 @@ class Store:
             raise StoreError(f"{path} {why}; remove it")
         if not (self.path / "store.json").exists():
             raise StoreError(f"the results folder {self.path} was removed while it was in use, and its records with it")
-        with store_errors(f"a record could not be written to {self.records}"):
+        with disk_errors(f"a record could not be written to {self.records}"):
             self.records.mkdir(exist_ok=True)
             return write_atomically(path, content)
 
@@ -106,7 +106,7 @@ class Store:
     def log_sweep(self, entry: dict[str, Any]) -> None:
         """Add a line to `sweeps.jsonl`, which tells how the records were made. Raises StoreError."""
         path = self.path / "sweeps.jsonl"
-        with store_errors(f"{path} could not be written"), path.open("a+b") as file:
+        with disk_errors(f"{path} could not be written"), path.open("a+b") as file:
             torn = file.tell() > 0 and (file.seek(-1, os.SEEK_END), file.read(1))[1] != b"\n"
             file.write(b"\n" * torn + json.dumps(entry).encode() + b"\n")
 
@@ -147,7 +147,7 @@ class Store:
     def _files(self) -> list[Path]:
         """The files of records. Raises StoreError when the folder cannot be listed: it would seem to be empty."""
         with (
-            store_errors(f"{self.records} cannot be listed"),
+            disk_errors(f"{self.records} cannot be listed"),
             suppress(FileNotFoundError),
             os.scandir(self.records) as found,
         ):
@@ -204,7 +204,7 @@ class Store:
         folder, row = self.path / "damaged", None
         if path.parent == self.table:
             row = next(entry.content for entry in self.entries() if entry.path == path)
-        with store_errors(f"{path} could not be set aside"):
+        with disk_errors(f"{path} could not be set aside"):
             folder.mkdir(exist_ok=True)
             target, number = within(folder, path.name), 1
             while target.exists():
@@ -217,7 +217,7 @@ class Store:
     def remove_leftovers(self) -> None:
         """Delete what a killed run left half-done. Needs the lock. Raises StoreError."""
         leftovers = [*self.path.glob(".*.tmp"), *self.path.glob(".writer.*"), *self.records.glob(".*.tmp")]
-        with store_errors(f"{self.path} could not be tidied up"):
+        with disk_errors(f"{self.path} could not be tidied up"):
             for leftover in [*leftovers, *self.running.glob("*")]:
                 leftover.unlink(missing_ok=True)  # the workers of a killed run may still be ending
 
