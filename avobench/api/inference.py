@@ -76,13 +76,6 @@ KEPT = 5
 ROOM = 20_000
 """Events for each parameter, on top of the least for the first fit and the tests of a diagnosis, with which fits by
 moments of few events ended on development cases."""
-UNDECIDED = "too few simulated events to tell how well theta is known: errors may be far too large"
-"""What is said of a fit whose slopes do not stand out of the noise of simulation."""
-PRIOR_LEFT_OUT = (
-    "the prior of {} counts by its ends alone, as theta moves too far with it for what the fit knows: allow more "
-    "simulated events, or fit one set of events without bank by avo or abc-smc"
-)
-"""What is said of a fit by moments that could not take account of a prior."""
 REPEATED = 1.1
 """So often the events of a bank may be used on average without a word."""
 DEFAULTS = ("avo", "rank-moments")
@@ -723,10 +716,14 @@ def moments(
     if posterior:
         (theta, covariance), std = posterior, np.sqrt(np.diag(posterior.covariance))
     elif isinstance(task.prior, Distributed):
-        names = [one for one, law in zip(task.parameter_names, task.prior.laws, strict=True) if law]
-        warnings.append(PRIOR_LEFT_OUT.format(", ".join(names)))
+        names = ", ".join(one for one, law in zip(task.parameter_names, task.prior.laws, strict=True) if law)
+        warnings.append(
+            f"the prior of {names} counts by its ends alone, as theta moves too far with it for what the fit knows: "
+            "allow more simulated events, or fit one set of events without bank by avo or abc-smc"
+        )
     doubt = f"the fit and what was measured disagree: p = {gate.p_value:.2g}" if gate.p_value < DOUBTED else ""
-    doubt = doubt or (UNDECIDED if fit.undecided else "")
+    if fit.undecided and not doubt:  # its slopes do not stand out of the noise of simulation
+        doubt = "too few simulated events to tell how well theta is known: errors may be far too large"
     how = f"where the means of the summaries agree, chi-squared {gate.statistic:.1f}, dof {gate.dof}"
     used = calls * (meter.used - meter.failed) + beside(task) - before
     trace = [TracePoint(used, theta, std)]

@@ -44,11 +44,8 @@ SETTINGS = click.option(
 SECONDS = click.option(
     "--seconds", type=float, help="End the command, and all that it started, after so many seconds.  [no limit]"
 )
-TIME_LIMIT, MEMORY_LIMIT = (
-    click.option(f"--{what}-limit", type=float, metavar=unit, help=f"Limit for {of}.  [{usual}]")
-    for what, unit, of, usual in (
-        ("time", "SECONDS", "each cell or data set", 21600),
-        ("memory", "MIB", "the process of each", 8192),
-    )
+TIME_LIMIT = click.option(
+    "--time-limit", type=float, metavar="SECONDS", help="Limit for each cell or data set.  [21600]"
 )
+MEMORY_LIMIT = click.option("--memory-limit", type=float, metavar="MIB", help="Limit for the process of each.  [8192]")
 DROP_INVALID = click.option("--drop-invalid", is_flag=True, help="Leave out rows with NaN or infinite values.")
