@@ -386,7 +386,7 @@ def diagnose(
     registry.require_packages("task", task)
     folder, before = None if bank is None else Path(bank), beside(task)
     tables, part = tables_in(x), None
-    size = NUM_REFERENCE if joint or tables else _rows(x)
+    size = NUM_REFERENCE if joint or tables or not hasattr(x, "__len__") else len(x)
     checks = Checks(task, size, simulations, seed=seed, jobs=jobs, folder=folder)
     possible = registry.blamed(checks.entries, f"task {task.name}")
     tried = list(possible) if effects is None else chosen(possible, effects, spec or task.name)
@@ -479,13 +479,6 @@ def _timed(
     if len(x) < len(when):
         require_order(when := when[valid(checks.task, given)])
     return x, when, warnings + more
-
-
-def _rows(x: ArrayLike | pd.DataFrame) -> int:
-    try:
-        return len(x)
-    except TypeError:
-        return 0
 
 
 def _named(task: Task | str | ArrayLike | pd.DataFrame, x: Any) -> tuple[Task, str | None]:

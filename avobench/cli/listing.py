@@ -23,11 +23,11 @@ WIDTH = 110
 NO_BREAK = "\u00a0"
 """A blank within the name of a shape, at which no line ends."""
 EXAMPLES = {
-    "counts": ("poisson",),
-    "continuous": ("carl", "weinberg", "avobench.tasks.decays:DECAYS"),
-    "images": ("alignment",),
+    "events that are one count each": ("poisson",),
+    "events of real numbers": ("carl", "weinberg", "avobench.tasks.decays:DECAYS"),
+    "events that are images": ("alignment",),
 }
-"""Tasks for which the effects of each domain are listed where no task is given: together they show all shapes."""
+"""Tasks for which the effects on each kind of events are listed where no task is given: they show all shapes."""
 
 
 @click.command("list", cls=Isolated)
@@ -80,8 +80,8 @@ def methods() -> str:
 def effects() -> str:
     """Every installed effect by the kind of events that it is for: what it does, its shapes and their parameters."""
     lines = ["effects that a simulator may lack, their shapes, and the parameters of each shape, the strength first"]
-    for kind, names in EXAMPLES.items():
-        lines.append(f"  on {_DOMAINS[kind]}")
+    for events, names in EXAMPLES.items():
+        lines.append(f"  on {events}")
         entries = [effect for name in names for effect in catalogue(registry.build("task", name, {}))]
         for name in dict.fromkeys(effect.name for effect in entries):
             shapes = [shape for effect in entries if effect.name == name for shape in effect.shapes()]
@@ -104,13 +104,6 @@ def effects_of(spec: str) -> str:
         if len(own) > 1 and isinstance(own[0].feature, str):
             lines += _wrapped(f"        each acts on one of {', '.join(effect.feature for effect in own)}", 12)
     return "\n".join(lines)
-
-
-_DOMAINS = {
-    "counts": "events that are one count each",
-    "continuous": "events of real numbers",
-    "images": "events that are images",
-}
 
 
 def _effect(shapes: Sequence[Effect], told: Callable[[Parameter], str]) -> list[str]:
