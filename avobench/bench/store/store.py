@@ -13,8 +13,8 @@ from typing import Any
 
 from avobench.bench.store.claim import claim
 from avobench.bench.store.damage import DamagedRecord
-from avobench.bench.store.files import NAMES, disk_errors, locked, not_plain, within, write_atomically
-from avobench.bench.store.packed import Unreadable, read_rows
+from avobench.bench.store.files import NAMES, disk_errors, locked, not_plain, sync_folder, within, write_atomically
+from avobench.bench.store.packed import Row, Unreadable, read_rows, write_rows
 from avobench.bench.store.record import NEWER, SCHEMA_VERSION, UNREAD, decode_record, encode, file_name
 from avobench.tasks.errors import StoreError, UsageError
 
@@ -29,6 +29,16 @@ class Entry:
     record: dict[str, Any] | None
     """The record; None where it is damaged."""
     fault: str = ""
+
+
+@dataclass(frozen=True)
+class Packed:
+    rows: int
+    """Records in the table now."""
+    folded: int
+    """Files that became rows."""
+    damaged: dict[Path, str]
+    """Files and rows that were left as they are, with what is wrong with each."""
 
 
 class Store:
@@ -213,6 +223,39 @@ class Store:
                 target = within(folder, f"{path.name}.{number}")
                 number += 1
             return path.rename(target) if row is None else write_atomically(target, row)
+
+    def pack(self) -> Packed:
+        """Fold the records that are files into the table; a file wins over the row of the same cell.
+
+        The table is put in its place before the first file is removed, so a kill loses nothing, and packing again goes
+        on. Raises UsageError while a sweep writes to the store, StoreError when a table cannot be read or written.
+        """
+        with self.lock():
+            self.remove_leftovers()
+            try:
+                before = {row.file: row for row in read_rows(self.table)}
+            except Unreadable as error:  # a new table would lose what cannot be read
+                raise StoreError(f"{self.table} {error}; {self.remedy(self.table, str(error))}") from error
+            rows, damaged, files = dict(before), {}, []
+            for entry in self.entries():
+                if entry.path == self.table:
+                    raise StoreError(f"{entry.path} {entry.fault}; {self.remedy(entry.path, entry.fault)}")
+                if entry.record is None:
+                    damaged[entry.path] = entry.fault
+                elif entry.path.parent == self.records:
+                    rows[entry.path.name] = Row(entry.path.name, entry.content.decode())
+                    files.append(entry.path)
+            if not rows and not damaged:
+                raise StoreError(f"there are no records in {self.path} to pack")
+            with disk_errors(f"{self.path} could not be packed"):
+                if rows != before:
+                    write_rows(self.table, [rows[name] for name in sorted(rows)])
+                sync_folder(self.path)  # the table is in its folder for good before the first file goes
+                for path in files:
+                    path.unlink()
+            with suppress(OSError):  # not empty, or not there
+                self.records.rmdir()
+        return Packed(len(rows), len(files), damaged)
 
     def remove_leftovers(self) -> None:
         """Delete what a killed run left half-done. Needs the lock. Raises StoreError."""

@@ -9,7 +9,6 @@ from sound_records import identified
 
 from avobench.bench.cells.trial import execute
 from avobench.bench.processes.local import LocalBackend
-from avobench.bench.store.pack import pack
 from avobench.bench.store.record import file_name
 from avobench.bench.store.store import DamagedRecord, Store
 from avobench.bench.sweep.plan import plan
@@ -87,7 +86,7 @@ def test_a_record_that_no_reader_could_use_is_damaged_though_its_checksum_is_rig
         sound, damaged = store.read()
         assert sound == [good]
         assert message in damaged[path]
-        pack(store)
+        store.pack()
     with pytest.raises(StoreError, match=message):
         store.write(bad)
 
