@@ -23,8 +23,6 @@ LEAST_PROBABLE = 0.01
 """Names with a smaller probability are in diagnosis.json only."""
 SIDES = {1: "one-sided", 2: "two-sided"}
 OUTSIDE = "something outside the catalogue"
-AS_IT_IS = "the simulator as it is"
-OTHERS = "another set of effects"
 MEANT = (
     f"How sure such a set is was learnt from {SCORE.calibrated[0]} other data sets whose answer is known, "
     f"{SCORE.calibrated[1]} of them with an effect outside the catalogue."
@@ -230,7 +228,7 @@ def likely_models(diagnosis: Diagnosis, least: float = 0.0) -> str:
     Models whose probability is below `least` are counted only.
     """
     models = [(model(each.effects), each.probability) for each in diagnosis.models if each.probability >= least]
-    beside = [(OTHERS, diagnosis.others), (OUTSIDE, diagnosis.outside)] if diagnosis.models else []
+    beside = [("another set of effects", diagnosis.others), (OUTSIDE, diagnosis.outside)] if diagnosis.models else []
     told = _ranked(models + [(name, p) for name, p in beside if p is not None])
     counted = len(diagnosis.models) - len(models)
     return told + (f"; {counted} more, each below {least:g}" if counted else "")
@@ -238,7 +236,7 @@ def likely_models(diagnosis: Diagnosis, least: float = 0.0) -> str:
 
 def model(effects: list[Named]) -> str:
     """A set of effects."""
-    return " + ".join(map(label, effects)) or AS_IT_IS
+    return " + ".join(map(label, effects)) or "the simulator as it is"
 
 
 def _ranked(names: list[tuple[str, float]]) -> str:
