@@ -27,13 +27,6 @@ PATH = click.Path(path_type=Path)
 RESULTS = click.option("--results", type=PATH, default=DEFAULT, help="Folder of the records.")
 SEED = click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, help="Seed of all random numbers.")
 TRUST = click.option("--trust", is_flag=True, help="Allow a model.json to run code that it names.")
-JOINT = click.option(
-    "--joint",
-    "sets",
-    metavar="FILE.toml",
-    help="Several data sets with one theta, a section each, in place of a task and data.",
-)
-COLUMNS = names("--columns", "Columns or branches to read, in this order.")
 SETTINGS = click.option(
     "--set",
     "settings",
