@@ -7,6 +7,8 @@ from typing import Any
 import click
 
 from avobench.api.sweep import RESULTS as DEFAULT
+from avobench.bench.processes.workers import Workers
+from avobench.cli.state import State
 from avobench.tasks.errors import UsageError
 
 
@@ -21,6 +23,12 @@ def listed(context: click.Context, option: click.Parameter, given: tuple[str, ..
 def names(option: str, told: str) -> Callable[..., Any]:
     """An option that takes names in one or several lists `A,B,...`."""
     return click.option(option, multiple=True, metavar="A,B,...", callback=listed, help=told)
+
+
+def workers_of(options: dict[str, Any], state: State) -> Workers:
+    """The workers that a command line asks for, whose options are taken out of those of the command."""
+    asked = {name: options.pop(name) for name in Workers.__dataclass_fields__ if name in options}
+    return Workers(**asked, in_process=state.in_process)
 
 
 PATH = click.Path(path_type=Path)
