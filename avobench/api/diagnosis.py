@@ -189,11 +189,10 @@ class Diagnosed:
 
         Their weights are alike, and add up to those of the sample.
         """
-        fit, content = self.result.fit, io.BytesIO()
+        fit = self.result.fit
         x = fit.model.simulate(np.tile(fit.params, (len(self.task.events), 1)), np.random.default_rng(0))
         table = pd.DataFrame(x, columns=list(self.task.labels))
-        table.assign(**{WEIGHT: self.task.total / len(x)}).to_parquet(content, index=False)
-        return content.getvalue()
+        return table.assign(**{WEIGHT: self.task.total / len(x)}).to_parquet(index=False)
 
     @classmethod
     def read(cls, folder: Path, trust: bool = False) -> "Diagnosed":
@@ -387,7 +386,7 @@ def diagnose(
     registry.require_packages("task", task)
     folder, before = None if bank is None else Path(bank), beside(task)
     tables, part = tables_in(x), None
-    size = NUM_REFERENCE if joint or tables else _rows(x)
+    size = NUM_REFERENCE if joint or tables or not hasattr(x, "__len__") else len(x)
     checks = Checks(task, size, simulations, seed=seed, jobs=jobs, folder=folder)
     possible = registry.blamed(checks.entries, f"task {task.name}")
     tried = list(possible) if effects is None else chosen(possible, effects, spec or task.name)
@@ -480,13 +479,6 @@ def _timed(
     if len(x) < len(when):
         require_order(when := when[valid(checks.task, given)])
     return x, when, warnings + more
-
-
-def _rows(x: ArrayLike | pd.DataFrame) -> int:
-    try:
-        return len(x)
-    except TypeError:
-        return 0
 
 
 def _named(task: Task | str | ArrayLike | pd.DataFrame, x: Any) -> tuple[Task, str | None]:

@@ -76,13 +76,6 @@ KEPT = 5
 ROOM = 20_000
 """Events for each parameter, on top of the least for the first fit and the tests of a diagnosis, with which fits by
 moments of few events ended on development cases."""
-UNDECIDED = "too few simulated events to tell how well theta is known: errors may be far too large"
-"""What is said of a fit whose slopes do not stand out of the noise of simulation."""
-PRIOR_LEFT_OUT = (
-    "the prior of {} counts by its ends alone, as theta moves too far with it for what the fit knows: allow more "
-    "simulated events, or fit one set of events without bank by avo or abc-smc"
-)
-"""What is said of a fit by moments that could not take account of a prior."""
 REPEATED = 1.1
 """So often the events of a bank may be used on average without a word."""
 DEFAULTS = ("avo", "rank-moments")
@@ -437,13 +430,12 @@ def infer(
     if sample and not task.prior.dim:
         what = "say at which each event was made, by `theta` or --theta-columns, or use diagnose"
         raise UsageError(f"there is no theta to infer: {what}")
-    if isinstance(task, Joint) or tables_in(x) is not None or (task.missing and by_moments):
-        if not by_moments:
-            what = "tables and several data sets"
-            raise UsageError(f"{what} are fitted by smm, without settings: leave method and settings out")
-        return moments(task, x, budget, seed, drop_invalid, progress, bank, jobs)
+    several = isinstance(task, Joint) or tables_in(x) is not None
+    if several and not by_moments:
+        what = "tables and several data sets"
+        raise UsageError(f"{what} are fitted by smm, without settings: leave method and settings out")
     # The lines through the whole prior, which smm has elsewhere, bend where a simulator begins to fail.
-    if by_moments and (sample or bank is not None or (failing(task) and method == "smm")):
+    if by_moments and (several or task.missing or sample or bank is not None or (failing(task) and method == "smm")):
         return moments(task, x, budget, seed, drop_invalid, progress, bank, jobs)
     if sample and bank is not None:
         raise UsageError(ALL_THERE_ARE)
@@ -472,8 +464,8 @@ def by_method(
     seed: int,
     drop_invalid: bool,
     progress: Progress | bool | None,
-    folder: str | Path | None = None,
-    jobs: int | None = None,
+    folder: str | Path | None,
+    jobs: int | None,
 ) -> Inference:
     """Infer theta from events x by a method, with events of a `folder`, or of a sample, where there is one."""
     sample = isinstance(task, SampleTask)
@@ -684,37 +676,33 @@ def by_effort(
 
 
 def moments(
-    task: Task | str | Joint,
+    task: Task | Joint,
     x: Any,
     budget: int,
     seed: int,
     drop_invalid: bool,
     progress: Progress | bool | None,
-    folder: str | Path | None = None,
-    jobs: int | None = None,
+    folder: str | Path | None,
+    jobs: int | None,
 ) -> Inference:
     """Infer theta from events or tables x, or several data sets, by the means of their summaries. Raises UsageError."""
     from avobench.diagnosis.checks import Checks
     from avobench.effects.bank import Bank
     from avobench.effects.model import Model
 
-    start, calls = time.perf_counter(), 1
-    joint, task = (task, task.task) if isinstance(task, Joint) else (None, registry.task_of(task))
-    before = beside(task)
+    start, tables = time.perf_counter(), tables_in(x)
+    joint, task = (task, task.task) if isinstance(task, Joint) else (None, task)
+    before, sample, calls = beside(task), isinstance(task, SampleTask), len(joint.sets) if joint else 1
+    if sample and folder is not None:
+        raise UsageError(ALL_THERE_ARE)
+    size = NUM_REFERENCE if joint or tables or not hasattr(x, "__len__") else len(x)
+    limit = None if sample else budget // calls
+    checks = Checks(task, size, limit, seed=seed, jobs=jobs or 1, folder=folder and Path(folder))
     if joint:
-        calls, sets = len(joint.sets), joint.sets
-        checks = Checks(task, NUM_REFERENCE, budget // calls, seed=seed, jobs=jobs or 1, folder=folder and Path(folder))
-        part, warnings = checks.joint(sets, drop_invalid=drop_invalid)
-        parts, worth = part.sets, sum(map(len, part.sets))
+        part, warnings = checks.joint(joint.sets, drop_invalid=drop_invalid)
     else:
-        tables = tables_in(x)
-        if isinstance(task, SampleTask) and folder is not None:
-            raise UsageError(ALL_THERE_ARE)
-        size = NUM_REFERENCE if tables or not hasattr(x, "__len__") else len(x)
-        limit = None if isinstance(task, SampleTask) else budget
-        checks = Checks(task, size, limit, seed=seed, jobs=jobs or 1, folder=folder and Path(folder))
         part, warnings = (checks.tables(tables), []) if tables else checks.events(x, drop_invalid=drop_invalid)
-        parts, worth = (part,), len(part)
+    parts = part.sets if joint else (part,)
     meter = checks.bank.meter
     with shown(progress) as tell:
         meter.progress = lambda used: tell("smm", calls * used, budget)
@@ -722,16 +710,20 @@ def moments(
         gate, fit, posterior = by_effort(
             Model(task, events=source), part, meter, stream(seed, "method", task.name, "smm")
         )
-    require_enough(task, fit.params, worth)
+    require_enough(task, fit.params, sum(map(len, parts)))
     theta, std, width = fit.params, fit.std, task.support.width
     covariance = fit.point_covariance * np.outer(width, width)
     if posterior:
         (theta, covariance), std = posterior, np.sqrt(np.diag(posterior.covariance))
     elif isinstance(task.prior, Distributed):
-        names = [one for one, law in zip(task.parameter_names, task.prior.laws, strict=True) if law]
-        warnings.append(PRIOR_LEFT_OUT.format(", ".join(names)))
+        names = ", ".join(one for one, law in zip(task.parameter_names, task.prior.laws, strict=True) if law)
+        warnings.append(
+            f"the prior of {names} counts by its ends alone, as theta moves too far with it for what the fit knows: "
+            "allow more simulated events, or fit one set of events without bank by avo or abc-smc"
+        )
     doubt = f"the fit and what was measured disagree: p = {gate.p_value:.2g}" if gate.p_value < DOUBTED else ""
-    doubt = doubt or (UNDECIDED if fit.undecided else "")
+    if fit.undecided and not doubt:  # its slopes do not stand out of the noise of simulation
+        doubt = "too few simulated events to tell how well theta is known: errors may be far too large"
     how = f"where the means of the summaries agree, chi-squared {gate.statistic:.1f}, dof {gate.dof}"
     used = calls * (meter.used - meter.failed) + beside(task) - before
     trace = [TracePoint(used, theta, std)]

@@ -92,25 +92,17 @@ def run(
         If the folder cannot be used.
     """
     workers = workers or Workers()
-    request = (tasks, methods, targets, budget, observations, repetitions, seed, settings, device)
+    numbers = {"budget": budget, "observations": observations, "repetitions": repetitions, "seed": seed}
+    how = {"targets": targets, **numbers, "settings": settings, "device": device}
     with kept():
-        cells = asked(*request, in_process=workers.in_process)
+        cells = asked(tasks, methods, in_process=workers.in_process, **how)
         return to_frame(carried_out(cells, results, workers, retry_failed=retry_failed, view=view, debug=debug))
 
 
 def asked(
-    tasks: str | Sequence[str] = (),
-    methods: str | Sequence[str] = (),
-    targets: str = "0-14",
-    budget: int = 160_000,
-    observations: int = 100_000,
-    repetitions: int = 1,
-    seed: int = 0,
-    settings: Sequence[str] = (),
-    device: str = "cpu",
-    in_process: bool = False,
+    tasks: str | Sequence[str], methods: str | Sequence[str], *, in_process: bool = False, **how: Any
 ) -> list[Cell]:
-    """The cells that `run` carries out, in their order.
+    """The cells that `run` carries out, in their order; `how` is what else `plan` takes.
 
     Tasks and methods of the user's are looked at in a process of its own, unless `in_process`. One that ends it, or
     takes a minute, where its simulator is tried is left to the sweep; elsewhere UsageError is raised.
@@ -121,16 +113,15 @@ def asked(
     }
     if not tasks:
         chosen["task"] = [name for name in chosen["task"] if registry.load("task", name).by_default]
-    numbers = (targets, repetitions, budget, observations, seed)
-    request = (chosen["task"], chosen["method"], *numbers, list(settings), device)
+    planned = partial(plan, chosen["task"], chosen["method"], **how)
     theirs = [spec for kind, specs in chosen.items() for spec in specs if registry.runs_theirs(kind, spec)]
     if in_process or not theirs:
-        return plan(*request)
+        return planned()
     limits = Limits(LOOK_SECONDS * len(theirs), LIMITS.mib)
     with suppress(ProcessEnded):
-        return apart(Call(plan, request, limits))
+        return apart(Call(planned, (), limits))
     try:
-        return apart(Call(partial(plan, tried=False), request, limits))
+        return apart(Call(partial(planned, tried=False), (), limits))
     except ProcessEnded as error:
         raise UsageError(f"{', '.join(theirs)}: cannot be used: {error}") from error
 

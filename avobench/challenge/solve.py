@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from avobench.bench.events import read_events
 from avobench.bench.plugins import registry
-from avobench.bench.processes.calls import Call, here, outcomes
+from avobench.bench.processes.calls import Call, outcomes
 from avobench.bench.processes.workers import Workers
 from avobench.bench.store.files import require_folder, write_file
 from avobench.challenge.make import MANIFEST
@@ -42,7 +42,7 @@ def solve(
     manifest = read_manifest(folder)
     spec = registry.named_in(folder / "manifest.json", "task", manifest["task"], trust)
     workers, options = workers or Workers(jobs=1), options or {}
-    if "bank" in options and workers.processes > 1:
+    if "bank" in options and (workers.processes or 1) > 1:
         raise UsageError("the folder of a bank has room for one process: leave --jobs or --bank out")
     require_folder(folder / RESULTS)
     pending = []
@@ -60,13 +60,10 @@ def solve(
     calls = [
         Call(_solved, (spec, folder / "data", number, case, options), workers.limits) for number, case, _ in pending
     ]
-    carried_out = here(calls) if workers.in_process else outcomes(workers.processes, calls)
-    for done, (place, outcome) in enumerate(carried_out, start=1):
+    for done, (place, outcome) in enumerate(outcomes(workers.processes, calls), start=1):
         if isinstance(outcome, ProcessEnded):  # a failed case is a row of the score, never an absence
             outcome = {"case": pending[place][1]["case"], "options": options, "error": f"{outcome.how}: {outcome}"}
             outcome |= {"seconds": None, "cpu_seconds": None}
-        if isinstance(outcome, BaseException):
-            raise outcome
         write_file(pending[place][2], (json.dumps(outcome) + "\n").encode())
         progress(f"[{done}/{len(pending)}] {_line(outcome)}")
 

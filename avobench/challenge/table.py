@@ -1,5 +1,7 @@
 """The score of a challenge as a page of text, and beside the project's targets."""
 
+from functools import reduce
+from operator import getitem
 from typing import Any
 
 import pandas as pd
@@ -111,7 +113,7 @@ def targets(*challenges: list[dict[str, Any]], trust: bool = False) -> str:
     scores["all"] = score(*challenges, trust=trust)
     rows = []
     for path, (how, bound) in WANTED.items():
-        got = {task: _at(result, path) for task, result in scores.items()}
+        got = {task: reduce(getitem, path, result) for task, result in scores.items()}
         wanted = f"{how} {bound:.0%}" if isinstance(got["all"], dict) else f"{how} {bound:g}"
         cells = {task: _number(value) for task, value in got.items()}
         rows.append({"quantity": _title(path), **cells, "wanted": wanted, "verdict": _verdict(got["all"], how, bound)})
@@ -132,12 +134,6 @@ def _number(value: dict[str, Any] | float | None) -> str:
     if isinstance(value, dict):
         return f"{value['count']}/{value['of']} = {value['share']:.0%}" if value["of"] else "-"
     return "-" if value is None else f"{value:.3g}"
-
-
-def _at(result: dict[str, Any], path: tuple[str, ...]) -> Any:
-    for name in path:
-        result = result[name]
-    return result
 
 
 def _verdict(value: dict[str, Any] | float | None, how: str, bound: float) -> str:

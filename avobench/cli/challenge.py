@@ -1,19 +1,20 @@
 """`avobench challenge`: hide effects in data, diagnose them, and see how often the diagnosis was right."""
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
 from avobench.bench.plugins import registry
-from avobench.bench.processes.workers import Workers
 from avobench.cli.isolated import Isolated
-from avobench.cli.options import MEMORY_LIMIT, PATH, TIME_LIMIT, TRUST
+from avobench.cli.options import MEMORY_LIMIT, PATH, TIME_LIMIT, TRUST, workers_of
 from avobench.cli.state import State
 from avobench.cli.terminal import say
 from avobench.tasks.errors import UsageError
 
+_say = partial(say, err=True)
 FOLDER = click.argument("folder", type=PATH)
 
 
@@ -53,19 +54,11 @@ def make(task: str, kinds: str | None, shapes: str | None, trust: bool, **asked:
 @MEMORY_LIMIT
 @TRUST
 @click.pass_obj
-def solve(
-    state: State,
-    folder: Path,
-    jobs: int,
-    time_limit: float | None,
-    memory_limit: float | None,
-    trust: bool,
-    **options: Any,
-) -> None:
+def solve(state: State, folder: Path, trust: bool, **options: Any) -> None:
     """Diagnose every data set that has no result yet. The answers are not read."""
     from avobench.challenge.solve import solve as solve_all
 
-    workers = Workers(jobs, time_limit=time_limit, memory_limit=memory_limit, in_process=state.in_process)
+    workers = workers_of(options, state)
     state.resumes = True
     chosen = {name: value for name, value in options.items() if value is not None}
     solve_all(folder, workers=workers, options=chosen, trust=trust, progress=_say)
@@ -102,7 +95,3 @@ def score(places: tuple[Path, ...], kind: str, records: Path | None, targets: bo
         return
     result = score_all(*challenges, trust=trust)
     say(json.dumps(result, indent=1, allow_nan=False) if kind == "json" else as_text(result))
-
-
-def _say(line: str) -> None:
-    say(line, err=True)

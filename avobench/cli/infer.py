@@ -34,7 +34,7 @@ def infer(method: str | None, settings: tuple[str, ...], out: Path | None, **opt
     asked = Asked.of(options)
     spec = asked.spec and registry.trusted(asked.spec, asked.trust)
     methods = [method] if method not in (None, "abc") else []
-    chosen = parse_settings(list(settings), {"task": [spec] if spec else [], "method": methods})
+    chosen = parse_settings(settings, {"task": [spec] if spec else [], "method": methods})
     task, x, _ = asked.read(chosen.get(spec))
     with shown(None, plain=True) as progress:
         found = infer_events(task, x, method, settings=chosen.get(method), progress=progress, **options)

@@ -1,28 +1,53 @@
-"""Tables that the command line prints."""
+"""`avobench list`, what there is to choose from, and the tables that other commands print."""
 
 import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import click
 import pandas as pd
 
 from avobench.bench.plugins import registry
 from avobench.bench.store.frame import labels, mean_errors, to_frame
 from avobench.bench.store.status import Status
+from avobench.cli.isolated import Isolated
+from avobench.cli.options import TRUST
+from avobench.cli.terminal import say
 from avobench.effects import Effect, Parameter
 from avobench.effects.catalogue import catalogue
 from avobench.reports.numbers import in_unit
+from avobench.tasks.errors import UsageError
 
 WIDTH = 110
 """Columns that a line takes at most, as in the help of the commands."""
 NO_BREAK = "\u00a0"
 """A blank within the name of a shape, at which no line ends."""
 EXAMPLES = {
-    "counts": ("poisson",),
-    "continuous": ("carl", "weinberg", "avobench.tasks.decays:DECAYS"),
-    "images": ("alignment",),
+    "events that are one count each": ("poisson",),
+    "events of real numbers": ("carl", "weinberg", "avobench.tasks.decays:DECAYS"),
+    "events that are images": ("alignment",),
 }
-"""Tasks for which the effects of each domain are listed where no task is given: together they show all shapes."""
+"""Tasks for which the effects on each kind of events are listed where no task is given: they show all shapes."""
+
+
+@click.command("list", cls=Isolated)
+@click.argument("kind", type=click.Choice(["tasks", "methods", "effects"]), required=False)
+@click.option(
+    "--task",
+    "spec",
+    metavar="NAME",
+    help="List the effects that apply to this task, with the bounds of their parameters.",
+)
+@TRUST
+def list_(kind: str | None, spec: str | None, trust: bool) -> None:
+    """List the tasks, the methods and the effects, or one kind of them."""
+    if spec is not None:
+        if kind not in (None, "effects"):
+            raise UsageError(f"--task is for `avobench list effects`, not for {kind}")
+        say(effects_of(registry.trusted(spec, trust)))
+        return
+    tables = {"tasks": tasks, "methods": methods, "effects": effects}
+    say("\n\n".join(table() for name, table in tables.items() if kind in (None, name)))
 
 
 def tasks() -> str:
@@ -55,8 +80,8 @@ def methods() -> str:
 def effects() -> str:
     """Every installed effect by the kind of events that it is for: what it does, its shapes and their parameters."""
     lines = ["effects that a simulator may lack, their shapes, and the parameters of each shape, the strength first"]
-    for kind, names in EXAMPLES.items():
-        lines.append(f"  on {_DOMAINS[kind]}")
+    for events, names in EXAMPLES.items():
+        lines.append(f"  on {events}")
         entries = [effect for name in names for effect in catalogue(registry.build("task", name, {}))]
         for name in dict.fromkeys(effect.name for effect in entries):
             shapes = [shape for effect in entries if effect.name == name for shape in effect.shapes()]
@@ -79,13 +104,6 @@ def effects_of(spec: str) -> str:
         if len(own) > 1 and isinstance(own[0].feature, str):
             lines += _wrapped(f"        each acts on one of {', '.join(effect.feature for effect in own)}", 12)
     return "\n".join(lines)
-
-
-_DOMAINS = {
-    "counts": "events that are one count each",
-    "continuous": "events of real numbers",
-    "images": "events that are images",
-}
 
 
 def _effect(shapes: Sequence[Effect], told: Callable[[Parameter], str]) -> list[str]:

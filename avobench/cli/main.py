@@ -12,7 +12,7 @@ from avobench.cli.state import STOPPED, State
 from avobench.cli.terminal import naming_damaged, say
 
 COMMANDS = {
-    "list": ("list:list_", "Show the tasks, the methods and the effects."),
+    "list": ("listing:list_", "Show the tasks, the methods and the effects."),
     "infer": ("infer:infer", "Infer the parameters of a simulator behind measured events."),
     "run": ("run:run", "Carry out the cells that a results folder lacks."),
     "status": ("records:status", "Summarise the records of a results folder."),

@@ -13,7 +13,7 @@ import click
 from avobench.api.joint import Joint, joint
 from avobench.bench.events import read_events, read_timed
 from avobench.bench.plugins import registry
-from avobench.cli.options import COLUMNS, JOINT, TRUST, names
+from avobench.cli.options import TRUST, names
 from avobench.cli.terminal import say
 from avobench.tables.read import read_table
 from avobench.tables.table import Table
@@ -46,8 +46,13 @@ OPTIONS = (
     click.option(
         "--normalised", is_flag=True, help="Compare the shape of each --table alone. Counts are always compared so."
     ),
-    JOINT,
-    COLUMNS,
+    click.option(
+        "--joint",
+        "sets",
+        metavar="FILE.toml",
+        help="Several data sets with one theta, a section each, in place of a task and data.",
+    ),
+    names("--columns", "Columns or branches to read, in this order."),
     TRUST,
 )
 """The options of commands that fit or test a simulator."""

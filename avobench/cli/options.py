@@ -7,6 +7,8 @@ from typing import Any
 import click
 
 from avobench.api.sweep import RESULTS as DEFAULT
+from avobench.bench.processes.workers import Workers
+from avobench.cli.state import State
 from avobench.tasks.errors import UsageError
 
 
@@ -23,17 +25,16 @@ def names(option: str, told: str) -> Callable[..., Any]:
     return click.option(option, multiple=True, metavar="A,B,...", callback=listed, help=told)
 
 
+def workers_of(options: dict[str, Any], state: State) -> Workers:
+    """The workers that a command line asks for, whose options are taken out of those of the command."""
+    asked = {name: options.pop(name) for name in Workers.__dataclass_fields__ if name in options}
+    return Workers(**asked, in_process=state.in_process)
+
+
 PATH = click.Path(path_type=Path)
 RESULTS = click.option("--results", type=PATH, default=DEFAULT, help="Folder of the records.")
 SEED = click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, help="Seed of all random numbers.")
 TRUST = click.option("--trust", is_flag=True, help="Allow a model.json to run code that it names.")
-JOINT = click.option(
-    "--joint",
-    "sets",
-    metavar="FILE.toml",
-    help="Several data sets with one theta, a section each, in place of a task and data.",
-)
-COLUMNS = names("--columns", "Columns or branches to read, in this order.")
 SETTINGS = click.option(
     "--set",
     "settings",
@@ -44,11 +45,8 @@ SETTINGS = click.option(
 SECONDS = click.option(
     "--seconds", type=float, help="End the command, and all that it started, after so many seconds.  [no limit]"
 )
-TIME_LIMIT, MEMORY_LIMIT = (
-    click.option(f"--{what}-limit", type=float, metavar=unit, help=f"Limit for {of}.  [{usual}]")
-    for what, unit, of, usual in (
-        ("time", "SECONDS", "each cell or data set", 21600),
-        ("memory", "MIB", "the process of each", 8192),
-    )
+TIME_LIMIT = click.option(
+    "--time-limit", type=float, metavar="SECONDS", help="Limit for each cell or data set.  [21600]"
 )
+MEMORY_LIMIT = click.option("--memory-limit", type=float, metavar="MIB", help="Limit for the process of each.  [8192]")
 DROP_INVALID = click.option("--drop-invalid", is_flag=True, help="Leave out rows with NaN or infinite values.")

@@ -34,7 +34,7 @@ class ProgressView(View):
             self.live.stop()
 
     def note(self, line: str) -> None:
-        self._line(line)
+        self.console.print(plain(line), markup=False, highlight=False, soft_wrap=True)
 
     def finished(self, sweep: Sweep, cell: Cell, record: dict[str, Any]) -> None:
         seconds = record["simulator_seconds"] + record["method_seconds"]
@@ -43,7 +43,7 @@ class ProgressView(View):
             outcome = f"squared error {record['squared_error']:.3g}{ratio}"
         else:
             outcome = reason(record)
-        self._line(f"[{len(sweep.done)}/{len(sweep.cells)}] {cell.label}: {outcome}, {clock(seconds)}{_left(sweep)}")
+        self.note(f"[{len(sweep.done)}/{len(sweep.cells)}] {cell.label}: {outcome}, {clock(seconds)}{_left(sweep)}")
         self.after_cell(sweep, cell)
         self.last = time.monotonic()
 
@@ -59,12 +59,9 @@ class ProgressView(View):
             self.live.update(table, refresh=True)
         elif time.monotonic() - self.last >= QUIET_SECONDS:
             self.last = time.monotonic()
-            self._line(
+            self.note(
                 "running: " + ", ".join(f"{label} {share:.0%}" for label, share in running.items()) + _left(sweep)
             )
-
-    def _line(self, line: str) -> None:
-        self.console.print(plain(line), markup=False, highlight=False, soft_wrap=True)
 
 
 def _left(sweep: Sweep) -> str:

@@ -7,7 +7,6 @@ import click
 
 from avobench.bench.store.files import require_folder, write_file
 from avobench.bench.store.frame import as_csv, to_frame
-from avobench.bench.store.pack import pack as pack_store
 from avobench.bench.store.status import Status, reason
 from avobench.bench.store.store import Store
 from avobench.cli import listing
@@ -51,7 +50,7 @@ def pack(results: Path) -> None:
     All commands read the table as they read the files. A later run adds files again, until they are packed too.
     """
     store = Store(results)
-    packed = pack_store(store)
+    packed = store.pack()
     say(f"{packed.folded} files packed, {packed.rows} records in {store.table}")
     for path, fault in packed.damaged.items():
         say(f"avobench: {path} {fault}; left as it is, {store.remedy(path, fault)}", err=True)

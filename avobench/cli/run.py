@@ -12,13 +12,12 @@ from avobench.api import sweep
 from avobench.bench.cells.cell import Cell
 from avobench.bench.plugins.registry import trusted
 from avobench.bench.processes.calls import kept
-from avobench.bench.processes.workers import Workers
 from avobench.bench.store.files import require_folder
 from avobench.bench.store.status import Status
 from avobench.bench.sweep.runner import Sweep
 from avobench.cli import listing
 from avobench.cli.isolated import State
-from avobench.cli.options import MEMORY_LIMIT, PATH, RESULTS, SETTINGS, TIME_LIMIT, TRUST
+from avobench.cli.options import MEMORY_LIMIT, PATH, RESULTS, SETTINGS, TIME_LIMIT, TRUST, workers_of
 from avobench.cli.progress import ProgressView
 from avobench.cli.terminal import say
 from avobench.reports.figures import draw
@@ -64,12 +63,6 @@ def run(
     state: State,
     tasks: tuple[str, ...],
     trust: bool,
-    backend: str | None,
-    jobs: int | None,
-    group: int | None,
-    scheduler: str | None,
-    time_limit: float | None,
-    memory_limit: float | None,
     results: Path,
     retry_failed: bool,
     figure: Path | None,
@@ -80,8 +73,8 @@ def run(
     A cell is one inference: one task, method, target and repetition. Its record is written as soon as it ends. After
     Ctrl-C or a crash, the same command continues with the missing cells.
     """
-    backend = backend or ("together" if asked["device"] == "cuda" else "local")
-    workers = Workers(jobs, backend, group, scheduler, time_limit, memory_limit, state.in_process)
+    asked["backend"] = asked["backend"] or ("together" if asked["device"] == "cuda" else "local")
+    workers = workers_of(asked, state)
     state.resumes = True
 
     def redraw(now: Sweep, cell: Cell) -> None:
@@ -91,7 +84,7 @@ def run(
             draw("benchmark", list(now.done.values()), figure)
 
     with kept():
-        cells = sweep.asked(tuple(trusted(task, trust) for task in tasks), **asked, in_process=state.in_process)
+        cells = sweep.asked(tuple(trusted(task, trust) for task in tasks), in_process=state.in_process, **asked)
         if figure is not None:
             require_folder(figure)
 

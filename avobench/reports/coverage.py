@@ -68,8 +68,7 @@ def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
         held = (away[:, None] <= norm.ppf((1 + CURVE) / 2)).mean(axis=0)
         curves.append(pd.DataFrame({"task": task, "method": method, "nominal": CURVE, "empirical": held}))
     table = pd.concat(curves)
-    tasks, methods = ordered(table["task"], TASK_ORDER), ordered(table["method"], METHOD_ORDER)
-    return by_task(table, tasks, methods, _panel), table
+    return by_task(table, table["task"], _panel), table
 
 
 def _panel(axis: Axes, table: pd.DataFrame, methods: list[str]) -> None:

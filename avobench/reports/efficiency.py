@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from avobench.bench.store.status import ESTIMATED
 from avobench.reports.quantities import comparable, labelled, task_of
-from avobench.reports.style import FLOOR, METHOD_ORDER, TASK_ORDER, by_task, colours, ordered
+from avobench.reports.style import FLOOR, by_task, colours
 from avobench.tasks.errors import StoreError
 
 NUM_POINTS = 24
@@ -28,8 +28,7 @@ def drawn(records: list[dict[str, Any]]) -> tuple[Figure, pd.DataFrame]:
     table = pd.concat([numbers(cells) for _, cells in comparable(frame).groupby("task", sort=False)])
     if table.empty:
         raise StoreError("no cell has an estimate to draw")
-    tasks, methods = ordered(frame["task"], TASK_ORDER), ordered(table["method"], METHOD_ORDER)
-    return by_task(table, tasks, methods, _panel), table
+    return by_task(table, frame["task"], _panel), table
 
 
 def numbers(cells: pd.DataFrame) -> pd.DataFrame:

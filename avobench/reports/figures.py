@@ -4,7 +4,7 @@ import importlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from avobench.tasks.errors import StoreError
+from avobench.bench.store.files import disk_errors
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,10 +22,8 @@ def draw(name: str, records: list[dict[str, Any]], folder: Path) -> list[Path]:
     """
     from avobench.reports.style import save
 
-    try:
+    with disk_errors(f"the figure could not be written to {folder}"):
         return save(*drawn(name, records), folder, name)
-    except OSError as error:
-        raise StoreError(f"the figure could not be written to {folder}: {error.strerror or error}") from error
 
 
 def drawn(name: str, records: list[dict[str, Any]]) -> "tuple[Figure, pd.DataFrame]":

@@ -101,13 +101,10 @@ def texts(values: Iterable[str]) -> list[Cell]:
     return [Cell(value, value) for value in values]
 
 
-def figures(values: Sequence[float | None], print_all: Callable[[Sequence], list[str]] = numbers.column) -> list[Cell]:
-    """A column of numbers, by default with as many decimals in each row."""
-    return [Cell(text, key(value), True) for text, value in zip(print_all(values), values, strict=True)]
-
-
-def p_values(values: Sequence[float | None]) -> list[Cell]:
-    return figures(values, lambda values: [numbers.p_value(p) for p in values])
+def figures(values: Sequence[float | None], told: Callable[[Any], str] | None = None) -> list[Cell]:
+    """A column of numbers, each as it is `told`, by default with as many decimals in each row."""
+    said = numbers.column(values) if told is None else map(told, values)
+    return [Cell(text, key(value), True) for text, value in zip(said, values, strict=True)]
 
 
 def key(value: float | None) -> str:

@@ -1,7 +1,7 @@
 """One self-contained page of a results folder: figures, tables, and what stands behind each number."""
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -39,30 +39,24 @@ def render(results: Path) -> str:
     frame = to_frame(records)
     facts = {"cells": len(records), "failed": int((~frame["status"].isin(ESTIMATED)).sum())}
     facts |= {"tasks": frame["task"].nunique(), "methods": frame["method"].nunique()}
+    frame["task"], frame["method"] = labels(records)
+    tables: dict[str, Callable[[], html.Table]] = {"summary": partial(_summary, frame), "cells": partial(_cells, frame)}
+    tables["settings"] = partial(_settings, records)
+    if sweeps := store.sweeps():
+        tables["commands"] = partial(_commands, sweeps)
     return html.page(
         "page.html.jinja",
         title=f"records in {results}",
         facts=facts,
         lead="Squared errors are in the parameters' raw units; the floor is what the best estimator could expect.",
         figures=[html.made(name, partial(_picture, name, records)) for name in CAPTIONS],
-        tables=[html.made(name, make) for name, make in _tables(store, records)],
+        tables=[html.made(name, make) for name, make in tables.items()],
     )
 
 
 def _picture(name: str, records: list[dict[str, Any]]) -> html.Picture:
     figure, table = drawn(name, records)
     return html.Picture(name, CAPTIONS[name], image(figure, "png"), html.address("text/csv", csv(table)))
-
-
-def _tables(store: Store, records: list[dict[str, Any]]) -> Iterator[tuple[str, Callable[[], html.Table]]]:
-    frame = to_frame(records)
-    frame["task"], frame["method"] = labels(records)
-    yield "summary", partial(_summary, frame)
-    yield "cells", partial(_cells, frame)
-    yield "settings", partial(_settings, records)
-    sweeps = store.sweeps()
-    if sweeps:
-        yield "commands", partial(_commands, sweeps)
 
 
 def _summary(frame: pd.DataFrame) -> html.Table:

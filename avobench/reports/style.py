@@ -64,10 +64,9 @@ def panels(titles: list[str], columns: int = 2, size: tuple[float, float] = PANE
     return figure, list(axes[: len(titles)])
 
 
-def by_task(
-    table: pd.DataFrame, tasks: list[str], methods: list[str], draw: Callable[[Axes, pd.DataFrame, list[str]], None]
-) -> Figure:
+def by_task(table: pd.DataFrame, tasks: Iterable[str], draw: Callable[[Axes, pd.DataFrame, list[str]], None]) -> Figure:
     """A figure in which `draw` fills a panel of each task with its rows; of the methods and the floor is one legend."""
+    tasks, methods = ordered(tasks, TASK_ORDER), ordered(table["method"], METHOD_ORDER)
     figure, axes = panels(tasks)
     for axis, task in zip(axes, tasks, strict=True):
         rows = table[table["task"] == task]

@@ -129,8 +129,7 @@ def test_a_device_that_is_not_there_is_refused_before_anything_is_simulated(avob
 
 
 def test_cells_are_in_this_process_where_that_is_asked_for(avobench, tmp_path, monkeypatch):
-    monkeypatch.setattr("avobench.bench.processes.calls.outcomes", None)
-    monkeypatch.setattr("avobench.bench.processes.local.outcomes", None)
+    monkeypatch.setattr("avobench.bench.processes.calls._Process", None)
     code, _, err, found = run(avobench, tmp_path / "r", "--task", "faulty:SoundTask", "--in-process")
     assert code == 0, err
     assert len(found) == 2

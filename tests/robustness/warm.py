@@ -21,7 +21,7 @@ USERS = TESTS / "users"
 ENVIRONMENT = {"PYTHONPATH": os.pathsep.join(map(str, (TESTS.parent, TESTS, USERS)))}
 """What lets a command, and the processes that it starts, find the modules of the tests and of users."""
 LOADED = (
-    *("avobench.cli.run", "avobench.cli.records", "avobench.bench.cells.trial", "avobench.bench.store.pack"),
+    *("avobench.cli.run", "avobench.cli.records", "avobench.bench.cells.trial"),
     *("avobench.cli.diagnose", "avobench.cli.challenge", "avobench.cli.main", "avobench.api.diagnosis"),
     *("avobench.challenge.solve", "avobench.challenge.make", "avobench.diagnosis.run", "avobench.reports.page"),
     *("avobench.reports.diagnosis.page", "avobench.reports.diagnosis.figures"),

@@ -143,10 +143,7 @@ def read_model(spec: str) -> AugmentedTask:
             raise UsageError(f"{spec} names task '{name}', which is not installed")
         return build("task", named_in(spec, "task", name, trust), settings)
 
-    def own_effect(name: str) -> Effect:
-        return effect(named_in(spec, "effect", name, trust))
-
-    return AugmentedTask.read(Path(spec), task, own_effect)
+    return AugmentedTask.read(Path(spec), task, lambda name: effect(named_in(spec, "effect", name, trust)))
 
 
 def named_in(file: str | Path, kind: str, name: str, trust: bool) -> str:

@@ -95,7 +95,7 @@ class _Trace(Exception):
 def apart(call: Call) -> Any:
     """Carry a call out in a process of its own; raises its AvobenchError or OSError, ProcessEnded or Fault."""
     ((_, outcome),) = outcomes(1, [call])
-    if isinstance(outcome, BaseException):
+    if isinstance(outcome, ProcessEnded):
         raise outcome
     return outcome
 
@@ -119,18 +119,17 @@ def _unpacked(sent: bytes) -> bytes:
     return cloudpickle.dumps(function(*arguments, **options))
 
 
-def here(calls: Iterable[Call]) -> Iterator[tuple[int, Any]]:
-    """Carry out calls as `outcomes` does, but in this process and without limits; whatever a call raises is raised."""
-    for place, call in enumerate(calls):
-        yield place, call.function(*call.arguments)
-
-
-def outcomes(jobs: int, calls: Iterable[Call]) -> Iterator[tuple[int, Any]]:
+def outcomes(jobs: int | None, calls: Iterable[Call]) -> Iterator[tuple[int, Any]]:
     """The place of each call and what became of it, as they end; begun in their order, so many at a time.
 
-    The outcome is what the call returned, or the exception that `apart` would raise. What ends one process does not
-    touch the others. When the generator is closed, all processes are ended, but for those that are `kept`.
+    The outcome is what the call returned, or the ProcessEnded that tells how its process ended, which does not touch
+    the others; what else `apart` would raise is raised. When the generator is closed, all processes are ended, but for
+    those that are `kept`. Where `jobs` is None, calls are carried out in this process and without limits.
     """
+    if jobs is None:
+        for place, call in enumerate(calls):
+            yield place, call.function(*call.arguments)
+        return
     waiting = deque(enumerate(calls))
     busy: dict[_Process, int] = {}
     idle: list[_Process] = [] if (kept_ones := _KEPT.get()) is None else kept_ones
@@ -147,6 +146,8 @@ def outcomes(jobs: int, calls: Iterable[Call]) -> Iterator[tuple[int, Any]]:
                     del busy[process]
                     if process.alive:
                         idle.append(process)
+                    if isinstance(told[0], BaseException) and not isinstance(told[0], ProcessEnded):
+                        raise told[0]
                     yield place, told[0]
     finally:
         for process in busy:

@@ -5,17 +5,18 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from dataclasses import KW_ONLY, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.trial import blank_record, execute, execute_together, told
-from avobench.bench.processes.calls import Call, Limits, here, outcomes
+from avobench.bench.processes.calls import Call, Limits, outcomes
 from avobench.bench.processes.contract import ATTEMPTS, Backend, differing, heartbeat
-from avobench.bench.store.files import store_errors, write_atomically
+from avobench.bench.store.files import disk_errors, write_atomically
 from avobench.bench.store.status import Status
-from avobench.tasks.errors import ProcessEnded, UsageError
+from avobench.tasks.errors import UsageError
 
 LIMITS = Limits(seconds=6 * 3600, mib=8192)
 """The limits of a cell. The longest of the committed records took 21 minutes, the largest 3.3 GiB."""
@@ -25,6 +26,7 @@ Piece = tuple[Cell, ...]
 """Cells that a worker carries out as one."""
 
 
+@dataclass(frozen=True)
 class LocalBackend(Backend):
     """Processes of this machine. Each running cell keeps a file in `marks`, with the share of its budget used.
 
@@ -33,36 +35,37 @@ class LocalBackend(Backend):
     halves, one whose process ended in single cells; such a cell is tried once more, by itself, when all else is done.
     """
 
-    def __init__(
-        self,
-        jobs: int,
-        marks: Path,
-        *,
-        together: bool = False,
-        most: int | None = None,
-        limits: Limits = LIMITS,
-        in_process: bool = False,
-        debug: bool = False,
-    ) -> None:
-        """`limits` are those of a cell, `most` the cells of a piece; `in_process` has neither processes nor limits."""
-        self.name = "together" if together else "local"
-        self._jobs, self._marks, self._limits, self._debug = jobs, marks, limits, debug
-        self._together, self._most, self._in_process = together, most, in_process
+    jobs: int | None
+    """None for this process alone, without limits."""
+    marks: Path
+    _: KW_ONLY
+    together: bool = False
+    most: int | None = None
+    """The most cells of a piece."""
+    limits: Limits = LIMITS
+    """Those of a cell."""
+    debug: bool = False
+
+    @property
+    def name(self) -> str:
+        return "together" if self.together else "local"
 
     @property
     def workers(self) -> int:
-        return self._jobs
+        return self.jobs or 1
 
     def records(self, cells: list[Cell], note: Callable[[str], None]) -> Iterator[dict[str, Any]]:
-        with store_errors(f"{self._marks} cannot be made"):
-            self._marks.mkdir(exist_ok=True)
+        with disk_errors(f"{self.marks} cannot be made"):
+            self.marks.mkdir(exist_ok=True)
         deaths: dict[str, int] = {}
-        work, jobs = self.pieces(cells), self._jobs
+        work, jobs = self.pieces(cells), self.jobs
         while work:
             again: list[Piece] = []
-            for piece, outcome in self._outcomes(work, jobs):
+            calls = [Call(_work, (piece, self.marks, self.debug), self.limits.times(len(piece))) for piece in work]
+            for place, outcome in outcomes(jobs, calls):
+                piece = work[place]
                 for cell in piece:
-                    (self._marks / cell.id).unlink(missing_ok=True)
+                    (self.marks / cell.id).unlink(missing_ok=True)
                 if isinstance(outcome, list):
                     yield from outcome
                 elif isinstance(outcome, str):
@@ -80,37 +83,27 @@ class LocalBackend(Backend):
                     else:
                         tries = f" ({ATTEMPTS} times)" if outcome.how == Status.CRASHED else ""
                         yield blank_record(piece[0], Status(outcome.how), f"{outcome}{tries}")
-            work, jobs = again, 1
+            work, jobs = again, jobs and 1
 
     def pieces(self, cells: list[Cell]) -> list[Piece]:
         """The pieces in the order of their first cells, those of several cells before all others: they take longest."""
         alike: dict[str, list[Cell]] = {}
         for cell in cells:
             shared = {name: value for name, value in cell.identity.items() if name not in EACH}
-            key = json.dumps(shared, sort_keys=True) if self._together and cell.together else cell.id
+            key = json.dumps(shared, sort_keys=True) if self.together and cell.together else cell.id
             alike.setdefault(key, []).append(cell)
         pieces = []
         for group in alike.values():
-            most = self._most or len(group)
+            most = self.most or len(group)
             pieces += [tuple(group[start : start + most]) for start in range(0, len(group), most)]
         return sorted(pieces, key=lambda piece: len(piece) == 1)
 
     def shares(self) -> dict[str, float]:
         shares = {}
-        for path in self._marks.glob("[!.]*"):
+        for path in self.marks.glob("[!.]*"):
             with suppress(FileNotFoundError):  # finished in between
                 shares[path.name] = json.loads(path.read_text())
         return shares
-
-    def _outcomes(
-        self, work: list[Piece], jobs: int
-    ) -> Iterator[tuple[Piece, list[dict[str, Any]] | str | ProcessEnded]]:
-        """Pieces as they are finished, each with what `_work` returns, or how its process ended."""
-        calls = [Call(_work, (each, self._marks, self._debug), self._limits.times(len(each))) for each in work]
-        for place, outcome in here(calls) if self._in_process else outcomes(jobs, calls):
-            if isinstance(outcome, BaseException) and not isinstance(outcome, ProcessEnded):
-                raise outcome
-            yield work[place], outcome
 
 
 def label(piece: Piece) -> str:

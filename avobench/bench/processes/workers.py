@@ -60,20 +60,13 @@ class Workers:
         """
         if self.scheduler is not None:
             return DaskBackend(self.scheduler, debug=debug)
-        return LocalBackend(
-            self.processes,
-            marks,
-            together=self.backend == "together",
-            most=self.group,
-            limits=self.limits,
-            in_process=self.in_process,
-            debug=debug,
-        )
+        together = self.backend == "together"
+        return LocalBackend(self.processes, marks, together=together, most=self.group, limits=self.limits, debug=debug)
 
     @property
-    def processes(self) -> int:
-        """The number of processes of this machine."""
-        return 1 if self.in_process else self.jobs or joblib.cpu_count()
+    def processes(self) -> int | None:
+        """The number of processes beside this one, in which a call is carried out; None for this one alone."""
+        return None if self.in_process else self.jobs or joblib.cpu_count()
 
     @property
     def limits(self) -> Limits:

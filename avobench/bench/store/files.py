@@ -10,7 +10,7 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from avobench.tasks.errors import StoreError, UsageError
+from avobench.tasks.errors import AvobenchError, StoreError, UsageError
 
 NAMES = ("store.json", "records", "records.parquet", "running", "damaged", "sweeps.jsonl", ".lock", ".writer")
 """The names in the folder of a store. None may be a link: a folder from elsewhere could lead out by it."""
@@ -56,17 +56,17 @@ def write_file(path: Path, content: bytes) -> None:
     for folder in path.resolve().parents[:2]:
         if path.resolve().relative_to(folder).parts[0] in NAMES and (folder / "store.json").exists():
             raise UsageError(f"{path} is a place of the results folder {folder}; choose a file outside of it")
-    with store_errors(f"{path} could not be written"):
+    with disk_errors(f"{path} could not be written"):
         write_atomically(path, content)
 
 
 @contextmanager
-def store_errors(what: str) -> Iterator[None]:
-    """An OSError within the block is raised as a StoreError, which says what could not be done and why."""
+def disk_errors(what: str, kind: type[AvobenchError] = StoreError) -> Iterator[None]:
+    """An OSError within the block is raised as an error of this kind, which says what could not be done and why."""
     try:
         yield
     except OSError as error:
-        raise StoreError(f"{what}: {error.strerror or error}") from error
+        raise kind(f"{what}: {error.strerror or error}") from error
 
 
 def sync_folder(folder: Path) -> None:
@@ -119,9 +119,7 @@ def require_folder(path: Path, *, make: bool = True) -> None:
         raise UsageError(f"{path} is not a folder")
     if not make and not path.exists():
         raise UsageError(f"there is no folder {path}")
-    try:
+    with disk_errors(f"the folder {path} cannot be made", UsageError):
         path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(f"the folder {path} cannot be made: {error.strerror or error}") from error
     if not os.access(path, os.W_OK):
         raise UsageError(f"the folder {path} is read-only")

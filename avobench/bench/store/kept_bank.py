@@ -1,6 +1,5 @@
 """A bank of simulated events that is kept in a folder, so that a later question costs nothing."""
 
-import io
 import json
 from pathlib import Path
 from typing import Any
@@ -133,21 +132,15 @@ class KeptBank(Bank):
         table = pd.concat([table, pd.DataFrame(x, columns=features)], axis=1)
         kind = ASIDE if aside else EVENTS
         path = self.folder / f"{kind}-{self.fills:06d}.parquet"
-        _write(path, table)
+        write_file(path, table.to_parquet(index=False))
         super()._keep(nodes, theta, x, aside)
         self._single[kind].append(path)
         if len(single := self._single[kind]) >= MERGED:
             whole = self.folder / f"{kind}-{_numbers(single[0])[0]:06d}-{_numbers(single[-1])[1]:06d}.parquet"
-            _write(whole, pd.concat([pd.read_parquet(each) for each in single]))
+            write_file(whole, pd.concat([pd.read_parquet(each) for each in single]).to_parquet(index=False))
             for each in single:
                 each.unlink()
             self._single[kind] = []
-
-
-def _write(path: Path, table: pd.DataFrame) -> None:
-    content = io.BytesIO()
-    table.to_parquet(content, index=False)
-    write_file(path, content.getvalue())
 
 
 def _numbers(path: Path) -> tuple[int, int]:

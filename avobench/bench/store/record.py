@@ -1,7 +1,4 @@
-"""A record: its fields, what makes sense in them, and its form as a line of JSON with a checksum.
-
-`python -m avobench.bench.store.record` prints the table of the fields in docs/records.md.
-"""
+"""A record: its fields, what makes sense in them, and its form as a line of JSON with a checksum."""
 
 import hashlib
 import json

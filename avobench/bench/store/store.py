@@ -13,8 +13,8 @@ from typing import Any
 
 from avobench.bench.store.claim import claim
 from avobench.bench.store.damage import DamagedRecord
-from avobench.bench.store.files import NAMES, locked, not_plain, store_errors, within, write_atomically
-from avobench.bench.store.packed import Unreadable, read_rows
+from avobench.bench.store.files import NAMES, disk_errors, locked, not_plain, sync_folder, within, write_atomically
+from avobench.bench.store.packed import Row, Unreadable, read_rows, write_rows
 from avobench.bench.store.record import NEWER, SCHEMA_VERSION, UNREAD, decode_record, encode, file_name
 from avobench.tasks.errors import StoreError, UsageError
 
@@ -29,6 +29,16 @@ class Entry:
     record: dict[str, Any] | None
     """The record; None where it is damaged."""
     fault: str = ""
+
+
+@dataclass(frozen=True)
+class Packed:
+    rows: int
+    """Records in the table now."""
+    folded: int
+    """Files that became rows."""
+    damaged: dict[Path, str]
+    """Files and rows that were left as they are, with what is wrong with each."""
 
 
 class Store:
@@ -95,7 +105,7 @@ class Store:
             raise StoreError(f"{path} {why}; remove it")
         if not (self.path / "store.json").exists():
             raise StoreError(f"the results folder {self.path} was removed while it was in use, and its records with it")
-        with store_errors(f"a record could not be written to {self.records}"):
+        with disk_errors(f"a record could not be written to {self.records}"):
             self.records.mkdir(exist_ok=True)
             return write_atomically(path, content)
 
@@ -106,7 +116,7 @@ class Store:
     def log_sweep(self, entry: dict[str, Any]) -> None:
         """Add a line to `sweeps.jsonl`, which tells how the records were made. Raises StoreError."""
         path = self.path / "sweeps.jsonl"
-        with store_errors(f"{path} could not be written"), path.open("a+b") as file:
+        with disk_errors(f"{path} could not be written"), path.open("a+b") as file:
             torn = file.tell() > 0 and (file.seek(-1, os.SEEK_END), file.read(1))[1] != b"\n"
             file.write(b"\n" * torn + json.dumps(entry).encode() + b"\n")
 
@@ -147,7 +157,7 @@ class Store:
     def _files(self) -> list[Path]:
         """The files of records. Raises StoreError when the folder cannot be listed: it would seem to be empty."""
         with (
-            store_errors(f"{self.records} cannot be listed"),
+            disk_errors(f"{self.records} cannot be listed"),
             suppress(FileNotFoundError),
             os.scandir(self.records) as found,
         ):
@@ -172,23 +182,21 @@ class Store:
                 }
         return [sound[name] for name in sorted(sound)], {path: damaged[path] for path in sorted(damaged)}
 
-    def read_sound(self, *, traces: bool = True) -> list[dict[str, Any]]:
-        """All sound records, ordered by file name, maybe none, with a warning DamagedRecord for each other one."""
+    def read_all(self, *, traces: bool = True) -> list[dict[str, Any]]:
+        """All sound records, ordered by file name, with a warning DamagedRecord for each other one.
+
+        Raises StoreError when there are none.
+        """
         sound, damaged = self.read(traces=traces)
         for path, fault in damaged.items():
-            warnings.warn(f"{path} {fault}; {self.remedy(path, fault)}", DamagedRecord, stacklevel=3)
-        return sound
-
-    def read_all(self, *, traces: bool = True) -> list[dict[str, Any]]:
-        """All sound records as `read_sound` gives them. Raises StoreError when there are none."""
-        sound = self.read_sound(traces=traces)
+            warnings.warn(f"{path} {fault}; {self.remedy(path, fault)}", DamagedRecord, stacklevel=2)
         if not sound:
             raise StoreError(
                 f"there are no sound records in {self.path}; `avobench run --results {self.path}` makes them"
             )
         return sound
 
-    def remedy(self, path: Path, fault: str = "") -> str:
+    def remedy(self, path: Path, fault: str) -> str:
         """The sentence that says what to do about a damaged file, row or table."""
         if fault.startswith(NEWER):
             return "use the avobench that wrote it, or another results folder"
@@ -206,7 +214,7 @@ class Store:
         folder, row = self.path / "damaged", None
         if path.parent == self.table:
             row = next(entry.content for entry in self.entries() if entry.path == path)
-        with store_errors(f"{path} could not be set aside"):
+        with disk_errors(f"{path} could not be set aside"):
             folder.mkdir(exist_ok=True)
             target, number = within(folder, path.name), 1
             while target.exists():
@@ -216,10 +224,43 @@ class Store:
                 number += 1
             return path.rename(target) if row is None else write_atomically(target, row)
 
+    def pack(self) -> Packed:
+        """Fold the records that are files into the table; a file wins over the row of the same cell.
+
+        The table is put in its place before the first file is removed, so a kill loses nothing, and packing again goes
+        on. Raises UsageError while a sweep writes to the store, StoreError when a table cannot be read or written.
+        """
+        with self.lock():
+            self.remove_leftovers()
+            try:
+                before = {row.file: row for row in read_rows(self.table)}
+            except Unreadable as error:  # a new table would lose what cannot be read
+                raise StoreError(f"{self.table} {error}; {self.remedy(self.table, str(error))}") from error
+            rows, damaged, files = dict(before), {}, []
+            for entry in self.entries():
+                if entry.path == self.table:
+                    raise StoreError(f"{entry.path} {entry.fault}; {self.remedy(entry.path, entry.fault)}")
+                if entry.record is None:
+                    damaged[entry.path] = entry.fault
+                elif entry.path.parent == self.records:
+                    rows[entry.path.name] = Row(entry.path.name, entry.content.decode())
+                    files.append(entry.path)
+            if not rows and not damaged:
+                raise StoreError(f"there are no records in {self.path} to pack")
+            with disk_errors(f"{self.path} could not be packed"):
+                if rows != before:
+                    write_rows(self.table, [rows[name] for name in sorted(rows)])
+                sync_folder(self.path)  # the table is in its folder for good before the first file goes
+                for path in files:
+                    path.unlink()
+            with suppress(OSError):  # not empty, or not there
+                self.records.rmdir()
+        return Packed(len(rows), len(files), damaged)
+
     def remove_leftovers(self) -> None:
         """Delete what a killed run left half-done. Needs the lock. Raises StoreError."""
         leftovers = [*self.path.glob(".*.tmp"), *self.path.glob(".writer.*"), *self.records.glob(".*.tmp")]
-        with store_errors(f"{self.path} could not be tidied up"):
+        with disk_errors(f"{self.path} could not be tidied up"):
             for leftover in [*leftovers, *self.running.glob("*")]:
                 leftover.unlink(missing_ok=True)  # the workers of a killed run may still be ending
 

@@ -1,6 +1,7 @@
 """The plan of a sweep: the cells that a user asks for, in the order in which they are carried out."""
 
 import json
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -23,9 +24,9 @@ def plan(
     targets: str,
     repetitions: int,
     budget: int,
-    num_observations: int,
+    observations: int,
     seed: int,
-    settings: list[str],
+    settings: Sequence[str],
     device: str = "cpu",
     *,
     tried: bool = True,
@@ -36,7 +37,7 @@ def plan(
     are texts NAME.SETTING=VALUE; `device` is for the methods that can use one. Simulators of the user's are `tried`
     with their generators. Raises UsageError for anything that cannot be met, before a cell begins.
     """
-    for name, value in (("budget", budget), ("observations", num_observations), ("repetitions", repetitions)):
+    for name, value in (("budget", budget), ("observations", observations), ("repetitions", repetitions)):
         if value < 1:
             raise UsageError(f"--{name} must be at least 1, got {value}")
         if value >= 2**63:
@@ -63,7 +64,7 @@ def plan(
             if budget < least:
                 raise UsageError(f"--budget {budget} is too small for {method.name} on {task.name}: at least {least}")
     cells = [
-        Cell(task, chosen[task], method, chosen[method], target, repetition, budget, num_observations, seed)
+        Cell(task, chosen[task], method, chosen[method], target, repetition, budget, observations, seed)
         for repetition in range(repetitions)
         for target in indices
         for method in dict.fromkeys(methods)
@@ -113,7 +114,7 @@ def parse_targets(text: str) -> list[int]:
     return list(chosen)
 
 
-def parse_settings(texts: list[str], specs: dict[str, list[str]]) -> dict[str, dict[str, Any]]:
+def parse_settings(texts: Sequence[str], specs: dict[str, list[str]]) -> dict[str, dict[str, Any]]:
     """Settings by task or method, from NAME.SETTING=VALUE; VALUE is JSON, or text where it is not.
 
     NAME is a registered name or the `name` of a `module:Class`; it must be part of the run. Raises UsageError.

@@ -12,7 +12,7 @@ from typing import Any
 
 from avobench.bench.cells.cell import Cell
 from avobench.bench.processes.contract import Backend
-from avobench.bench.store.files import store_errors
+from avobench.bench.store.files import disk_errors
 from avobench.bench.store.record import SECONDS, UNREAD
 from avobench.bench.store.status import Status
 from avobench.bench.store.store import Store
@@ -86,7 +86,7 @@ def run(
     finished when it is interrupted stays. Raises UsageError for names that no file can have, StoreError when the table
     of packed records is damaged, or the disk fails.
     """
-    with store.lock(), store_errors(f"the results folder {store.path} cannot be used"):
+    with store.lock(), disk_errors(f"the results folder {store.path} cannot be used"):
         store.remove_leftovers()
         wanted = {cell.id: cell for cell in cells}
         for cell in cells:

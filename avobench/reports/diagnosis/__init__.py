@@ -8,6 +8,7 @@ from avobench.reports.diagnosis.drawn import Drawn
 from avobench.reports.diagnosis.figures import FIGURE, drawings
 from avobench.reports.diagnosis.page import render
 from avobench.reports.html import Missing, Picture, made
+from avobench.reports.style import save
 from avobench.tasks import Task
 
 __all__ = ["write"]
@@ -36,8 +37,8 @@ def write(task: Task, result: Result, folder: Path, title: str) -> list[Path]:
     return [*paths, write_atomically(folder / "report.html", page.encode())]
 
 
-def _saved(figure: Drawn, folder: Path) -> tuple[list[Path], Picture]:
+def _saved(drawn: Drawn, folder: Path) -> tuple[list[Path], Picture]:
     """Write a figure; its files, and what the page shows of it."""
-    paths = figure.save(folder)
+    paths = save(drawn.figure, drawn.table, folder, drawn.name)
     (png,) = (path for path in paths if path.suffix == ".png")
-    return paths, Picture(figure.name, figure.caption, png.read_bytes())
+    return paths, Picture(drawn.name, drawn.caption, png.read_bytes())

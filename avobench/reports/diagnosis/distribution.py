@@ -91,7 +91,7 @@ def _pulls(axis: Axes, spectrum: Spectrum, model: Model) -> None:
 
 def _regions(axes: Sequence[Axes], regions: Sequence[Region], low: float, high: float) -> None:
     """Shade the regions, and write above the first panel how much each stands out, without one label on another."""
-    rows: list[list[float]] = []
+    rows: list[float] = []  # the place of the last label of each
     labelled = regions[:MOST_LABELS]
     for region in sorted(regions, key=lambda region: region.low + region.high):
         left, right = _seen(max(region.low, low), min(region.high, high), low, high)
@@ -103,8 +103,8 @@ def _regions(axes: Sequence[Axes], regions: Sequence[Region], low: float, high: 
         if region not in labelled:
             continue
         place = ((left + right) / 2 - low) / (high - low)
-        row = next((k for k, row in enumerate(rows) if place - row[-1] >= LABEL_WIDTH), len(rows))
-        rows[row : row + 1] = [[*(rows[row] if row < len(rows) else []), place]]
+        row = next((k for k, last in enumerate(rows) if place - last >= LABEL_WIDTH), len(rows))
+        rows[row : row + 1] = [place]
         where = {"xycoords": "axes fraction", "textcoords": "offset points", "annotation_clip": False}
         look = {"ha": "center", "color": "0.15", "fontsize": "small"}
         axes[0].annotate(sigma(region), (place, 1), (0, 3 + 11 * row), **where, **look)

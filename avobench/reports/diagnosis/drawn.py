@@ -1,13 +1,12 @@
 """A figure of a diagnosis, and the colours of all of them, each repeated in a style or a marker."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import pandas as pd
 from matplotlib.figure import Figure
 
 from avobench.diagnosis.schema import Region
-from avobench.reports.style import PALETTE, save
+from avobench.reports.style import PALETTE
 
 BEFORE, AFTER = PALETTE[1], PALETTE[0]
 REGION = {"excess": PALETTE[2], "deficit": PALETTE[4]}
@@ -21,10 +20,6 @@ class Drawn:
     caption: str
     figure: Figure
     table: pd.DataFrame
-
-    def save(self, folder: Path) -> list[Path]:
-        """Write it as .pdf, .png and .csv."""
-        return save(self.figure, self.table, folder, self.name)
 
 
 def sigma(region: Region) -> str:

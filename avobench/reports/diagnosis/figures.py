@@ -22,16 +22,14 @@ FIGURE = re.compile(r"(maps|distribution-\d+|theta)\.(pdf|png|csv)")
 
 def drawings(task: Task, diagnosis: Diagnosis, pictures: Pictures) -> Iterator[tuple[str, Callable[[], Drawn]]]:
     """The figures that the diagnosis has something to show in: the name of each, and what draws it."""
-    available: list[tuple[str, Callable[[], Drawn]]] = []
+    styled = matplotlib.rc_context(STYLE)
     if pictures.maps is not None:
-        available.append(("maps", partial(_maps, pictures.maps, diagnosis.regions)))
+        yield "maps", styled(partial(_maps, pictures.maps, diagnosis.regions))
     units = dict(zip(task.labels, task.feature_units, strict=False))  # none where the task does not say them
     for number, spectrum in enumerate(pictures.spectra, start=1):
         name, unit = f"distribution-{number}", spectrum.unit or units.get(spectrum.feature, "1")
-        available.append((name, partial(distribution, spectrum, diagnosis.regions, name, unit)))
-    available.append(("theta", partial(_theta, task, diagnosis)))
-    for name, drawing in available:
-        yield name, matplotlib.rc_context(STYLE)(drawing)
+        yield name, styled(partial(distribution, spectrum, diagnosis.regions, name, unit))
+    yield "theta", styled(partial(_theta, task, diagnosis))
 
 
 def _maps(maps: Maps, regions: Sequence[Region]) -> Drawn:

@@ -8,7 +8,7 @@ from avobench.diagnosis.settings import TEST
 from avobench.reports import html
 from avobench.reports.diagnosis import text as words
 from avobench.reports.diagnosis.order import sentences
-from avobench.reports.numbers import number, p_equals, with_error
+from avobench.reports.numbers import number, p_equals, p_value, with_error
 from avobench.tasks import Task
 
 PARAMETERS = "θ as fitted without effects, and with the effects that were added."
@@ -91,10 +91,10 @@ def _tests(diagnosis: Diagnosis) -> html.Table:
         "test": html.texts([name for _, name, _ in rows]),
         "statistic": html.figures([gate.statistic for gate in gates]),
         "degrees of freedom": html.figures([gate.dof for gate in gates]),
-        "p": html.p_values([gate.p_value for gate in gates]),
+        "p": html.figures([gate.p_value for gate in gates], p_value),
         "sides": html.texts([words.SIDES[gate.sides] for gate in gates]),
         "share": html.figures([gate.share for gate in gates]),
-        "corrected p": html.p_values([gate.corrected for gate in gates]),
+        "corrected p": html.figures([gate.corrected for gate in gates], p_value),
     }
     text = (
         "The simulator against the measurement. Each test has a share of the error rate; a corrected p is p divided by "
@@ -119,11 +119,11 @@ def _regions(diagnosis: Diagnosis) -> html.Table:
     regions = diagnosis.regions
     columns = {
         "feature": html.texts([region.feature or "-" for region in regions]),
-        "from": html.figures([region.low for region in regions], _each),
-        "to": html.figures([region.high for region in regions], _each),
+        "from": html.figures([region.low for region in regions], _limit),
+        "to": html.figures([region.high for region in regions], _limit),
         "unit": html.texts([_unit(region.unit) for region in regions]),
         "kind": html.texts([region.kind for region in regions]),
-        "sigma": html.figures([region.z for region in regions], lambda values: [f"{value:+.1f}" for value in values]),
+        "sigma": html.figures([region.z for region in regions], "{:+.1f}".format),
         "global p": html.figures([region.p_global for region in regions], _drawn),
     }
     if all(region.unit == "1" for region in regions):
@@ -132,15 +132,14 @@ def _regions(diagnosis: Diagnosis) -> html.Table:
     return html.Table.of("regions", "Where", text if regions else "No region stands out.", columns)
 
 
-def _drawn(values: list[float]) -> list[str]:
-    """P-values by random draws, which cannot tell how small one is that no draw reached."""
-    least = 1 / TEST.draws
-    return [f"< {least:g}" if p <= least else number(p) for p in values]
+def _drawn(p: float) -> str:
+    """A p-value by random draws, which cannot tell how small one is that no draw reached."""
+    return f"< {1 / TEST.draws:g}" if p <= 1 / TEST.draws else number(p)
 
 
-def _each(values: list[float | None]) -> list[str]:
-    """Limits of regions, each with its own decimals: those near an edge differ from it in the fourth."""
-    return ["-" if value is None else f"{value:.5g}" for value in values]
+def _limit(value: float | None) -> str:
+    """A limit of a region with its own decimals: one near an edge differs from it in the fourth."""
+    return "-" if value is None else f"{value:.5g}"
 
 
 def _candidates(diagnosis: Diagnosis) -> html.Table:
@@ -148,7 +147,7 @@ def _candidates(diagnosis: Diagnosis) -> html.Table:
     columns = {
         "effect": html.texts([words.label(candidate) for candidate in candidates]),
         "score": html.figures([candidate.score for candidate in candidates]),
-        "p": html.p_values([candidate.p_value for candidate in candidates]),
+        "p": html.figures([candidate.p_value for candidate in candidates], p_value),
         "held-out χ²/ndf": html.figures([candidate.held_out_gap for candidate in candidates]),
     }
     text = "Each added alone to the simulator; a lower score is better. p is one-sided, of the summary that was fitted."

@@ -23,8 +23,6 @@ LEAST_PROBABLE = 0.01
 """Names with a smaller probability are in diagnosis.json only."""
 SIDES = {1: "one-sided", 2: "two-sided"}
 OUTSIDE = "something outside the catalogue"
-AS_IT_IS = "the simulator as it is"
-OTHERS = "another set of effects"
 MEANT = (
     f"These probabilities were calibrated on {SCORE.calibrated[0]} other data sets whose answer is known; "
     f"in {SCORE.calibrated[1]} of them the effect is outside the catalogue."
@@ -232,7 +230,8 @@ def likely_models(diagnosis: Diagnosis, least: float = 0.0) -> str:
     if not diagnosis.models:
         return ""
     models = [(model(each.effects), each.probability) for each in diagnosis.models if each.probability >= least]
-    beside = [(name, p) for name, p in ((OTHERS, diagnosis.others), (OUTSIDE, diagnosis.outside)) if p is not None]
+    other = (("another set of effects", diagnosis.others), (OUTSIDE, diagnosis.outside))
+    beside = [(name, p) for name, p in other if p is not None]
     counted = len(diagnosis.models) - len(models)
     more = f"; {counted} more, each below {least:g}" if counted else ""
     return f"{_ranked(models)}{more}. Not in the set: {_ranked(beside)}."
@@ -240,7 +239,7 @@ def likely_models(diagnosis: Diagnosis, least: float = 0.0) -> str:
 
 def model(effects: list[Named]) -> str:
     """A set of effects."""
-    return " + ".join(map(label, effects)) or AS_IT_IS
+    return " + ".join(map(label, effects)) or "the simulator as it is"
 
 
 def _ranked(names: list[tuple[str, float]]) -> str:

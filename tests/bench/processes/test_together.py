@@ -27,7 +27,7 @@ def toys(*settings, task="Normal", methods=("Lockstep",), targets="0-3", repetit
 def together(path, cells, jobs=None, most=None):
     """Records with traces in the planned order, and what was noted."""
     store, view = Store(path, create=True), Watch()
-    backend = LocalBackend(jobs or 1, store.running, together=True, most=most, in_process=jobs is None)
+    backend = LocalBackend(jobs, store.running, together=True, most=most)
     order = [record["id"] for record in run(cells, store, backend, view)]
     return sorted(store.read_all(), key=lambda record: order.index(record["id"])), view
 

@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 from avobench.bench.store.files import write_file
-from avobench.bench.store.pack import pack
 from avobench.bench.store.store import NAMES, Store
 from avobench.tasks.errors import UsageError
 from fuzz.answers import Stores
@@ -42,7 +41,7 @@ def test_a_record_that_is_a_link_or_a_pipe_is_told_and_left(store, tmp_path):
     sound, damaged = store.read()
     assert sound == []
     assert ["link" in damaged[first], "neither a file" in damaged[second]] == [True, True]
-    assert pack(store).rows == 0
+    assert store.pack().rows == 0
     assert first.is_symlink()
     assert (tmp_path / "record.json").exists()
 

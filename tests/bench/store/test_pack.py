@@ -9,7 +9,6 @@ from sound_records import identified, sound_records
 
 from avobench.bench.processes.local import LocalBackend
 from avobench.bench.store import packed
-from avobench.bench.store.pack import pack
 from avobench.bench.store.packed import ROWS_A_GROUP, Row, read_rows, write_rows
 from avobench.bench.store.record import file_name
 from avobench.bench.store.store import DamagedRecord, Store
@@ -50,36 +49,36 @@ def test_any_record_comes_back_byte_for_byte(tmp_path_factory, records):
     for record in records:
         store.write(record)
     written = files(store)
-    pack(store)
+    store.pack()
     assert rows(store) == written
     assert store.read_all() == sorted(records, key=file_name)
 
 
 def test_a_record_made_again_wins_over_its_row_and_is_folded_in(store, kept):
     written = files(store)
-    pack(store)
+    store.pack()
     store.write(kept[0])  # in both places
     assert store.read_all() == kept
-    pack(store)
+    store.pack()
     assert rows(store) == written
     again = {**kept[1], "message": "made again"}
     store.write(again)
     expected = [again if record["id"] == again["id"] else record for record in kept]
     assert store.read_all() == expected
-    assert pack(store).folded == 1
+    assert store.pack().folded == 1
     assert not files(store)
     assert store.read_all() == expected
 
 
 def test_nothing_to_pack_is_said(tmp_path):
     with pytest.raises(StoreError, match="no records"):
-        pack(Store(tmp_path / "empty", create=True))
+        Store(tmp_path / "empty", create=True).pack()
 
 
 def damage_a_row(store):
     """Pack, and change one record in the table; the name of its file and what the row holds now."""
     name = sorted(files(store))[1]
-    pack(store)
+    store.pack()
     edited = rows(store)[name].replace(b'"squared_error": ', b'"squared_error": 1')
     write_rows(
         store.table, [Row(file, (edited if file == name else text).decode()) for file, text in rows(store).items()]
@@ -95,23 +94,23 @@ def test_a_damaged_row_is_named_set_aside_and_kept_until_its_cell_is_made_again(
     assert list(damaged) == [row]
     with pytest.warns(DamagedRecord, match=name):
         assert store.read_all() == sound
-    assert list(pack(store).damaged) == [row]
+    assert list(store.pack().damaged) == [row]
     assert rows(store)[name] == edited
     for _ in range(2):  # the second time after a run that was stopped
         assert store.set_aside(row) == store.path / "damaged" / name
     assert (store.path / "damaged" / name).read_bytes() == edited
     store.write(next(record for record in kept if file_name(record) == name))
     assert store.read() == (kept, {})
-    assert pack(store).damaged == {}
+    assert store.pack().damaged == {}
     assert store.read() == (kept, {})
 
 
 def test_a_table_cut_short_is_noticed_and_left(store):
-    pack(store)
+    store.pack()
     whole = store.table.read_bytes()
     store.table.write_bytes(whole[: len(whole) // 2])
     cells = plan(["toys:Normal"], ["toys:Moment"], "0", 1, 400, 100, 0, [])
-    for refused in (pack, lambda store: run(cells, store, LocalBackend(1, store.running, in_process=True), View())):
+    for refused in (Store.pack, lambda store: run(cells, store, LocalBackend(None, store.running), View())):
         with pytest.raises(StoreError, match="cannot be read"):
             refused(store)
     assert store.table.read_bytes() == whole[: len(whole) // 2]
@@ -123,7 +122,7 @@ def test_damage_in_one_part_of_the_table_leaves_the_rest(tmp_path):
     for number in range(2 * ROWS_A_GROUP):
         copies.append(identified({**record, "repetition": number}))
         store.write(copies[-1])
-    pack(store)
+    store.pack()
     content = bytearray(store.table.read_bytes())
     place = content.index(b"repetition", len(content) // 2) // 4  # well within the first group
     content[place : place + 50] = bytes(50)
@@ -141,14 +140,14 @@ def test_a_row_whose_name_leads_elsewhere_is_damage_of_the_table(store, name):
     assert sound == Store(store.path).read()[0]
     assert list(damaged) == [store.table]
     with pytest.raises(StoreError, match="would not lie in"):
-        pack(store)
+        store.pack()
 
 
 def test_a_table_that_is_not_read_back_as_written_replaces_nothing(store, monkeypatch):
     written = files(store)
     monkeypatch.setattr("avobench.bench.store.packed.read_rows", lambda path: iter([Row("x", "y")]))
     with pytest.raises(StoreError, match="could not be packed"):
-        pack(store)
+        store.pack()
     assert files(store) == written
     assert not store.table.exists()
     assert not list(store.path.glob(".*.tmp"))
@@ -166,13 +165,13 @@ def test_a_reader_beside_the_packing_sees_every_record(store, kept):
 
 def test_a_table_of_a_newer_version_is_left_and_said_to_be_newer(store, monkeypatch):
     monkeypatch.setitem(packed.SCHEMA, "version", "2")
-    pack(store)
+    store.pack()
     monkeypatch.undo()
     content = store.table.read_bytes()
     sound, damaged = store.read()
     assert (sound, list(damaged)) == ([], [store.table])
     cells = plan(["toys:Normal"], ["toys:Moment"], "0", 1, 400, 100, 0, [])
-    for work in (lambda: pack(store), lambda: run(cells, store, LocalBackend(1, store.running), View())):
+    for work in (store.pack, lambda: run(cells, store, LocalBackend(1, store.running), View())):
         with pytest.raises(StoreError, match=r"version 2, and 1 is known here; use the avobench that wrote it"):
             work()
     assert store.table.read_bytes() == content

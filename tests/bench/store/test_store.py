@@ -9,7 +9,6 @@ from sound_records import identified
 
 from avobench.bench.cells.trial import execute
 from avobench.bench.processes.local import LocalBackend
-from avobench.bench.store.pack import pack
 from avobench.bench.store.record import file_name
 from avobench.bench.store.store import DamagedRecord, Store
 from avobench.bench.sweep.plan import plan
@@ -87,7 +86,7 @@ def test_a_record_that_no_reader_could_use_is_damaged_though_its_checksum_is_rig
         sound, damaged = store.read()
         assert sound == [good]
         assert message in damaged[path]
-        pack(store)
+        store.pack()
     with pytest.raises(StoreError, match=message):
         store.write(bad)
 
@@ -101,7 +100,7 @@ def test_a_store_without_a_sound_record_says_so(store):
 def test_a_name_that_leads_elsewhere_is_told_before_anything_is_made(store):
     cells = plan(["toys:Normal"], ["toys:Moment"], "0-1", 1, 400, 100, 0, [])
     cells[1].identity["task"] = "../../x"  # as a file of a model could say
-    backend = LocalBackend(1, store.running, in_process=True)
+    backend = LocalBackend(None, store.running)
     with pytest.raises(UsageError, match=r"name of a task must be .* got '\.\./\.\./x'"):
         run(cells, store, backend, View())
     assert [path.name for path in store.path.rglob("*.json")] == ["store.json"]

@@ -12,7 +12,7 @@ COMMON = {
     "targets": "0-2",
     "repetitions": 2,
     "budget": 4800,
-    "num_observations": 100,
+    "observations": 100,
     "seed": 0,
     "settings": [],
 }
@@ -39,7 +39,7 @@ def test_everything_that_determines_a_result_changes_the_identity():
     changes = [
         {},
         {"budget": 4801},
-        {"num_observations": 101},
+        {"observations": 101},
         {"seed": 1},
         {"targets": "1"},
         {"settings": ["moment.steps=5"]},
@@ -79,7 +79,7 @@ def test_impossible_targets_are_refused(text):
         ({"budget": 0}, "--budget must be at least 1"),
         ({"budget": -5}, "--budget must be at least 1"),
         ({"budget": 2**63}, "--budget must be below 2^63"),
-        ({"num_observations": 0}, "--observations must be at least 1"),
+        ({"observations": 0}, "--observations must be at least 1"),
         ({"repetitions": 0}, "--repetitions must be at least 1"),
         ({"seed": -1}, "--seed must lie between"),
         ({"seed": 2**63}, "--seed must lie between"),

@@ -25,7 +25,7 @@ def sweep(path, *, methods=("toys:Moment",), targets="0-3", repetitions=1, jobs=
     """The records of a sweep of so many processes, or in this one, and what was said."""
     cells = plan(["toys:Normal"], list(methods), targets, repetitions, 400, 100, 0, list(settings))
     view, store = Watch(), Store(path, create=True)
-    backend = LocalBackend(jobs or 1, store.running, in_process=jobs is None)
+    backend = LocalBackend(jobs, store.running)
     return run(cells, store, backend, view, **options), view
 
 
@@ -35,7 +35,7 @@ def test_this_process_or_two_others_give_the_same_records_bit_for_bit(tmp_path):
     cells += plan(["alignment"], ["avo-paper"], "0", 1, 768, 300, 0, ["avo-paper.hidden=[8]"])
     cells += plan(["toys:Normal"], ["toys:Moment"], "0", 1, 400, 100, 0, [])
     stores = [Store(tmp_path / name, create=True) for name in ("here", "two")]
-    backends = LocalBackend(1, stores[0].running, in_process=True), LocalBackend(2, stores[1].running)
+    backends = LocalBackend(None, stores[0].running), LocalBackend(2, stores[1].running)
     one, two = (run(cells, store, backend, Watch()) for store, backend in zip(stores, backends, strict=True))
     assert [record["status"] for record in one] == ["ok"] * 3
     assert len(two) == 3
@@ -90,7 +90,7 @@ def test_a_file_that_is_edited_while_a_sweep_runs_ends_it(tmp_path):
     path.write_text(OWN.replace("SIGMA = 1.0", "SIGMA = 30.0"))
     with pytest.raises(UsageError, match="changed"):
         run(cells, store, LocalBackend(1, store.running), Watch())
-    assert not store.read_sound()
+    assert not store.read()[0]
     path.write_text(OWN)
     assert len(run(cells, store, LocalBackend(1, store.running), Watch())) == 4  # though the object counts its calls
 
