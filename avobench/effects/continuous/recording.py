@@ -225,11 +225,8 @@ class Saturation(Change):
         """The value below the middle of the range, and the one above, at which most events are; NaN if none repeat."""
         values, counts = np.unique(column, return_counts=True)
         repeated = counts >= REPEATED
-        found = [float("nan")] * 2
-        for side, own in enumerate((repeated & (values < span.centre), repeated & (values > span.centre))):
-            if own.any():
-                found[side] = float(values[own][counts[own].argmax()])
-        return found[0], found[1]
+        sides = (repeated & (values < span.centre), repeated & (values > span.centre))
+        return tuple(float(values[own][counts[own].argmax()]) if own.any() else float("nan") for own in sides)
 
     def changed(self, x, span, phi, rng):
         u = span.unit(x)

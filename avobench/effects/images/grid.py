@@ -32,14 +32,6 @@ class ImageEffect(Effect):
         return np.random.default_rng(PATTERN).permutation(self.num_cells)
 
 
-def told(cells: tuple[int, ...] | None, grid: tuple[int, int]) -> str:
-    """Row and column, counted from 0, of a single faulty cell. The text is empty if the fault is not of one cell."""
-    if cells is None or len(cells) != 1:
-        return ""
-    row, column = divmod(cells[0], grid[1])
-    return f"the cell in row {row}, column {column}"
-
-
 def odd_cells(x: NDArray, grid: tuple[int, int], *, few: bool) -> NDArray[np.intp]:
     """Cells that fire much less, or more, often than the median of their row, five standard errors at least.
 
