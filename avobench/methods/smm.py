@@ -70,7 +70,7 @@ class Smm(Method):
             if answer and end == ends[-1] and leaves_open(answer, problem.prior):  # of many the best is elsewhere
                 leeway = Leeway([fold], problem.prior)
                 toward, std = leeway.best(proposal.scale), self.shrink * np.ones_like(std)
-                mean = polish([fold], toward, np.diag(std), proposal.low, proposal.high, toward).mean
+                mean = polish([fold], toward, np.diag(std), proposal.bounds, toward).mean
                 if isinstance(problem.prior, Distributed):  # no box to be averaged over: its moments decide
                     leeway, toward = None, np.zeros_like(mean)
             u = proposal.sample(np.stack([mean, np.log(std)]), end - problem.simulate.used, rng)
@@ -79,7 +79,7 @@ class Smm(Method):
                 fold = Fold(inputs(problem.x_observed), synthetic, u)
             else:
                 fold.add(synthetic, u)
-            answer = polish([fold], mean, np.diag(std), proposal.low, proposal.high, toward)
+            answer = polish([fold], mean, np.diag(std), proposal.bounds, toward)
             mean, std = answer.mean, self._narrower(std, answer, proposal.widest)
             error = leeway.error(mean) if leeway else answer.error
             trace.append(TracePoint(problem.simulate.used, proposal.to_raw(mean), error * proposal.scale))
