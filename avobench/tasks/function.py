@@ -73,13 +73,11 @@ class FunctionTask(Task):
         kinds = {name: kind for name, kind in (kinds or {}).items() if name not in said}
         if "integer" in said.values():
             self.parameter_kinds = tuple(said.get(parameter, "continuous") for parameter in prior)
-            ends = np.array([*self.prior.low, *self.prior.high, *self.support.low, *self.support.high]).reshape(4, -1)
-            if broken := [
-                name
-                for name, fine in zip(prior, (ends == np.rint(ends)).all(axis=0), strict=True)
-                if not fine and said.get(name) == "integer"
-            ]:
-                raise ValueError(f"{broken[0]} is an integer, so its prior and its support must end at whole numbers")
+            ends = np.array([self.prior.low, self.prior.high, self.support.low, self.support.high])
+            broken = (ends != np.rint(ends)).any(axis=0) & self.is_integer
+            if broken.any():
+                name = self.parameter_names[broken.argmax()]
+                raise ValueError(f"{name} is an integer, so its prior and its support must end at whole numbers")
         # Another number of rows than of parameters, so that none is taken for one.
         x = self._first(self.prior.dim + 1, may_lack=bool(missing))
         self.num_features, self.dtype = x.shape[1], x.dtype
@@ -363,7 +361,7 @@ def task(
         raise
     except (Exception, SystemExit) as error:  # a user's function may raise anything
         hint, said = "", str(error) if isinstance(error, SimulatorError) else raised(error)
-        if _in(simulate, error):
+        if getattr(simulate, "__code__", None) in [frame.f_code for frame, _ in walk_tb(error.__traceback__)]:
             hint = (
                 "; theta is one, (p,), so theta[0]" if per_theta else "; theta has a row for each event, so theta[:, 0]"
             )
@@ -376,12 +374,6 @@ def task(
             stacklevel=3,
         )
     return made
-
-
-def _in(function: Simulate, error: BaseException) -> bool:
-    """Tell whether an error came out of a function."""
-    frames = (frame.f_code for frame, _ in walk_tb(error.__traceback__))
-    return getattr(function, "__code__", None) in frames
 
 
 class _Over(BaseException):
