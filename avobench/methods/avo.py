@@ -99,9 +99,7 @@ class Inference:
         self.psi = np.stack([np.zeros(p), np.full(p, np.log(settings.initial_std))])
         self.start = self.psi.copy()
         self.u, self.log_q = np.empty((0, p)), np.empty(0)  # where they were simulated, and how probable that was
-        self.seen = np.empty(
-            (self.num_events, self.real.shape[1]), np.float32
-        )  # their events, as the networks see them
+        self.seen = np.empty((self.num_events, self.real.shape[1]), np.float32)  # as the networks see their events
         self.statistic: Statistic | None = None
         self.moved = np.inf  # by the last polish, in widths of the round, a parameter
         self.divergence = np.nan  # of Jensen and Shannon, from the observed events, where it was minimised
