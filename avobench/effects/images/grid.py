@@ -1,4 +1,4 @@
-"""What effects on images share: a fixed order of cells, and hits as a list."""
+"""What effects on images share: their grid, a fixed order of its cells, and which of them stand out."""
 
 from dataclasses import dataclass
 
