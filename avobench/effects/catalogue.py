@@ -6,7 +6,7 @@ from importlib.metadata import entry_points
 
 from numpy.typing import NDArray
 
-from avobench.effects.continuous.lost_value import LostValue
+from avobench.effects.continuous.recording import LostValue
 from avobench.effects.contract import Effect
 from avobench.effects.site import Domain, Site, domain
 from avobench.tasks import Task

@@ -1,9 +1,9 @@
 """The contract of an effect: something that a simulator may lack, written as a change of that simulator."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,8 @@ OF_FEATURE = "of the feature"
 """The unit of a parameter that is a value of the feature; in answers it has the feature's own, if the task says it."""
 
 
-class Simulate(Protocol):
-    """The simulator that an effect receives. It makes one event per row: theta (n, p) -> (n, d)."""
-
-    def __call__(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray: ...
+Simulate = Callable[[NDArray[np.float64], np.random.Generator], NDArray]
+"""The simulator that an effect receives. It makes one event per row: theta (n, p), a generator -> (n, d)."""
 
 
 @dataclass(frozen=True)

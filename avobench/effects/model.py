@@ -104,11 +104,8 @@ class Model:
     @property
     def nulls(self) -> dict[int, float]:
         """Where in the unit cube each effect is none, by the column of its strength."""
-        nulls, at = {}, self.num_theta
-        for effect in self.effects:
-            nulls[at] = float((effect.parameters[0].null - self.low[at]) / (self.high[at] - self.low[at]))
-            at += len(effect.parameters)
-        return nulls
+        strengths = {self.columns(k).start: effect.parameters[0] for k, effect in enumerate(self.effects)}
+        return {at: float((p.null - self.low[at]) / (self.high[at] - self.low[at])) for at, p in strengths.items()}
 
     def strengths(self, unit: NDArray[np.float64]) -> dict[int, float]:
         """How far a point (P,) of the unit cube is from each effect's null value, by the column of its strength."""

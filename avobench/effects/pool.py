@@ -1,7 +1,7 @@
 """Events of a slow generator, made once and used for every theta: what differs between thetas acts after it."""
 
-from collections.abc import Callable, Iterator
-from typing import Any, Protocol
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,16 +12,6 @@ from avobench.tasks.meter import Meter
 
 Alter = Callable[[Any, slice], Any]
 """What happens to generated events before they are detected, and in which rows of theta they are."""
-
-
-class Generating(Protocol):
-    """A task that says what it `generates`: its simulator is a generator that does not know theta, and a detector."""
-
-    def generate(self, num_events: int, rng: np.random.Generator) -> Iterator[Any]: ...
-
-    def detect(self, generated: Any, theta: NDArray[np.float64]) -> NDArray: ...
-
-    def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator, alter: Alter | None = None) -> NDArray: ...
 
 
 class Counted:
@@ -38,12 +28,12 @@ class Counted:
 
 
 class Pool:
-    """Generated events of a task, handed out from a random place on, again and again.
+    """Generated events of a task that says what it `generates`, handed out from a random place on, again and again.
 
     A request gets no event twice if it asks for no more than the pool holds. A meter counts what is generated.
     """
 
-    def __init__(self, task: Generating, num_events: int, rng: np.random.Generator, meter: Meter | None = None) -> None:
+    def __init__(self, task: Task, num_events: int, rng: np.random.Generator, meter: Meter | None = None) -> None:
         self.task, self.meter = task, meter or Meter()
         self.meter.charge(num_events)
         self._pieces = list(task.generate(num_events, rng))

@@ -44,9 +44,9 @@ def accepted(
 
     `keep(x, rows)` is the chance that the events x, of these rows of theta, are recorded. Where a value is missing,
     and it is NaN, it is that of the others on average: a selection does not change how often values are missing. What a
-    detector hardly ever records cannot be waited for: such a row has the recorded event of another one, whose theta is
-    next to its own. Where no row has any, events stay that are not recorded; within `must_record` it raises
-    SimulatorError.
+    detector hardly ever records cannot be waited for: such a row has the event of the nearest other one in theta that
+    can be recorded there, or where none near can, of the nearest that was recorded. So a fit that tries such parameters
+    goes on. Where no row has any, events stay that are not recorded; within `must_record` it raises SimulatorError.
     """
     x = simulate(theta, rng)
     rows, left = np.arange(len(theta)), DRAWN * max(len(theta), FEW)
@@ -56,23 +56,12 @@ def accepted(
             chance = np.where(missing, chance[~missing].mean() if not missing.all() else 1.0, chance)
         rows = rows[rng.random(len(rows)) >= chance]
         left -= len(rows)
-        if len(rows) == 0 or left < 0:
+        if len(rows) == 0:
+            return x
+        if left < 0:
             break
         x[rows] = simulate(theta[rows], rng)
-    return _filled(x, rows, theta, keep, rng) if len(rows) else x
 
-
-def _filled(
-    x: NDArray,
-    rows: NDArray[np.intp],
-    theta: NDArray[np.float64],
-    keep: Callable[[NDArray, NDArray[np.intp]], NDArray[np.float64]],
-    rng: np.random.Generator,
-) -> NDArray:
-    """Events (n, d) of which these rows have the nearest other one in theta (n, p) that can be recorded there.
-
-    Where none near can, it is the nearest that was recorded. So a fit that tries such parameters goes on.
-    """
     from scipy.spatial import cKDTree
 
     recorded = np.setdiff1d(np.arange(len(x)), rows)

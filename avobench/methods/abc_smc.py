@@ -4,7 +4,7 @@ import logging
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,6 @@ from avobench.methods.problem import Problem
 from avobench.methods.regression import Evaluation, regressed
 from avobench.tasks import Box
 from avobench.tasks.errors import BudgetExhausted, UsageError
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
 
 HOW = {
     "mode": "maximum of a weighted kernel density estimate of the last complete generation",
@@ -127,8 +124,15 @@ class AbcSmc(Method):
                 ends = populations["samples"].cumsum().to_numpy()  # evaluations until then, in the order of `tried`
                 generations = [history.get_distribution(t=t) for t in range(history.n_populations)]
 
-        trace, mean = self._traced(generations, ends, tried, observed, problem)
-        particles, weights = generations[-1]
+        trace = []
+        for begin, end, (particles, weights) in zip(ends, ends[1:], generations, strict=False):
+            theta = particles[list(names)].to_numpy()
+            mean = weights @ theta
+            std = np.sqrt(weights @ (theta - mean) ** 2)
+            if self.estimate == "regression":
+                mean = regressed(theta, weights, tried[begin:end], observed, prior)
+            best = _density_mode(theta, weights, prior) if self.estimate == "mode" else mean
+            trace.append(TracePoint(int(tried[end - 1].simulations), best, std))
         return Estimate(
             theta=trace[-1].theta,
             how=HOW[self.estimate],
@@ -137,7 +141,7 @@ class AbcSmc(Method):
             std=trace[-1].std,
             trace=trace,
             discarded=problem.simulate.used - trace[-1].simulations,
-            sample=WeightedSample(particles[list(problem.parameter_names)].to_numpy(), weights),
+            sample=WeightedSample(theta, weights),
             message=message,
         )
 
@@ -153,29 +157,6 @@ class AbcSmc(Method):
                 f"pyABC cannot weigh {self.population_size} particles of {num_parameters} parameters ({error}); "
                 "take a larger population_size"
             ) from error
-
-    def _traced(
-        self,
-        generations: list[tuple["DataFrame", NDArray[np.float64]]],
-        ends: NDArray[np.int64],
-        tried: list[Evaluation],
-        observed: NDArray[np.float64],
-        problem: Problem,
-    ) -> tuple[list[TracePoint], NDArray[np.float64]]:
-        """A trace point for each generation of particles and weights, and the mean of the last generation (p,).
-
-        `ends` are the evaluations until the end of the calibration sample and of each generation.
-        """
-        trace = []
-        for begin, end, (particles, weights) in zip(ends, ends[1:], generations, strict=False):
-            theta = particles[list(problem.parameter_names)].to_numpy()
-            mean = weights @ theta
-            std = np.sqrt(weights @ (theta - mean) ** 2)
-            if self.estimate == "regression":
-                mean = regressed(theta, weights, tried[begin:end], observed, problem.prior)
-            best = _density_mode(theta, weights, problem.prior) if self.estimate == "mode" else mean
-            trace.append(TracePoint(int(tried[end - 1].simulations), best, std))
-        return trace, mean
 
 
 @dataclass(frozen=True)

@@ -99,9 +99,7 @@ class Inference:
         self.psi = np.stack([np.zeros(p), np.full(p, np.log(settings.initial_std))])
         self.start = self.psi.copy()
         self.u, self.log_q = np.empty((0, p)), np.empty(0)  # where they were simulated, and how probable that was
-        self.seen = np.empty(
-            (self.num_events, self.real.shape[1]), np.float32
-        )  # their events, as the networks see them
+        self.seen = np.empty((self.num_events, self.real.shape[1]), np.float32)  # as the networks see their events
         self.statistic: Statistic | None = None
         self.moved = np.inf  # by the last polish, in widths of the round, a parameter
         self.divergence = np.nan  # of Jensen and Shannon, from the observed events, where it was minimised
@@ -176,12 +174,13 @@ class Inference:
         With `refine` rounds that aim come before the last one, which measures, for as long as the answer moves on.
         """
         begin, local = self.num_adversarial, self.num_events - self.num_adversarial
-        for end in self.settings.local_rounds(begin, self.num_events):
+        for share in LOCAL_ROUNDS if self.settings.local_share else ():
+            end = even(round(begin + share * local))
             if self.settings.refine and end == self.num_events:
-                for share in AGAIN:
+                for again in AGAIN:
                     if self.moved <= MOVES_ON:
                         break
-                    if (more := even(round(begin + share * local))) > len(self.u):
+                    if (more := even(round(begin + again * local))) > len(self.u):
                         yield more
             if end > len(self.u):  # of a small share of a small budget there may be no event for a round
                 yield end
@@ -256,8 +255,7 @@ class Inference:
             if self.seen.shape[1] > MOST_INPUTS:
                 self.linear = [regression(self.seen[half : len(self.u) : 2], self.u[half::2]) for half in range(2)]
         shrink, errors = self.settings.shrink, self.settings.errors
-        bounds, looks = (self.proposal.low, self.proposal.high), (shrink, errors / CLOSER)
-        widest = self.proposal.widest
+        bounds, widest, looks = self.proposal.bounds, self.proposal.widest, (shrink, errors / CLOSER)
         closer = partial(polish_closer, toward=toward, larger=LARGER, alone=widest is not None)
         if self.settings.matched != "divergence":
             return closer(self.matched(), mean, root, bounds, looks)
@@ -539,10 +537,6 @@ class Avo(Method):
             progress = iteration / (len(ends) - 1)
             learn_from, judge_from = even(end - self.replay), even(end - self.proposal_replay)
             yield Turn(begin, end, learn_from, judge_from, progress, geometric(self.learning_rate, progress))
-
-    def local_rounds(self, start: int, end: int) -> list[int]:
-        """How many events there are after each round of the local phase, from `start` to `end` of them."""
-        return [even(round(start + share * (end - start))) for share in LOCAL_ROUNDS] if self.local_share else []
 
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
         return self.infer_together([problem], [rng])[0]

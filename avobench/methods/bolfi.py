@@ -135,10 +135,8 @@ class Bolfi(Method):
                     trace.append(TracePoint(problem.simulate.used, raw(best), std))
         how = "maximum of ELFI's posterior, where the mean of the Gaussian process of the distance is least"
         if self.regression:
-            mean, how = (
-                _adjusted(tried, observed, prior),
-                "mean of the nearest evaluations after a regression adjustment",
-            )
+            mean = _adjusted(tried, observed, prior)
+            how = "mean of the nearest evaluations after a regression adjustment"
             trace[-1] = trace[-1]._replace(theta=mean)
         sample = WeightedSample(raw(points), weights)
         return Estimate(trace[-1].theta, how, "posterior", mean, std, trace, sample=sample)

@@ -122,7 +122,18 @@ class Bsl(Method):
             while left := problem.simulate.remaining // events:  # steps out of the prior have cost nothing
                 draws = np.concatenate([draws, chain(near, draws[-1], events, left)])
                 trace[-1] = _point(problem, draws)
-        return _estimate(trace, draws)
+        moved = (np.diff(draws, axis=0) != 0).any(axis=1).mean()
+        return Estimate(
+            theta=trace[-1].theta,
+            how="mean of the posterior of the synthetic likelihood",
+            spread_of="posterior",
+            mean=trace[-1].theta,
+            std=trace[-1].std,
+            trace=trace,
+            message=f"{len(draws)} draws in the last chain, {moved:.0%} of its steps were taken",
+            error=trace[-1].std,
+            sample=WeightedSample.equal(draws),
+        )
 
     def _events(self, number: int) -> int:
         """Events simulated at a theta of a chain; number 0 are the draws from the prior before the first chain."""
@@ -169,18 +180,3 @@ def _inverse_covariance(problem: Problem) -> NDArray[np.float64]:
 
 def _point(problem: Problem, draws: NDArray[np.float64]) -> TracePoint:
     return TracePoint(problem.simulate.used, draws.mean(axis=0), draws.std(axis=0))
-
-
-def _estimate(trace: list[TracePoint], draws: NDArray[np.float64]) -> Estimate:
-    moved = (np.diff(draws, axis=0) != 0).any(axis=1).mean()
-    return Estimate(
-        theta=trace[-1].theta,
-        how="mean of the posterior of the synthetic likelihood",
-        spread_of="posterior",
-        mean=trace[-1].theta,
-        std=trace[-1].std,
-        trace=trace,
-        message=f"{len(draws)} draws in the last chain, {moved:.0%} of its steps were taken",
-        error=trace[-1].std,
-        sample=WeightedSample.equal(draws),
-    )

@@ -3,7 +3,7 @@
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from typing import ClassVar, NamedTuple
 
@@ -129,8 +129,8 @@ class Method(ABC):
 def global_seed(rng: np.random.Generator) -> Iterator[None]:
     """Seed the global generators that a package draws from, and restore them afterwards.
 
-    They are `numpy.random`, `random`, and PyTorch's where PyTorch has been imported before the block begins: a method
-    that uses it imports it, or the package that does, first.
+    They are `numpy.random`, `random`, and PyTorch's, those of CUDA devices too, where PyTorch has been imported before
+    the block begins: a method that uses it imports it, or the package that does, first.
     """
     import random
 
@@ -138,22 +138,11 @@ def global_seed(rng: np.random.Generator) -> Iterator[None]:
     np.random.seed(rng.integers(2**32, dtype=np.uint32))
     random.seed(int(rng.integers(2**63)))
     torch_seed = int(rng.integers(2**63))  # drawn whether it is needed or not, so that `rng` goes on alike
-    try:
-        with _torch_seed(torch_seed):
-            yield
-    finally:
-        np.random.set_state(numpy_state)
-        random.setstate(python_state)
-
-
-@contextmanager
-def _torch_seed(seed: int) -> Iterator[None]:
-    """Seed PyTorch's generators, those of CUDA devices too, where it has been imported, and restore them afterwards."""
-    torch = sys.modules.get("torch")
-    if torch is None:
-        yield
-        return
-    devices = list(range(torch.cuda.device_count())) if torch.cuda.is_available() else []
-    with torch.random.fork_rng(devices=devices):
-        torch.manual_seed(seed)
+    with ExitStack() as restored:
+        restored.callback(np.random.set_state, numpy_state)
+        restored.callback(random.setstate, python_state)
+        if torch := sys.modules.get("torch"):
+            devices = range(torch.cuda.device_count()) if torch.cuda.is_available() else []
+            restored.enter_context(torch.random.fork_rng(devices=devices))
+            torch.manual_seed(torch_seed)
         yield

@@ -130,22 +130,20 @@ class Neural(Method):
                 fitted = posterior(factors, self.observed(problem, searching), box, searching, self.first_rows)
                 trace.append(TracePoint(problem.simulate.used, fitted.mode, fitted.std))
                 box = _truncated(box, fitted)
-            estimates.append(_estimate(fitted, trace))
+            told = "all factors share the error of one network, which the width leaves out: it is mostly far too small"
+            estimate = Estimate(
+                theta=fitted.mode,
+                how="maximum of the posterior, the product of a learned factor for each row",
+                spread_of="posterior",
+                mean=fitted.mean,
+                std=fitted.std,
+                trace=trace,
+                sample=fitted.sample,
+                message=told,
+                doubt=fitted.doubt,
+            )
+            estimates.append(estimate)
         return estimates
-
-
-def _estimate(fitted: Posterior, trace: list[TracePoint]) -> Estimate:
-    return Estimate(
-        theta=fitted.mode,
-        how="maximum of the posterior, the product of a learned factor for each row",
-        spread_of="posterior",
-        mean=fitted.mean,
-        std=fitted.std,
-        trace=trace,
-        sample=fitted.sample,
-        message="all factors share the error of one network, which the width leaves out: it is mostly far too small",
-        doubt=fitted.doubt,
-    )
 
 
 def _truncated(box: Box, fitted: Posterior) -> Box:

@@ -227,14 +227,13 @@ def polish(
     folds: list[Fold],
     mean: NDArray[np.float64],
     root: NDArray[np.float64],
-    low: NDArray[np.float64],
-    high: NDArray[np.float64],
+    bounds: tuple[NDArray[np.float64], NDArray[np.float64]],
     toward: NDArray[np.float64] | float = 0.0,
 ) -> Polished:
     """Where the proposal's mean stands still: there the simulated mean of phi agrees best with the observed one.
 
     phi is what each fold holds of an event. The proposal's mean (p,) is where to begin, and its covariance, root (p, p)
-    times its transpose, says how far to look; the answer lies within low and high (p,). The prior has mean 0 and
+    times its transpose, says how far to look; the answer lies within bounds, (p,) each. The prior has mean 0 and
     variance 1. Each fold has events of which its phi was not learnt: it knows the events it was learnt from too well.
 
     A linear discriminator on phi near the solution, where d is close to 1/2 and the cross-entropy quadratic, has its
@@ -252,7 +251,7 @@ def polish(
         responses = [fold.near(mean, kernel) for fold in folds]
     except TooFewEvents:
         return Polished(mean, root @ root.T, 0, converged=False)
-    return descend(lambda mean: responses, mean, root, (low, high), toward)
+    return descend(lambda mean: responses, mean, root, bounds, toward)
 
 
 def descend(
@@ -311,12 +310,12 @@ def polish_closer(
     does not come to rest tells nothing. How narrow that is follows from what the events say `alone`, or with the prior.
     Otherwise as `polish`.
     """
-    answer = polish(folds, mean, root, *bounds, toward)
+    answer = polish(folds, mean, root, bounds, toward)
     if np.isfinite(larger) and not all(fold.is_known for fold in folds):
         larger = LARGER_OF_FEW
     for _ in range(LOOKS):
         narrow = narrower(root, answer, *narrowing, np.sqrt((root**2).sum(axis=1)) if alone else None)
-        again = polish(folds, answer.mean, narrow, *bounds, toward)
+        again = polish(folds, answer.mean, narrow, bounds, toward)
         apart = np.linalg.norm(again.mean - answer.mean)
         moved = apart > SAME * np.linalg.norm(again.error)
         less_sure = again.told > SLOPES and (again.error > larger * answer.error).any()

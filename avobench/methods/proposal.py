@@ -22,6 +22,7 @@ class TruncatedGaussian:
     def __init__(self, prior: Box, support: Box) -> None:
         self.center, self.scale, self.support = prior.mean, prior.std, support
         self.low, self.high = self.to_standard(np.array(support.low)), self.to_standard(np.array(support.high))
+        self.bounds = self.low, self.high
         # A uniform prior is searched as wide as it is; another may be as narrow as what the events tell, or narrower.
         self.widest = (self.high - self.low) / np.sqrt(12) if isinstance(prior, Distributed) else None
 

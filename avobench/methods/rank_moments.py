@@ -184,11 +184,10 @@ class _Rounds:
         self, mean: NDArray[np.float64], root: NDArray[np.float64], toward: NDArray[np.float64]
     ) -> tuple[Polished, NDArray[np.float64]]:
         """Where the means agree, from a point (p,) and how far to look (p, p), and how far that is to be believed."""
-        bounds, narrowing = (self.proposal.low, self.proposal.high), (self.settings.shrink, self.errors)
+        narrowing, alone = (self.settings.shrink, self.errors), self.proposal.widest is not None
         rows = within_reach(self.u, mean, root)
         folds = self.folds(rows if len(rows) > 1 else np.arange(len(self.u)))
-        alone = self.proposal.widest is not None
-        return polish_closer(folds, mean, root, bounds, narrowing, toward, alone=alone)
+        return polish_closer(folds, mean, root, self.proposal.bounds, narrowing, toward, alone=alone)
 
     def folds(self, rows: NDArray[np.int64]) -> list[Fold]:
         """The halves of these simulated events and of all observed ones, by the statistic of the other half."""

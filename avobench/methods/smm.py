@@ -8,12 +8,11 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from avobench.methods.contract import LATER, Estimate, Method, TracePoint
 from avobench.methods.inputs import Inputs
 from avobench.methods.leeway import Leeway, doubt_of_prior, leaves_open
-from avobench.methods.polish import Fold, Polished, polish
+from avobench.methods.polish import Fold, polish
 from avobench.methods.problem import Problem
 from avobench.methods.proposal import TruncatedGaussian
 from avobench.tasks.prior import Distributed
@@ -56,10 +55,8 @@ class Smm(Method):
         return self.rounds * 5 * (num_parameters + 1) * (num_parameters + 2)
 
     def infer(self, problem: Problem, rng: np.random.Generator) -> Estimate:
-        proposal, inputs = (
-            TruncatedGaussian(problem.prior, problem.support),
-            Inputs(problem, symmetric=self.symmetric, whiten=True, trim=self.trim),
-        )
+        proposal = TruncatedGaussian(problem.prior, problem.support)
+        inputs = Inputs(problem, symmetric=self.symmetric, whiten=True, trim=self.trim)
         mean, std = np.zeros(problem.prior.dim), np.ones(problem.prior.dim)
         fold, trace, answer = None, [], None
         # With too little left the simulator refuses a round, rather than an answer being made of next to nothing.
@@ -70,7 +67,7 @@ class Smm(Method):
             if answer and end == ends[-1] and leaves_open(answer, problem.prior):  # of many the best is elsewhere
                 leeway = Leeway([fold], problem.prior)
                 toward, std = leeway.best(proposal.scale), self.shrink * np.ones_like(std)
-                mean = polish([fold], toward, np.diag(std), proposal.low, proposal.high, toward).mean
+                mean = polish([fold], toward, np.diag(std), proposal.bounds, toward).mean
                 if isinstance(problem.prior, Distributed):  # no box to be averaged over: its moments decide
                     leeway, toward = None, np.zeros_like(mean)
             u = proposal.sample(np.stack([mean, np.log(std)]), end - problem.simulate.used, rng)
@@ -79,8 +76,12 @@ class Smm(Method):
                 fold = Fold(inputs(problem.x_observed), synthetic, u)
             else:
                 fold.add(synthetic, u)
-            answer = polish([fold], mean, np.diag(std), proposal.low, proposal.high, toward)
-            mean, std = answer.mean, self._narrower(std, answer, proposal.widest)
+            answer = polish([fold], mean, np.diag(std), proposal.bounds, toward)
+            # As wide as the last where the events say nothing of a parameter, or wider, as in `polish.narrower`.
+            free = proposal.widest is not None and answer.alone is not None
+            own = np.sqrt(np.diag(answer.alone)) if free else answer.error
+            most = proposal.widest if free else std
+            mean, std = answer.mean, np.minimum(most, np.maximum(self.shrink * std, self.errors * own))
             error = leeway.error(mean) if leeway else answer.error
             trace.append(TracePoint(problem.simulate.used, proposal.to_raw(mean), error * proposal.scale))
         last = trace[-1]
@@ -97,14 +98,3 @@ class Smm(Method):
             * (leeway.covariance(mean) if leeway else answer.covariance),
             doubt="; ".join(filter(None, (inputs.doubt, doubt_of_prior(answer, problem.prior)))),
         )
-
-    def _narrower(
-        self, std: NDArray[np.float64], answer: Polished, widest: NDArray[np.float64] | None
-    ) -> NDArray[np.float64]:
-        """The widths of the next round (p,): as wide as the last where the events say nothing of a parameter.
-
-        With `widest` (p,) they may grow, as in `narrower`.
-        """
-        if widest is None or answer.alone is None:
-            return np.minimum(std, np.maximum(self.shrink * std, self.errors * answer.error))
-        return np.minimum(widest, np.maximum(self.shrink * std, self.errors * np.sqrt(np.diag(answer.alone))))

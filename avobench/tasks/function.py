@@ -53,33 +53,31 @@ class FunctionTask(Task):
         support: Mapping[str, tuple[float, float]],
         units: Mapping[str, str],
         feature_names: Sequence[str],
-        kinds: Mapping[str, Kind | ParameterKind] | None = None,
-        feature_units: Mapping[str, str] | None = None,
-        per_theta: bool = False,
-        failed: Failed = "raise",
-        missing: Sequence[str] = (),
+        kinds: Mapping[str, Kind | ParameterKind],
+        feature_units: Mapping[str, str],
+        per_theta: bool,
+        failed: Failed,
+        missing: Sequence[str],
     ) -> None:
         self.function, self.name, self.per_theta, self.failed = function, name, per_theta, failed
         self.feature_names = tuple(feature_names)
         self.parameter_names = tuple(prior)
         self.parameter_units = tuple(units.get(parameter, "1") for parameter in prior)
-        said = {name: kind for name, kind in (kinds or {}).items() if name in prior and kind in get_args(ParameterKind)}
+        said = {name: kind for name, kind in kinds.items() if name in prior and kind in get_args(ParameterKind)}
         self.prior = box_of(prior, [name for name, kind in said.items() if kind == "integer"])
         both = zip(prior.items(), self.prior.low, self.prior.high, strict=True)
         ends = {name: getattr(given, "within", (low, high)) for (name, given), low, high in both}
         self.support = Box(*zip(*(support.get(parameter, ends[parameter]) for parameter in prior), strict=True))
         if not self.support.contains_all(np.array([self.prior.low, self.prior.high])):
             raise ValueError(f"the support of {name} must hold its prior")
-        kinds = {name: kind for name, kind in (kinds or {}).items() if name not in said}
+        kinds = {name: kind for name, kind in kinds.items() if name not in said}
         if "integer" in said.values():
             self.parameter_kinds = tuple(said.get(parameter, "continuous") for parameter in prior)
-            ends = np.array([*self.prior.low, *self.prior.high, *self.support.low, *self.support.high]).reshape(4, -1)
-            if broken := [
-                name
-                for name, fine in zip(prior, (ends == np.rint(ends)).all(axis=0), strict=True)
-                if not fine and said.get(name) == "integer"
-            ]:
-                raise ValueError(f"{broken[0]} is an integer, so its prior and its support must end at whole numbers")
+            ends = np.array([self.prior.low, self.prior.high, self.support.low, self.support.high])
+            broken = (ends != np.rint(ends)).any(axis=0) & self.is_integer
+            if broken.any():
+                name = self.parameter_names[broken.argmax()]
+                raise ValueError(f"{name} is an integer, so its prior and its support must end at whole numbers")
         # Another number of rows than of parameters, so that none is taken for one.
         x = self._first(self.prior.dim + 1, may_lack=bool(missing))
         self.num_features, self.dtype = x.shape[1], x.dtype
@@ -88,7 +86,7 @@ class FunctionTask(Task):
         self.missing = tuple(self.labels.index(name) for name in missing if name in self.labels)
         if missing and self.dtype.kind != "f":
             raise ValueError("a value that is missing is NaN, which whole numbers do not have: return them as floats")
-        for given, what in ((kinds, "kinds"), (feature_units or {}, "feature_units"), (missing, "missing")):
+        for given, what in ((kinds, "kinds"), (feature_units, "feature_units"), (missing, "missing")):
             if unknown := [feature for feature in given if feature not in self.labels]:
                 raise ValueError(f"{what} names '{unknown[0]}'; the features are {', '.join(self.labels)}")
         if feature_units:
@@ -327,6 +325,7 @@ def task(
     (3, 1)
     """
     distinct("features", features)
+    support, units, kinds, feature_units = (given or {} for given in (support, units, kinds, feature_units))
     if not isinstance(prior, Mapping):
         distinct("parameters", names or ())
         if names is None or len(names) != len(prior):
@@ -337,8 +336,8 @@ def task(
         raise UsageError(f"the name of a task must be letters, digits, dots and dashes, got '{label}'")
     if not prior:
         raise UsageError(f"the prior of {label} is empty; give the ends of one parameter at least")
-    box_of(prior, [parameter for parameter, kind in (kinds or {}).items() if kind == "integer"])
-    for given, what in ((support or {}, "support"), (units or {}, "units")):
+    box_of(prior, [parameter for parameter, kind in kinds.items() if kind == "integer"])
+    for given, what in ((support, "support"), (units, "units")):
         for parameter in given:
             if parameter not in prior:
                 raise UsageError(f"{what} names '{parameter}'; the parameters of {label} are {', '.join(prior)}")
@@ -350,8 +349,8 @@ def task(
                 simulate,
                 label,
                 prior,
-                support or {},
-                units or {},
+                support,
+                units,
                 features,
                 kinds,
                 feature_units,
@@ -363,7 +362,7 @@ def task(
         raise
     except (Exception, SystemExit) as error:  # a user's function may raise anything
         hint, said = "", str(error) if isinstance(error, SimulatorError) else raised(error)
-        if _in(simulate, error):
+        if getattr(simulate, "__code__", None) in [frame.f_code for frame, _ in walk_tb(error.__traceback__)]:
             hint = (
                 "; theta is one, (p,), so theta[0]" if per_theta else "; theta has a row for each event, so theta[:, 0]"
             )
@@ -376,12 +375,6 @@ def task(
             stacklevel=3,
         )
     return made
-
-
-def _in(function: Simulate, error: BaseException) -> bool:
-    """Tell whether an error came out of a function."""
-    frames = (frame.f_code for frame, _ in walk_tb(error.__traceback__))
-    return getattr(function, "__code__", None) in frames
 
 
 class _Over(BaseException):

@@ -1,5 +1,6 @@
 """Several simulators with one theta as one: an event has the features of one event of each."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any, ClassVar
@@ -33,12 +34,18 @@ class JointTask(Task):
         for name, task in tasks.items():
             if task.event_shape:
                 raise UsageError(f"{name}: joint does not take images")
-        self.shared = _shared(tasks, shared)
+        times = Counter(one for task in self.tasks for one in task.parameter_names)
+        several = [one for one, count in times.items() if count > 1]
+        for one in shared or ():
+            if one not in several:
+                told = f"no two data sets have a parameter '{one}' to share"
+                raise UsageError(f"{told}; they have: {', '.join(several)}")
+        self.shared = tuple(several if shared is None else shared)
         found: dict[str, tuple[Task, int]] = {}
         self._theta: list[list[int]] = []
         """Which of all parameters those of each task are."""
         for name, task in tasks.items():
-            own = [one if one in self.shared else _apart(name, one, tasks) for one in task.parameter_names]
+            own = [one if one in self.shared or times[one] == 1 else f"{name}: {one}" for one in task.parameter_names]
             for k, one in enumerate(own):
                 _require_alike(one, found.setdefault(one, (task, k)), (task, k))
             self._theta.append([list(found).index(one) for one in own])
@@ -98,20 +105,6 @@ class JointTask(Task):
         """The summaries of the sets, one after the other: (n, d) -> (k,)."""
         each = zip(self.tasks, self.columns, strict=True)
         return np.concatenate([task.summary(x[:, at].astype(task.dtype)) for task, at in each])
-
-
-def _shared(tasks: Mapping[str, Task], asked: Sequence[str] | None) -> tuple[str, ...]:
-    every = [name for task in tasks.values() for name in task.parameter_names]
-    several = [name for name in dict.fromkeys(every) if every.count(name) > 1]
-    for name in asked or ():
-        if name not in several:
-            raise UsageError(f"no two data sets have a parameter '{name}' to share; they have: {', '.join(several)}")
-    return tuple(several if asked is None else asked)
-
-
-def _apart(name: str, parameter: str, tasks: Mapping[str, Task]) -> str:
-    alone = sum(parameter in task.parameter_names for task in tasks.values()) == 1
-    return parameter if alone else f"{name}: {parameter}"
 
 
 def _require_alike(name: str, one: tuple[Task, int], other: tuple[Task, int]) -> None:

@@ -45,7 +45,7 @@ class Region:
         task: Task,
         call: Callable[[NDArray, np.random.Generator], NDArray],
         per_theta: bool,
-        known: Mapping[str, Any] | None = None,
+        known: Mapping[str, Any] | None,
     ) -> None:
         """Try the simulator, or take what is `known` of an earlier time.
 

@@ -43,7 +43,7 @@ class SampleTask(Task):
         worth: float,
         total: float,
         name: str,
-        missing: Sequence[str] = (),
+        missing: Sequence[str],
     ) -> None:
         """Events (M, d) without weights, in random order, at theta (M, p).
 

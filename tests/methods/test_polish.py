@@ -14,7 +14,7 @@ def polished(real, synthetic, u, start, std=0.3, toward=0.0):
     """In two folds, as avo does it."""
     real, synthetic, ones = real.astype(np.float32), synthetic.astype(np.float32), np.ones(u.shape[1])
     folds = [Fold(real[half::2], synthetic[half::2], u[half::2]) for half in range(2)]
-    return polish(folds, start * ones, np.diag(std * ones), -EDGE * ones, EDGE * ones, toward)
+    return polish(folds, start * ones, np.diag(std * ones), (-EDGE * ones, EDGE * ones), toward)
 
 
 @settings(max_examples=25)
@@ -55,7 +55,7 @@ def test_a_closer_look_finds_what_a_quadratic_misses_and_else_lets_the_wide_answ
     for curve, curved in ((lambda u: np.exp(1.5 * u), True), (lambda u: u, False)):
         real, synthetic = rng.normal(curve(-0.7), 1, (60_000, 1)), rng.normal(curve(u), 1)
         folds = folds_of(real, synthetic, u)
-        wide = polish(folds, *begin[:2], *bounds)
+        wide = polish(folds, *begin)
         answer, root = polish_closer(folds, *begin, (0.35, 10.0))
         assert (abs(wide.mean[0] + 0.7) > 5 * wide.error[0]) == curved
         assert not curved or abs(answer.mean[0] + 0.7) < abs(wide.mean[0] + 0.7) / 4
@@ -78,7 +78,7 @@ def test_a_closer_look_without_enough_events_tells_nothing():
     rng = np.random.default_rng(7)
     u, bounds = rng.normal(size=(100, 2)), (np.full(2, -EDGE), np.full(2, EDGE))
     folds = folds_of(rng.normal(size=(4000, 2)), u + rng.normal(size=(100, 2)), u)
-    wide = polish(folds, np.zeros(2), np.eye(2), *bounds)
+    wide = polish(folds, np.zeros(2), np.eye(2), bounds)
     answer, root = polish_closer(folds, np.zeros(2), np.eye(2), bounds, (0.001, 1e-9))
     assert answer.mean.tolist() == wide.mean.tolist()
     assert root.tolist() == np.eye(2).tolist()

@@ -37,11 +37,9 @@ class Crosstalk(Change):
         if self.feature == "all":
             return {shape: () for shape in SOURCES}
         others = [j for j in range(len(self.ranges)) if j != self.feature]
-        above = {f"x{j + 1} above": (self._level(j),) for j in others}
+        ends = {j: (self.ranges[j].low, self.ranges[j].high) for j in others}
+        above = {f"x{j + 1} above": (Parameter("level", *ends[j], None, f"of x{j + 1}"),) for j in others}
         return {"mean": (), "neighbours": ()} | {f"x{j + 1}": () for j in others} | above
-
-    def _level(self, j: int) -> Parameter:
-        return Parameter("level", self.ranges[j].low, self.ranges[j].high, None, f"of x{j + 1}")
 
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)

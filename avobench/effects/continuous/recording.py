@@ -1,4 +1,4 @@
-"""Effects of how a value is recorded: in steps, cut at the end of the scale, or as a value that stands for others."""
+"""Effects of how a value is recorded: in steps, cut at the end of the scale, as one that stands for others, or not."""
 
 from dataclasses import dataclass, replace
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from avobench.effects.continuous.comb import Comb
 from avobench.effects.continuous.ends import SIDES, Spike, spikes
-from avobench.effects.continuous.feature import KNOWN, REPEATED, Change
+from avobench.effects.continuous.feature import KNOWN, REPEATED, Change, FeatureEffect
 from avobench.effects.contract import Parameter
 
 LEAST_LEVELS = 4
@@ -225,11 +225,8 @@ class Saturation(Change):
         """The value below the middle of the range, and the one above, at which most events are; NaN if none repeat."""
         values, counts = np.unique(column, return_counts=True)
         repeated = counts >= REPEATED
-        found = [float("nan")] * 2
-        for side, own in enumerate((repeated & (values < span.centre), repeated & (values > span.centre))):
-            if own.any():
-                found[side] = float(values[own][counts[own].argmax()])
-        return found[0], found[1]
+        sides = (repeated & (values < span.centre), repeated & (values > span.centre))
+        return tuple(float(values[own][counts[own].argmax()]) if own.any() else float("nan") for own in sides)
 
     def changed(self, x, span, phi, rng):
         u = span.unit(x)
@@ -316,3 +313,34 @@ class Censoring(Change):
             limit, value = phi[:, 1], phi[:, 2]
         beyond = x > limit if self.above else x < limit
         return np.where(beyond & recorded, value, x)
+
+
+LOST = {"low": np.less, "high": np.greater}
+"""On which side of a value it is lost, by shape."""
+
+
+@dataclass(frozen=True)
+class LostValue(FeatureEffect):
+    """Events lack a feature more often than simulated: anywhere, or where its value is on one side of another."""
+
+    stage = 4
+    name = "lost_value"
+    sentence = "The value of a feature is missing in more events: the detector did not fire, or nobody answered."
+    source = "D. B. Rubin, Biometrika 63 (1976) 581"
+    STRENGTH = Parameter("lost", 0, 1, 0, "1")
+
+    @classmethod
+    def entries(cls, site):
+        return [cls(j, site.ranges) for j in site.task.missing]
+
+    def variants(self):
+        at = (Parameter("at", self.low, self.high, None, "of the feature"),)
+        return {"": (), **dict.fromkeys(LOST, at)}
+
+    def apply(self, simulate, theta, phi, rng):
+        x = simulate(theta, rng)
+        lost = rng.random(len(x)) < phi[:, 0]
+        if self.shape:
+            lost &= LOST[self.shape](x[:, self.feature], phi[:, 1])
+        x[lost, self.feature] = np.nan
+        return x

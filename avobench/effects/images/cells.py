@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from avobench.effects.contract import Effect, Parameter
-from avobench.effects.images.grid import ImageEffect, odd_cells, told
+from avobench.effects.images.grid import ImageEffect, odd_cells
 from avobench.effects.images.particles import PARTICLES, ParticleEffect
 
 
@@ -27,8 +27,10 @@ class FaultyCells(ImageEffect):
         return replace(self, cells=tuple(odd_cells(x, self.grid, few=self.few).tolist()))
 
     def unit(self, parameter, units=()):
-        cell = told(self.cells, self.grid)
-        return self.where.format(unit=parameter.unit, cell=cell) if cell else parameter.unit
+        if self.cells is None or len(self.cells) != 1:
+            return parameter.unit
+        row, column = divmod(self.cells[0], self.grid[1])  # counted from 0
+        return self.where.format(unit=parameter.unit, cell=f"the cell in row {row}, column {column}")
 
     def guess(self, x):
         return np.empty((0, 1)) if self.cells == () else None

@@ -1,4 +1,4 @@
-"""What effects on images share: a fixed order of cells, and hits as a list."""
+"""What effects on images share: their grid, a fixed order of its cells, and which of them stand out."""
 
 from dataclasses import dataclass
 
@@ -30,14 +30,6 @@ class ImageEffect(Effect):
 
     def order(self) -> NDArray[np.intp]:
         return np.random.default_rng(PATTERN).permutation(self.num_cells)
-
-
-def told(cells: tuple[int, ...] | None, grid: tuple[int, int]) -> str:
-    """Row and column, counted from 0, of a single faulty cell. The text is empty if the fault is not of one cell."""
-    if cells is None or len(cells) != 1:
-        return ""
-    row, column = divmod(cells[0], grid[1])
-    return f"the cell in row {row}, column {column}"
 
 
 def odd_cells(x: NDArray, grid: tuple[int, int], *, few: bool) -> NDArray[np.intp]:
