@@ -35,6 +35,6 @@ def load(path: str | Path, trust: bool = False) -> Inference | Diagnosed | Task:
             return Inference.of(content)
     except OSError as error:
         raise UsageError(f"{error.filename or path} cannot be read: {error.strerror or error}") from error
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError, RecursionError) as error:
         raise UsageError(f"{path} is no fit, diagnosis or model that avobench saved: {error!r:.200}") from error
     return registry.build("task", registry.trusted(str(path), trust), {})

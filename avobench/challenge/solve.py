@@ -138,7 +138,7 @@ def read_manifest(folder: Path) -> dict[str, Any]:
 def read_json(path: Path) -> dict[str, Any]:
     try:
         content = json.loads(path.read_text())
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise AvobenchError(f"{path} cannot be read: {error}") from error
     if not isinstance(content, dict):
         raise AvobenchError(f"{path} does not hold a JSON object")

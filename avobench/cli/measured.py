@@ -175,7 +175,7 @@ def read_joint(path: str, trust: bool = False) -> Joint:
     """
     try:
         said = tomllib.loads(Path(path).read_text())
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise UsageError(f"{path} cannot be read: {error}") from error
     shared = said.pop("shared", None)
     if not isinstance(shared, list | None):

@@ -22,7 +22,7 @@ from avobench.methods.contract import LATER, Estimate, Method, TracePoint
 from avobench.methods.device import require_device
 from avobench.methods.divergence import Contrast, minimise
 from avobench.methods.inputs import Inputs
-from avobench.methods.leeway import Leeway, doubt_of_prior, is_open, leaves_open
+from avobench.methods.leeway import Leeway, doubt_of, leaves_open
 from avobench.methods.polish import Fold, Polished, TooFewEvents, narrower, polish_closer, within_reach
 from avobench.methods.problem import Problem
 from avobench.methods.proposal import TruncatedGaussian
@@ -325,12 +325,8 @@ class Inference:
         The discriminators' last layers have many more means than there are parameters, and the polish has made no use
         of them: where theta is right they all agree with the observed ones (Hansen's test).
         """
-        if not answer.converged:
-            return "the polish did not converge, so the estimate is its last step"
-        if is_open(answer, self.problem.prior) and not leaves_open(answer):
-            return "the events determine almost nothing about one combination of the parameters"
-        if hidden := doubt_of_prior(answer, self.problem.prior):
-            return hidden
+        if doubt := doubt_of(answer, self.problem.prior):
+            return doubt
         try:
             misfit = max(fold.misfit(answer.mean, root) for fold in self.folds(self.layers, self.unseen_halves))
         except TooFewEvents:

@@ -54,8 +54,15 @@ def leaves_open(answer: Polished, prior: Box | None = None) -> bool:
     return len(answer.mean) <= MOST_PARAMETERS and is_open(answer, prior)
 
 
-def doubt_of_prior(answer: Polished, prior: Box) -> str:
-    """Say that events may tell more than a quarter of what a prior does that is not uniform, and it was not seen."""
+def doubt_of(answer: Polished, prior: Box) -> str:
+    """Say why the answer may be wrong, or "": no convergence, no information, or events that may tell unseen things.
+
+    The last is where they may tell more than a quarter of what a prior does that is not uniform.
+    """
+    if not answer.converged:
+        return "the fit did not converge, so the estimate is its last step"
+    if is_open(answer, prior) and not leaves_open(answer):
+        return "the events determine almost nothing about one combination of the parameters"
     if not isinstance(prior, Distributed) or answer.hidden < OPEN**2:
         return ""
     return (

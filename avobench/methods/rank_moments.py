@@ -18,7 +18,7 @@ from scipy.stats import chi2
 
 from avobench.methods.contract import Estimate, Method, TracePoint
 from avobench.methods.inputs import Inputs
-from avobench.methods.leeway import Leeway, doubt_of_prior, is_open, leaves_open
+from avobench.methods.leeway import Leeway, doubt_of, leaves_open
 from avobench.methods.polish import Fold, Polished, TooFewEvents, kernel_of, narrower, polish_closer, within_reach
 from avobench.methods.problem import Problem
 from avobench.methods.proposal import TruncatedGaussian
@@ -222,12 +222,8 @@ class _Rounds:
 
     def doubt(self, answer: Polished, root: NDArray[np.float64]) -> str:
         """Say why the answer may be wrong, or "": no convergence, no information, or a remaining difference."""
-        if not answer.converged:
-            return "the match did not converge, so the estimate is its last step"
-        if is_open(answer, self.problem.prior) and not leaves_open(answer):
-            return "the events determine almost nothing about one combination of the parameters"
-        if hidden := doubt_of_prior(answer, self.problem.prior):
-            return hidden
+        if doubt := doubt_of(answer, self.problem.prior):
+            return doubt
         rows = within_reach(self.u, answer.mean, root)[-MOST_TESTED:]
         real, synthetic = (np.concatenate(list(self.polynomials.parts(of))) for of in (self.observed, self.ranks[rows]))
         fold, coefficients = Fold(real, synthetic, self.u[rows]), (self.p + 1) * (self.p + 2) // 2

@@ -11,7 +11,7 @@ import numpy as np
 
 from avobench.methods.contract import LATER, Estimate, Method, TracePoint
 from avobench.methods.inputs import Inputs
-from avobench.methods.leeway import Leeway, doubt_of_prior, leaves_open
+from avobench.methods.leeway import Leeway, doubt_of, leaves_open
 from avobench.methods.polish import Fold, polish
 from avobench.methods.problem import Problem
 from avobench.methods.proposal import TruncatedGaussian
@@ -96,5 +96,5 @@ class Smm(Method):
             error=error * proposal.scale,
             covariance=np.outer(proposal.scale, proposal.scale)
             * (leeway.covariance(mean) if leeway else answer.covariance),
-            doubt="; ".join(filter(None, (inputs.doubt, doubt_of_prior(answer, problem.prior)))),
+            doubt="; ".join(filter(None, (inputs.doubt, doubt_of(answer, problem.prior)))),
         )

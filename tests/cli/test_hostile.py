@@ -230,3 +230,24 @@ def test_ctrl_c_is_a_stop_whatever_a_library_makes_of_it(monkeypatch, capsys):
     signal.signal(signal.SIGINT, before)
     assert left.value.code == 130
     assert capsys.readouterr().err == "avobench: stopped; nothing was kept, and the same command starts again\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments"),
+    [
+        ("c/manifest.json", ("challenge", "solve", "c")),
+        ("d.toml", ("infer", "--joint", "d.toml")),
+        ("r/store.json", ("status", "--results", "r")),
+        ("b/bank.json", ("infer", "--task", "poisson", "--data", "x.csv", "--method", "smm", "--bank", "b")),
+        ("m/model.json", ("infer", "--task", "m/model.json", "--data", "x.csv", "--method", "smm")),
+    ],
+)
+def test_a_file_of_lists_in_lists_in_lists_is_told_in_a_line(avobench, tmp_path, monkeypatch, name, arguments):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / name
+    path.parent.mkdir(exist_ok=True)
+    path.write_text("a=" * name.endswith("toml") + "[" * 100_000)
+    (tmp_path / "x.csv").write_text("x\n" + "1\n" * 300)
+    code, out, err = avobench(*arguments)
+    assert (code > 0, out, err.count("\n")) == (True, "", 1)
+    assert path.name in err

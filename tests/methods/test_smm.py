@@ -56,3 +56,16 @@ def test_trimmed_moments_lose_little_and_are_moved_less_by_outliers():
     assert fit(far).theta[0] - 0.7 > 0.2 > 0.15 > fit(far, trim=0.1).theta[0] - 0.7
     with pytest.raises(ValueError, match="trim"):
         Smm(trim=0.5)
+
+
+def test_where_means_leave_a_combination_of_many_parameters_open_it_is_in_doubt():
+    """With more than three parameters no best of many answers is looked for."""
+    noise = task(
+        lambda theta, rng: theta[:, :3] + np.exp(theta[:, 3:]) * rng.standard_normal((len(theta), 3)),
+        prior={name: (-1, 1) for name in ("a", "b", "c", "log_scale")},
+        name="noise",
+    )
+    assert inferred(noise, [0.3, 0.1, -0.4, 0.8], 2).doubt
+    assert not inferred(
+        task(lambda t, rng: rng.normal(t, 1.0), prior=dict.fromkeys("abcd", (-1, 1))), [0.3] * 4, 2
+    ).doubt

@@ -82,7 +82,7 @@ class KeptBank(Bank):
             return
         try:
             theirs = json.loads(path.read_text())
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise UsageError(f"{path} is damaged: {error}") from error
         if theirs != ours:
             differ = [name for name in ours if not isinstance(theirs, dict) or theirs.get(name) != ours[name]]
@@ -98,7 +98,7 @@ class KeptBank(Bank):
             return
         try:
             recall(self.task, json.loads(path.read_text()))
-        except (KeyError, TypeError, ValueError) as error:
+        except (KeyError, TypeError, ValueError, RecursionError) as error:
             raise UsageError(f"{path} is damaged ({error}); delete it, and that is learnt again") from error
 
     def _columns(self) -> tuple[list[str], list[str], list[str]]:

@@ -71,7 +71,7 @@ class Store:
                 path.mkdir(parents=True, exist_ok=True)
                 write_atomically(marker, (json.dumps(SCHEMA) + "\n").encode())
             found = json.loads(marker.read_text())
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise UsageError(f"{marker} is not readable as JSON; restore it to {json.dumps(SCHEMA)}") from error
         except OSError as error:
             raise UsageError(f"the results folder {path} cannot be used: {error.strerror or error}") from error
