@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from measurements import entry, shape_of
 
 import avobench
 from avobench.challenge.shape import Injection, Place
-from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.effects.pool import Pool
 from avobench.tasks import alignment
@@ -26,8 +26,7 @@ def _small_chunks(monkeypatch):
 
 
 def effect_of(task, name, shape=None):
-    effects = [shape for effect in catalogue(task) if effect.name == name for shape in effect.shapes()]
-    return next(effect for effect in effects if shape in (None, effect.shape))
+    return shape_of(entry(task, name), shape)
 
 
 @pytest.mark.parametrize(

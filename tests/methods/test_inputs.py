@@ -147,6 +147,5 @@ def test_units_of_features_that_are_far_apart_lose_no_parameter(ratio):
 
 def test_one_event_is_fitted_with_a_doubt_and_no_warning():
     task = avobench.task(lambda theta, rng: rng.normal(theta), prior={"a": (-5, 5)}, name="one")
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
+    with warnings.catch_warnings(action="error"):
         assert avobench.infer(task, np.array([0.5]), "smm", budget=10_000).estimate.doubt
