@@ -5,8 +5,23 @@ import numpy as np
 from avobench.diagnosis.effort import Effort
 from avobench.effects import Effect, Parameter
 from avobench.effects.catalogue import catalogue
+from avobench.tasks.function import task
 
 LIGHT = Effort(sharpen=6, covariance=30_000)
+
+
+def weeks(theta, rng):
+    return rng.poisson(np.exp(theta[:, [0]]) * [1, 2, 4])
+
+
+def beside(theta, rng):
+    return np.column_stack([rng.normal(theta[:, 0]), rng.poisson(np.exp(theta[:, 0]))])
+
+
+WEEKS = task(weeks, prior={"log_rate": (0, 3)})
+"""Three counts an event."""
+BESIDE = task(beside, prior={"log_rate": (0, 3)}, kinds={"x2": "count"})
+"""A count beside a real number."""
 
 
 def measured(task, theta, n, seed):

@@ -2,28 +2,15 @@
 
 import numpy as np
 import pytest
-from measurements import applied
+from measurements import BESIDE, WEEKS, applied
 from scipy.stats import norm, poisson
 
 from avobench.bench.conformance import effects as suite
 from avobench.effects.catalogue import catalogue, chosen, of_domain
 from avobench.effects.model import Model
-from avobench.tasks.function import task
 from avobench.tasks.poisson import Poisson
 
 N = 200_000
-
-
-def weeks(theta, rng):
-    return rng.poisson(np.exp(theta[:, [0]]) * [1, 2, 4])
-
-
-def beside(theta, rng):
-    return np.column_stack([rng.normal(theta[:, 0]), rng.poisson(np.exp(theta[:, 0]))])
-
-
-WEEKS = task(weeks, prior={"log_rate": (0, 3)})
-BESIDE = task(beside, prior={"log_rate": (0, 3)}, kinds={"x2": "count"})
 
 
 def effect_of(task, name, shape=None, feature=None):

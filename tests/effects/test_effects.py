@@ -106,10 +106,8 @@ def test_range_of_a_cosine_is_exact_and_its_folds_stay_within():
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 40.0])
 def test_each_end_of_a_range_is_the_end_where_it_is_sharp_and_a_quantile_where_not(scale):
     rng = np.random.default_rng(0)
-    decays = function_task(
-        lambda t, rng: rng.exponential(t[:, 0]), prior={"lifetime": (scale, 2 * scale)}, name="decays"
-    )
-    (span,) = ranges(decays)
+    prior = {"lifetime": (scale, 2 * scale)}
+    (span,) = ranges(function_task(lambda theta, rng: rng.exponential(theta), prior=prior, name="decays"))
     assert (span.low, span.sharp_low, span.sharp_high, span.bounded) == (0, True, False, False)
     times = rng.exponential(scale, 20_000)
     assert span.shown(times) == replace(span, high=np.quantile(times, 0.995))
@@ -176,24 +174,20 @@ def test_one_recorded_event_in_ten_is_waited_for_and_what_is_rarer_costs_no_more
 def test_a_limit_that_few_events_pass_is_that_of_each_row():
     """Of a standard normal one event in six to a thousand is beyond these limits, which all differ."""
     limits = np.linspace(1, 3, 2000)[:, None]
-    x = accepted(
-        lambda theta, rng: rng.normal(size=(len(theta), 1)),
-        limits,
-        lambda x, rows: 1.0 * (x[:, 0] > limits[rows, 0]),
-        np.random.default_rng(0),
-    )
+
+    def beyond(x, rows):
+        return 1.0 * (x[:, 0] > limits[rows, 0])
+
+    x = accepted(lambda theta, rng: rng.normal(size=theta.shape), limits, beyond, np.random.default_rng(0))
     assert (x > limits).all()
     assert x.mean() == pytest.approx((norm.pdf(limits) / norm.sf(limits)).mean(), abs=0.1)
 
 
 def test_a_model_whose_detector_records_nothing_is_refused_and_a_fit_that_tries_it_goes_on():
-    blind = partial(
-        accepted,
-        lambda theta, rng: rng.random((len(theta), 1)),
-        np.zeros((3, 1)),
-        lambda x, rows: 0 * x[:, 0],
-        np.random.default_rng(0),
-    )
+    def simulate(theta, rng):
+        return rng.random(theta.shape)
+
+    blind = partial(accepted, simulate, np.zeros((3, 1)), lambda x, rows: 0 * x[:, 0], np.random.default_rng(0))
     assert blind().shape == (3, 1)
     with pytest.raises(SimulatorError, match="recorded"), must_record():
         blind()

@@ -16,12 +16,9 @@ def compass(theta, rng):
     return np.column_stack([rng.uniform(0, 360, len(theta)), rng.normal(theta[:, 0], 3)])
 
 
+UNITS = {"azimuth": "deg", "energy": "GeV"}
 COMPASS = task(
-    compass,
-    prior={"energy": (20, 30)},
-    features=["azimuth", "energy"],
-    kinds={"azimuth": "angle"},
-    feature_units={"azimuth": "deg", "energy": "GeV"},
+    compass, prior={"energy": (20, 30)}, features=list(UNITS), kinds={"azimuth": "angle"}, feature_units=UNITS
 )
 
 
