@@ -54,6 +54,7 @@ def test_status_and_export_read_the_records(done, results, tmp_path):
         ("export --format xls --out table.xls", "xls"),
         ("figure benchmrk", "benchmrk"),
         ("nonsense", "nonsense"),
+        ("diagnose --task poisson --table t.csv --time t --out out", "columns of --data"),
         ("list tasks --task poisson", "--task is for `avobench list effects`"),
         ("list --task poison", "did you mean poisson?"),
         ("list colours", "colours"),

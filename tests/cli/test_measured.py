@@ -45,7 +45,6 @@ def test_a_fit_from_a_bank_with_weights_on_both_sides_is_that_of_python(files, d
         ("--task poisson --data d.csv --columns a --columns b,a", "--columns names 'a' twice"),
         ("--task poisson --table t.csv --data-weights w", "columns of --data"),
         ("--task poisson --table t.csv --columns a,b", "2 for 1 tables"),
-        ("--task poisson --table t.csv --time t", "columns of --data"),
         ("--joint sets.toml --data d.csv", "leave --data out"),
         ("--joint sets.toml --columns n", "leave --columns out"),
     ],
