@@ -59,33 +59,28 @@ class Browser:
         return self.driver.execute_script(script, *arguments)
 
     @contextmanager
-    def window(self, width, height=900, mobile=False):
-        """A window of so many pixels, or a phone's screen."""
-        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": mobile}
-        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    def _emulating(self, command, how, undo, plain):
+        """Within the block the browser does what a command of the DevTools protocol says."""
+        self.driver.execute_cdp_cmd(f"Emulation.{command}", how)
         try:
             yield
         finally:
-            self.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+            self.driver.execute_cdp_cmd(f"Emulation.{undo}", plain)
 
-    @contextmanager
+    def window(self, width, mobile=False):
+        """A window of so many pixels, or a phone's screen."""
+        size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": mobile}
+        return self._emulating("setDeviceMetricsOverride", size, "clearDeviceMetricsOverride", {})
+
     def scheme(self, name):
         """A reader who prefers the colours "light" or "dark"."""
         wanted = {"features": [{"name": "prefers-color-scheme", "value": name}]}
-        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", wanted)
-        try:
-            yield
-        finally:
-            self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+        return self._emulating("setEmulatedMedia", wanted, "setEmulatedMedia", {"features": []})
 
-    @contextmanager
     def without_scripts(self):
         """A reader whose browser runs no script of the pages that are opened."""
-        self.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
-        try:
-            yield
-        finally:
-            self.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
+        command = "setScriptExecutionDisabled"
+        return self._emulating(command, {"value": True}, command, {"value": False})
 
     def in_both_schemes(self):
         """Screenshots of the page in light and in dark, in which it shows the same words, and all legibly."""
@@ -107,12 +102,20 @@ class Browser:
         """Right end of the page in pixels, and the width of the window: the page scrolls where it is larger."""
         return self.run("return [document.scrollingElement.scrollWidth, innerWidth]")
 
-    def scrolled_tables(self):
-        """Tables that are wider than the place that they have."""
-        return self.run(
-            "return [...document.querySelectorAll('section .scroll')]"
-            ".filter(box => box.scrollWidth > box.clientWidth).map(box => box.closest('section').id)"
-        )
+    def require_fit(self, width):
+        """A window of so many pixels needs no horizontal scrollbar, a wide one none in a table, and it is used."""
+        with self.window(width, mobile=width < 400):
+            end, window = self.widest()
+            assert end <= window == width
+            scrolled = (
+                "[...document.querySelectorAll('section .scroll')].some(box => box.scrollWidth > box.clientWidth)"
+            )
+            assert width < 1300 or not self.run(f"return {scrolled}")
+            main, *figures = self.run(
+                "return [...document.querySelectorAll('main, figure')].map(part => part.clientWidth)"
+            )
+            assert main > 0.95 * width
+            assert all(figure <= width for figure in figures)
 
     def contrasts(self):
         """Of every text, its contrast with what is behind it, 1 (unseen) to 21, and its words; the faintest first."""
@@ -121,9 +124,8 @@ class Browser:
     def complaints(self):
         """Errors and warnings in the console since the last call, and whatever was asked of any network."""
         asked = self.run("return performance.getEntriesByType('resource').map(entry => entry.name)")
-        lines = [
-            entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")
-        ]
+        log = self.driver.get_log("browser")
+        lines = [entry["message"] for entry in log if entry["level"] in ("SEVERE", "WARNING")]
         return lines + [f"asked for {name}" for name in asked if not name.startswith(("data:", "blob:"))]
 
 

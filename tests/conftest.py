@@ -46,6 +46,18 @@ def avobench(run):
 
 
 @pytest.fixture
+def done(avobench):
+    """The standard output of a command that must end well: arguments -> text."""
+
+    def call(*arguments):
+        code, out, err = avobench(*arguments)
+        assert code == 0, err
+        return out
+
+    return call
+
+
+@pytest.fixture
 def beside_users_modules(monkeypatch):
     """`toys:Normal` is found as a user's own module is: beside the user."""
     monkeypatch.chdir(USERS)

@@ -29,16 +29,19 @@ class Normal:
 HOW = {"events": 97, "budget": 600, "progress": False}
 
 
+def normal(*least, high=2):
+    return avobench.task(Normal(*least), prior={"mean": (-2, high)}, name="normal")
+
+
 def test_the_errors_of_smm_hold_and_smaller_ones_do_not(tmp_path):
-    task = avobench.task(simulator := Normal(), prior={"mean": (-2, 2)}, name="normal")
-    found = avobench.calibrate(task, n=24, folder=tmp_path, **HOW)
+    found = avobench.calibrate(task := normal(), n=24, folder=tmp_path, **HOW)
     assert found.to_frame()["uniform"].iloc[0] > 1e-3
     assert 0.35 < found.to_frame()["in 68%"].iloc[0] < 0.9  # each has a probability of 4e-4
     assert len(found.plot().axes) == 2
     assert str(found).startswith("24 fits by smm")
-    simulator.used = 0
+    task.function.used = 0
     again = avobench.calibrate(task, n=25, folder=tmp_path, **HOW)
-    assert simulator.used <= 700 + 100
+    assert task.function.used <= 700 + 100
     assert again.ranks[:24].equals(found.ranks)
     for fit in again.fits:  # a tenth of the error
         fit.quoted[1][:] /= 10
@@ -51,25 +54,23 @@ def test_the_errors_of_smm_hold_and_smaller_ones_do_not(tmp_path):
     "other",
     [
         lambda: avobench.task(lambda theta, rng: rng.normal(theta[:, 0], 50), prior={"mean": (-2, 2)}, name="normal"),
-        lambda: avobench.task(Normal(), prior={"mean": (-2, 3)}, name="normal"),
+        lambda: normal(high=3),
     ],
 )
 def test_a_folder_is_of_one_simulator_and_one_prior(tmp_path, other):
-    avobench.calibrate(avobench.task(Normal(), prior={"mean": (-2, 2)}, name="normal"), n=1, folder=tmp_path, **HOW)
+    avobench.calibrate(normal(), n=1, folder=tmp_path, **HOW)
     with pytest.raises(avobench.UsageError, match="another task"):
         avobench.calibrate(other(), n=1, folder=tmp_path, **HOW)
 
 
 def test_jobs_change_nothing_and_a_damaged_fit_is_made_again(tmp_path):
-    task = avobench.task(Normal(), prior={"mean": (-2, 2)}, name="normal")
-    one = avobench.calibrate(task, n=2, folder=tmp_path, **HOW)
+    one = avobench.calibrate(task := normal(), n=2, folder=tmp_path, **HOW)
     (tmp_path / "fit-1.json").write_text("{")
     assert avobench.calibrate(task, n=2, folder=tmp_path, jobs=2, **HOW).ranks.equals(one.ranks)
 
 
 def test_a_fit_that_fails_is_counted_and_if_all_do_the_reason_is_raised():
-    some = avobench.task(Normal(0.0), prior={"mean": (-2, 2)}, name="normal")
-    found = avobench.calibrate(some, n=6, **HOW)
+    found = avobench.calibrate(normal(0.0), n=6, **HOW)
     assert 0 < len(found.failed) < 6
     assert len(found.fits) == len(found.truth) == 6 - len(found.failed)
     assert (found.truth["mean"] <= 0).all()
@@ -83,8 +84,7 @@ def test_a_fit_that_fails_is_counted_and_if_all_do_the_reason_is_raised():
 
 def test_the_rank_of_a_posterior_is_that_of_its_points():
     sample = avobench.WeightedSample(np.array([[0.0], [1.0], [2.0]]), np.array([0.2, 0.3, 0.5]))
-    task = avobench.task(Normal(), prior={"mean": (-2, 2)}, name="normal")
-    (fit,) = avobench.calibrate(task, n=1, **HOW).fits
+    (fit,) = avobench.calibrate(normal(), n=1, **HOW).fits
     object.__setattr__(fit.estimate, "sample", sample)
     ranks = calibration.Calibration((fit,), pd.DataFrame({"mean": [1.5]})).ranks
     assert ranks["mean"].tolist() == [0.5]

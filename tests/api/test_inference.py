@@ -36,10 +36,7 @@ def test_it_shows_itself(found):
     assert "&lt;b&gt;far off" in doubtful._repr_html_()
     assert "doubtful: <b>far off" in str(doubtful)
     assert doubtful.to_dict()["doubt"] == doubtful.doubt == "<b>far off</b>"
-    assert found.doubt == found.estimate.doubt
-    frame = found.to_frame()
-    assert list(frame.index) == ["log_rate"]
-    assert frame.loc["log_rate", "value"] == found.theta["log_rate"]
+    assert found.to_frame()["value"].to_dict() == found.theta
     assert json.loads(json.dumps(found.to_dict(), allow_nan=False))["theta"] == found.theta
     assert len(found.plot().axes) == 1
 
@@ -116,12 +113,11 @@ def counted():
 
 def working():
     """A simulator that fails above 1, of events around 1.2."""
-    task = avobench.task(
-        lambda theta, rng: np.where(theta[:, 0] > 1, np.nan, rng.normal(theta[:, 0], 1)),
-        prior={"m": (-2, 2)},
-        name="working",
-        failed="region",
-    )
+
+    def simulate(theta, rng):
+        return np.where(theta[:, 0] > 1, np.nan, rng.normal(theta[:, 0], 1))
+
+    task = avobench.task(simulate, prior={"m": (-2, 2)}, failed="region")
     x, settings = np.random.default_rng(0).normal(1.2, 1, 300), {"iterations": 20}
     return avobench.infer(task, x, "avo", budget=4000, settings=settings, progress=False)
 
@@ -160,8 +156,7 @@ def test_what_is_no_saved_result_is_said_in_a_line(content, tmp_path):
 
 
 def test_the_figure_names_both_bands(fitted):
-    axis = fitted.plot().axes[0]
-    shown = {text.get_text() for text in axis.get_legend().get_texts()}
+    shown = {text.get_text() for text in fitted.plot().axes[0].get_legend().get_texts()}
     assert shown == {"spread while it ran", "estimate ± standard error"}
     with pytest.raises(avobench.UsageError, match="has trace, pairs"):
         fitted.plot("corner")

@@ -136,9 +136,8 @@ def test_a_prior_that_is_not_uniform_counts_where_the_events_leave_it_open(how, 
     if how == "bank":
         fit = avobench.infer(task, x, bank=tmp_path, budget=200_000, progress=False)
     else:
-        fit = avobench.infer(
-            avobench.joint({"a": (task, x[:500]), "b": (task, x[500:])}), budget=400_000, progress=False
-        )
+        halves = avobench.joint({"a": (task, x[:500]), "b": (task, x[500:])})
+        fit = avobench.infer(halves, budget=400_000, progress=False)
     assert fit.theta["b"] == pytest.approx(0.2, abs=0.03)
     assert fit.std["b"] == pytest.approx(0.1, rel=0.1)
     assert fit.theta["mu"] == pytest.approx(x.mean() - 0.2, abs=0.1)

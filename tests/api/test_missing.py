@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from measurements import entry
 
 import avobench
 from avobench.api.diagnosis import require_events
@@ -10,7 +11,6 @@ from avobench.bench import conformance
 from avobench.bench.events.checks import valid
 from avobench.bench.processes.workers import Workers
 from avobench.diagnosis.summary.bins import bins_of
-from avobench.effects.catalogue import catalogue
 from avobench.effects.rejection import accepted
 from avobench.tasks.errors import SimulatorError, UsageError
 from avobench.tasks.missing import Recorded, filled
@@ -89,11 +89,9 @@ def test_other_methods_see_it_as_a_feature_of_its_own():
     assert made.shape == (4000, twin.num_features)
     assert np.isfinite(made).all()
     assert twin.summary(made)[-1] == made[:, 2].mean()
-    settings = {"population_size": 20}
-    fit, other = (
-        avobench.infer(TASK, each, "abc-smc", budget=30_000, settings=settings, progress=False)
-        for each in (x, detector(THETA, np.random.default_rng(2), 0.6))
-    )
+    samples = x, detector(THETA, np.random.default_rng(2), 0.6)
+    how = {"budget": 30_000, "settings": {"population_size": 20}, "progress": False}
+    fit, other = (avobench.infer(TASK, each, "abc-smc", **how) for each in samples)
     assert abs(fit.theta["mean"] - 2) < 4 * fit.std["mean"]
     assert other.estimate.doubt
 
@@ -107,16 +105,12 @@ def test_it_keeps_the_contract_and_a_sweep_takes_it(tmp_path):
 
 
 def test_an_effect_that_is_given_may_make_missing_values():
-    lost = next(each for each in catalogue(TASK) if each.name == "lost_value")
-    require_events(lost, TASK, TASK.simulate)
+    require_events(entry(TASK, "lost_value"), TASK, TASK.simulate)
 
 
 def test_two_samples_that_both_lack_a_value_need_no_word():
-    rng = np.random.default_rng(3)
-    a, b = (
-        pd.DataFrame(detector(np.full((n, 1), 2.0), rng, p), columns=["e", "a"])
-        for n, p in ((40_000, 0.2), (4000, 0.4))
-    )
+    rng, sizes = np.random.default_rng(3), ((40_000, 0.2), (4000, 0.4))
+    a, b = (pd.DataFrame(detector(np.full((n, 1), 2.0), rng, lost), columns=["e", "a"]) for n, lost in sizes)
     found = avobench.diagnose(a, b, effects=["lost_value", "scale"], progress=False)
     assert set(zip(found.effects["effect"], found.effects["feature"], strict=True)) == {("lost_value", "e")}
 
@@ -149,21 +143,16 @@ def test_what_is_filled_in_is_recorded_and_hardly_repeats():
 
 def test_other_values_that_are_not_finite_are_faults():
     rng = np.random.default_rng(7)
-    with pytest.raises(SimulatorError, match="NaN or infinity"):
-        avobench.diagnose(
-            avobench.task(lambda theta, rng: detector(theta, rng)[:, ::-1], missing=["energy"], **SAID),
-            np.ones((300, 2)) + rng.random((300, 2)),
-        )
     x = detector(THETA, rng)
-    with pytest.raises(UsageError, match="which features may be `missing`"):
-        avobench.diagnose(avobench.task(lambda theta, rng: filled(detector(theta, rng)), **SAID), x)
-    x[0, 0] = np.inf
-    with pytest.raises(UsageError, match="1 of 4000 rows"):
-        avobench.diagnose(TASK, x)
-    with pytest.raises(UsageError, match="never makes a value of energy"):
-        avobench.diagnose(
-            avobench.task(lambda theta, rng: detector(theta, rng) * [np.nan, 1], missing=["energy"], **SAID), x[1:]
-        )
+    infinite, missing = np.where(np.arange(4000)[:, None] == 0, np.inf, x), {"missing": ["energy"]}
+    for make, stated, measured, said in (
+        (lambda theta, rng: detector(theta, rng)[:, ::-1], missing, 1 + rng.random((300, 2)), "NaN or infinity"),
+        (lambda theta, rng: filled(detector(theta, rng)), {}, x, "which features may be `missing`"),
+        (detector, missing, infinite, "1 of 4000 rows"),
+        (lambda theta, rng: detector(theta, rng) * [np.nan, 1], missing, x, "never makes a value of energy"),
+    ):
+        with pytest.raises((SimulatorError, UsageError), match=said):
+            avobench.diagnose(avobench.task(make, **stated, **SAID), measured)
     with pytest.raises(UsageError, match="missing names 'x'"):
         avobench.task(detector, missing=["x"], **SAID)
     with pytest.raises(UsageError, match="missing names 'x'"):

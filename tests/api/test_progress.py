@@ -1,4 +1,5 @@
 import io
+from types import SimpleNamespace
 
 import pytest
 from rich.console import Console
@@ -39,12 +40,12 @@ def test_on_a_terminal_it_is_a_bar():
 def test_in_a_notebook_it_is_one_line_that_changes_and_is_empty_at_the_end(clock, monkeypatch):
     lines = []
 
-    class Handle:
-        def update(self, line):
-            lines.append(line.data)
+    def display(line, display_id=None):
+        lines.append(line.data)
+        return SimpleNamespace(update=display)
 
     monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
-    monkeypatch.setattr("IPython.display.display", lambda line, display_id: lines.append(line.data) or Handle())
+    monkeypatch.setattr("IPython.display.display", display)
     with shown(None) as tell:
         for done in (10, 50, 90):
             clock[0] += 2

@@ -87,24 +87,19 @@ def test_a_right_simulator_is_not_rejected_by_densities_with_a_covariance():
 
 @pytest.mark.parametrize("unit", ["keV", "KEV", ""])
 def test_the_unit_of_a_table_is_that_of_its_feature_also_in_capitals(unit):
-    task = avobench.task(
-        lambda theta, rng: rng.exponential(theta[:, 0]), prior={"mean": (1, 3)}, features=["energy"], name="x"
-    )
-    task.feature_units = ("keV",)
     tables = avobench.Tables.of(avobench.Table([0, 1, 2], [60, 40], unit=unit))
-    assert [table.unit for table in tables_of(task, tables)] == ["keV"]
+    assert [table.unit for table in tables_of(decays(feature_units={"time": "keV"}), tables)] == ["keV"]
 
 
-def times():
-    return avobench.task(
-        lambda theta, rng: rng.exponential(theta[:, 0]), prior={"mean": (1, 3)}, features=["time"], name="times"
-    )
+def decays(**stated):
+    prior, stated = {"mean": (1, 4)}, {"features": ["time"], **stated}
+    return avobench.task(lambda theta, rng: rng.exponential(theta), prior=prior, name="times", **stated)
 
 
 @pytest.mark.parametrize("last", [np.inf, 1e9])
 def test_an_open_last_bin_tells_theta_as_one_with_a_far_edge(last, tmp_path):
     table = avobench.Table([0, 1, 2, 3, last], [1574, 954, 579, 893])  # of a mean of 2
-    task = times()
+    task = decays()
     fit = avobench.infer(task, table, budget=80_000)
     assert abs(fit.theta["mean"] - 2) < 3 * fit.std["mean"] < 0.3
     found = avobench.diagnose(task, table, effects=[], progress=False)
@@ -128,7 +123,7 @@ def test_an_open_last_bin_tells_theta_as_one_with_a_far_edge(last, tmp_path):
 def test_a_fit_tells_how_many_events_the_tables_are_of(changed, number, tmp_path):
     """By num_events or their counts, and not by how many events would tell as much."""
     tables = [avobench.Table([0, 1, 2, 40], [1574, 954, 1472], **each) for each in changed]
-    fit = avobench.infer(times(), tables, budget=40_000)
+    fit = avobench.infer(decays(), tables, budget=40_000)
     kept = avobench.load(fit.save(tmp_path / "fit.json"))
     for each in (fit, kept):
         assert each.num_events == each.to_dict()["num_events"] == number
@@ -154,26 +149,21 @@ def test_tables_that_cannot_be_diagnosed_are_told_in_one_line(tables, options, w
     assert "\n" not in str(raised.value)
 
 
-def test_the_command_takes_tables_from_files(counts, tmp_path, avobench):
+def test_the_command_takes_tables_from_files(counts, tmp_path, done):
     rows = zip(counts.edges, counts.edges[1:], counts.values, strict=False)
     (tmp_path / "a.csv").write_text("low,high,value\n" + "".join(f"{a},{b},{v:.0f}\n" for a, b, v in rows))
     command = ["diagnose", "--task", "poisson", "--effects", "zero_inflation", "--out", tmp_path / "out"]
-    status, told, _ = avobench("--in-process", *command, "--table", tmp_path / "a.csv:a", "--columns", "count")
-    assert status == 0
+    told = done("--in-process", *command, "--table", tmp_path / "a.csv:a", "--columns", "count")
     assert "missing: zero_inflation" in told
-    for wrong, word in [(["--columns", "a,b"], "2 for 1 tables"), (["--time", "t"], "columns of --data")]:
-        status, _, told = avobench(*command, "--table", tmp_path / "a.csv", *wrong)
-        assert (status, told.count("\n"), word in told) == (2, 1, True)
 
 
 @pytest.mark.parametrize(("num", "budget"), [(500, 2000), (4000, 20_000)])
 def test_a_budget_that_is_too_small_for_a_table_is_told_with_one_that_suffices(num, budget):
     edges = [0, 1, 2, 4, 8, 16, np.inf]
     table = avobench.Table(edges, np.histogram(np.random.default_rng(0).exponential(2, num), edges)[0])
-    decay = avobench.task(lambda theta, rng: rng.exponential(theta[:, 0]), prior={"tau": (1, 4)})
     with pytest.raises(avobench.UsageError, match=rf"^{budget} .* allow \d+$") as refused:
-        avobench.infer(decay, table, budget=budget, progress=False)
+        avobench.infer(decays(), table, budget=budget, progress=False)
     enough = int(str(refused.value).split()[-1])
-    fit = avobench.infer(decay, table, budget=enough, progress=False)
+    fit = avobench.infer(decays(), table, budget=enough, progress=False)
     assert budget < fit.num_simulations <= enough
-    assert abs(fit.theta["tau"] - 2) < 4 * fit.std["tau"]
+    assert abs(fit.theta["mean"] - 2) < 4 * fit.std["mean"]

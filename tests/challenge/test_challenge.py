@@ -65,19 +65,17 @@ def fresh(folder, tmp_path):
     return copy, folder / "answers.json"
 
 
+def named(name, **more):
+    return {"name": name, "feature": None, **more}
+
+
 def said(verdict="no significant disagreement", effects=(), theta=1.0):
     """A diagnosis of a poisson data set; effects are (name, tied names)."""
     gap = {"value": 2.0, "low": 1.0, "high": 3.0}
     value = {"log_rate": {"value": theta, "std": 0.1}}
     combination = {"coefficients": {"log_rate": 0.25}, "value": theta / 4, "std": 0.025}
     after = {"gap_after": {**gap, "value": 1.1}, "theta_after": value, "identified_after": [combination]}
-    found = [
-        {
-            **{"name": name, "feature": None, "parameters": {}},
-            "tied_with": [{"name": rival, "feature": None} for rival in ties],
-        }
-        for name, ties in effects
-    ]
+    found = [named(name) | {"parameters": {}, "tied_with": [named(rival) for rival in ties]} for name, ties in effects]
     before = {"p_value_before": 0.5, "gap_before": gap, "theta_before": value, "identified_before": [combination]}
     return diagnosis(verdict, **before, **(after if effects else {}), effects=found)
 
@@ -111,17 +109,15 @@ def test_kinds_come_in_equal_shares_and_answers_stand_apart(folder):
 
 
 def test_what_cannot_be_made_is_refused_and_leaves_nothing(tmp_path):
-    for arguments, message in [
-        (("nothing", 1, 0), "there is no task named"),
-        (("poisson", 0, 0), "--cases"),
-        (("poisson", 1, -1), "--seed"),
+    for arguments, kinds, message in [
+        (("nothing", 1, 0), ("own",), "there is no task named"),
+        (("poisson", 0, 0), ("own",), "--cases"),
+        (("poisson", 1, -1), ("own",), "--seed"),
+        (("poisson", 1, 0), ("three",), "--kinds must be among"),
+        (("poisson", 1, 0), ("foreign",), "--kinds foreign needs --shapes"),
     ]:
         with pytest.raises(UsageError, match=message):
-            make(*arguments, tmp_path / "new")
-    with pytest.raises(UsageError, match="--kinds must be among"):
-        make("poisson", 1, 0, tmp_path / "new", kinds=("three",))
-    with pytest.raises(UsageError, match="--kinds foreign needs --shapes"):
-        make("poisson", 1, 0, tmp_path / "new", kinds=("foreign",))
+            make(*arguments, tmp_path / "new", kinds=kinds)
     assert not (tmp_path / "new").exists()
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "file").touch()
@@ -175,6 +171,10 @@ def test_solving_never_opens_the_answers_and_goes_on_from_where_it_stopped(fresh
     assert score(records(folder))["solved"] == 10
 
 
+def answers_at_once(task, x, *, seed, effects, bank, alpha=0.05):
+    return SimpleNamespace(diagnosis=said())
+
+
 def test_a_case_that_fails_is_a_row_and_is_tried_again(fresh, monkeypatch):
     folder, answers = fresh
 
@@ -189,16 +189,14 @@ def test_a_case_that_fails_is_a_row_and_is_tried_again(fresh, monkeypatch):
     result = score(records(folder))
     assert result["failed"] == {"poisson 0002": "RuntimeError: lost the thread"}
     assert result["solved"] == 9
-    monkeypatch.setattr(solving, "diagnose", lambda task, x, *, seed, effects, bank: SimpleNamespace(diagnosis=said()))
+    monkeypatch.setattr(solving, "diagnose", answers_at_once)
     solve(folder, workers=HERE)
     assert score(records(folder))["failed"] == {}
 
 
 def test_results_of_other_options_are_not_mixed(fresh, monkeypatch):
     folder, _ = fresh
-    monkeypatch.setattr(
-        solving, "diagnose", lambda task, x, *, seed, effects, bank, alpha=0.05: SimpleNamespace(diagnosis=said())
-    )
+    monkeypatch.setattr(solving, "diagnose", answers_at_once)
     solve(folder, workers=HERE)
     with pytest.raises(UsageError, match="was made with"):
         solve(folder, workers=HERE, options={"alpha": 0.01})
@@ -211,15 +209,9 @@ UNEXPLAINED = "disagreement not explained by the catalogue"
 def row(case, kind, hidden=(), diagnosis=None, power=1.0, theta=1.0, source="own", beside=1.0):
     """A line of records."""
     seen = {"distance": 1.0, "power": power, "beside": beside}
-    effects = [{"name": name, "feature": None, "shape": "", "settings": {}, **seen} for name in hidden]
-    answer = {"case": f"{case:04d}", "kind": kind, "set": source, "theta": [theta], "effects": effects}
-    return {
-        **answer,
-        "seconds": 2.0,
-        "cpu_seconds": 1.5,
-        "error": None,
-        "diagnosis": (diagnosis or said()).model_dump(mode="json"),
-    }
+    effects = [named(name, shape="", settings={}, **seen) for name in hidden]
+    answer = {"case": f"{case:04d}", "kind": kind, "set": source, "theta": [theta], "effects": effects, "error": None}
+    return answer | {"seconds": 2.0, "cpu_seconds": 1.5, "diagnosis": (diagnosis or said()).model_dump(mode="json")}
 
 
 @pytest.mark.parametrize(("g_f", "pull"), [(1.2, 0.0), (1.26, 2.0)])
@@ -263,15 +255,11 @@ def test_the_score_counts_what_it_says():
     own = result["one"]["own"]
     assert (own["cases"], own["undetectable"]) == (5, 1)
     assert [counts(part) for part in own["power"]] == [(0, 1), (0, 0), (0, 0), (0, 1), (3, 3)]
-    assert counts(own["right_first"]) == (1, 3)
     assert [counts(part) for part in own["right_first_by_gap"]] == [(0, 0), (1, 3), (0, 0), (0, 0)]
-    assert counts(own["in_tie_set"]) == (2, 3)
-    assert counts(own["visible_right_first"]) == (1, 4)
-    assert counts(own["visible_in_tie_set"]) == (2, 4)
+    parts = {"right_first": (1, 3), "in_tie_set": (2, 3), "visible_right_first": (1, 4), "visible_in_tie_set": (2, 4)}
+    parts |= {"another_would_do": (3, 3), "explained": (2, 3), "theta_within_2": (1, 2), "more_named": (0, 3)}
+    assert {name: counts(own[name]) for name in parts} == parts
     assert own["tie_size"] == pytest.approx(5 / 3)
-    assert counts(own["another_would_do"]) == (3, 3)
-    assert counts(own["explained"]) == (2, 3)
-    assert counts(own["theta_within_2"]) == (1, 2)
     assert (own["gap_before"], own["gap_after"]) == (2.0, 1.1)
     assert own["bias_after"] == pytest.approx(0.1 / 4)
     assert len(own["mistaken"]) == 2
@@ -284,16 +272,11 @@ def test_the_score_counts_what_it_says():
     assert counts(withheld["falsely_explained"]) == (1, 2)
     assert [counts(part) for part in withheld["falsely_explained_by_gap"]] == [(0, 0), (1, 2), (0, 0), (0, 0)]
     two = result["two"]["own"]
-    assert [counts(two[name]) for name in ("both", "at_least_one", "both_with_ties")] == [(1, 3), (2, 3), (2, 3)]
-    assert [counts(two[name]) for name in ("visible_both", "visible_at_least_one")] == [(1, 2), (1, 2)]
-    assert counts(two["visible_missed_explained"]) == (1, 1)
-    assert counts(own["more_named"]) == (0, 3)
+    parts = {"both": (1, 3), "at_least_one": (2, 3), "both_with_ties": (2, 3), "visible_missed_explained": (1, 1)}
+    parts |= dict.fromkeys(["visible_both", "visible_at_least_one"], (1, 2))
+    assert {name: counts(two[name]) for name in parts} == parts
     missed = score([head, *lines, row(14, "two", ["dead_time", "pile_up"])])["two"]["own"]
-    assert [counts(missed[name]) for name in ("visible_both", "visible_at_least_one", "both")] == [
-        (1, 3),
-        (1, 3),
-        (1, 3),
-    ]
+    assert {counts(missed[name]) for name in ("visible_both", "visible_at_least_one", "both")} == {(1, 3)}
     assert counts(missed["visible_missed_explained"]) == (1, 2)
     both = score([head, *lines], [{**head, "seed": 1}, row(3, "own", ["dead_time"], power=0.95), row(0, "none")])
     assert counts(both["none"]["false_alarms"]) == (1, 3)
@@ -305,11 +288,9 @@ def test_the_score_counts_what_it_says():
     assert re.search(r"^right name first, chi2/ndf before to 3 +1/3 = 33% +0/1 = 0%$", text, re.M)
     assert "poisson 0006: dead_time taken for inefficiency" in text
     told = targets([head, *lines], [{**head, "seed": 1}, row(0, "none")]).splitlines()
-    (alarms,) = (line for line in told if "false alarms" in line)
+    alarms, explained = (line for line in told if "false alarms" in line or "falsely explained" in line)
     assert "1/3 = 33%" in alarms
-    assert alarms.endswith(" met")
-    assert "not met" not in alarms  # of three data sets, one may be by chance
-    (explained,) = (line for line in told if "falsely explained" in line)
+    assert alarms.endswith("  met")  # of three data sets, one may be by chance
     assert explained.endswith("not met")
 
 
@@ -352,12 +333,7 @@ def test_what_theta_absorbs_is_invisible():
     blind[rng.random(len(blind)) < 0.05] = 0
 
     def zeros(factor):
-        def simulate(theta, rng):
-            x = task.simulate(theta, rng)
-            x[rng.random(len(x)) < factor * 0.05] = 0
-            return x
-
-        return simulate
+        return lambda theta, rng: task.simulate(theta, rng) * (rng.random((len(theta), 1)) >= factor * 0.05)
 
     assert visibility(task, blind, theta, 10_000, rng).power > 0.99
     assert visibility(task, blind, theta, 10_000, rng, zeros).power < 0.2  # beside the zeros a loss is absorbed as well
@@ -372,19 +348,18 @@ def test_what_theta_absorbs_is_invisible():
     assert visibility(Weinberg(), turned, np.array([44.0, 1.0]), 10_000, rng).power < 0.2
 
 
-def test_from_the_command_line(avobench, tmp_path):
+def test_from_the_command_line(avobench, done, tmp_path):
     folder = tmp_path / "challenge"
     made = ("challenge", "make", "--task", "poisson", "--cases", 2, "--out", folder, "--events", 1000)
-    assert avobench(*made, "--kinds", "none")[0] == 0
+    done(*made, "--kinds", "none")
     solve_it = ("challenge", "solve", folder, "--simulations", 20_000, "--bank", tmp_path / "bank")
     assert avobench(*solve_it, "--jobs", 2)[0] == 2
-    code, out, error = avobench(*solve_it)
-    assert code == 0, error
+    done(*solve_it)
     used = [json.loads(path.read_text())["diagnosis"]["num_simulations"] for path in folder.glob("results/*.json")]
     assert min(used) < max(used)  # the second case has events of the first
-    code, out, _ = avobench("challenge", "score", folder, "--format", "json", "--records", tmp_path / "records.jsonl")
+    out = done("challenge", "score", folder, "--format", "json", "--records", tmp_path / "records.jsonl")
     assert json.loads(out)["solved"] == 2
-    code, out, _ = avobench("challenge", "score", tmp_path / "records.jsonl")
+    out = done("challenge", "score", tmp_path / "records.jsonl")
     assert "poisson: 2 of 2 cases solved, 0 failed, 1000 events each" in out
     assert score(read_records(tmp_path / "records.jsonl")) == score(records(folder))
     (tmp_path / "records.jsonl").write_text("{}\n")

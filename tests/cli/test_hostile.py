@@ -27,28 +27,27 @@ def test_a_simulator_that_ends_its_process_at_its_first_call_costs_its_own_cells
     code, out, err, found = run(avobench, tmp_path / "r", *tasks, "--task", "faulty:SoundTask", "--jobs", jobs)
     assert code == 1, err
     assert "2 of 6 cells ok" in out
-    assert [found["sound", target]["status"] for target in (0, 1)] == ["ok"] * 2
-    for target in (0, 1):
-        assert found["segfault", target]["status"] == found["leaves", target]["status"] == "crashed"
-        assert found["segfault", target]["message"] == "the process was ended by SIGSEGV (2 times)"
-        assert found["leaves", target]["message"] == "the process ended itself, with exit code 0 (2 times)"
+    ends = {
+        "sound": ("ok", ""),
+        "segfault": ("crashed", "the process was ended by SIGSEGV (2 times)"),
+        "leaves": ("crashed", "the process ended itself, with exit code 0 (2 times)"),
+    }
+    for (task, _), record in found.items():
+        assert (record["status"], record["message"]) == ends[task]
     assert "Warning" not in err
 
 
 def test_a_cell_that_hangs_or_leaks_is_a_record_with_its_reason(avobench, tmp_path):
-    sound = ("--task", "faulty:SoundTask", "--targets", 0, "--jobs", 2)
-    code, _, err, found = run(avobench, tmp_path / "r", "--task", "hostile:Leaks", *sound, "--memory-limit", 400)
-    assert code == 1, err
-    assert {task: record["status"] for (task, _), record in found.items()} == {"leaks": "out_of_memory", "sound": "ok"}
-    assert "the limit is 400 MiB" in found["leaks", 0]["message"]
-    code, _, err, found = run(avobench, tmp_path / "r", "--task", "hostile:Hangs", *sound, "--time-limit", 4)
-    assert code == 1, err
-    assert {task: record["status"] for (task, _), record in found.items()} == {
-        "hangs": "timed_out",
-        "leaks": "out_of_memory",
-        "sound": "ok",
-    }
-    assert found["hangs", 0]["message"] == "ended after 4 s, the limit of time"
+    sound, expected = ("--task", "faulty:SoundTask", "--targets", 0, "--jobs", 2), {"sound": "ok"}
+    for task, limit, status, said in (
+        ("Leaks", ("--memory-limit", 400), "out_of_memory", "the limit is 400 MiB"),
+        ("Hangs", ("--time-limit", 4), "timed_out", "ended after 4 s, the limit of time"),
+    ):
+        code, _, err, found = run(avobench, tmp_path / "r", "--task", f"hostile:{task}", *sound, *limit)
+        assert code == 1, err
+        expected[task.lower()] = status
+        assert {name: record["status"] for (name, _), record in found.items()} == expected
+        assert said in found[task.lower(), 0]["message"]
 
 
 def test_a_task_that_ends_the_process_where_its_targets_are_asked_for_is_refused_in_a_line(avobench, tmp_path):
@@ -135,8 +134,14 @@ def test_cells_are_in_this_process_where_that_is_asked_for(avobench, tmp_path, m
     assert len(found) == 2
 
 
-def test_foreign_code_runs_only_where_it_is_trusted(avobench, tmp_path, models):
-    path, marker = models(tmp_path)
+def test_foreign_code_runs_only_where_it_is_trusted(avobench, tmp_path):
+    """A model names a task of a user's, whose module leaves a file when it is imported."""
+    path, marker = tmp_path / "model.json", tmp_path / "imported"
+    own = f"import pathlib\nfrom faulty import SoundTask as Own\npathlib.Path({str(marker)!r}).touch()\n"
+    (tmp_path / "own.py").write_text(own)
+    parameter = {"name": "location", "unit": "1", "value": 0.0, "std": 1.0, "prior": [-1, 1], "support": [-9, 9]}
+    content = {"name": "own-model", "task": f"{tmp_path / 'own.py'}:Own", "task_settings": {}, "effects": []}
+    path.write_text(json.dumps(content | {"parameters": [parameter]}))
     np.save(tmp_path / "x.npy", np.random.default_rng(0).normal(size=(300, 1)))
     data = ("--data", tmp_path / "x.npy")
     commands = {
@@ -152,26 +157,6 @@ def test_foreign_code_runs_only_where_it_is_trusted(avobench, tmp_path, models):
         avobench(*commands[name], "--trust")
         assert marker.exists(), name
         marker.unlink()
-
-
-@pytest.fixture
-def models():
-    """A model whose task is a user's, and the file that its module leaves when it is imported."""
-
-    def make(folder):
-        marker = folder / "imported"
-        (folder / "own.py").write_text(
-            f"import pathlib\nfrom faulty import SoundTask as Own\npathlib.Path({str(marker)!r}).touch()\n"
-        )
-        parameter = {"name": "location", "unit": "1", "value": 0.0, "std": 1.0}
-        parameter |= {"prior": [-1.0, 1.0], "support": [-9.0, 9.0]}
-        content = {"name": "own-model", "task": f"{folder / 'own.py'}:Own", "task_settings": {}}
-        content |= {"effects": [], "parameters": [parameter]}
-        path = folder / "model.json"
-        path.write_text(json.dumps(content))
-        return path, marker
-
-    return make
 
 
 def stopped(begun, *arguments):

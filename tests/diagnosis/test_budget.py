@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from measurements import entry
 
 import avobench
 from avobench.bench.events.checks import SHARE
@@ -26,12 +27,10 @@ from paper.studies.detection import events
 class Counting(Poisson):
     """Poisson that counts what it is asked for itself."""
 
-    def __init__(self):
-        super().__init__()
-        object.__setattr__(self, "made", [0])
+    made = 0
 
     def simulate(self, theta, rng):
-        self.made[0] += len(theta)
+        object.__setattr__(self, "made", self.made + len(theta))
         return super().simulate(theta, rng)
 
 
@@ -48,7 +47,7 @@ def test_the_limit_holds_whatever_is_found(often_off, allowed):
     task = Counting()
     effects = [e for e in catalogue(task) if e.name in ("zero_inflation", "overdispersion", "dead_time")]
     diagnosis = diagnose(task, often_off, effects=effects, num_simulations=allowed).diagnosis
-    assert diagnosis.num_simulations == task.made[0] <= allowed
+    assert diagnosis.num_simulations == task.made <= allowed
     assert diagnosis.verdict != Verdict.NOTHING
     assert not any("did not suffice for the tests of the effects" in note for note in diagnosis.notes)
     assert short(diagnosis) or diagnosis.effects[0].name == "zero_inflation"
@@ -72,7 +71,7 @@ def test_too_few_simulated_events_are_refused_with_a_number_that_suffices(often_
     right, task = np.random.default_rng(0).poisson(7, (1000, 1)), Counting()
     least = asked(task, right, 1000)
     assert 0.05 < asked(task, right, least) <= 1
-    assert task.made[0] <= least
+    assert task.made <= least
     numbers = [1000, asked(task, often_off, 1000)]
     if (more := asked(task, often_off, numbers[-1])) > 1:
         numbers.append(more)
@@ -90,17 +89,16 @@ def test_twenty_simulated_events_a_measured_one_are_never_too_few(task, num_even
 
 
 def test_a_second_question_from_a_kept_bank_simulates_nothing(tmp_path, often_off):
-    task = Counting()
-    answers, made = [], []
+    answers = []
     for _ in range(2):
-        task.made[0] = 0
-        checks = Checks(task, len(often_off), folder=tmp_path)
+        checks = Checks(task := Counting(), len(often_off), folder=tmp_path)
         x, _ = checks.events(often_off)
         answers.append(diagnose(task, x, effects=checks.entries()[:2], bank=checks.bank).diagnosis)
-        made.append(task.made[0])
-    assert made[0] == answers[0].num_simulations > made[1] == answers[1].num_simulations == 0
+        assert task.made == answers[-1].num_simulations
+    first, again = answers
+    assert first.num_simulations > again.num_simulations == 0
     same = {"seconds", "num_simulations"}
-    assert answers[0].model_dump(exclude=same) == answers[1].model_dump(exclude=same)
+    assert first.model_dump(exclude=same) == again.model_dump(exclude=same)
 
 
 def test_a_search_that_fitted_nothing_claims_nothing(often_off):
@@ -125,11 +123,9 @@ def test_several_workers_keep_the_limit_too(often_off):
 
 
 def test_progress_goes_through_the_phases_and_never_back(often_off):
-    told = []
-    effects = [e for e in catalogue(Poisson()) if e.name == "zero_inflation"]
-    result = diagnose(
-        Poisson(), often_off, effects=effects, num_simulations=1_000_000, progress=lambda *each: told.append(each)
-    )
+    told, effects = [], [entry(Poisson(), "zero_inflation")]
+    how = {"num_simulations": 1_000_000, "progress": lambda *each: told.append(each)}
+    result = diagnose(Poisson(), often_off, effects=effects, **how)
     phases, done, total = zip(*told, strict=True)
     seen = list(dict.fromkeys(phases))
     assert seen[:4] == ["first fit", "gates", "search", "search for effect 1"]
@@ -143,10 +139,8 @@ def test_order_changes_nothing_else():
     """Without the option the field is null, and with it all else is the same."""
     x = np.random.default_rng(0).poisson(7, (600, 1))
     x = np.r_[x, np.random.default_rng(1).poisson(8, (600, 1))]
-    plain, ordered = (
-        diagnose(Poisson(), x, effects=[], num_simulations=250_000, ordered=option).diagnosis
-        for option in (False, True)
-    )
+    how = {"effects": [], "num_simulations": 250_000}
+    plain, ordered = (diagnose(Poisson(), x, ordered=option, **how).diagnosis for option in (False, True))
     assert plain.order is None
     assert [(one.kind, one.feature, one.of) for one in ordered.order] == [("change point", None, "level")]
     assert ordered.order[0].at == pytest.approx(600, abs=100)
@@ -167,12 +161,8 @@ def test_of_millions_of_events_a_random_sample_is_compared(monkeypatch):
 
 def test_where_events_end_while_effects_are_screened_the_others_are_weighed():
     """Spread and mixture have all events simulated anew: where that is too much, the rest of the search goes on."""
-    task = avobench.task(
-        lambda theta, rng: rng.gamma(theta[:, 0], theta[:, 1]),
-        prior={"shape": (0.5, 5), "scale": (0.5, 5)},
-        features=["time"],
-        name="gamma",
-    )
+    prior = dict.fromkeys(["shape", "scale"], (0.5, 5))
+    task = avobench.task(lambda theta, rng: rng.gamma(*theta.T), prior=prior, features=["time"], name="gamma")
     rng = np.random.default_rng(4)
     x = rng.gamma(2, 2, 5000)
     x = np.where(rng.random(5000) < 0.06, rng.normal(6, 0.15, 5000), x)
@@ -186,17 +176,15 @@ def opened(name: str) -> Case:
     return next(case for case in CASES["opened"]["simulated"] if case.name == name)
 
 
-def test_a_limit_does_not_reject_a_right_simulator():
-    """Its bins hold few of the events from which a model's covariance is taken, if these are few."""
-    case = opened("marathon_as_told")
-    limit = 20 * len(case.x())
-    assert diagnose(case.task, case.x(), num_simulations=limit, seed=0, max_effects=0).diagnosis.p_value_before > 1e-3
-
-
-def test_a_right_simulator_is_not_rejected_by_the_covariance_of_another_theta():
-    """Two of its parameters are hardly told apart, and some of its bins are nearly empty."""
-    case = opened("star_plain")
-    assert diagnose(case.task, case.x(), seed=5, max_effects=0).diagnosis.p_value_before > 1e-3
+@pytest.mark.parametrize(("name", "seed", "share"), [("marathon_as_told", 0, 20), ("star_plain", 5, None)])
+def test_a_right_simulator_is_not_rejected_by_a_limit_or_the_covariance_of_another_theta(name, seed, share):
+    """The bins of the first hold few of the events of which a model's covariance is, if these are few; of the second
+    two parameters are hardly told apart, and some bins are nearly empty."""
+    case = opened(name)
+    limit = share and share * len(case.x())
+    assert (
+        diagnose(case.task, case.x(), num_simulations=limit, seed=seed, max_effects=0).diagnosis.p_value_before > 1e-3
+    )
 
 
 @pytest.mark.parametrize("seed", [18, 20])

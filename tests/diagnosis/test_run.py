@@ -40,7 +40,7 @@ def test_angles_within_a_fiducial_cut_of_unequal_ends():
     task, rng = Weinberg(), np.random.default_rng(0)
     x = task.simulate(np.tile([45.0, 1.0], (20_000, 1)), rng)
     seen = x[(x[:, 0] > -0.7) & (x[:, 0] < 0.9)][:10_000]
-    chosen = [e for e in catalogue(task) if e.name in ("edge_acceptance", "offset", "scale", "dead_region")]
+    chosen = of(task, "edge_acceptance", "offset", "scale", "dead_region")
     diagnosis = diagnose(task, seen, effects=chosen, num_simulations=6_000_000).diagnosis
     (found,) = diagnosis.effects
     assert found.name == "edge_acceptance"
@@ -54,7 +54,7 @@ def test_angles_within_a_fiducial_cut_of_unequal_ends():
 
 def test_counts_of_which_the_zeros_are_not_recorded():
     x = np.random.default_rng(0).poisson(2.0, 6000)
-    chosen = [e for e in catalogue(Poisson()) if e.name in ("threshold_loss", "zero_inflation", "inefficiency")]
+    chosen = of(Poisson(), "threshold_loss", "zero_inflation", "inefficiency")
     verdicts = []
     for seed in range(3):  # held-out events reject a right model in one of 40
         diagnosis = diagnose(Poisson(), x[x > 0][:4000, None], effects=chosen, seed=seed).diagnosis
@@ -66,22 +66,32 @@ def test_counts_of_which_the_zeros_are_not_recorded():
     assert verdicts.count(Verdict.NAMED) >= 2
 
 
+def of(task, *names):
+    """The effects of these names."""
+    return [effect for effect in catalogue(task) if effect.name in names]
+
+
+SCATTERED = with_effect(Poisson(), "overdispersion", [2.5], [0.08], 8000)
+SOME = of(Poisson(), "overdispersion", "zero_inflation", "dead_time", "flat_background")
+"""Of which only one describes counts whose rate scatters."""
+
+
 @pytest.fixture(scope="module")
 def named():
-    x = with_effect(Poisson(), "overdispersion", [2.5], [0.08], 8000)
-    return x, diagnose(Poisson(), x, effects=some())
-
-
-def some():
-    """A few effects, of which only one describes counts whose rate scatters."""
-    names = ("overdispersion", "zero_inflation", "dead_time", "flat_background")
-    return [effect for effect in catalogue(Poisson()) if effect.name in names]
+    return diagnose(Poisson(), SCATTERED, effects=SOME)
 
 
 def test_a_seed_finds_the_same_again_with_any_number_of_processes_and_counts_the_same(named):
-    x, diagnosis = named[0], named[1].diagnosis
-    again = diagnose(Poisson(), x, effects=some(), jobs=2).diagnosis
-    assert again.model_dump(exclude={"seconds"}) == diagnosis.model_dump(exclude={"seconds"})
+    again = diagnose(Poisson(), SCATTERED, effects=SOME, jobs=2).diagnosis
+    assert again.model_dump(exclude={"seconds"}) == named.diagnosis.model_dump(exclude={"seconds"})
+
+
+def test_a_shift_of_an_exponential_is_tied_with_a_lower_cut_of_it():
+    """An exponential has no memory: above any value it is the whole of it, moved there. No data tell them apart."""
+    decay = task_of(lambda theta, rng: rng.exponential(theta[:, 0]), prior={"tau": (1, 4)}, name="decay")
+    x = 0.5 + np.random.default_rng(0).exponential(2, (4000, 1))
+    (first,) = diagnose(decay, x, effects=of(decay, "offset", "edge_acceptance"), max_effects=1).diagnosis.effects
+    assert {first.name, *(rival.name for rival in first.tied_with)} == {"offset", "edge_acceptance"}
 
 
 def test_a_few_events_that_the_simulator_cannot_make_are_a_disagreement():
@@ -93,19 +103,16 @@ def test_a_few_events_that_the_simulator_cannot_make_are_a_disagreement():
 
 
 def test_an_effect_on_one_of_several_counts_an_event_is_named_with_it():
-    def pair(theta, rng):
-        return rng.poisson(np.exp(theta[:, [0, 0]]))
-
-    rng, two = np.random.default_rng(0), task_of(pair, prior={"log_rate": (0, 3)})
+    rng = np.random.default_rng(0)
+    two = task_of(lambda theta, rng: rng.poisson(np.exp(theta[:, [0, 0]])), prior={"log_rate": (0, 3)}, name="two")
     x = two.simulate(np.full((3000, 1), 1.5), rng)
     x[rng.random(3000) < 0.15, 1] = 0
-    effects = [effect for effect in catalogue(two) if effect.name in ("zero_inflation", "dead_time")]
-    found = diagnose(two, x, effects=effects, max_effects=1).diagnosis
+    found = diagnose(two, x, effects=of(two, "zero_inflation", "dead_time"), max_effects=1).diagnosis
     assert [(effect.name, effect.feature) for effect in found.effects] == [("zero_inflation", "x2")]
 
 
 def test_a_clear_effect_is_named_and_its_size_found(named):
-    diagnosis, pictures = named[1].diagnosis, named[1].pictures
+    diagnosis, pictures = named.diagnosis, named.pictures
     assert diagnosis.verdict == Verdict.NAMED
     (found,) = diagnosis.effects
     assert (found.name, found.feature) == ("overdispersion", None)
@@ -119,20 +126,19 @@ def test_a_clear_effect_is_named_and_its_size_found(named):
 
 
 def test_the_new_model_is_a_task_that_finds_nothing_missing(named, tmp_path):
-    x, result = named
     path = tmp_path / "model.json"
-    path.write_text(describe(result.fit, QuotedFit(result.fit).std, "poisson", {}).model_dump_json())
+    path.write_text(describe(named.fit, QuotedFit(named.fit).std, "poisson", {}).model_dump_json())
     task = registry.build("task", str(path), {})
     assert isinstance(task, AugmentedTask)
     assert task.name == "poisson-overdispersion"
     assert task.parameter_names[:2] == ("log_rate", "overdispersion_variance")
-    shape = result.fit.params[2:]  # whatever shape of it fits best: all have this variance
+    shape = named.fit.params[2:]  # whatever shape of it fits best: all have this variance
     theta = np.tile([2.5, 0.08, *shape], (20_000, 1))
     y = task.simulate(theta, np.random.default_rng(1))
     assert y.var() == pytest.approx(np.exp(2.5) + 0.08 * np.exp(5.0), rel=0.05)
     with pytest.raises(ValueError, match="outside the support"):
         task.simulate(np.array([[2.5, -1.0, *shape]]), np.random.default_rng(1))
-    assert diagnose(task, x, effects=[]).diagnosis.verdict == Verdict.NOTHING
+    assert diagnose(task, SCATTERED, effects=[]).diagnosis.verdict == Verdict.NOTHING
 
 
 def test_counts_that_are_all_alike_are_those_of_a_counter_that_is_blind_for_most_of_the_time(monkeypatch):
@@ -146,9 +152,8 @@ def test_counts_that_are_all_alike_are_those_of_a_counter_that_is_blind_for_most
 
 
 def test_an_effect_that_is_not_in_the_catalogue_is_not_made_up():
-    x = with_effect(Poisson(), "overdispersion", [2.5], [0.08], 8000)
-    wrong = [e for e in catalogue(Poisson()) if e.name in ("dead_time", "inefficiency")]
-    result = diagnose(Poisson(), x, effects=wrong, num_simulations=4_000_000)
+    wrong = of(Poisson(), "dead_time", "inefficiency")
+    result = diagnose(Poisson(), SCATTERED, effects=wrong, num_simulations=4_000_000)
     assert result.diagnosis.verdict == Verdict.UNEXPLAINED
     assert result.correction.weights.mean() == pytest.approx(1)
 
@@ -161,33 +166,29 @@ def test_impossible_requests_are_refused(arguments, message):
 
 def test_an_effect_of_the_users_is_tried_before_anything_is_fitted():
     require_events(Own(lambda x: x), Weinberg(), Weinberg().simulate)
-    with pytest.raises(UsageError, match="effect own cannot be used, it raised ZeroDivisionError"):
-        require_events(Own(lambda x: 1 / 0), Weinberg(), Weinberg().simulate)
-    with pytest.raises(UsageError, match=r"effect own makes events of shape \(50,\), not \(50, 1\)"):
-        require_events(Own(lambda x: x[:, 0]), Weinberg(), Weinberg().simulate)
-    with pytest.raises(UsageError, match="must make finite events of float64, and makes float64: "):
-        require_events(Own(lambda x: x * np.nan), Weinberg(), Weinberg().simulate)
-    with pytest.raises(UsageError, match="must make finite events of int64, and makes float64: "):
-        require_events(Own(lambda x: x / 2), Poisson(), Poisson().simulate)
-
-
-def test_few_events_tell_a_parameter_by_its_error():
-    """By few simulated events its slope hid in their noise, and its error was its whole range for one in ten."""
-    task = task_of(lambda theta, rng: rng.exponential(theta), prior={"mean": (0.5, 3)}, features=["time"])
-    errors = []
-    for seed in range(8):
-        x = np.random.default_rng(seed).exponential(1.2, (200, 1))
-        mean = diagnose(task, x, seed=seed + 100, max_effects=0).diagnosis.theta_before["mean"]
-        errors.append([mean.std, (mean.value - 1.2) / mean.std])
-    std, pull = np.array(errors).T
-    assert std.max() < 4 * 1.2 / np.sqrt(200)
-    assert np.abs(pull).max() < 4
+    for task, makes, said in (
+        (Weinberg(), lambda x: 1 / 0, "effect own cannot be used, it raised ZeroDivisionError"),
+        (Weinberg(), lambda x: x[:, 0], r"effect own makes events of shape \(50,\), not \(50, 1\)"),
+        (Weinberg(), lambda x: x * np.nan, "must make finite events of float64, and makes float64: "),
+        (Poisson(), lambda x: x / 2, "must make finite events of int64, and makes float64: "),
+    ):
+        with pytest.raises(UsageError, match=said):
+            require_events(Own(makes), task, task.simulate)
 
 
 def theta_of(simulate, prior, x, seed):
     """The first parameter of a plain fit without effects."""
     found = diagnose(task_of(simulate, prior=prior, features=["x"]), x, seed=seed, max_effects=0).diagnosis
     return next(iter(found.theta_before.values())), found.p_value_before
+
+
+def test_few_events_tell_a_parameter_by_its_error():
+    """By few simulated events its slope hid in their noise, and its error was its whole range for one in ten."""
+    for seed in range(8):
+        x = np.random.default_rng(seed).exponential(1.2, (200, 1))
+        mean, _ = theta_of(lambda theta, rng: rng.exponential(theta), {"mean": (0.5, 3)}, x, seed + 100)
+        assert mean.std < 4 * 1.2 / np.sqrt(200)
+        assert abs(mean.value - 1.2) < 4 * mean.std
 
 
 def test_the_error_of_a_lifetime_is_that_of_its_mean_near_an_end_of_the_prior():

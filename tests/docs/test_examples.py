@@ -19,8 +19,8 @@ from paper.pages import executed
 
 DOCS = Path(__file__).parents[2] / "docs"
 EXAMPLES = DOCS / "examples"
-PAGES = {"add-a-method.md": ("method", "nearest_summary.py"), "add-a-task.md": ("task", "decay_time.py")}
-every_page = pytest.mark.parametrize(("page", "kind", "example"), [(page, *rest) for page, rest in PAGES.items()])
+PAGES = [("add-a-method.md", "method", "nearest_summary.py"), ("add-a-task.md", "task", "decay_time.py")]
+every_page = pytest.mark.parametrize(("page", "kind", "example"), PAGES)
 
 
 @pytest.fixture
@@ -76,12 +76,11 @@ def test_the_page_quotes_its_example_and_its_other_code_runs_after_it(page, kind
 
 
 @every_page
-def test_every_command_of_the_page_works_and_prints_what_is_shown(page, kind, example, folder, avobench):
+def test_every_command_of_the_page_works_and_prints_what_is_shown(page, kind, example, folder, done):
     shown = [re.split(r"^\$ avobench (.*)\n", block, flags=re.MULTILINE)[1:] for block in blocks(page, "console")]
     assert [len(block) // 2 for block in shown] == [3, 1]
     for command, output in [pair for block in shown for pair in zip(block[::2], block[1::2], strict=True)]:
-        code, told, errors = avobench(*shlex.split(command))
-        assert code == 0, errors
+        told = done(*shlex.split(command))
         assert output in ("", told)
     assert list((folder / "results" / "local").iterdir())
 

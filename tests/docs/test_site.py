@@ -75,22 +75,15 @@ def test_formulas_become_mathml_in_the_line_and_by_themselves(hooks):
     assert re.fullmatch(r'<math [^>]*display="block">.*<mfrac>.*</math>', block)
 
 
-@pytest.mark.parametrize(
-    "tag",
-    [
+def test_a_page_that_would_fetch_something_from_a_network_ends_the_build_and_one_that_links_to_it_does_not(hooks):
+    page = SimpleNamespace(file=SimpleNamespace(src_uri="page.md"))
+    for tag in (
         '<script src="https://example.org/a.js"></script>',
         '<link rel="stylesheet" href="https://example.org/a.css">',
         '<img alt="" src=http://example.org/a.png>',
-    ],
-)
-def test_a_page_that_would_fetch_something_from_a_network_ends_the_build(hooks, tag):
-    page = SimpleNamespace(file=SimpleNamespace(src_uri="page.md"))
-    with pytest.raises(PluginError, match=r"page\.md needs a network"):
-        hooks.on_post_page(f"<html>{tag}</html>", page)
-
-
-def test_a_page_may_link_to_the_network_and_load_what_stands_beside_it(hooks):
-    page = SimpleNamespace(file=SimpleNamespace(src_uri="page.md"))
+    ):
+        with pytest.raises(PluginError, match=r"page\.md needs a network"):
+            hooks.on_post_page(f"<html>{tag}</html>", page)
     html = '<a href="https://example.org">there</a><link rel="stylesheet" href="style.css"><img src="figure.png">'
     assert hooks.on_post_page(html, page) == html
 
@@ -107,14 +100,12 @@ def test_the_places_that_contributing_names_exist():
 @built
 @pytest.mark.parametrize("width", [400, 1200])
 def test_no_page_scrolls_sideways(browser, width):
-    pages = sorted(SITE.rglob("*.html"))
+    pages, too_wide = sorted(SITE.rglob("*.html")), []
     with browser.window(width):
-        too_wide = []
         for page in pages:
             browser.open(page)
             end, window = browser.widest()
-            if end > window:
-                too_wide.append((page.name, end))
+            too_wide += [(page.name, end)] if end > window else []
     assert len(pages) > 20
     assert too_wide == []
 

@@ -13,26 +13,21 @@ from avobench.tasks.errors import BudgetExhausted
 from avobench.tasks.meter import Meter
 
 
-def task_of(made=None):
+def bank_of(made, limit=None, jobs=1):
     """Each event is theta with a little noise, so that no two are equal; `made` counts them."""
 
     def near(theta, rng):
-        if made is not None:
-            made.append(len(theta))
+        made.append(len(theta))
         return theta + rng.normal(0, 1e-3, theta.shape)
 
-    return avobench.task(near, prior={"a": (0, 1), "b": (-2, 2)})
-
-
-def bank_of(made=None, limit=None, jobs=1):
-    bank = Bank(task_of(made), Meter(limit), 0, jobs)
+    bank = Bank(avobench.task(near, prior={"a": (0, 1), "b": (-2, 2)}), Meter(limit), 0, jobs)
     bank.resolve(np.array([0.1, 0.2]))
     return bank
 
 
 def test_the_mean_between_nodes_is_interpolated():
     theta = np.array([0.333, 1.21])
-    x = bank_of().session()(np.tile(theta, (40_000, 1)), np.random.default_rng(0))
+    x = bank_of([]).session()(np.tile(theta, (40_000, 1)), np.random.default_rng(0))
     assert len(np.unique(np.round(x, 1), axis=0)) > 1  # of several nodes
     np.testing.assert_allclose(x.mean(axis=0), theta, atol=5 * x.std(axis=0).max() / 200)
 
@@ -54,7 +49,7 @@ def test_no_event_comes_twice_in_a_session_nor_is_made_twice(sizes, seed):
 
 
 def test_a_copy_of_a_session_goes_on_as_it_does():
-    session, theta = bank_of().session(), np.tile([0.3, 0.1], (20, 1))
+    session, theta = bank_of([]).session(), np.tile([0.3, 0.1], (20, 1))
     before = session(theta, np.random.default_rng(0))
     twin = copy(session)
     again, other = session(theta, np.random.default_rng(1)), twin(theta, np.random.default_rng(1))
@@ -65,12 +60,12 @@ def test_a_copy_of_a_session_goes_on_as_it_does():
 def test_the_number_of_processes_changes_no_event(monkeypatch):
     monkeypatch.setattr("avobench.effects.bank.PIECE", 30)
     theta = np.random.default_rng(0).uniform([0, -2], [1, 2], (100, 2))
-    alone, together = (bank_of(jobs=jobs).session()(theta, np.random.default_rng(0)) for jobs in (1, 2))
+    alone, together = (bank_of([], jobs=jobs).session()(theta, np.random.default_rng(0)) for jobs in (1, 2))
     np.testing.assert_array_equal(alone, together)
 
 
 def test_the_limit_is_kept():
-    bank = bank_of(limit=100)
+    bank = bank_of([], limit=100)
     theta = np.tile([0.3, 0.1], (60, 1))
     bank.session()(theta, np.random.default_rng(0))
     bank.session()(theta, np.random.default_rng(0))  # costs nothing

@@ -32,14 +32,21 @@ def made(effect, strength, seed=0):
     return even(phi, np.random.default_rng(seed)), with_it
 
 
-@pytest.mark.parametrize("form", SHIFTS)
-def test_a_feature_is_shifted_by_another_and_by_nothing_else(form):
-    effect = ConditionalResponse(0, RANGES, f"x2 {form}")
-    plain, x = made(effect, 0.7)
+ADDED = {  # to the first feature, by where the others are in their ranges, from -1 to 1
+    "x2 quadratic": lambda first, u, third: u**2,
+    "x2 tanh": lambda first, u, third: np.tanh(3 * u),
+    "x2 walk": lambda first, u, third: SHIFTS["walk"](u),
+    "x2 gain": lambda first, u, third: 3 * first * (u + 1) / 2,
+    "x2 balanced": lambda first, u, third: 3 * first * u,
+    "neighbours": lambda first, u, third: 5 * (u + 1) + third,
+}
+
+
+@pytest.mark.parametrize("form", ADDED)
+def test_a_feature_is_shifted_by_others_and_by_nothing_else(form):
+    plain, x = made((Crosstalk if form == "neighbours" else ConditionalResponse)(0, RANGES, form), -0.3)
     np.testing.assert_array_equal(x[:, 1:], plain[:, 1:])
-    u = (plain[:, 1] - 5) / 5
-    expected = {"quadratic": u**2, "tanh": np.tanh(3 * u), "walk": SHIFTS["walk"](u)}[form]
-    np.testing.assert_allclose(x[:, 0] - plain[:, 0], 0.7 * expected)
+    np.testing.assert_allclose((x - plain)[:, 0], -0.3 * ADDED[form](*((plain - [1, 5, 0]) / [3, 5, 1]).T))
 
 
 def test_a_walk_is_latest_at_nothing_and_goes_by_the_inverse_root():
@@ -59,13 +66,6 @@ def test_a_smearing_grows_with_what_acts():
     assert abs(np.corrcoef(np.abs(error / share), share)[0, 1]) < 5 / np.sqrt(N)
 
 
-def test_a_gain_follows_what_acts_as_far_as_its_range():
-    plain, x = made(ConditionalResponse(0, RANGES, "x2 gain"), -0.3)
-    np.testing.assert_allclose((x - plain)[:, 0], -0.3 * (plain[:, 0] - 1) * plain[:, 1] / 10)
-    plain, x = made(ConditionalResponse(0, RANGES, "x2 balanced"), -0.3)
-    np.testing.assert_allclose((x - plain)[:, 0], -0.3 * (plain[:, 0] - 1) * (plain[:, 1] - 5) / 5)
-
-
 def test_sensors_that_tilt_about_a_pivot_have_one_error_in_proportion_to_its_distance():
     effect = next(s for s in Correlation("all", RANGES).shapes() if s.shape == "tilt")
     phi = np.tile([0.2, 0.5], (N, 1))
@@ -75,24 +75,12 @@ def test_sensors_that_tilt_about_a_pivot_have_one_error_in_proportion_to_its_dis
     assert errors[:, 0].std() == pytest.approx(0.2 * 1.5, rel=5 / np.sqrt(2 * N))
 
 
-def test_both_neighbours_of_a_feature_leak_into_it():
-    plain, x = made(Crosstalk(0, RANGES, "neighbours"), 0.2)
-    np.testing.assert_allclose((x - plain)[:, 0], 0.2 * (plain[:, 1] + plain[:, 2]))
-
-
-@pytest.mark.parametrize("sigma", [0.3, -0.3])
-def test_two_features_share_an_error_of_the_stated_covariance(sigma):
-    plain, x = made(Correlation("all", RANGES, "x1 x3"), sigma)
-    np.testing.assert_array_equal(x[:, 1], plain[:, 1])
-    error = (x - plain)[:, [0, 2]] / [3, 1]
-    expected = sigma**2 * np.array([[1, np.sign(sigma)], [np.sign(sigma), 1]])
-    assert np.cov(error.T) == pytest.approx(expected, rel=0.05)
-
-
-def test_all_features_may_share_one():
-    plain, x = made(Correlation("all", RANGES, "every"), 0.2)
-    error = (x - plain) / [3, 5, 1]
-    assert np.cov(error.T) == pytest.approx(np.full((3, 3), 0.04), rel=0.05)
+@pytest.mark.parametrize(
+    ("shape", "sigma", "signs"), [("x1 x3", 0.3, [1, 0, 1]), ("x1 x3", -0.3, [1, 0, -1]), ("every", 0.2, [1, 1, 1])]
+)
+def test_features_share_an_error_of_the_stated_covariance(shape, sigma, signs):
+    plain, x = made(Correlation("all", RANGES, shape), sigma)
+    assert np.cov(((x - plain) / [3, 5, 1]).T) == pytest.approx(sigma**2 * np.outer(signs, signs), rel=0.05)
 
 
 def features(d):

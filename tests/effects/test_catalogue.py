@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from measurements import BESIDE, WEEKS, entry
 
 from avobench.effects import catalogue as module
 from avobench.effects.catalogue import catalogue, chosen, families, of_domain
@@ -51,19 +52,9 @@ def test_ours_keep_their_order(kind):
     assert [family.__name__ for family in of_domain(kind)] == ORDER[kind].split()
 
 
-def weeks(theta, rng):
-    return rng.poisson(np.exp(theta[:, [0]]) * [1, 2, 3])
-
-
-def both(theta, rng):
-    return np.column_stack([rng.normal(theta[:, 0]), rng.poisson(7, len(theta))])
-
-
-WEEKS = task(weeks, prior={"log_rate": (0, 3)})
-BOTH = task(both, prior={"mean": (0, 3)}, kinds={"x2": "count"})
-
-
-@pytest.mark.parametrize("of", [Poisson(), Weinberg(), Carl(), Alignment(), DECAYS, WEEKS, BOTH], ids=lambda t: t.name)
+@pytest.mark.parametrize(
+    "of", [Poisson(), Weinberg(), Carl(), Alignment(), DECAYS, WEEKS, BESIDE], ids=lambda each: each.name
+)
 def test_a_class_has_one_entry_a_feature_and_of_a_family_no_two_shapes_have_one_name(of):
     entries = catalogue(of)
     each = [(type(effect), effect.feature) for effect in entries]
@@ -92,7 +83,7 @@ def test_tails_and_lifetimes_are_where_they_can_be():
     both = task(a_time_and_an_angle, prior={"mean": (0, 3)})
     assert of(DECAYS, "second_exponential")
     assert [effect.feature for effect in of(both, "second_exponential")] == [0]
-    assert not any(of(other, "second_exponential") for other in (Weinberg(), Carl(), BOTH))
+    assert not any(of(other, "second_exponential") for other in (Weinberg(), Carl(), BESIDE))
     assert not of(Weinberg(), "radiative_tail"), "a cosine has no tail beyond its ends"
     time, angle = ({shape.shape for shape in effect.shapes()} for effect in of(both, "radiative_tail"))
     assert time - angle == {"radiator"}, "a negative value has no energy to lose a share of"
@@ -115,10 +106,10 @@ def test_each_of_several_counts_has_its_entries_beside_all_alike():
 
 
 def test_counts_beside_real_numbers_have_the_effects_of_each():
-    keys = [effect.key for effect in catalogue(BOTH)]
-    assert {("resolution", 0), ("dead_time", 1)} <= set(keys)
-    assert not {("resolution", 1), ("dead_time", 0), ("flat_background", "all")} & set(keys)
-    heaping = [effect for effect in catalogue(BOTH) if isinstance(effect, Heaping)]
+    keys = {effect.key for effect in catalogue(BESIDE)}
+    assert {("resolution", 0), ("dead_time", 1)} <= keys
+    assert not {("resolution", 1), ("dead_time", 0), ("flat_background", "all")} & keys
+    heaping = [effect for effect in catalogue(BESIDE) if isinstance(effect, Heaping)]
     assert [(effect.feature, effect.whole) for effect in heaping] == [(1, True), (0, False)]
 
 
@@ -129,11 +120,8 @@ def test_effects_on_particles_are_for_tasks_that_generate_them():
     particles = {"transverse_offset", "axial_tilt"}
     assert particles <= {effect.name for effect in catalogue(Alignment())}
     assert not particles & {effect.name for effect in catalogue(InOneStep())}
-    shapes = [
-        [shape.shape for effect in catalogue(task) if effect.name == "inefficiency" for shape in effect.shapes()]
-        for task in (Alignment(), InOneStep())
-    ]
-    assert shapes == [["", "soft"], [""]]
+    for each, shapes in ((Alignment(), ["", "soft"]), (InOneStep(), [""])):
+        assert [shape.shape for shape in entry(each, "inefficiency").shapes()] == shapes
 
 
 def test_every_entry_point_says_domain_and_class():
@@ -194,6 +182,5 @@ def test_the_name_of_a_family_chooses_all_its_classes_and_that_of_an_entry_point
     assert classes("edge_acceptance") == ["EdgeAcceptance", "TurnOn", "Truncation", "AnalysisWindow"]
     assert classes("continuous.truncation", "heaping") == ["Truncation", "Heaping"]
     assert classes("saturation", "quantisation") == ["Quantisation", "Saturation", "Censoring", "Heaping"]
-    assert [type(effect).__name__ for effect in chosen(catalogue(Poisson()), ["truncation"], "poisson")] == [
-        "Truncation"
-    ]
+    (of_counts,) = chosen(catalogue(Poisson()), ["truncation"], "poisson")
+    assert type(of_counts).__name__ == "Truncation"

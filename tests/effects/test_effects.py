@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from measurements import applied, entry, shape_of
 from scipy.stats import norm, poisson
 
 from avobench.bench import conformance as check
@@ -27,8 +28,7 @@ from avobench.tasks.weinberg import Weinberg
 
 
 def effect_of(task, name, shape=None):
-    effect = next(e for e in catalogue(task) if e.name == name)
-    return next(s for s in effect.shapes() if shape in (None, s.shape))
+    return shape_of(entry(task, name), shape)
 
 
 def events(task, effect, theta, phi, n=40_000, seed=0):
@@ -61,12 +61,8 @@ def test_every_shape_keeps_its_contract_on_a_cosine(effect):
 
 def test_the_example_that_alters_a_stage_stops_its_share(monkeypatch):
     monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "docs" / "examples"))
-    effect, theta = registry.effect("absorber:Absorber"), np.zeros((400, 1))
     task = Alignment(response="energy")  # of hits, two in one cell are one
-    seen = [
-        effect.apply(task.simulate, theta, np.full((400, 1), stopped), np.random.default_rng(0)).sum()
-        for stopped in (0.0, 0.6)
-    ]
+    seen = [events(task, registry.effect("absorber:Absorber"), 0.0, [stopped], n=400).sum() for stopped in (0.0, 0.6)]
     assert seen[1] / seen[0] == pytest.approx(0.4, abs=0.03)
 
 
@@ -110,10 +106,8 @@ def test_range_of_a_cosine_is_exact_and_its_folds_stay_within():
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 40.0])
 def test_each_end_of_a_range_is_the_end_where_it_is_sharp_and_a_quantile_where_not(scale):
     rng = np.random.default_rng(0)
-    decays = function_task(
-        lambda t, rng: rng.exponential(t[:, 0]), prior={"lifetime": (scale, 2 * scale)}, name="decays"
-    )
-    (span,) = ranges(decays)
+    prior = {"lifetime": (scale, 2 * scale)}
+    (span,) = ranges(function_task(lambda theta, rng: rng.exponential(theta), prior=prior, name="decays"))
     assert (span.low, span.sharp_low, span.sharp_high, span.bounded) == (0, True, False, False)
     times = rng.exponential(scale, 20_000)
     assert span.shown(times) == replace(span, high=np.quantile(times, 0.995))
@@ -145,7 +139,7 @@ def test_dead_time_is_that_of_a_poisson_process(rate, tau):
 def test_a_counter_that_receives_far_too_much_counts_nothing(pulses, tau, counted):
     """More than 200 pulses, and 1 / tau, where ten counts at most are to be expected; unless it is never blind."""
     effect = effect_of(Poisson(), "dead_time").adapted(np.full((100, 1), 10))
-    x = effect.apply(lambda *_: np.full((1000, 1), pulses), None, np.full((1000, 1), tau), np.random.default_rng(0))
+    x = applied(effect, np.full((1000, 1), pulses), [tau])
     if counted is None:
         assert x.mean() == pytest.approx(pulses / (1 + pulses * tau), rel=0.01)
     else:
@@ -180,24 +174,20 @@ def test_one_recorded_event_in_ten_is_waited_for_and_what_is_rarer_costs_no_more
 def test_a_limit_that_few_events_pass_is_that_of_each_row():
     """Of a standard normal one event in six to a thousand is beyond these limits, which all differ."""
     limits = np.linspace(1, 3, 2000)[:, None]
-    x = accepted(
-        lambda theta, rng: rng.normal(size=(len(theta), 1)),
-        limits,
-        lambda x, rows: 1.0 * (x[:, 0] > limits[rows, 0]),
-        np.random.default_rng(0),
-    )
+
+    def beyond(x, rows):
+        return 1.0 * (x[:, 0] > limits[rows, 0])
+
+    x = accepted(lambda theta, rng: rng.normal(size=theta.shape), limits, beyond, np.random.default_rng(0))
     assert (x > limits).all()
     assert x.mean() == pytest.approx((norm.pdf(limits) / norm.sf(limits)).mean(), abs=0.1)
 
 
 def test_a_model_whose_detector_records_nothing_is_refused_and_a_fit_that_tries_it_goes_on():
-    blind = partial(
-        accepted,
-        lambda theta, rng: rng.random((len(theta), 1)),
-        np.zeros((3, 1)),
-        lambda x, rows: 0 * x[:, 0],
-        np.random.default_rng(0),
-    )
+    def simulate(theta, rng):
+        return rng.random(theta.shape)
+
+    blind = partial(accepted, simulate, np.zeros((3, 1)), lambda x, rows: 0 * x[:, 0], np.random.default_rng(0))
     assert blind().shape == (3, 1)
     with pytest.raises(SimulatorError, match="recorded"), must_record():
         blind()
@@ -234,9 +224,8 @@ def test_an_edge_is_looked_for_where_events_lack():
     assert shapes["power"].within(*beyond, 0) is None
 
 
-def test_threshold_keeps_its_meaning_for_the_data():
-    effect = effect_of(Poisson(), "threshold_loss")
-    assert effect.adapted(np.full((10, 1), 7)).parameters[1].high == 7
+def test_bounds_and_guesses_keep_to_the_counts():
+    assert effect_of(Poisson(), "threshold_loss").adapted(np.full((10, 1), 7)).parameters[1].high == 7
     wide = effect_of(Poisson(), "quantisation", "16 down")
     assert len(wide.guess(np.random.default_rng(0).poisson(3, (100, 1)))) == 0
 
@@ -248,10 +237,10 @@ def test_a_stuck_bit_is_never_what_it_should_be(bit, seed):
         if (bit, at) == (0, "low"):
             continue  # rounded down to even counts, a shape of its own
         stuck = effect_of(Poisson(), "quantisation", f"bit {bit} {at}")
-        y = stuck.apply(lambda theta, rng: x.copy(), x, np.ones((200, 1)), np.random.default_rng(0))
+        y = applied(stuck, x, [1])
         assert not (y >> bit & 1 == wrong).any()
         assert np.array_equal(y | 1 << bit, x | 1 << bit)
-    assert np.array_equal(stuck.apply(lambda theta, rng: x.copy(), x, np.zeros((200, 1)), np.random.default_rng(0)), x)
+    assert np.array_equal(applied(stuck, x, [0]), x)
 
 
 def test_quantisation_reads_its_step_off_the_data():
@@ -269,31 +258,24 @@ def test_quantisation_reads_its_step_off_the_data():
 
 def test_saturation_reads_its_limit_off_the_data():
     task = Weinberg()
-    for shape in ("above", "below", "both"):
-        effect = effect_of(task, "saturation", shape)
-        x = events(task, effect, [46.0, 1.0], [0.5, 0.6], n=3000)
-        limit = next(s for s in effect.adapted(x).shapes() if s.shape == shape).parameters[1]
-        assert limit.low < 0.6 < limit.high < 1.00001 * limit.low
-    above = effect_of(task, "saturation", "above")
-    stepped = np.round(task.simulate(np.tile([46.0, 1.0], (9000, 1)), np.random.default_rng(0)), 1)
-    stepped[stepped > 0.75] = 0.75
-    limit = above.adapted(stepped).parameters[1]
-    assert limit.low < 0.75 < limit.high < 1.00001 * limit.low
-    plain = effect.adapted(task.simulate(np.tile([46.0, 1.0], (3000, 1)), np.random.default_rng(0)))
-    assert plain.parameters[1].high == 1
+    plain = task.simulate(np.tile([46.0, 1.0], (9000, 1)), np.random.default_rng(0))
+    shown = [
+        (shape, events(task, effect_of(task, "saturation", shape), [46.0, 1.0], [0.5, 0.6], n=3000), 0.6)
+        for shape in ("above", "below", "both")
+    ]
+    for shape, x, at in (*shown, ("above", np.minimum(np.round(plain, 1), 0.75), 0.75)):
+        limit = shape_of(effect_of(task, "saturation", shape).adapted(x), shape).parameters[1]
+        assert limit.low < at < limit.high < 1.00001 * limit.low
+    assert effect_of(task, "saturation", "both").adapted(plain).parameters[1].high == 1
 
 
 def test_saturation_of_all_features_reads_the_limits_of_each_off_the_data():
     task = Carl()
     x = task.simulate(np.tile([0.1, -0.5], (5000, 1)), np.random.default_rng(0))
-    all_alike = next(e for e in catalogue(task, x) if e.key == ("saturation", "all"))
-    both = next(s for s in all_alike.shapes() if s.shape == "both")
-    phi = np.tile([1.0, 0.6], (len(x), 1))
-    y = both.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(0))
+    both = shape_of(entry(task, "saturation", "all", x), "both")
+    y = applied(both, x, [1.0, 0.6])
     again = both.adapted(y)
-    phi[:, 1] = np.mean([again.parameters[1].low, again.parameters[1].high])
-    found = again.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(0))
-    assert found == pytest.approx(y)
+    assert applied(again, x, [1, np.mean([again.parameters[1].low, again.parameters[1].high])]) == pytest.approx(y)
     assert (x != y).any(axis=0).all()
 
 
@@ -304,14 +286,11 @@ def test_values_are_the_middles_of_their_bins_however_uneven():
     into = np.searchsorted(borders, angle) - 1
     binned = np.cos((borders[:-1] + borders[1:])[into] / 2)
     adapted = effect_of(task, "quantisation").adapted(binned[:, None])
-    shape = next(s for s in adapted.shapes() if s.shape == "bins_in_angle")
     levels = np.sort(np.arccos(adapted.levels))
     k = (len(levels) - 1) // 2
     share = (borders[k + 1] - levels[k]) / (levels[k + 1] - levels[k])
     x = np.cos(angle)[:, None]
-    phi = np.tile([1.0, share], (len(x), 1))
-    found = shape.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(0))[:, 0]
-    assert found == pytest.approx(binned, abs=1e-9)
+    assert applied(shape_of(adapted, "bins_in_angle"), x, [1, share])[:, 0] == pytest.approx(binned, abs=1e-9)
     assert "bins" not in {s.shape for s in effect_of(task, "quantisation").adapted(x).shapes()}
 
 
@@ -347,24 +326,21 @@ def test_steps_that_are_blurred_are_those_of_each_feature():
     x = task.simulate(np.tile([0.1, -0.5], (20_000, 1)), rng)
     width = 0.3 * x.std(axis=0)
     read = width * (np.floor(x / width) + 0.5 + 0.05 * rng.standard_normal(x.shape))
-    adapted = next(e for e in catalogue(task, read) if e.key == ("quantisation", "all")).adapted(read)
-    shape = next(s for s in adapted.shapes() if s.shape == "blurred")
+    adapted = entry(task, "quantisation", "all", read).adapted(read)
+    shape = shape_of(adapted, "blurred")
     (guess,) = shape.guess(read)
-    again = shape.apply(lambda theta, rng: x.copy(), guess, np.tile([1.0, *guess[1:]], (len(x), 1)), rng)
+    again = applied(shape, x, [1, *guess[1:]])
     line = np.abs(np.exp(2j * np.pi * again / width).mean(axis=0))
     assert line == pytest.approx(np.exp(-2 * np.pi**2 * 0.05**2), abs=0.02)
     assert (np.abs(again - read) < 0.5 * width).mean() > 0.98
-    null = shape.apply(lambda theta, rng: x.copy(), guess, np.tile([0.0, *guess[1:]], (len(x), 1)), rng)
-    assert np.array_equal(null, x)
+    assert np.array_equal(applied(shape, x, [0, *guess[1:]]), x)
     assert "blurred" not in {s.shape for s in adapted.adapted(x).shapes()}
 
 
 def test_outliers_in_the_angle_stay_within_the_range():
-    effect = effect_of(Weinberg(), "outliers", "angle")
     x = np.full((20_000, 1), np.cos(1.0))
-    phi = np.tile([0.3, 0.4], (len(x), 1))
-    y = effect.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(0))[:, 0]
-    moved = np.arccos(y[y != x[:, 0]])
+    y = applied(effect_of(Weinberg(), "outliers", "angle"), x, [0.3, 0.4])
+    moved = np.arccos(y[y != x])
     assert len(moved) / len(x) == pytest.approx(0.3, abs=0.02)
     assert (moved.mean(), moved.std()) == pytest.approx((1.0, 0.4), abs=0.03)
 
@@ -372,9 +348,7 @@ def test_outliers_in_the_angle_stay_within_the_range():
 def test_a_background_event_is_one_in_all_features_and_as_wide_as_what_was_measured():
     task = Carl()
     x = task.simulate(np.tile([0.1, -0.5], (20_000, 1)), np.random.default_rng(0))
-    flat = next(e for e in catalogue(task) if e.key == ("flat_background", "all")).adapted(x)
-    phi = np.tile([0.2], (len(x), 1))
-    y = flat.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(1))
+    y = applied(entry(task, "flat_background", "all").adapted(x), x, [0.2], seed=1)
     replaced = y != x
     assert (replaced.all(axis=1) | ~replaced.any(axis=1)).all()
     rows = replaced[:, 0]
@@ -387,10 +361,7 @@ def test_a_background_event_is_one_in_all_features_and_as_wide_as_what_was_measu
 
 @given(place=st.floats(-0.8, 0.8), width=st.floats(0.02, 0.3))
 def test_a_place_is_read_in_the_units_of_its_feature(place, width):
-    task = Carl()
-    for effect in catalogue(task):
-        if effect.name != "dead_region" or effect.feature not in (1, "all"):
-            continue
+    for effect in (entry(Carl(), "dead_region", feature) for feature in (1, "all")):
         span = effect.ranges[1]
         low, high = (span.centre + span.half * (place + side * width / 2) for side in (-1, 1))
         phi = np.r_[1.0, effect.within(low, high, 1)]

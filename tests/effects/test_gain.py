@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from measurements import applied, shape_of
 
 from avobench.effects.images.cells import Gain, odd_line
 
@@ -20,9 +21,8 @@ def profile(n, rng, kind):
 def test_a_line_records_its_share_and_is_named(line, axis, at, kind, gain):
     n = 20_000
     x = profile(n, np.random.default_rng(0), kind).astype(np.uint8 if kind == "hits" else np.float32)
-    effect = next(s for s in Gain(GRID, hits=kind == "hits").shapes() if s.shape == line)
-    phi = np.tile([gain, at], (n, 1))
-    y = effect.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(1))
+    effect = shape_of(Gain(GRID, hits=kind == "hits"), line)
+    y = applied(effect, x, [gain, at], seed=1)
     assert y.dtype == x.dtype
     before, after = (np.moveaxis(v.reshape(-1, *GRID), 1 + axis, 1) for v in (x, y))
     others = np.arange(GRID[axis]) != at
@@ -35,7 +35,7 @@ def test_a_line_records_its_share_and_is_named(line, axis, at, kind, gain):
     adapted = effect.adapted(y)
     assert adapted.odd[axis] == at
     assert adapted.odd[1 - axis] is None
-    named = next(s for s in adapted.shapes() if s.shape == line).parameters[1]
+    named = shape_of(adapted, line).parameters[1]
     assert (named.name, named.unit) == (line, line)
     assert round(named.low) == round(named.high) == at
     other = next(s for s in adapted.shapes() if s.shape != line)
@@ -53,7 +53,6 @@ def test_each_event_may_have_its_own_line():
     rng = np.random.default_rng(0)
     x = np.ones((50, 192), np.uint8)
     rows = rng.integers(12, size=50)
-    phi = np.column_stack([np.zeros(50), rows])
-    y = Gain(GRID).apply(lambda theta, rng: x.copy(), phi, phi, rng).reshape(-1, *GRID)
+    y = applied(Gain(GRID), x, np.column_stack([np.zeros(50), rows])).reshape(-1, *GRID)
     assert (y.sum(axis=(1, 2)) == 192 - 16).all()
     assert (y[np.arange(50), rows] == 0).all()

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from measurements import applied, entry, shape_of
 
-from avobench.effects.catalogue import catalogue
 from avobench.effects.contract import OF_FEATURE, Effect
 from avobench.effects.images.cells import DeadCells, NoisyCells
 from avobench.effects.model import Model
@@ -16,17 +16,10 @@ def compass(theta, rng):
     return np.column_stack([rng.uniform(0, 360, len(theta)), rng.normal(theta[:, 0], 3)])
 
 
+UNITS = {"azimuth": "deg", "energy": "GeV"}
 COMPASS = task(
-    compass,
-    prior={"energy": (20, 30)},
-    features=["azimuth", "energy"],
-    kinds={"azimuth": "angle"},
-    feature_units={"azimuth": "deg", "energy": "GeV"},
+    compass, prior={"energy": (20, 30)}, features=list(UNITS), kinds={"azimuth": "angle"}, feature_units=UNITS
 )
-
-
-def entry(name, feature):
-    return next(effect for effect in catalogue(COMPASS) if effect.key == (name, feature))
 
 
 def test_the_range_of_an_angle_is_once_round_and_keeps_to_it():
@@ -37,29 +30,28 @@ def test_the_range_of_an_angle_is_once_round_and_keeps_to_it():
 
 
 def test_what_moves_an_angle_past_its_end_comes_in_at_the_other():
-    shift = entry("offset", 0)
-    phi = np.full((1000, 1), shift.parameters[0].high)
+    shift = entry(COMPASS, "offset", 0)
+    by = shift.parameters[0].high
     x = compass(np.full((1000, 1), 25.0), np.random.default_rng(0))
-    y = shift.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(0))
+    y = applied(shift, x, [by])
     assert ((y[:, 0] >= 0) & (y[:, 0] < 360)).all()
     away = (y[:, 0] - x[:, 0]) % 360
     assert away == pytest.approx(np.full(1000, away[0]))
     assert (y[:, 0] < x[:, 0]).any()
-    energy = entry("offset", 1)
-    y = energy.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(0))
-    assert (y[:, 1] - x[:, 1]) == pytest.approx(phi[:, 0])
+    y = applied(entry(COMPASS, "offset", 1), x, [by])
+    assert (y[:, 1] - x[:, 1]) == pytest.approx(by)
 
 
 def test_a_value_of_a_feature_has_its_unit_and_one_of_all_features_has_none():
-    peak, of_all = entry("peak_background", 1), entry("peak_background", "all")
+    of_azimuth, peak, of_all = (entry(COMPASS, "peak_background", feature) for feature in (0, 1, "all"))
     assert [p.unit for p in peak.parameters].count(OF_FEATURE) == 2
     assert Model(COMPASS, (peak,)).units == ("1", "1", "GeV", "GeV")
     assert "of half the range of each" in Model(COMPASS, (of_all,)).units
-    assert Model(COMPASS, (entry("peak_background", 0),)).units == ("1", "1", "deg", "deg")
+    assert Model(COMPASS, (of_azimuth,)).units == ("1", "1", "deg", "deg")
 
 
 def unit(effect: Effect, shape: str, name: str, units: tuple[str, ...]) -> str:
-    chosen = next(s for s in effect.shapes() if s.shape == shape)
+    chosen = shape_of(effect, shape)
     return chosen.unit(next(p for p in chosen.parameters if p.name == name), units)
 
 
@@ -74,7 +66,7 @@ def unit(effect: Effect, shape: str, name: str, units: tuple[str, ...]) -> str:
     ],
 )
 def test_the_feature_s_own_unit_and_the_range_are_told(name, feature, shape, parameter, known, unknown):
-    effect = next(e for e in catalogue(Carl()) if e.key == (name, feature))
+    effect = entry(Carl(), name, feature)
     spans = tuple(type(span)(-2.0, 6.5, False) for span in effect.ranges)
     effect = type(effect)(feature, spans)
     assert unit(effect, shape, parameter, ("s", "GeV", "s", "s", "s")) == known

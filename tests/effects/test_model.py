@@ -1,13 +1,15 @@
 """A chain of effects: what acts first, and what acts on particles before there is an event."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from measurements import entry, shape_of
 
 import avobench
 from avobench.challenge.shape import Injection, Place
-from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.effects.pool import Pool
 from avobench.tasks import alignment
@@ -26,8 +28,7 @@ def _small_chunks(monkeypatch):
 
 
 def effect_of(task, name, shape=None):
-    effects = [shape for effect in catalogue(task) if effect.name == name for shape in effect.shapes()]
-    return next(effect for effect in effects if shape in (None, effect.shape))
+    return shape_of(entry(task, name), shape)
 
 
 @pytest.mark.parametrize(
@@ -116,17 +117,13 @@ def test_what_acts_on_particles_composes_and_comes_first():
     assert all((x != one).any(axis=1).mean() > 0.9 for one in alone)
 
 
-class Plain:
-    """A task whose particles nothing can alter, as a user may write one."""
-
-    def __init__(self, task):
-        self.generate, self.detect = task.generate, task.detect
-        self.simulate = lambda theta, rng: task.simulate(theta, rng)
-
-
 def test_a_task_that_generates_first_need_not_let_its_particles_be_altered():
+    """As a user may write one."""
     task, at = Alignment(), np.zeros((20, 1))
-    pool = Pool(Plain(task), 50, np.random.default_rng(0))
+    plain = SimpleNamespace(
+        generate=task.generate, detect=task.detect, simulate=lambda theta, rng: task.simulate(theta, rng)
+    )
+    pool = Pool(plain, 50, np.random.default_rng(0))
     np.testing.assert_array_equal(pool.fresh(at, np.random.default_rng(1)), task.simulate(at, np.random.default_rng(1)))
     assert pool(at, np.random.default_rng(1)).shape == (20, 1024)
 

@@ -66,6 +66,10 @@ def with_effect(**changes):
     return {"effects": [MODEL["effects"][0] | changes]}
 
 
+def with_tau(**changes):
+    return {"parameters": [MODEL["parameters"][0], MODEL["parameters"][1] | changes]}
+
+
 def test_a_model_is_a_task(written):
     task = registry.build("task", written(), {})
     assert (task.name, task.parameter_names) == ("poisson-dead-time", ("log_rate", "tau"))
@@ -102,9 +106,13 @@ def test_code_that_a_model_names_is_not_run_unless_the_file_is_trusted(written, 
         ({"task": "model.json"}, "names task 'model.json', which is not installed"),
         ({"task": "../../etc/passwd"}, "which is not installed"),
         (with_effect(source="nothing"), "names effect 'nothing', which is not installed"),
+        (with_tau(prior=[0.2, 0]), "low < high"),
+        (with_tau(support=[1, 1]), "low < high"),
+        (with_tau(prior=[0, float("inf")]), "finite low < high"),
+        ({"parameters": MODEL["parameters"][:1]}, "gives 1 parameters to a model of 2"),
     ],
 )
-def test_a_model_names_what_is_installed_trusted_or_not(written, changes, said):
+def test_what_makes_no_model_is_said_in_a_line_trusted_or_not(written, changes, said):
     path = written(**changes)
     for spec in (path, registry.trusted(path)):
         with pytest.raises(UsageError, match=said):
@@ -119,25 +127,6 @@ def test_the_name_in_a_file_is_checked_as_that_of_a_class_is(written, name):
         registry.build("task", written(task=MODEL | {"name": name}), {})
     with pytest.raises(UsageError, match=r"is not a model: .* at effects.0.name"):
         registry.build("task", written(**with_effect(name=f"{name}/")), {})
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"prior": [0.2, 0]}, "low < high"),
-        ({"support": [1, 1]}, "low < high"),
-        ({"prior": [0, float("inf")]}, "finite low < high"),
-    ],
-)
-def test_a_prior_that_is_none_is_said_in_a_line(written, change, said):
-    path = written(parameters=[MODEL["parameters"][0], MODEL["parameters"][1] | change])
-    with pytest.raises(UsageError, match=said):
-        registry.build("task", path, {})
-
-
-def test_a_model_needs_a_parameter_for_each_of_its_task_and_effects(written):
-    with pytest.raises(UsageError, match="gives 1 parameters to a model of 2"):
-        registry.build("task", written(parameters=MODEL["parameters"][:1]), {})
 
 
 def test_trust_reaches_worker_processes(written):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from measurements import applied, entry, shape_of
 
 from avobench.effects.catalogue import catalogue
 from avobench.effects.heaping import Heaping, heaps
@@ -12,13 +13,8 @@ from avobench.tasks.poisson import Poisson
 
 
 def heaping(task, feature, shape):
-    entry = next(effect for effect in catalogue(task) if isinstance(effect, Heaping) and effect.feature == feature)
-    return next(one for one in entry.shapes() if one.shape == shape)
-
-
-def applied(effect, x, phi):
-    phi = np.tile(phi, (len(x), 1))
-    return effect.apply(lambda theta, rng: x.copy(), phi, phi, np.random.default_rng(0))
+    of = next(effect for effect in catalogue(task) if isinstance(effect, Heaping) and effect.feature == feature)
+    return shape_of(of, shape)
 
 
 @pytest.mark.parametrize(("shape", "phi"), [("heaped", [0.3, 5]), ("heaped_near", [0.8, 5, 0.2])])
@@ -55,18 +51,12 @@ def test_what_nobody_heaped_shows_no_heaps(seed, scale, whole):
     rng = np.random.default_rng(seed)
     x = rng.poisson(scale, 20_000) if whole else rng.normal(scale, scale / 4, 20_000)
     assert heaps(x, whole).step == 0
-    entry = heaping(Poisson() if whole else Carl(), None if whole else 0, "heaped_near")
-    assert entry.guess(np.tile(x[:, None], 1 if whole else 5)).shape == (0, 3)
+    effect = heaping(Poisson() if whole else Carl(), None if whole else 0, "heaped_near")
+    assert effect.guess(np.tile(x[:, None], 1 if whole else 5)).shape == (0, 3)
 
 
 def test_heaps_are_another_shape_of_a_rounding():
     """With all values on multiples of the step, the same events."""
     x = np.random.default_rng(3).poisson(40, (10_000, 1))
-    rounded = next(
-        shape
-        for e in catalogue(Poisson())
-        if e.key == ("quantisation", None)
-        for shape in e.shapes()
-        if shape.shape == "7 nearest"
-    )
+    rounded = shape_of(entry(Poisson(), "quantisation", None), "7 nearest")
     np.testing.assert_array_equal(applied(heaping(Poisson(), None, "heaped"), x, [1, 7]), applied(rounded, x, [1]))

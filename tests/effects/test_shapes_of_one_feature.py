@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from measurements import applied, shape_of
 from scipy.stats import beta, crystalball, expon, kstest, lomax, norm
 
 from avobench.effects.catalogue import catalogue
@@ -47,7 +48,7 @@ def made(effect, phi, simulate=decays, n=N, seed=0):
 
 
 def shape(family, name, span=WIDE):
-    return next(s for s in family(0, (span,)).shapes() if s.shape == name)
+    return shape_of(family(0, (span,)), name)
 
 
 def five_errors(x):
@@ -87,7 +88,7 @@ def test_truncation_leaves_what_is_within_its_limit_and_reads_it_off_the_data(si
     ends = (limit, np.inf) if side == "below" else (0, limit)
     low, high = expon.cdf(ends, scale=LIFETIME)
     assert kstest(x, lambda v: (expon.cdf(v, scale=LIFETIME) - low) / (high - low)).pvalue > CHANCE
-    adapted = next(s for s in effect.adapted(x[:, None]).shapes() if s.shape == effect.shape)
+    adapted = shape_of(effect.adapted(x[:, None]), effect.shape)
     (found,) = adapted.guess(x[:, None])
     assert found == pytest.approx([limit], abs=20 * LIFETIME / N)
     assert adapted.parameters[0].low < limit < adapted.parameters[0].high
@@ -120,7 +121,7 @@ def test_censoring_records_one_value_for_all_beyond_and_names_both(side, limit, 
     plain, x = (made(effect, [fraction, limit, value]) for fraction in (0, 1))
     beyond = plain < limit if side == "below" else plain > limit
     np.testing.assert_array_equal(x, np.where(beyond, value, plain))
-    adapted = next(s for s in effect.adapted(x[:, None]).shapes() if s.shape == effect.shape)
+    adapted = shape_of(effect.adapted(x[:, None]), effect.shape)
     _, at, spike = adapted.parameters
     assert spike.low < value < spike.high < spike.low + 1e-6
     assert at.low == pytest.approx(limit, abs=20 * LIFETIME / N)
@@ -130,12 +131,12 @@ def test_censoring_records_one_value_for_all_beyond_and_names_both(side, limit, 
         assert len(effect.guess(without[:, None])) == 0
 
 
-def test_of_values_that_are_censored_in_part_the_spike_is_known_and_the_limit_is_not():
-    effect = shape(Censoring, "censored_above")
-    x = made(effect, [0.5, 3.0, 40.0])
-    adapted = effect.adapted(x[:, None])
-    assert adapted.spikes == (None, 40.0)
-    assert adapted.limits == (None, None)
+def test_each_side_has_its_own_spike_and_no_limit_is_known_where_values_are_censored_in_part():
+    part = Censoring(0, (WIDE,)).adapted(made(shape(Censoring, "censored_above"), [0.5, 3.0, 40.0])[:, None])
+    assert (part.spikes, part.limits) == ((None, 40.0), (None, None))
+    both = Censoring(0, (WIDE,)).adapted(np.clip(decays(np.empty(N), np.random.default_rng(0)), 0.5, 3.0))
+    assert both.spikes == (0.5, 3.0)
+    assert both.limits == pytest.approx((0.5, 3.0), abs=20 * LIFETIME / N)
 
 
 def test_censoring_at_the_limit_is_a_saturation():
@@ -164,13 +165,6 @@ def test_of_two_limits_a_share_has_the_outer_one_and_the_data_show_both(side, in
     (again,) = (one for one in adapted.adapted(y[:, None]).shapes() if one.shape.startswith("two_limits"))
     assert again.two == effect.two
     assert not [s for s in adapted.adapted(plain[:, None]).shapes() if s.shape.startswith("two_limits")]
-
-
-def test_of_spikes_on_both_sides_each_is_for_its_own():
-    x = np.clip(made(Offset(0, (WIDE,)), [0.0]), 0.5, 3.0)[:, None]
-    adapted = Censoring(0, (WIDE,)).adapted(x)
-    assert adapted.spikes == (0.5, 3.0)
-    assert adapted.limits == pytest.approx((0.5, 3.0), abs=20 * LIFETIME / N)
 
 
 def test_a_window_acts_after_everything_else_whichever_was_added_first():
@@ -215,16 +209,7 @@ LAWS = [  # of events that are all at one value: the share that is moved, and wh
     (RadiativeTail, "exponential_above", WIDE, [0.3, 1.5], 0.0, 0.3, expon(scale=1.5), 1),
     (RadiativeTail, "power_below", WIDE, [0.3, 1.5], 0.0, 0.3, lomax(2, scale=1.5), -1),
     (RadiativeTail, "power_above", WIDE, [0.3, 1.5], 0.0, 0.3, lomax(2, scale=1.5), 1),
-    (
-        RadiativeTail,
-        "radiator",
-        FROM_1_TO_7,
-        [0.2],
-        5.0,
-        1.0,
-        beta(0.2, 1, loc=-5, scale=5),
-        -1,
-    ),  # what is lost is a power
+    (RadiativeTail, "radiator", FROM_1_TO_7, [0.2], 5.0, 1.0, beta(0.2, 1, loc=-5, scale=5), -1),  # a power is lost
     (SecondExponential, "falling", FROM_1_TO_7, [0.4, 0.8], 4.0, 0.4, expon(1, 0.8), 1),  # from the end of the range
     (SecondExponential, "rising", FROM_1_TO_7, [0.4, 0.8], 4.0, 0.4, expon(-7, 0.8), -1),
     (PeakBackground, "tail_below", WIDE, [0.9, 3.0, 0.5], 100.0, 0.9, crystalball(1, 3, 3, 0.5), 1),
@@ -235,22 +220,23 @@ LAWS = [  # of events that are all at one value: the share that is moved, and wh
 
 @pytest.mark.parametrize(("family", "name", "span", "phi", "at", "share", "law", "sign"), LAWS)
 def test_a_share_of_the_events_is_moved_to_where_a_law_says(family, name, span, phi, at, share, law, sign):
-    x = made(shape(family, name, span), phi, lambda theta, rng: np.full((len(theta), 1), at))
+    x = applied(shape(family, name, span), np.full((N, 1), at), phi)
     new = x[x != at]
     assert len(new) / N == pytest.approx(share, abs=5 * np.sqrt(share * (1 - share) / N) + 1e-3)
     assert kstest(sign * new, law.cdf).pvalue > CHANCE
 
 
-def test_an_offset_of_a_part_leaves_the_others_and_one_that_creeps_has_the_mean_of_its_exponential():
-    x = made(shape(Offset, "part"), [3.0, 0.2], lambda theta, rng: np.zeros((len(theta), 1)))
+def test_an_offset_of_a_part_is_one_of_whole_events_and_one_that_creeps_has_the_mean_of_its_exponential():
+    x, y = applied(shape_of(Offset("all", (WIDE, WIDE)), "part"), np.zeros((N, 2)), [3.0, 0.2]).T
+    np.testing.assert_array_equal(x, y)
     assert set(x) == {0.0, 3.0}
     assert (x == 3).mean() == pytest.approx(0.2, abs=five_errors(x / 3))
-    x = made(shape(Offset, "creeping"), [-3.0, 0.5], lambda theta, rng: np.zeros((len(theta), 1)))
+    x = applied(shape(Offset, "creeping"), np.zeros((N, 1)), [-3.0, 0.5])
     assert x.mean() == pytest.approx(-3 * (1 - 0.5 * (1 - np.exp(-2))), abs=five_errors(x))
 
 
 def test_a_needle_comes_back_from_its_stop():
-    x = made(shape(Saturation, "rebound"), [1.0, 0.5, 0.1], lambda theta, rng: np.full((len(theta), 1), 11.0))
+    x = applied(shape(Saturation, "rebound"), np.full((N, 1), 11.0), [1.0, 0.5, 0.1])
     assert 8 - x.mean() == pytest.approx(0.1 * WIDE.half, rel=0.03)
 
 
@@ -315,14 +301,12 @@ EXACT = [  # the range is from -4 to 12, with 4 at its centre
 def test_a_response_without_chance_is_exact_and_can_be_absent(family, name, phi, expected):
     effect = shape(family, name)
     for values, result in ((phi, expected), ([effect.parameters[0].null, *phi[1:]], AT)):
-        np.testing.assert_allclose(made(effect, values, lambda *_: AT[:, None].copy(), len(AT)), result, atol=1e-12)
+        np.testing.assert_allclose(applied(effect, AT[:, None], values)[:, 0], result, atol=1e-12)
 
 
 def test_of_an_event_all_features_may_be_far_off_together():
     spans = (WIDE, UNIT)
-    effect = next(s for s in Outliers("all", spans).shapes() if s.shape == "above together")
-    phi = np.tile([0.1, 2.0], (N, 1))
-    x = effect.apply(lambda theta, rng: np.zeros((len(theta), 2)), phi, phi, np.random.default_rng(0))
+    x = applied(shape_of(Outliers("all", spans), "above together"), np.zeros((N, 2)), [0.1, 2.0])
     assert ((x[:, 0] > 0) == (x[:, 1] > 0)).all()
     assert (x[:, 0] > 0).mean() == pytest.approx(0.1, abs=5 * 0.3 / np.sqrt(N))
     assert np.corrcoef(x[x[:, 0] > 0].T)[0, 1] == pytest.approx(0, abs=0.1)
@@ -330,18 +314,10 @@ def test_of_an_event_all_features_may_be_far_off_together():
     assert not any("together" in s.shape for s in Outliers(0, spans).shapes())
 
 
-def test_an_offset_of_a_part_is_one_of_whole_events():
-    effect = next(s for s in Offset("all", (WIDE, WIDE)).shapes() if s.shape == "part")
-    phi = np.tile([1.0, 0.3], (1000, 1))
-    x = effect.apply(lambda theta, rng: np.zeros((len(theta), 2)), phi, phi, np.random.default_rng(0))
-    assert (x[:, 0] == x[:, 1]).all()
-    assert 0.2 < x[:, 0].mean() < 0.4
-
-
 @pytest.mark.parametrize(("sign", "name"), [(1, "of_positive"), (-1, "of_negative")])
 def test_the_sign_of_one_half_alone_may_be_lost(sign, name):
     at = sign * np.r_[np.full(N // 2, 3.0), np.full(N // 2, -2.0)]
-    x = made(shape(ChargeMisid, name), [0.3], lambda theta, rng: at[:, None].copy())
+    x = applied(shape(ChargeMisid, name), at[:, None], [0.3])[:, 0]
     np.testing.assert_array_equal(x[N // 2 :], at[N // 2 :])
     assert (x[: N // 2] != at[: N // 2]).mean() == pytest.approx(0.3, abs=5 * 0.5 / np.sqrt(N / 2))
 
@@ -349,7 +325,7 @@ def test_the_sign_of_one_half_alone_may_be_lost(sign, name):
 @pytest.mark.parametrize(("name", "far"), [("rising", 8.0), ("falling", 0.0)])
 def test_a_smearing_may_grow_from_one_end_to_the_other(name, far):
     for at in (far, 4.0):
-        x = made(shape(Resolution, name), [2.0], lambda theta, rng, at=at: np.full((len(theta), 1), at))
+        x = applied(shape(Resolution, name), np.full((N, 1), at), [2.0])
         share = (at + 4) / 16 if name == "rising" else (12 - at) / 16
         assert x.std() == pytest.approx(2 * np.sqrt(share), rel=5 / np.sqrt(2 * N))
 
@@ -361,9 +337,9 @@ def test_values_of_few_digits_are_read_in_steps_that_grow_with_them(step, off):
     x = np.random.default_rng(0).normal(4, 8, 20_000)
     unit = np.log1p(step)
     measured = np.sign(x) * np.exp(unit * (np.rint(np.log(np.abs(x)) / unit + off) - off))
-    effect = next(s for s in Quantisation(0, (WIDE,)).adapted(measured[:, None]).shapes() if s.shape == "by_size")
+    effect = shape_of(Quantisation(0, (WIDE,)).adapted(measured[:, None]), "by_size")
     border = (np.sqrt(1 + step) - 1) / step
-    read = made(effect, [1.0, border], lambda theta, rng: x[:, None].copy(), len(x))
+    read = applied(effect, x[:, None], [1.0, border])[:, 0]
     levels = np.array(effect.levels)
     inside = (np.abs(x) > 2 * np.abs(levels).min()) & (x > levels[0]) & (x < levels[-1])
     assert np.isclose(read, measured)[inside].mean() > 0.98

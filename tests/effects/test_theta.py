@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from measurements import entry, shape_of
 from scipy.stats import truncnorm
 
 from avobench.effects.catalogue import catalogue
@@ -24,18 +25,13 @@ def itself(theta, rng):
 COPY = task(itself, prior={"a": (0, 4)}, support={"a": (-1, 6)}, units={"a": "GeV"}, name="copy")
 
 
-def shape_of(task, key, shape=""):
-    entry = next(effect for effect in catalogue(task) if effect.key == key)
-    return next(one for one in entry.shapes() if one.shape == shape)
-
-
 def events(task, effect, theta, phi, n=N):
     return Model(task, (effect,)).simulate(np.tile([*theta, *phi], (n, 1)), np.random.default_rng(0))[:, 0]
 
 
 @pytest.mark.parametrize("shape", ["gaussian", "uniform", "two_values"])
 def test_a_spread_has_the_stated_width_and_changes_no_mean_far_from_the_ends(shape):
-    effect = shape_of(COPY, ("spread", "a"), shape)
+    effect = shape_of(entry(COPY, "spread", "a"), shape)
     x = events(COPY, effect, [2.5], [0.5])
     assert x.mean() == pytest.approx(2.5, abs=5 * 0.5 / np.sqrt(N))
     assert x.std() == pytest.approx(0.5, rel=0.01)
@@ -53,14 +49,14 @@ def test_a_spread_has_the_stated_width_and_changes_no_mean_far_from_the_ends(sha
 )
 def test_what_would_leave_the_support_is_drawn_again_or_ends_there(shape, moments):
     """The support ends half a width below: the moments of a truncated distribution, of two values the end itself."""
-    x = events(COPY, shape_of(COPY, ("spread", "a"), shape), [-0.5], [1.0])
+    x = events(COPY, shape_of(entry(COPY, "spread", "a"), shape), [-0.5], [1.0])
     assert x.mean() == pytest.approx(float(moments[0]), abs=5 * x.std() / np.sqrt(N))
     assert x.var() == pytest.approx(float(moments[1]), rel=0.02)
 
 
 @given(st.floats(-1, 6), st.floats(0, 2.4), st.sampled_from(["gaussian", "uniform", "two_values"]))
 def test_a_spread_stays_within_the_support_and_is_a_number(at, width, shape):
-    x = events(COPY, shape_of(COPY, ("spread", "a"), shape), [at], [width], 300)
+    x = events(COPY, shape_of(entry(COPY, "spread", "a"), shape), [at], [width], 300)
     assert np.isfinite(x).all()
     assert (x >= -1).all()
     assert (x <= 6).all()
@@ -75,7 +71,7 @@ def test_a_log_rate_that_spreads_is_an_overdispersion():
     mean = 8 * np.exp(width**2 / 2)
     assert spread.mean() == pytest.approx(mean, rel=0.01)
     assert spread.var() == pytest.approx(mean + mean**2 * np.expm1(width**2), rel=0.03)
-    other = shape_of(Poisson(), ("overdispersion", None), "lognormal")
+    other = shape_of(entry(Poisson(), "overdispersion", None), "lognormal")
     same = events(Poisson(), other, [np.log(mean)], [np.expm1(width**2)])
     k = np.arange(60)
     assert abs((spread[:, None] > k).mean(axis=0) - (same[:, None] > k).mean(axis=0)).max() < 5 * np.sqrt(0.5 / N)
@@ -93,14 +89,14 @@ def test_each_parameter_of_a_task_may_spread_by_itself():
 
 def test_a_mixture_has_the_moments_of_two_populations():
     share, rates = 0.3, np.array([4.0, 15.0])
-    x = events(Poisson(), shape_of(Poisson(), ("mixture", None)), [np.log(rates[0])], [share, np.log(rates[1])])
+    x = events(Poisson(), shape_of(entry(Poisson(), "mixture", None)), [np.log(rates[0])], [share, np.log(rates[1])])
     mean = (1 - share) * rates[0] + share * rates[1]
     assert x.mean() == pytest.approx(mean, abs=5 * x.std() / np.sqrt(N))
     assert x.var() == pytest.approx(mean + share * (1 - share) * np.diff(rates)[0] ** 2, rel=0.02)
 
 
 def test_a_second_population_lies_within_the_support_and_of_many_parameters_differs_in_one():
-    both = shape_of(Weinberg(), ("mixture", None))
+    both = shape_of(entry(Weinberg(), "mixture", None))
     assert [(p.name, p.unit) for p in both.parameters[1:]] == [("other_e_beam", "GeV"), ("other_g_f", "1")]
     assert [(p.low, p.high) for p in both.parameters[1:]] == [(42.8, 47.2), (-0.2, 2.2)]
     many = task(itself, prior={f"p{k}": (0, 1) for k in range(7)}, name="many")

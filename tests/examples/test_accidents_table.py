@@ -1,9 +1,5 @@
 """The example of a published histogram: workers differ in how liable they are to accidents, as its authors found."""
 
-import sys
-from pathlib import Path
-
-sys.path.append(str(Path(__file__).parents[2] / "examples"))
 from accidents_table import table, task
 
 import avobench

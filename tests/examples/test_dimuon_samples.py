@@ -1,11 +1,6 @@
 """The simulated sample of two muons: a Z boson, narrower than what was measured."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
-
-sys.path.append(str(Path(__file__).parents[2] / "examples"))
 from dimuon_samples import simulated
 from real.dimuons import HIGH, LOW, measured
 

@@ -1,14 +1,10 @@
 """Observables on events that are worked out by hand, and beside a search of all signs."""
 
-import sys
 from itertools import product
-from pathlib import Path
 
+import event_shapes
 import numpy as np
 import pytest
-
-sys.path.append(str(Path(__file__).parents[2] / "examples"))
-import event_shapes
 
 ROOT3 = np.sqrt(3)
 MERCEDES = [[1, 0, 0], [-0.5, ROOT3 / 2, 0], [-0.5, -ROOT3 / 2, 0]]

@@ -1,19 +1,12 @@
 """The bank of the ALEPH example: what is simulated, and that nothing is twice."""
 
-import sys
-from pathlib import Path
-
+import lep_events
 import numpy as np
 import pytest
 
-sys.path.append(str(Path(__file__).parents[2] / "examples"))
-import lep_events
-
 
 def test_events_are_charged_particles_of_the_z_and_follow_theta_and_seed():
-    few = lep_events.simulate(np.array([0.335, 0.68, 0.12]), 300, seed=1)
-    many = lep_events.simulate(np.array([0.335, 0.68, 0.15]), 300, seed=1)
-    again = lep_events.simulate(np.array([0.335, 0.68, 0.15]), 300, seed=1)
+    few, many, again = (lep_events.simulate(np.array([0.335, 0.68, b]), 300, seed=1) for b in (0.12, 0.15, 0.15))
     assert all((many[name] == again[name]).all() for name in many)
     assert few["count"].mean() + 0.5 < many["count"].mean() == pytest.approx(21.5, abs=1.5)
     assert few["count"].sum() == len(few["momentum"]) == len(few["mass"])

@@ -9,15 +9,8 @@ from pathlib import Path
 WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 ON_PATHS = {"os.remove": (0,), "os.rename": (0, 1), "os.mkdir": (0,), "os.rmdir": (0,), "os.link": (0, 1)}
 ON_PATHS |= {"os.chmod": (0,), "os.truncate": (0,), "os.symlink": (1,), "shutil.rmtree": (0,), "tempfile.mkstemp": (0,)}
-FORBIDDEN = (
-    "socket.connect",
-    "socket.getaddrinfo",
-    "socket.bind",
-    "subprocess.Popen",
-    "os.system",
-    "os.exec",
-    "os.posix_spawn",
-)
+FORBIDDEN = ("socket.connect", "socket.getaddrinfo", "socket.bind")
+FORBIDDEN += ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn")
 HARMLESS = ("/dev/null", "/dev/shm", "/proc", "__pycache__", "/.cache/", "/.config/", "/torchinductor_")
 PLANTED = '''"""Code that a file names and nobody asked for: its import leaves a trace."""
 from pathlib import Path
@@ -68,9 +61,8 @@ class Guard:
         place = os.path.join(os.path.realpath(folder), name)  # of a link itself
         if follows:
             place = os.path.realpath(place)
-        if not any(place == folder or place.startswith(folder + os.sep) for folder in self._allowed or ()) and not any(
-            part in place for part in HARMLESS
-        ):
+        allowed = any(place == folder or place.startswith(folder + os.sep) for folder in self._allowed or ())
+        if not allowed and not any(part in place for part in HARMLESS):
             self.broken.append(f"{event} {place}")
 
 

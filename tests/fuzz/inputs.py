@@ -23,16 +23,10 @@ nasty_texts = st.sampled_from(NASTY_TEXTS) | st.text(st.characters(exclude_categ
 nasty_numbers = st.sampled_from(NASTY_NUMBERS) | st.floats() | st.integers()
 
 
-def _ladder() -> list[Any]:
-    """Lists in one another, deeper than any reader needs to go."""
-    made: list[Any] = []
-    for _ in range(150):
-        made = [made]
-    return made
-
-
+LADDER = json.loads(150 * "[" + 150 * "]")
+"""Lists in one another, deeper than any reader needs to go."""
 nasty = st.recursive(
-    st.none() | st.booleans() | nasty_numbers | nasty_texts | st.just("half \ud800") | st.builds(_ladder),
+    st.none() | st.booleans() | nasty_numbers | nasty_texts | st.sampled_from(["half \ud800", LADDER]),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(nasty_texts, inner, max_size=3),
     max_leaves=6,
 )
@@ -234,7 +228,3 @@ def _values(option: click.Option) -> st.SearchStrategy[str]:
         return st.sampled_from(NUMBERS + WRONG_NUMBERS) | texts
     named = [each for each in NASTY_TEXTS if not each.startswith("planted")]  # which would rightly be run
     return st.sampled_from((*named, *NUMBERS)) | texts
-
-
-def as_json(document: Any) -> str:
-    return json.dumps(document)

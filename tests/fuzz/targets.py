@@ -115,7 +115,7 @@ class CommandLines(Target):
     def prepare(self) -> None:
         self.kept = {}
         np.save(self.folder / "x.npy", np.random.default_rng(0).poisson(7, (300, 1)))
-        (self.folder / "model.json").write_text(inputs.as_json(Models(self.folder).document))
+        (self.folder / "model.json").write_text(json.dumps(Models(self.folder).document))
         store = Store(self.folder / "store", create=True)
         for record in Store(REFERENCE).read_all()[::60]:
             store.write(record)
@@ -199,7 +199,7 @@ class Manifests(Target):
         (self.place / "data").mkdir(parents=True)
         for case in ("0000", "0001"):
             np.savez(self.place / "data" / f"{case}.npz", x=np.zeros((3, 1)))
-        (self.place / "manifest.json").write_text(inputs.as_json(made))
+        (self.place / "manifest.json").write_text(json.dumps(made))
         code, _ = ended(["challenge", "solve", "c"])
         ended(["challenge", "score", "c"])
         return code == 0
@@ -219,7 +219,7 @@ class Results(Target):
 
     def given(self, made: Any) -> bool:
         lines = made if isinstance(made, list) else [made]
-        (self.folder / "r.jsonl").write_text("".join(inputs.as_json(line) + "\n" for line in lines))
+        (self.folder / "r.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
         return ended(["challenge", "score", "r.jsonl", "--format", "json"])[0] == 0
 
 
@@ -247,7 +247,7 @@ class Models(Target):
 
     def given(self, made: Any) -> bool:
         path = self.folder / "model.json"
-        path.write_text(inputs.as_json(made))
+        path.write_text(json.dumps(made))
         try:
             task = registry.build("task", str(path), {})
         except AvobenchError as error:

@@ -3,6 +3,7 @@
 import os
 import time
 from collections import Counter
+from functools import partial
 
 import pytest
 from hypothesis import HealthCheck, Phase, given, seed, settings
@@ -32,25 +33,19 @@ def outcomes(target):
     return found
 
 
-@pytest.mark.parametrize("kind", [*KINDS, *answers.KINDS], ids=lambda kind: kind.name)
+MADE = {kind.name: kind for kind in (*KINDS, *answers.KINDS)} | {kind: partial(Events, kind=kind) for kind in FORMATS}
+
+
+@pytest.mark.parametrize("kind", MADE)
 def test_no_input_is_taken_for_what_it_is_not_or_does_harm(kind, tmp_path):
-    assert outcomes(kind(tmp_path)).total() == EXAMPLES
+    assert outcomes(MADE[kind](tmp_path)).total() == EXAMPLES
 
 
-@pytest.mark.parametrize("kind", FORMATS)
-def test_no_file_of_events_is_taken_for_what_it_is_not_or_does_harm(kind, tmp_path):
-    assert outcomes(Events(tmp_path, kind)).total() == EXAMPLES
-
-
-def test_a_manifest_runs_no_code_that_it_names(tmp_path):
+@pytest.mark.parametrize("name", ["../../x", "/x", "..", "", None])
+def test_a_manifest_leads_to_no_other_folder_and_runs_no_code_that_it_names(name, tmp_path):
     manifests = Manifests(tmp_path)
-    assert manifests.check({**manifests.document, "task": "planted:X"}) == "refused"
-
-
-@pytest.mark.parametrize("name", ["../../x", "/x", "..", ""])
-def test_a_manifest_leads_to_no_other_folder(name, tmp_path):
-    manifests = Manifests(tmp_path)
-    assert manifests.check({**manifests.document, "cases": [{"case": name, "effects": None}]}) == "refused"
+    change = {"task": "planted:X"} if name is None else {"cases": [{"case": name, "effects": None}]}
+    assert manifests.check(manifests.document | change) == "refused"
 
 
 def test_the_guard_sees_what_it_must(tmp_path):

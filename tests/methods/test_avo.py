@@ -3,26 +3,27 @@
 import numpy as np
 import pytest
 
-from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.trial import execute
 from avobench.methods.avo import Avo, regression
 from avobench.tasks.errors import UsageError
 from avobench.tasks.function import task
-from gaussian import GaussianMeans, gaussian_problem
+from gaussian import GaussianMeans, gaussian_problem, posed, problem_at
 
 FEW = {"iterations": 250, "hidden": (32, 32), "statistic_steps": 100}
+BRIEF = Avo(iterations=60, hidden=(16,), statistic_steps=200)
+TRUTH = np.array([1.0, 12.5])
 
 
 def test_without_the_polish_it_still_moves_to_the_observed_means():
-    given = gaussian_problem(GaussianMeans(), 30_000, np.array([1.0, 12.5]))
+    given = gaussian_problem(GaussianMeans(), 30_000, TRUTH)
     estimate = Avo(**FEW, polish=False).infer(given, np.random.default_rng(2))
     np.testing.assert_allclose(estimate.theta, given.x_observed.mean(axis=0), atol=0.2)
     assert estimate.how == "mean of the proposal over the last quarter"
 
 
 def test_the_standard_error_is_near_that_of_all_events_at_the_right_place():
-    given = gaussian_problem(GaussianMeans(), 30_000, np.array([1.0, 12.5]))
+    given = gaussian_problem(GaussianMeans(), 30_000, TRUTH)
     estimate = Avo(**FEW).infer(given, np.random.default_rng(4))
     best, local = np.sqrt(1 / 10_000 + 1 / 30_000), np.sqrt(1 / 10_000 + 1 / 15_000)
     assert (0.95 * best < estimate.error).all()
@@ -35,22 +36,20 @@ def test_the_standard_error_is_near_that_of_all_events_at_the_right_place():
 
 
 def test_problems_solved_together_are_solved_as_each_by_itself():
-    means = [np.array([1.0, 12.5]), np.array([-1.0, 8.0])]
     method = Avo(iterations=30, hidden=(16,), statistic_steps=5)  # each step enlarges what rounding changes
 
-    def problems():
-        return [gaussian_problem(GaussianMeans(), 3000, mean) for mean in means]
+    def given():
+        problems = [gaussian_problem(GaussianMeans(), 3000, mean) for mean in (TRUTH, np.array([-1.0, 8.0]))]
+        return problems, [np.random.default_rng(i) for i in range(2)]
 
-    alone = [method.infer(given, np.random.default_rng(i)) for i, given in enumerate(problems())]
-    together = method.infer_together(problems(), [np.random.default_rng(i) for i in range(2)])
-    for a, b in zip(alone, together, strict=True):
+    for a, b in zip(map(method.infer, *given()), method.infer_together(*given()), strict=True):
         np.testing.assert_allclose(b.theta, a.theta, rtol=1e-4)
         assert [point.simulations for point in b.trace] == [point.simulations for point in a.trace]
 
 
 def test_estimates_are_those_that_they_were():
     """What this gave when the records of results/reference were made, to the rounding of another machine."""
-    given = gaussian_problem(GaussianMeans(), 3000, np.array([1.0, 12.5]))
+    given = gaussian_problem(GaussianMeans(), 3000, TRUTH)
     estimate = Avo(iterations=10, hidden=(8,), statistic_steps=20).infer(given, np.random.default_rng(5))
     theta, adversarial = [0.998644292, 12.486653180], [0.248475433, 11.731815335]
     np.testing.assert_allclose(estimate.theta, theta, rtol=1e-4)
@@ -63,15 +62,9 @@ def test_of_many_inputs_each_parameter_has_one_sum():
     x = rng.normal(size=(4000, 60)).astype(np.float32)
     mix = rng.normal(size=(60, 3))
     np.testing.assert_allclose(regression(x, 2 + x @ mix), mix, atol=1e-4)
-    shared = task(
-        lambda theta, rng: rng.normal(np.repeat(theta, 20, axis=1), 3.5),
-        prior={name: (-1, 1) for name in "abc"},
-        name="shared",
-    )
-    truth = np.array([0.3, -0.5, 0.1])
-    observed = shared.simulate(np.tile(truth, (20_000, 1)), rng)
-    given = pose(shared, observed, MeteredSimulator(shared, 40_000, np.random.default_rng(1)))
-    estimate = Avo(iterations=60, hidden=(16,), statistic_steps=200).infer(given, np.random.default_rng(2))
+    prior, truth = dict.fromkeys("abc", (-1, 1)), np.array([0.3, -0.5, 0.1])
+    shared = task(lambda theta, rng: rng.normal(np.repeat(theta, 20, axis=1), 3.5), prior=prior, name="shared")
+    estimate = BRIEF.infer(problem_at(shared, truth, 40_000, rng), np.random.default_rng(2))
     assert not estimate.doubt
     assert (estimate.error < 0.02).all()
     np.testing.assert_array_less(np.abs(estimate.theta - truth), 4 * estimate.error)
@@ -87,17 +80,15 @@ def test_inputs_that_are_hardly_ever_hit_do_no_harm(num_rare):
 
     pixels = task(simulate, prior={"mean": (-1, 1)}, name="pixels")
     observed = simulate(np.full((20_000, 1), 0.3), np.random.default_rng(0))
-    given = pose(pixels, observed, MeteredSimulator(pixels, 40_000, np.random.default_rng(1)))
-    estimate = Avo(iterations=60, hidden=(16,), statistic_steps=200).infer(given, np.random.default_rng(2))
+    estimate = BRIEF.infer(posed(pixels, observed, 40_000, 1), np.random.default_rng(2))
     assert not estimate.doubt
     assert abs(estimate.theta[0] - observed[:, 0].mean()) < 4 * estimate.error[0] < 0.05
 
 
 def test_one_observed_event_is_refused_in_a_line():
     shift = task(lambda theta, rng: rng.normal(theta), prior={"mean": (-3, 3)}, name="shift")
-    rng = np.random.default_rng(0)
     with pytest.raises(UsageError, match="at least 2 observed events"):
-        Avo().infer(pose(shift, np.ones((1, 1)), MeteredSimulator(shift, 5000, rng)), rng)
+        Avo().infer(posed(shift, np.ones((1, 1)), 5000, 0), np.random.default_rng(0))
 
 
 def test_heavy_tails_and_a_wide_prior_leave_it_near_the_best_with_errors_that_hold():
@@ -112,8 +103,7 @@ def test_heavy_tails_and_a_wide_prior_leave_it_near_the_best_with_errors_that_ho
     pulls = []
     for seed in range(3):
         rng = np.random.default_rng(seed)
-        x = simulate(np.tile(truth, (num_events, 1)), rng)[:, None]
-        estimate = Avo(**FEW).infer(pose(cauchy, x, MeteredSimulator(cauchy, budget, rng)), rng)
+        estimate = Avo(**FEW).infer(problem_at(cauchy, truth, budget, rng, num_events), rng)
         assert (estimate.error < 3 * best).all()
         assert estimate.doubt == ""
         pulls.append((estimate.theta - truth) / estimate.error)
@@ -136,6 +126,6 @@ def test_it_comes_to_an_end_where_rounds_have_hardly_an_event(refine, local_shar
     still = task(lambda theta, rng: rng.normal(size=len(theta)), prior={"theta": (-1, 1)}, name="still")
     rng = np.random.default_rng(0)
     method = Avo(refine=refine, local_share=local_share, iterations=5, statistic_steps=5)
-    simulate = MeteredSimulator(still, 400, rng)
-    method.infer(pose(still, rng.normal(size=(100, 1)), simulate), rng)
-    assert simulate.used <= 400
+    problem = posed(still, rng.normal(size=(100, 1)), 400, rng)
+    method.infer(problem, rng)
+    assert problem.simulate.used <= 400

@@ -31,6 +31,7 @@ class GaussianShifts(GaussianMean):
 
 
 THETA = np.array([0.8, -0.5])
+PROPOSAL = TruncatedGaussian(GaussianShifts.prior, GaussianShifts.support)
 
 
 def problem(budget, num_observations=10_000):
@@ -61,25 +62,18 @@ def test_every_simulated_event_is_counted_once(schedule, steps, batch, per_itera
     assert given.simulate.used == 1000 // per_iteration * per_iteration
     assert given.simulate.refused == 0
     assert f"{1000 // per_iteration} iterations" in estimate.message
-    assert [point.simulations for point in estimate.trace][-1] == given.simulate.used
+    assert estimate.trace[-1].simulations == given.simulate.used
 
 
 def test_optimal_baseline_has_the_least_variance():
-    rng = np.random.default_rng(0)
-    proposal = TruncatedGaussian(GaussianShifts.prior, GaussianShifts.support)
-    psi = np.array([[0.3, 0.0], [-0.5, 0.2]])
-    u = proposal.sample(psi, 200_000, rng)
+    rng, psi = np.random.default_rng(0), np.array([[0.3, 0.0], [-0.5, 0.2]])
+    u = PROPOSAL.sample(psi, 200_000, rng)
     f = -3 + (u @ [1.0, -0.5]) + 0.3 * rng.normal(size=len(u))
-    score = proposal.score(psi, u)
-    variance = {
-        kind: (score * (f[:, None, None] - baseline(kind, score, f))).var(axis=0)
-        for kind in ("optimal", "as_printed", "none")
-    }
-    for other in ("as_printed", "none"):
-        assert (variance["optimal"] < variance[other]).all()
-    best = baseline("optimal", score, f)
-    for shift in (-0.1, 0.1):  # a stationary point, component by component
-        assert ((score * (f[:, None, None] - best - shift)).var(axis=0) > variance["optimal"]).all()
+    score = PROPOSAL.score(psi, u)
+    best, *others = (baseline(kind, score, f) for kind in ("optimal", "as_printed", "none"))
+    least = (score * (f[:, None, None] - best)).var(axis=0)
+    for other in (*others, best - 0.1, best + 0.1):  # a stationary point, component by component
+        assert ((score * (f[:, None, None] - other)).var(axis=0) > least).all()
     # f^2 is positive while f = log(1 - d) is negative: the printed baseline has the wrong sign
     assert (baseline("as_printed", score, f) > 0).all()
     assert (best < 0).all()
@@ -87,27 +81,26 @@ def test_optimal_baseline_has_the_least_variance():
 
 def test_score_gradient_is_the_gradient_of_the_expected_value():
     """For f(u) = u the expectation over a wide Gaussian is its mean, so the gradient in the mean is 1."""
-    proposal = TruncatedGaussian(GaussianShifts.prior, GaussianShifts.support)
     psi = np.array([[0.4, -0.2], [-1.0, -1.0]])
-    u = proposal.sample(psi, 400_000, np.random.default_rng(0))
-    gradient = score_gradient(proposal.score(psi, u), u[:, 0], "optimal")
+    u = PROPOSAL.sample(psi, 400_000, np.random.default_rng(0))
+    gradient = score_gradient(PROPOSAL.score(psi, u), u[:, 0], "optimal")
     np.testing.assert_allclose(gradient, [[1, 0], [0, 0]], atol=0.02)
 
 
 def test_entropy_grows_with_the_width_of_the_proposal():
-    proposal, psi = TruncatedGaussian(GaussianShifts.prior, GaussianShifts.support), np.zeros((2, 2))
-    u = proposal.sample(psi, 1000, np.random.default_rng(0))
-    gradient = entropy_gradient(proposal, psi, u, "closed_form")
+    psi = np.zeros((2, 2))
+    u = PROPOSAL.sample(psi, 1000, np.random.default_rng(0))
+    gradient, as_printed = (entropy_gradient(PROPOSAL, psi, u, kind) for kind in ("closed_form", "as_printed"))
     np.testing.assert_allclose(gradient, [[0, 0], [1, 1]], atol=2e-3)  # H = log std of a Gaussian, and a constant
-    assert not np.allclose(entropy_gradient(proposal, psi, u, "as_printed"), gradient, atol=0.1)
+    assert not np.allclose(as_printed, gradient, atol=0.1)
 
 
 def test_an_entropy_penalty_makes_the_proposal_tighter():
-    spread = {}
-    for entropy in (0.0, 0.5):
-        given = problem(4800, num_observations=200)
-        spread[entropy] = AvoPaper(**FAST, entropy=entropy).infer(given, np.random.default_rng(1)).std
-    assert (spread[0.5] < 0.9 * spread[0.0]).all()
+    loose, tight = (
+        AvoPaper(**FAST, entropy=entropy).infer(problem(4800, num_observations=200), np.random.default_rng(1)).std
+        for entropy in (0.0, 0.5)
+    )
+    assert (tight < 0.9 * loose).all()
 
 
 @pytest.mark.parametrize("r1_of", ["probability", "logit"])
@@ -158,10 +151,10 @@ def test_r1_of_d_does_not_hold_a_discriminator_that_saturates(logit, holds):
 
     assert (pull("probability") > 0) == holds
     assert pull("logit") > 0
-    q, psi = TruncatedGaussian(GaussianShifts.prior, GaussianShifts.support), state.psi.numpy()
-    u = q.sample(psi, 64, np.random.default_rng(0))
+    psi = state.psi.numpy()
+    u = PROPOSAL.sample(psi, 64, np.random.default_rng(0))
     f = state.discriminator.log_one_minus_d(given.x_observed[:64])
-    assert score_gradient(q.score(psi, u), f, settings.baseline).any() == (logit > -120)
+    assert score_gradient(PROPOSAL.score(psi, u), f, settings.baseline).any() == (logit > -120)
 
 
 def test_a_device_out_of_memory_fails_its_cell_in_a_line(monkeypatch):
@@ -170,9 +163,8 @@ def test_a_device_out_of_memory_fails_its_cell_in_a_line(monkeypatch):
 
     monkeypatch.setattr("avobench.methods.discriminator.cross_entropy", out_of_memory)
     record = execute(Cell("poisson", {}, "avo-paper", {"hidden": [4]}, 0, 0, 96, 100, 0))
-    assert reason(record).startswith(
-        "method_error: CUDA out of memory. Tried to allocate 20.00 MiB. GPU 0 has 79 GiB; fewer"
-    )
+    told = "method_error: CUDA out of memory. Tried to allocate 20.00 MiB. GPU 0 has 79 GiB; fewer"
+    assert reason(record).startswith(told)
     assert "\n" not in reason(record)
 
 

@@ -1,5 +1,7 @@
 """The process against GPy and finite differences, and the acquisition against ELFI's."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -144,22 +146,14 @@ def test_refuses_distances_that_set_no_scale(y):
         GaussianProcess(["theta"], [(0, 1)]).update(np.array([[0.2], [0.8]]), np.array(y))
 
 
-class UnitBox:
-    """A prior as ELFI's acquisitions use it."""
-
-    def __init__(self, dim: int) -> None:
-        self.dim = dim
-
-    def rvs(self, size, random_state):
-        return uniform.rvs(size=(size, self.dim), random_state=random_state)
-
-
 def acquisition(p: int, seed: int, noise_var: float | None = None) -> BatchedLCBSC:
+    """With a prior in the unit box, as ELFI's acquisitions use it."""
     rng = np.random.default_rng(seed)
     x = rng.uniform(size=(30, p))
     process = GaussianProcess(["a", "b", "c"][:p], [(0.0, 1.0)] * p)
     process.update(x, np.sqrt(((x - 0.3) ** 2).sum(1)) + rng.normal(0.1, 0.01, 30) ** 2, optimize=True)
-    return BatchedLCBSC(process, prior=UnitBox(p), noise_var=noise_var, seed=seed)
+    box = SimpleNamespace(dim=p, rvs=lambda n, random_state: uniform.rvs(size=(n, p), random_state=random_state))
+    return BatchedLCBSC(process, prior=box, noise_var=noise_var, seed=seed)
 
 
 @settings(max_examples=50)

@@ -6,16 +6,13 @@ import pytest
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.trial import execute
 from avobench.methods.bsl import Bsl
-from avobench.tasks import Task
 from avobench.tasks.errors import UsageError
 from gaussian import TRUTH, GaussianMean, gaussian_problem
 
-METHOD = Bsl(events_per_set=2, chains=2)
 
-
-def infer(budget: int = 40_000, seed: int = 1, method: Bsl = METHOD, task: Task | None = None, truth=TRUTH):
-    problem = gaussian_problem(task or GaussianMean(), budget, truth)
-    return method.infer(problem, np.random.default_rng(seed)), problem
+def infer(truth=TRUTH):
+    problem = gaussian_problem(GaussianMean(), 40_000, truth)
+    return Bsl(events_per_set=2, chains=2).infer(problem, np.random.default_rng(1)), problem
 
 
 def test_the_posterior_of_a_mean_is_as_wide_as_the_events_of_a_step_allow():

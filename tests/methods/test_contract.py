@@ -1,6 +1,7 @@
 """The seed of global generators."""
 
 import random
+import sys
 
 import numpy as np
 import torch
@@ -27,14 +28,9 @@ def test_global_generators_are_seeded_inside_and_as_before_outside():
 
 
 def test_the_generator_goes_on_alike_whether_pytorch_is_there_or_not(monkeypatch):
-    import sys
-
-    def after():
-        rng = np.random.default_rng(3)
-        with global_seed(rng):
-            pass
-        return rng.random()
-
-    with_torch = after()
-    monkeypatch.delitem(sys.modules, "torch")
-    assert after() == with_torch
+    with_torch, without = np.random.default_rng(3), np.random.default_rng(3)
+    with global_seed(with_torch):
+        monkeypatch.delitem(sys.modules, "torch")
+    with global_seed(without):
+        pass
+    assert with_torch.random() == without.random()

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.methods.avo import Avo
 from avobench.methods.divergence import Contrast, minimise
 from avobench.tasks.function import task
+from gaussian import posed
 
 FEW = {"iterations": 80, "hidden": (32, 32), "statistic_steps": 100}
 BOUNDS = np.array([-4.0]), np.array([4.0])
@@ -92,15 +92,9 @@ def test_avo_recovers_a_contaminated_gaussian_mean_and_a_seed_repeats_it():
     x = outliers(np.random.default_rng(7), 10_000, 0.05, 6.0)
 
     def estimate():
-        given = pose(shift, x.copy(), MeteredSimulator(shift, 15_000, np.random.default_rng(8)))
-        return Avo(**FEW, matched="divergence").infer(given, np.random.default_rng(9))
+        return Avo(**FEW, matched="divergence").infer(posed(shift, x.copy(), 15_000, 8), np.random.default_rng(9))
 
     first, again = estimate(), estimate()
     assert abs(first.theta[0]) < 3 * first.error[0] < 0.15
     assert "the polish converged" in first.message
     assert first.theta.tolist() == again.theta.tolist()
-
-
-def test_without_cross_fitting_it_is_refused():
-    with pytest.raises(ValueError, match="cross_fit"):
-        Avo(matched="divergence", cross_fit=False)

@@ -119,6 +119,7 @@ WRONG = {
     Avo: [
         *({"iterations": 0}, {"hidden": ()}, {"learning_rate": (1e-3, 0.0)}, {"max_std": 2.0}, {"min_std": 0.0}),
         *({"r1": -1.0}, {"local_share": 1.0}, {"replay": 1}, {"entropy": -1.0}),
+        {"matched": "divergence", "cross_fit": False},
     ],
     AvoPaper: [
         *({"batch_size": 31}, {"batch_size": 0}, {"discriminator_steps": 0}, {"learning_rate": 0.0}, {"r1": -1.0})
@@ -129,7 +130,7 @@ WRONG = {
         *({"surrogate": "exact"}, {"exploration_rate": 0.0}, {"acq_noise_var": -1.0}, {"num_posterior_points": 1000}),
     ],
     Bsl: [{"sets": 0}, {"events_per_set": 0}, {"chains": 0}, {"growth": 0.5}, {"nearest": 0.0}, {"nearest": 1.5}],
-    Smm: [{"rounds": 0}, {"shrink": 0.0}, {"shrink": 1.5}, {"errors": 0.0}],
+    Smm: [{"rounds": 0}, {"shrink": 0.0}, {"shrink": 1.5}, {"errors": 0.0}, {"trim": 0.5}],
     RankMoments: [{"rounds": 0}, {"degree": 0}, {"shrink": 0.0}, {"shrink": 1.5}, {"errors": 0.0}],
     Nre: [{"rounds": 0}, {"learning_rate": 0.0}, {"amortised": True, "rounds": 2}],
 }
@@ -137,5 +138,5 @@ WRONG = {
 
 @pytest.mark.parametrize(("method", "wrong"), [(method, wrong) for method, each in WRONG.items() for wrong in each])
 def test_settings_that_make_no_sense_are_refused(method, wrong):
-    with pytest.raises((UsageError, ValueError), match=r"must|need|amortised"):
+    with pytest.raises((UsageError, ValueError), match=r"must|need|amortised|cross_fit"):
         method(**wrong)

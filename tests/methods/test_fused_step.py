@@ -11,7 +11,6 @@ from avobench.methods.discriminator import mlp
 from avobench.methods.fused_step import FusedStep
 from paper.speed.avo import AutogradStep
 
-settings.register_profile("fused", max_examples=25)
 SLOPES = (0.25, -0.5, 1.0, 2.0)
 """Of PReLU: a slope of 1 is no special case, nor is a negative one."""
 
@@ -32,7 +31,7 @@ def batches(count, features, sizes, rng):
     return [torch.from_numpy(rng.normal(size=(count, size, features))) for size in sizes]
 
 
-@settings(settings.get_profile("fused"))
+@settings(max_examples=25)
 @given(
     count=st.integers(1, 4),
     hidden=st.lists(st.integers(1, 7), min_size=1, max_size=4),

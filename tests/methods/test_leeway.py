@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.methods import avo, smm
 from avobench.methods.avo import Avo
 from avobench.methods.leeway import EDGE, LEAST_POINTS, Leeway, leaves_open, tempered
@@ -15,7 +14,7 @@ from avobench.methods.polish import Fold, Polished
 from avobench.methods.rank_moments import RankMoments
 from avobench.methods.smm import Smm
 from avobench.tasks.function import task
-from gaussian import GaussianMeans, gaussian_problem
+from gaussian import GaussianMeans, gaussian_problem, posed, problem_at
 
 S = 0.3
 MEAN = (1 - S) / np.log(1 / S)
@@ -102,16 +101,11 @@ def test_weights_are_tempered_only_where_they_must_be():
     assert 1 / (narrow**2).sum() == pytest.approx(LEAST_POINTS, rel=0.01)
 
 
-def product_problem(rng, n=40_000):
-    product = task(lambda theta, rng: rng.normal(4 * theta.prod(axis=1)), prior={"v": (0, 1), "w": (0, 1)}, name="vw")
-    x = product.simulate(np.tile([0.9, S / 0.9], (n, 1)), rng)
-    return pose(product, x, MeteredSimulator(product, n, rng))
-
-
 @pytest.mark.parametrize("method", [Avo(**FEW), Smm(), RankMoments()], ids=lambda method: method.name)
 def test_the_estimate_is_the_best_point_of_an_open_curve(method):
     rng = np.random.default_rng(5)
-    estimate = method.infer(product_problem(rng), rng)
+    product = task(lambda theta, rng: rng.normal(4 * theta.prod(axis=1)), prior={"v": (0, 1), "w": (0, 1)}, name="vw")
+    estimate = method.infer(problem_at(product, [0.9, S / 0.9], 40_000, rng, num_observed=40_000), rng)
     assert np.prod(estimate.theta) == pytest.approx(S, abs=4 * np.sqrt(2 / 40_000) / 4 * 2)
     np.testing.assert_allclose(estimate.theta, BEST, atol=0.08)
     np.testing.assert_allclose(estimate.error, ERROR, rtol=0.2)
@@ -141,12 +135,9 @@ def test_where_the_points_that_agree_are_few_the_posterior_is_wide_and_not_lost(
 
 def test_more_open_parameters_than_can_be_searched_are_doubtful():
     """Four of five parameters change nothing: where they were begun with is no answer."""
-    blind = task(
-        lambda theta, rng: rng.normal(theta[:, :1], 1), prior={name: (-1, 1) for name in "abcde"}, name="blind"
-    )
-    rng = np.random.default_rng(0)
-    x = blind.simulate(np.zeros((5000, 5)), rng)
-    estimate = Avo(**FEW).infer(pose(blind, x, MeteredSimulator(blind, 20_000, rng)), rng)
+    prior, rng = dict.fromkeys("abcde", (-1, 1)), np.random.default_rng(0)
+    blind = task(lambda theta, rng: rng.normal(theta[:, :1], 1), prior=prior, name="blind")
+    estimate = Avo(**FEW).infer(problem_at(blind, np.zeros(5), 20_000, rng, num_observed=5000), rng)
     assert estimate.doubt == "the events determine almost nothing about one combination of the parameters"
 
 
@@ -158,8 +149,7 @@ def test_a_prior_that_is_narrow_beside_the_error_leaves_the_posterior_within_it(
     for seed in range(12):
         rng = np.random.default_rng(seed)
         x = rng.normal(mu := rng.uniform(1 - half, 1 + half), 1, (30, 1))
-        posed = pose(narrow, x, MeteredSimulator(narrow, 8000, rng))
-        found = RankMoments().infer(posed, rng)
+        found = RankMoments().infer(posed(narrow, x, 8000, rng), rng)
         off.append((found.theta[0] - mu) / found.error[0])
         at = np.linspace(1 - half, 1 + half, 1001)
         weight = norm.pdf(at, x.mean(), 1 / np.sqrt(30))

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import torch
 
-from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.trial import execute, execute_together
 from avobench.methods.nle import Nle
@@ -13,25 +12,20 @@ from avobench.methods.nre import Nre
 from avobench.methods.product_posterior import posterior
 from avobench.tasks import Box
 from avobench.tasks.poisson import Poisson
+from gaussian import problem_at
 
 METHODS = [Nre(steps=300), Nle(steps=300), Npe(steps=300), Tsnpe(rounds=2, steps=200)]
-
-
-def problem(task, truth, budget, num_observed=2_000, seed=0):
-    rng = np.random.default_rng(seed)
-    x = task.simulate(np.tile(truth, (num_observed, 1)), rng)
-    return pose(task, x, MeteredSimulator(task, budget, rng))
 
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 def test_a_rate_is_found_within_the_budget(method):
     """No nearer than chance would be a third of the prior's width; a tenth of that is learning."""
-    posed = problem(Poisson(), [2.0], 20_000)
-    estimate = method.infer(posed, np.random.default_rng(1))
+    problem = problem_at(Poisson(), [2.0], 20_000, 0, num_observed=2_000)
+    estimate = method.infer(problem, np.random.default_rng(1))
     assert estimate.theta[0] == pytest.approx(2.0, abs=0.13)
     assert 0 < estimate.std[0] < 0.1
-    assert 0.95 * 20_000 < posed.simulate.used <= 20_000
-    assert [point.simulations for point in estimate.trace][-1] == posed.simulate.used
+    assert 0.95 * 20_000 < problem.simulate.used <= 20_000
+    assert estimate.trace[-1].simulations == problem.simulate.used
     assert len(estimate.trace) == method.rounds
 
 
@@ -65,9 +59,8 @@ def test_both_modes_of_a_posterior_have_points():
     found = posterior(log_factors, rows, Box((-2, -2), (2, 2)), rng, 400)
     assert found.sample.weights[found.sample.theta[:, 0] > 0].sum() == pytest.approx(0.5, abs=0.25)
     size = np.abs(found.sample.theta[:, 0])
-    assert np.sqrt(found.sample.weights @ (size - found.sample.weights @ size) ** 2) == pytest.approx(
-        5_000**-0.5, rel=0.3
-    )
+    std = np.sqrt(found.sample.weights @ (size - found.sample.weights @ size) ** 2)
+    assert std == pytest.approx(5_000**-0.5, rel=0.3)
 
 
 def test_a_bent_ridge_of_a_posterior_is_covered():

@@ -10,10 +10,15 @@ from avobench.methods.polish import Fold, Polished, narrower, polish, polish_clo
 EDGE = 4.0
 
 
+def folds_of(real, synthetic, u):
+    """Two, as avo makes them."""
+    real, synthetic = real.astype(np.float32), synthetic.astype(np.float32)
+    return [Fold(real[half::2], synthetic[half::2], u[half::2]) for half in range(2)]
+
+
 def polished(real, synthetic, u, start, std=0.3, toward=0.0):
-    """In two folds, as avo does it."""
-    real, synthetic, ones = real.astype(np.float32), synthetic.astype(np.float32), np.ones(u.shape[1])
-    folds = [Fold(real[half::2], synthetic[half::2], u[half::2]) for half in range(2)]
+    ones = np.ones(u.shape[1])
+    folds = folds_of(real, synthetic, u)
     return polish(folds, start * ones, np.diag(std * ones), (-EDGE * ones, EDGE * ones), toward)
 
 
@@ -40,11 +45,6 @@ def test_the_width_of_the_proposal_does_not_bias_a_curved_mean():
     answer = polished(real, synthetic, u, 1.2)
     assert abs(answer.mean[0] - 1) < 3 * answer.error[0]
     assert answer.error[0] < 0.007
-
-
-def folds_of(real, synthetic, u):
-    real, synthetic = real.astype(np.float32), synthetic.astype(np.float32)
-    return [Fold(real[half::2], synthetic[half::2], u[half::2]) for half in range(2)]
 
 
 def test_a_closer_look_finds_what_a_quadratic_misses_and_else_lets_the_wide_answer_stand():

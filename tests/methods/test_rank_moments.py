@@ -6,17 +6,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import avobench
-from avobench.bench.cells.budget import MeteredSimulator, pose
 from avobench.methods.rank_moments import MOST_POLYNOMIALS, Polynomials, RankMoments
 from avobench.tasks.function import task
+from gaussian import posed, problem_at
 
 N = 20_000
 
 
-def inferred(simulator, truth, seed, budget=20_000, num_observed=N, observed=None):
+SHIFT = task(lambda theta, rng: rng.normal(theta[:, 0]), prior={"mean": (-2, 2)}, name="shift")
+
+
+def inferred(simulator, truth, seed, budget=20_000, num_observed=N):
     rng = np.random.default_rng(seed)
-    x = (observed or simulator).simulate(np.tile(truth, (num_observed, 1)), rng)
-    return RankMoments().infer(pose(simulator, x, MeteredSimulator(simulator, budget, rng)), rng)
+    return RankMoments().infer(problem_at(simulator, truth, budget, rng, num_observed), rng)
 
 
 def cauchy(theta, rng):
@@ -48,21 +50,16 @@ def test_its_error_is_that_of_repeated_answers_and_near_the_best(function, truth
 
 
 def test_a_change_of_scale_that_keeps_the_order_changes_nothing():
-    shift = task(lambda theta, rng: rng.normal(theta[:, 0]), prior={"mean": (-2, 2)}, name="shift")
     bent = task(lambda theta, rng: np.exp(rng.normal(theta[:, 0])), prior={"mean": (-2, 2)}, name="bent")
-    first, second = (inferred(simulator, [0.7], 0) for simulator in (shift, bent))
+    first, second = (inferred(simulator, [0.7], 0) for simulator in (SHIFT, bent))
     assert first.theta == pytest.approx(second.theta, abs=0.05 * first.error[0])
 
 
 def test_few_outliers_move_it_little():
     """Of outliers at a distance of 1000 a mean would move by 10, and a median by 0.013."""
-    shift = task(lambda theta, rng: rng.normal(theta[:, 0]), prior={"mean": (-2, 2)}, name="shift")
-
-    def with_outliers(theta, rng):
-        return np.where(rng.random(len(theta)) < 0.01, 1000.0, rng.normal(theta[:, 0]))
-
-    observed = task(with_outliers, prior={"mean": (-2, 2)}, name="with-outliers")
-    estimate = inferred(shift, [0.7], 0, observed=observed)
+    rng = np.random.default_rng(0)
+    x = np.where(rng.random((N, 1)) < 0.01, 1000.0, rng.normal(0.7, 1, (N, 1)))
+    estimate = RankMoments().infer(posed(SHIFT, x, 20_000, rng), rng)
     assert estimate.theta[0] == pytest.approx(0.7, abs=0.06)
     assert "differ from the observed" in estimate.doubt
 

@@ -17,13 +17,10 @@ def of_a_scale(seed):
 def efficiency(half, seed=1, u=0.0, step=0.2):
     """Information of the mean of a statistic about u, over Fisher's of an event, 1/2: at most 1 but for chance."""
     rng = np.random.default_rng(seed)
-    means, variances = [], []
-    for at in (u - step, u + step):
-        x = (np.exp(at / 2) * rng.standard_normal((2 * N, 1))).astype(np.float32)
-        found = half(x)
-        means.append(found.mean())
-        variances.append(found.var())
-    return ((means[1] - means[0]) / (2 * step)) ** 2 / np.mean(variances) / 0.5
+    low, high = (
+        half((np.exp(at / 2) * rng.standard_normal((2 * N, 1))).astype(np.float32)) for at in (u - step, u + step)
+    )
+    return ((high.mean() - low.mean()) / (2 * step)) ** 2 / np.mean([low.var(), high.var()]) / 0.5
 
 
 def test_it_finds_nearly_all_that_an_event_says_where_the_mean_says_nothing():

@@ -5,6 +5,7 @@ import pytest
 from scipy.special import polygamma
 
 from paper.hard_tasks import HARD, Bump, GAndK, Stable, StudentTails
+from paper.sbibm_tasks import SBIBM
 
 
 def test_the_information_is_what_is_known_in_closed_form():
@@ -35,16 +36,16 @@ def test_stable_events_have_their_characteristic_function():
         assert np.cos(t * x).mean() == pytest.approx(np.exp(-((t * np.exp(theta[1])) ** theta[0])), abs=0.007)
 
 
-@pytest.mark.parametrize("task", [task for task in HARD if task is not Stable], ids=lambda task: task.name)
-def test_a_task_has_finite_events_and_floors_that_add_up(task):
-    own = task()
-    theta = own.targets()
-    x = own.simulate(theta, np.random.default_rng(0))
-    assert x.shape == (len(theta), 1)
+@pytest.mark.parametrize("task", [task() for task in (*HARD, *SBIBM) if task is not Stable], ids=lambda task: task.name)
+def test_a_task_has_finite_events_of_its_kind_and_floors_that_add_up(task):
+    theta = task.targets()
+    x = task.simulate(theta, np.random.default_rng(0))
+    assert (x.shape, x.dtype) == ((len(theta), task.num_features), task.dtype)
     assert np.isfinite(x).all()
-    assert own.summary(x).sum() == pytest.approx(1)
-    floors = own.floors(theta[0], 1000, 4000)
+    assert np.isfinite(task.summary(x)).all()
+    floors = task.floors(theta[0], 1000, 4000)
     assert (floors > 0).all()
-    assert own.floor(theta[0], 800, None) == pytest.approx(floors.sum())
+    assert floors.shape == task.identifiable(theta[:1])[0].shape
+    assert task.floor(theta[0], 800, None) == pytest.approx(floors.sum())
     with pytest.raises(ValueError, match="outside the support"):
-        own.simulate(np.array([own.support.high]) + 1, np.random.default_rng(0))
+        task.simulate(np.array([task.support.high]) + 1, np.random.default_rng(0))

@@ -36,8 +36,7 @@ def test_ahead_is_a_paired_one_sided_test(make_record):
     spread = np.geomspace(1e-3, 1e-1, 6)  # wider than the difference: only the pairs show it
     assert ahead(cells(spread * 0.9), cells(spread)) == pytest.approx(1 / 64)
     assert ahead(cells(spread), cells(spread * 0.9)) == pytest.approx(1)
-    failed = [None, *spread[1:] * 0.9]
-    assert 1 / 64 < ahead(cells(failed), cells(spread)) < 1
+    assert 1 / 64 < ahead(cells([None, *spread[1:] * 0.9]), cells(spread)) < 1
 
 
 def test_the_mean_of_a_posterior_is_scored_in_place_of_the_estimate(make_record):

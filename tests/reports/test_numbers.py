@@ -25,8 +25,6 @@ def test_no_p_value_is_zero(p, alone, sentence):
 
 def test_what_is_not_known_is_a_dash():
     assert [number(None), number(math.nan), p_value(None)] == ["-"] * 3
-    assert column([1.0, None, math.nan]) == ["1.00", "-", "-"]
-    assert column([]) == []
 
 
 @pytest.mark.parametrize(
@@ -48,10 +46,11 @@ def test_a_value_is_printed_to_the_two_digits_of_its_error(value, std, told):
 
 
 def test_the_numbers_of_a_column_have_as_many_decimals():
+    assert column([]) == []
     assert column([1, 20, None]) == ["1", "20", "-"]
+    assert column([1.0, None, math.nan, math.inf]) == ["1.00", "-", "-", "inf"]
     assert column([32.31, 3.84, 100.0]) == ["32.31", "3.84", "100.00"]
     assert column([0.25, -12.0]) == ["0.250", "-12.000"]
     assert column([150.0, 27.5]) == ["150.0", "27.5"]
     assert column([8.4e-6, 0.0564, 0.0]) == ["8.40e-06", "5.64e-02", "0.00e+00"]
     assert column([1.5, 100_000.0]) == ["1.50e+00", "1.00e+05"]
-    assert column([math.inf, 2.0]) == ["inf", "2.00"]

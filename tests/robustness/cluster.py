@@ -178,11 +178,7 @@ def soak(folder: Path, cells: int, workers: int, seconds: float, seed: int) -> s
         other = {name: far[record["id"]][name] for name in record}  # with its trace
         assert without_clocks(record) == without_clocks(other), f"{record['id']} is another one here"
     again = sum("begun again" in note for note in notes)
-    return "\n".join(
-        [
-            f"{cells} cells on {workers} workers in {took:.0f} s, {len(ends)} sweeps: {'; '.join(ends)}",
-            f"{killer.workers} workers and {killer.schedulers} scheduler killed, {again} cells begun again elsewhere",
-            f"{len(crashed)} cells lost two workers and were made again with --retry-failed",
-            f"{len(records)} records, each made once, all ok; {len(near)} of them made here too, the same bit for bit",
-        ]
-    )
+    return f"""{cells} cells on {workers} workers in {took:.0f} s, {len(ends)} sweeps: {"; ".join(ends)}
+{killer.workers} workers and {killer.schedulers} scheduler killed, {again} cells begun again elsewhere
+{len(crashed)} cells lost two workers and were made again with --retry-failed
+{len(records)} records, each made once, all ok; {len(near)} of them made here too, the same bit for bit"""

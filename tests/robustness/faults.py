@@ -33,8 +33,8 @@ class Fault:
 
     @property
     def label(self) -> str:
-        name = errno.errorcode.get(self.error, "")
-        return " ".join(part for part in (self.kind, name, self.manner, "from then on" if self.sticky else "") if part)
+        parts = self.kind, errno.errorcode.get(self.error, ""), self.manner, "from then on" if self.sticky else ""
+        return " ".join(filter(None, parts))
 
 
 FAULTS = [

@@ -36,6 +36,27 @@ OPERATIONS = ("open", "tempfile.mkstemp", "os.chmod", "os.mkdir", "os.rename", "
 Files = dict[str, bytes]
 
 
+def finished_records(folder: Path) -> Files:
+    """Every record that reads as finished, by name; raises ValueError for a half one."""
+    found = {row.file: row.text.encode() for row in read_rows(folder / "records.parquet")}
+    found |= {path.name: path.read_bytes() for path in folder.glob("records/[!.]*")}
+    for content in found.values():
+        decode_record(content)
+    return found
+
+
+def lost_records(before: Files, after: Files) -> list[str]:
+    """The names of those that are gone or have another content."""
+    return [name for name, content in before.items() if after.get(name) != content]
+
+
+def steady_records(folder: Path) -> list[dict[str, Any]]:
+    """The records without what a clock or a meter says. Raises AssertionError for a damaged one."""
+    records, damaged = Store(folder).read()
+    assert not damaged, damaged
+    return without_clocks(records)
+
+
 class Subject(ABC):
     """A command whose kills are tried, and how its folder is read."""
 
@@ -69,11 +90,8 @@ class Run(Subject):
     def arguments(self, folder: Path) -> list[str]:
         return [*SWEEP, "--targets", "0-3", "--jobs", "2", "--results", str(folder)]
 
-    def finished(self, folder: Path) -> Files:
-        return finished_records(folder)
-
-    def results(self, folder: Path) -> Any:
-        return steady_records(folder)
+    finished = staticmethod(finished_records)
+    results = staticmethod(steady_records)
 
 
 class Pack(Run):
@@ -130,27 +148,6 @@ class Diagnose(Subject):
 
 
 SUBJECTS = {"run": Run, "pack": Pack, "challenge solve": Solve, "diagnose": Diagnose}
-
-
-def finished_records(folder: Path) -> Files:
-    """Every record that reads as finished, by name; raises ValueError for a half one."""
-    found = {row.file: row.text.encode() for row in read_rows(folder / "records.parquet")}
-    found |= {path.name: path.read_bytes() for path in folder.glob("records/[!.]*")}
-    for content in found.values():
-        decode_record(content)
-    return found
-
-
-def lost_records(before: Files, after: Files) -> list[str]:
-    """The names of those that are gone or have another content."""
-    return [name for name, content in before.items() if after.get(name) != content]
-
-
-def steady_records(folder: Path) -> list[dict[str, Any]]:
-    """The records without what a clock or a meter says. Raises AssertionError for a damaged one."""
-    records, damaged = Store(folder).read()
-    assert not damaged, damaged
-    return without_clocks(records)
 
 
 @contextmanager

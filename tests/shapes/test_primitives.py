@@ -107,12 +107,7 @@ def test_a_feature_responds_to_others_and_a_parameter_varies_by_the_prior_width(
     assert theta[:, 1].std() == pytest.approx(0.3 * 4, rel=0.05)
 
 
-def full(theta, rng):
-    return np.ones((len(theta), 1024), np.uint8)
-
-
-def empty(theta, rng):
-    return np.zeros((len(theta), 1024), np.uint8)
+full, empty = (lambda theta, rng, cell=cell: np.full((len(theta), 1024), cell, np.uint8) for cell in (1, 0))
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """Alignment in three dimensions: exact geometry, the symmetries of the tracker, and a floor that was measured."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -29,9 +30,7 @@ def images(theta: tuple[float, float, float], particles: Particles | None = None
 def turned(particles: Particles, angle: float) -> Particles:
     """The particles turned about the beam axis."""
     turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
-    return Particles(
-        particles.offsets, turn @ particles.position, turn @ particles.momentum, particles.energy, particles.reach
-    )
+    return replace(particles, position=turn @ particles.position, momentum=turn @ particles.momentum)
 
 
 @pytest.mark.parametrize("offset", [(1.0, 0.0, 0.0), (-0.7, 1.2, 0.0), (1.5, -1.5, 1.0), (0.0, 0.0, -1.5)])

@@ -76,8 +76,14 @@ def test_the_first_target_of_each_task_is_the_published_one():
     assert Weinberg().targets()[0].tolist() == [44.73592157404568, 1.415854847179705]
 
 
-@pytest.mark.parametrize("task", [Poisson, Carl, Weinberg])
-@pytest.mark.parametrize("num_bins", [0, -1, 2.5, "9"])
-def test_a_number_of_bins_that_is_no_positive_integer_is_refused(task, num_bins):
-    with pytest.raises(ValueError, match="num_bins must be a whole number of at least 1"):
-        task(num_bins=num_bins)
+@pytest.mark.parametrize(
+    ("task", "setting", "wrong", "said"),
+    [
+        *((task, "num_bins", [0, -1, 2.5, "9"], "a whole number of at least 1") for task in (Poisson, Carl, Weinberg)),
+        (Carl, "bin_limit", [0.0, -1.0, np.inf, np.nan], "positive and finite"),
+    ],
+)
+def test_bins_that_make_no_sense_are_refused(task, setting, wrong, said):
+    for value in wrong:
+        with pytest.raises(ValueError, match=f"{setting} must be {said}"):
+            task(**{setting: value})

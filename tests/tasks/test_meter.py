@@ -28,8 +28,7 @@ def test_never_above_the_limit_less_what_is_kept(limit, kept, requests):
 
 
 def test_without_a_limit_it_counts_and_tells():
-    told = []
-    meter = Meter(progress=told.append)
+    meter = Meter(progress=(told := []).append)
     meter.charge(10**12)
     meter.add(5)
     assert told == [10**12, 10**12 + 5]

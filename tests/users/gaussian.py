@@ -44,7 +44,17 @@ class Constant(GaussianMean):
         return np.ones(1)
 
 
+def posed(task: Task, x_observed: np.ndarray, budget: int, rng: np.random.Generator | int) -> Problem:
+    """The problem of events (n, d), with a generator or a seed for those that are simulated."""
+    return pose(task, x_observed, MeteredSimulator(task, budget, np.random.default_rng(rng)))
+
+
+def problem_at(task: Task, truth, budget: int, rng: np.random.Generator | int, num_observed: int = 20_000) -> Problem:
+    """The problem of a task's own events at a truth (p,)."""
+    rng = np.random.default_rng(rng)
+    return posed(task, task.simulate(np.tile(truth, (num_observed, 1)), rng), budget, rng)
+
+
 def gaussian_problem(task: Task, budget: int, truth=TRUTH, seed: int = 0, num_observed: int = 10_000) -> Problem:
     rng = np.random.default_rng(seed)
-    x_observed = rng.normal(truth, 1, (num_observed, task.num_features))
-    return pose(task, x_observed, MeteredSimulator(task, budget, rng))
+    return posed(task, rng.normal(truth, 1, (num_observed, task.num_features)), budget, rng)

@@ -7,23 +7,17 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
+from faulty import SoundTask
 
 from avobench.methods import Estimate, Method, TracePoint
-from avobench.tasks import Box, Task
 from avobench.tasks.errors import BudgetExhausted, UsageError
 
 
 @dataclass(frozen=True)
-class Normal(Task):
-    """x ~ N(theta, 1)."""
+class Normal(SoundTask):
+    """x ~ N(theta, scale), wherever theta is."""
 
     name: ClassVar = "normal"
-    parameter_names: ClassVar = ("location",)
-    parameter_units: ClassVar = ("1",)
-    source: ClassVar = "test"
-    prior: ClassVar = Box((-1,), (1,))
-    support: ClassVar = Box((-9,), (9,))
-    num_features: ClassVar = 1
 
     scale: float = 1.0
     fault: str = ""
@@ -38,14 +32,14 @@ class Normal(Task):
         return rng.normal(theta, self.scale)
 
     def summary(self, x):
-        return x.mean(axis=0) * (np.nan if self.fault == "summary" else 1)
+        return super().summary(x) * (np.nan if self.fault == "summary" else 1)
 
     def floor(self, theta, num_observations, num_simulations):
         if self.fault == "floor":
             return None
         if self.fault == "negative floor":
             return -1.0
-        return self.scale**2 * (1 / num_observations + (1 / num_simulations if num_simulations else 0))
+        return self.scale**2 * super().floor(theta, num_observations, num_simulations)
 
 
 def _raise(error):

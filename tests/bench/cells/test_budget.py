@@ -16,23 +16,22 @@ from avobench.tasks.weinberg import Weinberg
 THETA = [45.5, 1.0]
 
 
-def metered(budget, task=None, progress=None):
-    return MeteredSimulator(task or Weinberg(), budget, np.random.default_rng(0), progress)
+def metered(budget, task=None):
+    return MeteredSimulator(task or Weinberg(), budget, np.random.default_rng(0))
 
 
 @given(budget=st.integers(1, 300), requests=st.lists(st.integers(1, 120), max_size=20))
 def test_never_above_the_budget_and_every_request_accounted_for(budget, requests):
-    simulate, delivered = metered(budget), 0
+    simulate = metered(budget)
     for n in requests:
-        if n <= budget - delivered:
+        if n <= (left := simulate.remaining):
             assert simulate([THETA] * n).shape == (n, 1)
-            delivered += n
+            assert simulate.remaining == left - n
         else:
-            with pytest.raises(BudgetExhausted, match=f"{n} events asked for, {budget - delivered} of {budget} left"):
+            with pytest.raises(BudgetExhausted, match=f"{n} events asked for, {left} of {budget} left"):
                 simulate([THETA] * n)
-    assert simulate.used == delivered <= budget
+    assert simulate.used == budget - simulate.remaining <= budget
     assert simulate.requested == simulate.used + simulate.refused == sum(requests)
-    assert simulate.remaining == budget - delivered
 
 
 def test_repeat_needs_an_event_of_each_row():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import avobench
 from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.streams import observe
 from avobench.bench.cells.trial import blank_record, execute
@@ -86,21 +87,18 @@ def test_a_standard_error_is_recorded_where_the_method_tells_one():
     assert "standard_error" not in execute(cell())
 
 
-WHOLE = """
-import avobench
+WHOLE = avobench.task(
+    lambda theta, rng: rng.normal(theta, 20),
+    prior={"number": (0, 90)},
+    support={"number": (0, 99)},
+    kinds={"number": "integer"},
+    name="whole",
+)
 
-def simulate(theta, rng):
-    return theta[:, 0] + rng.normal(0, 20, len(theta))
 
-made = avobench.task(simulate, prior={"number": (0, 90)}, support={"number": (0, 99)}, kinds={"number": "integer"})
-"""
-
-
-def test_an_integer_is_recorded_whole_with_an_error_that_covers_the_rounding(tmp_path):
-    path = tmp_path / "whole.py"
-    path.write_text(WHOLE)
+def test_an_integer_is_recorded_whole_with_an_error_that_covers_the_rounding():
     for target in range(3):
-        record = execute(Cell(f"{path}:made", {}, "smm", {}, target, 0, 2000, 200, 0))
+        record = execute(Cell(f"{__file__}:WHOLE", {}, "smm", {}, target, 0, 2000, 200, 0))
         (theta,), (mean,), (error,) = (record[name] for name in ("theta_hat", "mean", "standard_error"))
         assert theta == round(theta)
         assert error >= abs(theta - mean) > 0

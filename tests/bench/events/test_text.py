@@ -33,10 +33,11 @@ def test_what_can_be_read_in_two_ways_is_refused(tmp_path, text, message):
 
 
 def test_a_line_of_units_may_have_blanks_and_a_first_event_may_lack_its_number(tmp_path):
-    text = "run;time;note\n;us;\n7;1,5;ok\n7;2,5;ok\n"
-    np.testing.assert_array_equal(read_events(kept(tmp_path, text), ["time"]), [[1.5], [2.5]])
-    text = "time,note\n,late\n1.5,ok\n2.5,ok\n"
-    np.testing.assert_array_equal(read_events(kept(tmp_path, text), ["time"]), [[np.nan], [1.5], [2.5]])
+    for text, expected in (
+        ("run;time;note\n;us;\n7;1,5;ok\n7;2,5;ok\n", [[1.5], [2.5]]),
+        ("time,note\n,late\n1.5,ok\n2.5,ok\n", [[np.nan], [1.5], [2.5]]),
+    ):
+        np.testing.assert_array_equal(read_events(kept(tmp_path, text), ["time"]), expected)
 
 
 def test_names_of_rows_that_r_writes_are_a_column_without_a_name(tmp_path):
@@ -50,17 +51,17 @@ def test_numbered_columns_are_no_event(tmp_path):
     np.testing.assert_array_equal(read_events(str(tmp_path / "events.csv")), [[1.5, 2.5], [3.5, 4.5]])
 
 
-TIMES = avobench.task(
-    lambda theta, rng: rng.exponential(theta), prior={"one": (1, 9), "two": (1, 9)}, features=["t1", "t2"], name="times"
-)
+PRIOR = {"one": (1, 9), "two": (1, 9)}
+TIMES = avobench.task(lambda theta, rng: rng.exponential(theta), prior=PRIOR, features=["t1", "t2"], name="times")
 """A simulator of two times with names."""
 
 
 @pytest.mark.parametrize("names", [("t1", "t2"), ("T1 [us]", "t2"), ("t1 (ns)", "T2"), ("T1", " t_2")])
-def test_names_say_which_column_is_which_feature(names):
+@pytest.mark.parametrize("timed", [False, True])
+def test_names_say_which_column_is_which_feature_also_beside_a_time(names, timed):
     x = np.random.default_rng(0).exponential([5, 2], (300, 2))
     table = pd.DataFrame({names[1]: x[:, 1], "run": 7, names[0]: x[:, 0]})
-    matched, told = check_events(TIMES, table)
+    matched, told = check_events(TIMES, with_times(table, np.arange(300))[0] if timed else table)
     np.testing.assert_array_equal(matched, x)
     assert "run" in told[-1]
     assert all(f"{name} is taken as" in " ".join(told) for name in names if name not in TIMES.feature_names)
@@ -73,10 +74,3 @@ def test_names_say_which_column_is_which_feature(names):
 def test_missing_features_are_named(columns, message):
     with pytest.raises(UsageError, match=message):
         check_events(TIMES, pd.DataFrame(np.ones((300, len(columns))), columns=columns))
-
-
-def test_names_say_which_column_is_which_feature_beside_a_time():
-    x = np.random.default_rng(0).exponential([5, 2], (300, 2))
-    table = pd.DataFrame({"t2": x[:, 1], "t1": x[:, 0]})
-    kept_table, _, _ = with_times(table, np.arange(300))
-    np.testing.assert_array_equal(check_events(TIMES, kept_table)[0], x)

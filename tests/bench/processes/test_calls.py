@@ -13,15 +13,18 @@ import pytest
 
 from avobench.bench.plugins import registry
 from avobench.bench.processes.calls import Call, Fault, Limits, apart, kept, outcomes
-from avobench.tasks.errors import ProcessEnded, UsageError
+from avobench.tasks.errors import UsageError
 
 SECONDS = Limits(seconds=0.5)
 
 
-def ended(call):
-    with pytest.raises(ProcessEnded) as error:
-        apart(call)
-    return error.value.how, str(error.value)
+def children():
+    return set(psutil.Process().children(recursive=True))
+
+
+def started(before):
+    """The processes that this one has started since, but for one that Python keeps."""
+    return {process for process in children() - before if "resource_tracker" not in " ".join(process.cmdline())}
 
 
 def test_what_ends_a_process_costs_its_own_call_only():
@@ -60,16 +63,13 @@ def test_processes_serve_one_call_after_another_and_none_is_left():
 
 
 def test_a_stopped_iteration_ends_what_is_running():
-    before = set(psutil.Process().children(recursive=True))
+    before = children()
     calls = outcomes(2, [Call(os.getpid, ()), Call(time.sleep, (60,))])
     next(calls)
     start = time.monotonic()
     calls.close()
     assert time.monotonic() - start < 50  # and not the 60 seconds of the call
-    left = [p for p in set(psutil.Process().children(recursive=True)) - before if "sleep" in p.name()]
-    assert not left
-    started = set(psutil.Process().children(recursive=True)) - before
-    assert not [p for p in started if "resource_tracker" not in " ".join(p.cmdline())]
+    assert not started(before)
 
 
 def test_a_script_needs_no_guard_and_what_joblib_made_is_tidied_up(tmp_path):
@@ -85,14 +85,13 @@ def test_a_script_needs_no_guard_and_what_joblib_made_is_tidied_up(tmp_path):
 def test_ctrl_c_does_not_reach_a_process_that_is_only_starting():
     with kept():
         calls = outcomes(1, [Call(math.sqrt, (4.0,))])
-        before, interrupted = set(psutil.Process().children(recursive=True)), []
+        before = children()
 
         def interrupt():
-            while not interrupted:  # until there is one
-                for process in set(psutil.Process().children(recursive=True)) - before:
-                    if "resource_tracker" not in " ".join(process.cmdline()):
-                        process.send_signal(signal.SIGINT)
-                        interrupted.append(process)
+            while not (found := started(before)):
+                pass
+            for process in found:
+                process.send_signal(signal.SIGINT)
 
         thread = threading.Thread(target=interrupt)
         thread.start()

@@ -14,6 +14,7 @@ from avobench.bench.sweep.plan import plan
 from avobench.bench.sweep.runner import run
 from avobench.tasks.errors import UsageError
 from robustness.cluster import Cluster
+from robustness.warm import SWEEP
 
 
 @pytest.fixture
@@ -89,18 +90,17 @@ def test_a_worker_of_another_source_gets_no_cell(cluster, worker, tmp_path, monk
 
 def test_the_command_needs_a_scheduler_that_answers_and_has_workers(cluster, avobench, tmp_path, monkeypatch):
     monkeypatch.setattr("avobench.bench.processes.dask.WORKERS_SECONDS", 1)
-    start = ("run", "--task", "toys:Normal", "--method", "toys:Moment", "--budget", 400, "--observations", 100)
-    start += ("--results", tmp_path / "r")
-    for arguments, words in {
-        ("--backend", "dask", "--scheduler", cluster.address, "--jobs", 2): "--jobs is for --backend local",
-        ("--backend", "dask", "--scheduler", "tcp://127.0.0.1:9"): "there is no Dask scheduler at tcp://127.0.0.1:9",
-        ("--backend", "dask", "--scheduler", "nonsense://x"): "there is no Dask scheduler at nonsense://x",
-        ("--backend", "dask", "--scheduler", cluster.address): "has no workers; start some: dask worker",
-    }.items():
+    start = (*SWEEP, "--results", tmp_path / "r", "--backend", "dask", "--scheduler")
+    for scheduler, more, words in (
+        (cluster.address, ("--jobs", 2), "--jobs is for --backend local"),
+        ("tcp://127.0.0.1:9", (), "there is no Dask scheduler at tcp://127.0.0.1:9"),
+        ("nonsense://x", (), "there is no Dask scheduler at nonsense://x"),
+        (cluster.address, (), "has no workers; start some: dask worker"),
+    ):
         with monkeypatch.context() as patch:
-            if cluster.address not in arguments:  # the one that is there may take its time to answer
+            if scheduler != cluster.address:  # the one that is there may take its time to answer
                 patch.setattr("avobench.bench.processes.dask.CONNECT_SECONDS", 1)
-            code, _, err = avobench(*start, *arguments)
+            code, _, err = avobench(*start, scheduler, *more)
         assert code == 2
         assert words in err
         assert err.count("\n") == 1

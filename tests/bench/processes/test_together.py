@@ -38,19 +38,19 @@ def numbers(record):
     return np.array([*record["theta_hat"], *record["mean"], *record["std"], record["squared_error"], *trace])
 
 
-def assert_as_single(records, cells, atol):
+def assert_as_single(records, cells):
     for record, cell in zip(records, cells, strict=True):
         single = execute(cell)
-        others = set(single) - set(ESTIMATED)
-        assert without_clocks({name: record[name] for name in others}) == without_clocks({n: single[n] for n in others})
-        np.testing.assert_allclose(numbers(record), numbers(single), rtol=0, atol=atol)
+        rest, expected = ({name: each[name] for name in each if name not in ESTIMATED} for each in (record, single))
+        assert without_clocks(rest) == without_clocks(expected)
+        np.testing.assert_allclose(numbers(record), numbers(single), rtol=0, atol=1e-6)
 
 
 @pytest.mark.parametrize("jobs", [None, 2])
 def test_records_are_those_of_single_cells(tmp_path, jobs):
     cells = toys()
     records, view = together(tmp_path, cells, jobs)
-    assert_as_single(records, cells, atol=1e-6)
+    assert_as_single(records, cells)
     assert {record["message"] for record in records} == {"one of 8 cells carried out together"}
     assert not view.notes
 
@@ -69,11 +69,8 @@ def test_pieces_are_of_one_task_and_method_and_the_rest_follows_one_by_one(tmp_p
     pieces = LocalBackend(1, tmp_path, together=True).pieces(cells)
     assert [len(piece) for piece in pieces] == [3, 3, 1, 1, 1, 1, 1, 1]
     assert [[cell.target for cell in piece] for piece in pieces[:2]] == [[0, 1, 2]] * 2
-    assert [piece[0].label.split(" target")[0] for piece in pieces[:3]] == [
-        "normal lockstep",
-        "cliff lockstep",
-        "normal moment",
-    ]
+    labels = [piece[0].label.split(" target")[0] for piece in pieces[:3]]
+    assert labels == ["normal lockstep", "cliff lockstep", "normal moment"]
     assert sorted(cell.id for piece in pieces for cell in piece) == sorted(cell.id for cell in cells)
     assert [len(piece) for piece in LocalBackend(1, tmp_path, together=True, most=2).pieces(cells)][:2] == [2, 2]
     pieces = LocalBackend(1, tmp_path, together=True).pieces([*toys(), *toys("steps=2"), *toys(budget=800)])
@@ -86,9 +83,8 @@ def test_one_that_fails_fails_alone(tmp_path):
     assert 0 < sum(guilty) < len(cells)
     records, view = together(tmp_path, cells)
     assert [record["status"] == Status.METHOD_ERROR for record in records] == guilty
-    assert {record["message"] for record in records if record["status"] != Status.OK} == {
-        "RuntimeError: lost the thread"
-    }
+    messages = {record["message"] for record in records if record["status"] != Status.OK}
+    assert messages == {"RuntimeError: lost the thread"}
     assert all(record["simulations_used"] == 400 for record in records if record["status"] == Status.OK)
     assert view.notes[0] == (
         "normal lockstep, 15 cells together: RuntimeError: lost the thread; begun again in halves, as with --group 8"
@@ -108,7 +104,7 @@ def test_one_that_cannot_be_observed_does_not_hold_up_the_others(tmp_path):
 def test_what_a_gpu_has_no_memory_for_is_done_in_smaller_pieces(tmp_path):
     cells = toys("most=2", targets="0-4", repetitions=1)
     records, view = together(tmp_path, cells)
-    assert_as_single(records, cells, atol=1e-6)
+    assert_as_single(records, cells)
     assert view.notes[0] == (
         "normal lockstep, 5 cells together: CUDA out of memory. Tried to allocate 2.00 GiB; fewer cells at a time "
         "(--group, --jobs) or --device cpu need less; begun again in halves, as with --group 3"
@@ -140,30 +136,23 @@ def test_all_cells_of_a_piece_tell_how_far_they_are(tmp_path):
     assert all(0 < shares[-1] < 1 for shares in view.shares.values())
 
 
-def test_the_command_takes_the_backend_and_its_limit(avobench, tmp_path):
+def test_the_command_takes_the_backend_and_its_limit(done, tmp_path):
     start = ("run", "--task", "toys:Normal", "--method", "toys:Lockstep", "--targets", "0-3", "--budget", 400)
     start += ("--observations", 100, "--jobs", 1, "--results", tmp_path / "r")
-    code, out, err = avobench(*start, "--backend", "together", "--group", 3)
-    assert code == 0, err
-    assert "4 of 4 cells ok" in out
+    assert "4 of 4 cells ok" in done(*start, "--backend", "together", "--group", 3)
     messages = [record["message"] for record in Store(tmp_path / "r").read_all()]
     assert messages == ["one of 3 cells carried out together"] * 3 + [""]
     assert Store(tmp_path / "r").sweeps()[0]["backend"] == "together"
 
 
 @pytest.mark.skipif(not torch.cuda.is_available(), reason="there is no CUDA device")
-def test_avo_trains_all_targets_at_once_on_a_gpu(avobench, tmp_path):
+def test_avo_trains_all_targets_at_once_on_a_gpu(done, tmp_path):
     start = ("run", "--task", "poisson", "--method", "avo", "--targets", "0-3", "--budget", 16000, "--jobs", 1)
     start += ("--observations", 20000, "--results", tmp_path / "r")
     for device in ("cpu", "cuda"):
-        code, _, err = avobench(*start, "--device", device)
-        assert code == 0, err
-    records = Store(tmp_path / "r").read_all()
-    by_target = {}
-    for record in records:
-        by_target.setdefault(record["target"], []).append(record)
-    assert [len(pair) for pair in by_target.values()] == [2] * 4
+        done(*start, "--device", device)
+    records = sorted(Store(tmp_path / "r").read_all(), key=lambda record: record["target"])
+    assert [record["target"] for record in records] == [0, 0, 1, 1, 2, 2, 3, 3]
     assert sum("one of 4 cells carried out together" in record["message"] for record in records) == 4
-    for first, second in by_target.values():
-        error = np.sqrt(first["floor"])
-        assert abs(first["theta_hat"][0] - second["theta_hat"][0]) < 5 * error
+    for first, second in zip(records[::2], records[1::2], strict=True):
+        assert abs(first["theta_hat"][0] - second["theta_hat"][0]) < 5 * np.sqrt(first["floor"])

@@ -73,29 +73,9 @@ def test_threads_of_one_process_may_use_a_folder_in_turn(tmp_path):
         assert pool.submit(taken, tmp_path).result()[1] == 0
 
 
-def test_events_of_another_simulator_are_refused(tmp_path):
-    taken(tmp_path)
-    with pytest.raises(UsageError, match="another simulator"):
-        KeptBank(Carl(), Meter(), 0, 1, tmp_path)
-
-
-@pytest.mark.parametrize("other", [Shifted(shift=1.0), Shifted(table=np.ones(2))])
-def test_so_are_those_of_a_task_with_other_settings(tmp_path, other):
-    _, cost = taken(tmp_path, Shifted())
-    with pytest.raises(UsageError, match="another simulator"):
-        taken(tmp_path, other)
-    assert (cost, taken(tmp_path, Shifted(shift=0))[1]) == (50, 0)
-
-
-def test_so_are_those_of_other_data_sets_put_together(tmp_path):
-    def joined(shift):
-        made = task(lambda theta, rng: theta[:, 0] + shift, prior={"mu": (0, 9)}, name="one")
-        return JointTask({"one": made, "two": made}, shared=["mu"])
-
-    taken(tmp_path, joined(0.0))
-    assert taken(tmp_path, joined(0.0))[1] == 0
-    with pytest.raises(UsageError, match="another simulator"):
-        taken(tmp_path, joined(1.0))
+def joined(shift):
+    made = task(lambda theta, rng: theta[:, 0] + shift, prior={"mu": (0, 9)}, name="one")
+    return JointTask({"one": made, "two": made}, shared=["mu"])
 
 
 def model(shape):
@@ -111,13 +91,27 @@ def sample(last):
     return avobench.bank(np.append(np.random.default_rng(0).normal(size=3000), last))
 
 
-@pytest.mark.parametrize(
-    "tasks", [(model("paralysable"), model("non_paralysable")), (sample(0.0), sample(1.0))], ids=["model", "sample"]
-)
-def test_so_are_those_of_another_model_or_sample_of_the_same_name(tmp_path, tasks):
-    KeptBank(tasks[0], Meter(), 0, 1, tmp_path)
+PAIRS = {
+    "task": (Poisson(), Carl()),
+    "setting": (Shifted(), Shifted(shift=1.0)),
+    "table": (Shifted(), Shifted(table=np.ones(2))),
+    "data sets": (joined(0.0), joined(1.0)),
+    "model": (model("paralysable"), model("non_paralysable")),
+    "sample": (sample(0.0), sample(1.0)),
+}
+
+
+@pytest.mark.parametrize("of", PAIRS)
+def test_events_of_another_simulator_are_refused_though_it_has_the_same_name(tmp_path, of):
+    one, other = PAIRS[of]
+    KeptBank(one, Meter(), 0, 1, tmp_path)
     with pytest.raises(UsageError, match="another simulator"):
-        KeptBank(tasks[1], Meter(), 0, 1, tmp_path)
+        KeptBank(other, Meter(), 0, 1, tmp_path)
+
+
+@pytest.mark.parametrize("make", [lambda: Shifted(shift=0), lambda: joined(0.0)], ids=["setting", "data sets"])
+def test_those_of_the_same_simulator_are_taken_though_it_was_made_anew(tmp_path, make):
+    assert [taken(tmp_path, make())[1] for _ in range(2)] == [50, 0]
 
 
 def test_no_file_is_written_over_where_another_was_deleted(tmp_path):

@@ -1,11 +1,11 @@
-"""A results folder from elsewhere, in which a name leads to a user's own files, or to a pipe."""
+"""Files are written where they belong, also where a name of a results folder leads to a user's own, or to a pipe."""
 
 import os
 from pathlib import Path
 
 import pytest
 
-from avobench.bench.store.files import write_file
+from avobench.bench.store.files import within, write_atomically, write_file
 from avobench.bench.store.store import NAMES, Store
 from avobench.tasks.errors import UsageError
 from fuzz.answers import Stores
@@ -48,10 +48,10 @@ def test_a_record_that_is_a_link_or_a_pipe_is_told_and_left(store, tmp_path):
 
 @pytest.mark.parametrize("name", ["records.parquet", "store.json", "sweeps.jsonl", "records/table.csv"])
 def test_a_table_is_not_written_into_the_store_that_it_is_of(store, name):
-    before = sorted(path.read_bytes() for path in store.path.rglob("*.json"))
+    before = store.read()
     with pytest.raises(UsageError, match="a place of the results folder"):
         write_file(store.path / name, b"a table")
-    assert sorted(path.read_bytes() for path in store.path.rglob("*.json")) == before
+    assert store.read() == before
 
 
 def test_a_line_that_a_crash_cut_short_breaks_no_later_one(store):
@@ -60,3 +60,17 @@ def test_a_line_that_a_crash_cut_short_breaks_no_later_one(store):
         file.write('{"command": "cut sho')
     store.log_sweep({"command": "third"})
     assert [sweep["command"] for sweep in store.sweeps()] == ["first", "third"]
+
+
+def test_a_link_stays_a_link(tmp_path):
+    (link := tmp_path / "link").symlink_to("file")
+    write_atomically(link, b"new")
+    assert link.is_symlink()
+    assert (tmp_path / "file").read_bytes() == b"new"
+
+
+@pytest.mark.parametrize("name", ["../x", "/x", "a/b", "", ".", "..", "a\0b", "a\\b", "a/../b"])
+def test_a_name_that_leads_to_another_folder_is_refused(name):
+    with pytest.raises(UsageError, match="would not lie in"):
+        within(Path("folder"), name)
+    assert within(Path("folder"), "x.json") == Path("folder/x.json")

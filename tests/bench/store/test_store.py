@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-from pathlib import Path
 
 import pytest
 from sound_records import identified
@@ -16,9 +15,12 @@ from avobench.bench.sweep.runner import View, run
 from avobench.tasks.errors import StoreError, UsageError
 
 
-def records(methods=("toys:Moment",), budget=400, settings=(), targets="0-1"):
-    cells = plan(["toys:Normal"], list(methods), targets, 1, budget, 100, 0, list(settings))
-    return [execute(cell) for cell in cells]
+def cells():
+    return plan(["toys:Normal"], ["toys:Moment"], "0-1", 1, 400, 100, 0, [])
+
+
+def records():
+    return [execute(cell) for cell in cells()]
 
 
 @pytest.fixture
@@ -98,11 +100,11 @@ def test_a_store_without_a_sound_record_says_so(store):
 
 
 def test_a_name_that_leads_elsewhere_is_told_before_anything_is_made(store):
-    cells = plan(["toys:Normal"], ["toys:Moment"], "0-1", 1, 400, 100, 0, [])
-    cells[1].identity["task"] = "../../x"  # as a file of a model could say
+    first, second = cells()
+    second.identity["task"] = "../../x"  # as a file of a model could say
     backend = LocalBackend(None, store.running)
     with pytest.raises(UsageError, match=r"name of a task must be .* got '\.\./\.\./x'"):
-        run(cells, store, backend, View())
+        run([first, second], store, backend, View())
     assert [path.name for path in store.path.rglob("*.json")] == ["store.json"]
 
 
@@ -123,26 +125,25 @@ def test_a_store_whose_making_was_killed_is_finished_by_the_next(tmp_path):
 
 
 def test_folders_that_cannot_be_a_store_are_refused_in_one_line(tmp_path):
-    for path, content in {
-        "file": "",
-        "other/thesis.tex": "precious",
-        "newer/store.json": json.dumps({"schema": "avobench-records", "version": 99}),
-        "broken/store.json": "{",
-    }.items():
-        (tmp_path / path).parent.mkdir(exist_ok=True)
-        (tmp_path / path).write_text(content)
-    file, other, newer, broken = (tmp_path / name for name in ("file", "other", "newer", "broken"))
-    for path, message in [
-        (file, "is a file"),
-        (other, "holds other files"),
-        (newer, "'version': 99"),
-        (broken, "not readable as JSON"),
-        (Path("/proc/avobench"), "cannot be used"),
-        (file / "below", "cannot be used"),
+    newer = json.dumps({"schema": "avobench-records", "version": 99})
+    for folder, name, content, message in [
+        (".", "file", "", "holds other files"),
+        ("other", "thesis.tex", "precious", "holds other files"),
+        ("newer", "store.json", newer, "'version': 99"),
+        ("broken", "store.json", "{", "not readable as JSON"),
     ]:
+        (tmp_path / folder).mkdir(exist_ok=True)
+        (tmp_path / folder / name).write_text(content)
         with pytest.raises(UsageError, match=message):
-            Store(path, create=True)
+            Store(tmp_path / folder, create=True)
+        assert [path.name for path in (tmp_path / folder).iterdir()] == [name]
+    for path, message in (
+        ("file", "is a file"),
+        ("/proc/avobench", "cannot be used"),
+        ("file/below", "cannot be used"),
+    ):
+        with pytest.raises(UsageError, match=message):
+            Store(tmp_path / path, create=True)
     with pytest.raises(UsageError, match="there is no results folder"):
         Store(tmp_path / "nowhere")
     assert not (tmp_path / "nowhere").exists()
-    assert [path.name for path in other.iterdir()] == ["thesis.tex"]

@@ -36,17 +36,8 @@ def test_targets_do_not_move_with_the_seed():
 
 
 def test_everything_that_determines_a_result_changes_the_identity():
-    changes = [
-        {},
-        {"budget": 4801},
-        {"observations": 101},
-        {"seed": 1},
-        {"targets": "1"},
-        {"settings": ["moment.steps=5"]},
-        {"settings": ["normal.scale=2"]},
-        {"tasks": ["weinberg"]},
-        {"methods": ["avo-paper"]},
-    ]
+    changes = [{}, {"budget": 4801}, {"observations": 101}, {"seed": 1}, {"targets": "1"}, {"tasks": ["weinberg"]}]
+    changes += [{"settings": ["moment.steps=5"]}, {"settings": ["normal.scale=2"]}, {"methods": ["avo-paper"]}]
     ids = [cells(**{"targets": "0", "repetitions": 1, **change})[0].id for change in changes]
     assert len(set(ids)) == len(ids)
     assert ids[0] == cells(settings=["moment.steps=4", "normal.scale=1"])[0].id  # a default said aloud is the default
@@ -116,7 +107,6 @@ def test_what_cannot_be_met_is_said_before_anything_is_simulated(change, message
 def test_a_method_whose_package_is_absent_is_refused_in_one_line(method, package, extra, monkeypatch):
     found = registry.find_spec
     monkeypatch.setattr(registry, "find_spec", lambda name: None if name == package else found(name))
-    with pytest.raises(UsageError) as error:
+    said = rf"method {method} needs {package}, which is not installed.*'\.\[{extra}\]'"
+    with pytest.raises(UsageError, match=said):
         cells(methods=[method])
-    assert f"method {method} needs {package}, which is not installed" in str(error.value)
-    assert f"'.[{extra}]'" in str(error.value)

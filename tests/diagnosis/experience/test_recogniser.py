@@ -5,10 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from avobench.bench.plugins import registry
 from avobench.diagnosis.experience.recogniser import OUTSIDE, Recogniser, kind_of, portrait, resemblance
 from avobench.diagnosis.settings import RECOGNITION
 from avobench.effects.catalogue import catalogue, of_domain
+from avobench.tasks.alignment import Alignment
+from avobench.tasks.carl import Carl
+from avobench.tasks.poisson import Poisson
+from avobench.tasks.weinberg import Weinberg
 from paper.studies.experience import examples
 
 
@@ -57,16 +60,12 @@ def test_values_all_alike_have_a_portrait(counts, values):
     assert np.isfinite(seen).all()
 
 
-TASKS = {"count": "poisson", "real": "weinberg", "reals": "carl"}
-
-
-def named(task):
-    return registry.build("task", task, {})
+TASKS = {"count": Poisson(), "real": Weinberg(), "reals": Carl()}
 
 
 @pytest.mark.parametrize("kind", TASKS)
 def test_it_knows_families_of_the_catalogue_by_their_names(kind):
-    assert kind_of(named(TASKS[kind])) == kind
+    assert kind_of(TASKS[kind]) == kind
     known = {each.name for each in of_domain("counts" if kind == "count" else "continuous")}
     assert set(Recogniser.of(kind).families) <= known | {OUTSIDE}
 
@@ -81,7 +80,7 @@ def test_families_are_recognised_in_draws_that_the_networks_have_not_seen(kind):
 
 
 def test_only_families_that_may_be_missing_share_the_probability():
-    task, rng = named("poisson"), np.random.default_rng(0)
+    task, rng = Poisson(), np.random.default_rng(0)
     x, simulated = rng.poisson(9, (2000, 1)) * (rng.random((2000, 1)) < 0.9), rng.poisson(8, (4000, 1))
     few = [effect for effect in catalogue(task) if effect.name in ("dead_time", "pile_up")]
     like = resemblance(task, few, x, lambda n: simulated[:n])
@@ -90,7 +89,7 @@ def test_only_families_that_may_be_missing_share_the_probability():
 
 
 def test_without_experience_of_such_events_all_families_are_alike():
-    images, task, rng = registry.build("task", "alignment", {}), named("poisson"), np.random.default_rng(0)
+    images, task, rng = Alignment(), Poisson(), np.random.default_rng(0)
     assert len(set(resemblance(images, catalogue(images), np.zeros((10, 1024)), None).values())) == 1
     for mean, some in ((4, False), (6, True)):
         x, simulated = rng.poisson(mean, (500, 1)), rng.poisson(mean, (1000, 1))

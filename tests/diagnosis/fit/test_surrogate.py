@@ -2,14 +2,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from measurements import measured
+from measurements import entry, measured
 
 from avobench.diagnosis.fit.descent import refine
 from avobench.diagnosis.fit.surrogate import Design, quadratic, surrogate
 from avobench.diagnosis.summary.bins import bins_of
 from avobench.diagnosis.summary.target import target_of
 from avobench.effects.bank import Bank
-from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.effects.pool import Pool
 from avobench.tasks.meter import Meter
@@ -57,24 +56,15 @@ def test_events_that_others_had_of_the_same_nodes_make_a_surrogate_precise_and_c
 
 
 def test_all_events_of_a_pool_come_once_before_any_comes_again():
-    class Numbered:
-        def generate(self, num_events, rng):
-            yield Piece(np.arange(num_events))
-
-        def detect(self, generated, theta):
-            return generated.numbers[:, None]
-
-    class Piece:
-        def __init__(self, numbers):
-            self.numbers = numbers
-
-        def __len__(self):
-            return len(self.numbers)
-
+    class Piece(np.ndarray):
         def events(self, start, stop):
-            return Piece(self.numbers[start:stop])
+            return self[start:stop]
 
-    model = Model(Poisson(), events=Pool(Numbered(), 150_000, np.random.default_rng(0)))
+    numbered = SimpleNamespace(
+        generate=lambda num_events, rng: iter([np.arange(num_events).view(Piece)]),
+        detect=lambda generated, theta: np.asarray(generated)[:, None],
+    )
+    model = Model(Poisson(), events=Pool(numbered, 150_000, np.random.default_rng(0)))
     drawn = []
     vectors = SimpleNamespace(
         moments=lambda x, b: drawn.append(x) or b.T @ np.ones((len(x), 1)),
@@ -88,7 +78,7 @@ def test_all_events_of_a_pool_come_once_before_any_comes_again():
 def test_a_design_over_which_the_events_are_no_quadratic_is_narrowed(known):
     """A narrow peak whose place is not known to its width: what is spread over the design says another mean there."""
     task, truth = Weinberg(), [45.0, 1.2, 0.05, 0.1, 0.01]
-    model = Model(task, (next(effect for effect in catalogue(task) if effect.name == "peak_background"),))
+    model = Model(task, (entry(task, "peak_background"),))
     x, rng = measured(model, truth, 40_000, 0)
     target, unit = target_of(x, bins_of(x, x), x), model.to_cube(np.array(truth))
     without = refine(Model(task), target, unit[:2], 0.02, rng, num_events=30_000).reference(target, 400_000, rng)

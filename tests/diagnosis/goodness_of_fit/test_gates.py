@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from measurements import LIGHT, measured, with_effect
+from measurements import LIGHT, entry, measured, with_effect
 from scipy.stats import binom, kstest, spearmanr
 from sklearn.ensemble import HistGradientBoostingClassifier
 from sklearn.metrics import roc_auc_score
@@ -45,17 +45,19 @@ def p_values(count, theta=1.0, share=0.0):
     for k in range(count):
         x, rng = measured(Poisson(), [theta], 3000, 100 + k)
         x[rng.random(len(x)) < share] = 0
-        fit, target = fit_null(Model(Poisson()), x, rng, LIGHT, None)
-        found.append(summary_gate(fit, target, rng, LIGHT)[0].p_value)
+        found.append(summary_gate(*fit_null(Model(Poisson()), x, rng, LIGHT, None), rng, LIGHT)[0].p_value)
     return np.array(found)
+
+
+def require_uniform(p):
+    """Of 40: those of a right gate fail once in a thousand times, by either of the two."""
+    assert kstest(p, "uniform").pvalue > 5e-4
+    assert (np.array(p) < 0.05).sum() <= binom.isf(5e-4, len(p), 0.05)
 
 
 @pytest.mark.parametrize("theta", [0.0, 2.5])
 def test_p_values_of_a_true_model_are_uniform(theta):
-    """Of 40: a right gate fails once in a thousand times, by either of the two."""
-    p = p_values(40, theta)
-    assert kstest(p, "uniform").pvalue > 5e-4
-    assert (p < 0.05).sum() <= binom.isf(5e-4, len(p), 0.05)
+    require_uniform(p_values(40, theta))
 
 
 def test_a_distance_by_a_covariance_of_few_events_is_no_disagreement():
@@ -117,11 +119,9 @@ def test_the_gate_sees_what_is_plainly_missing():
 
 def coins(share, seed=0):
     """Coins of which theta is the share of heads, 0.4 to 0.6: it takes up the one degree of freedom. And a fit."""
-    coin = task(
-        lambda theta, rng: (rng.random(len(theta)) < theta[:, 0]).astype(int), prior={"p": (0.4, 0.6)}, name="coin"
-    )
+    coin = task(lambda theta, rng: rng.binomial(1, theta), prior={"p": (0.4, 0.6)}, name="coin")
     rng = np.random.default_rng(seed)
-    x = (rng.random((3000, 1)) < share).astype(int)
+    x = rng.binomial(1, share, (3000, 1))
     fit, target = fit_null(Model(coin), x, rng, LIGHT, None)
     return x, fit, target, rng
 
@@ -144,10 +144,9 @@ def test_where_theta_takes_up_all_there_is_nothing_disagrees_and_nowhere():
 
 def test_where_nothing_is_expected_and_nothing_measured_a_fit_makes_nothing():
     """Without counts below 6, the model's own covariance knows none either, and would let the threshold fall."""
-    (effect,) = (e for e in catalogue(Poisson()) if e.name == "threshold_loss")
     x = np.random.default_rng(41).poisson(9.0, 40_000)
     x = x[x > 5][:5000, None]
-    model = Model(Poisson(), (effect.adapted(x),))
+    model = Model(Poisson(), (entry(Poisson(), "threshold_loss").adapted(x),))
     at = np.array([np.log(9.0), 1.0, 6.0])
     rng = np.random.default_rng(0)
     simulated = Poisson().simulate(np.tile(at[:1], (20_000, 1)), rng)
@@ -162,13 +161,11 @@ def test_where_nothing_is_expected_and_nothing_measured_a_fit_makes_nothing():
 
 @pytest.mark.parametrize("events", [200, 3000])
 def test_of_images_one_cell_that_fires_where_none_should_is_seen_and_few_images_suffice(events):
-    class Still:
-        def simulate(self, params, rng):
-            return rng.random((len(params), 64)) < np.where(np.arange(64) < 8, 0.0, 0.002)
+    def simulate(params, rng):
+        return rng.random((len(params), 64)) < np.where(np.arange(64) < 8, 0.0, 0.002)
 
-    still = SimpleNamespace(model=Still(), params=np.zeros(1))
-    rng = np.random.default_rng(0)
-    x = Still().simulate(np.zeros((events, 1)), rng)
+    still, rng = SimpleNamespace(model=SimpleNamespace(simulate=simulate), params=np.zeros(1)), np.random.default_rng(0)
+    x = simulate(np.zeros((events, 1)), rng)
     assert cell_gate(still, x, rng, LIGHT).p_value > 0.01
     x[:, 3] = rng.random(events) < 0.1
     gate = cell_gate(still, x, rng, LIGHT)
@@ -198,11 +195,11 @@ def correlated(n, d, rng):
 
 
 def common_gain(n, d, rng):
-    return rng.standard_normal((n, d)) * (1 + 0.15 * rng.standard_normal((n, 1)))
+    return independent(n, d, rng) * (1 + 0.15 * independent(n, 1, rng))
 
 
 def common_offset(n, d, rng):
-    return rng.standard_normal((n, d)) + 0.15 * rng.standard_normal((n, 1))
+    return independent(n, d, rng) + 0.15 * independent(n, 1, rng)
 
 
 def untouched(make, n, d, seed):
@@ -216,16 +213,11 @@ def untouched(make, n, d, seed):
 
 
 @pytest.mark.parametrize(
-    ("make", "n", "d", "features"),
-    [
-        (correlated, 1500, 2, "x1 and x2"),
-        (correlated, 1500, 15, "x1 and x2"),
-        (common_gain, 1500, 15, "all"),
-        (common_offset, 1500, 15, "all"),
-    ],
+    ("make", "d", "features"),
+    [(correlated, 2, "x1 and x2"), (correlated, 15, "x1 and x2"), (common_gain, 15, "all"), (common_offset, 15, "all")],
 )
-def test_a_dependence_is_seen_where_every_feature_alone_is_right_and_told_where_it_is(make, n, d, features):
-    fit, target = untouched(make, n, d, 0)
+def test_a_dependence_is_seen_where_every_feature_alone_is_right_and_told_where_it_is(make, d, features):
+    fit, target = untouched(make, 1500, d, 0)
     assert dependence_gate(fit, target).p_value < 1e-5
     told = regions(fit, target, [], np.random.default_rng(0), 0.01, tuple(f"x{j + 1}" for j in range(d)))
     assert (told[0].feature, told[0].kind) == (features, "dependence")
@@ -258,13 +250,7 @@ def both_gates(task, x, rng):
 
 
 def test_p_values_of_the_classifier_are_uniform_for_a_true_model():
-    """Of 40: a right gate fails once in a thousand times, by either of the two."""
-    p = []
-    for k in range(40):
-        x, rng = measured(Poisson(), [1.5], 1000, k)
-        p.append(both_gates(Poisson(), x, rng)[1])
-    assert kstest(p, "uniform").pvalue > 5e-4
-    assert (np.array(p) < 0.05).sum() <= binom.isf(5e-4, len(p), 0.05)
+    require_uniform([both_gates(Poisson(), *measured(Poisson(), [1.5], 1000, k))[1] for k in range(40)])
 
 
 def test_it_sees_what_lives_in_three_features_together_where_no_bins_do():

@@ -2,7 +2,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from measurements import LIGHT, measured, with_effect
+from measurements import LIGHT, entry, measured, with_effect
 from scipy.stats import binom, chi2, ncx2
 
 from avobench.diagnosis.fit.descent import refine
@@ -11,7 +11,6 @@ from avobench.diagnosis.goodness_of_fit.gates import model_metric, summary_gate
 from avobench.diagnosis.goodness_of_fit.held_out import HeldOut, interval, null_moments
 from avobench.diagnosis.summary.bins import bins_of
 from avobench.diagnosis.summary.target import target_of
-from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.tasks.function import task
 from avobench.tasks.poisson import Poisson
@@ -82,8 +81,7 @@ def test_an_effect_that_is_there_shrinks_the_gap_and_its_absence_does_not():
     rng = np.random.default_rng(0)
     null, target = fit_null(Model(Poisson()), x[:6000], rng, LIGHT, None)
     aside = held_out(target, x[6000:])
-    zeros = next(e for e in catalogue(Poisson()) if e.name == "zero_inflation")
-    model = Model(Poisson(), (zeros,))
+    model = Model(Poisson(), (entry(Poisson(), "zero_inflation"),))
     fit = refine(model, target, model.to_cube(np.array([1.5, 0.1])), 0.01, rng, num_events=30_000)
     gap_after, gap_before = (aside.gap(each, rng, LIGHT.covariance) for each in (fit, null))
     assert gap_after.low <= 1 < 2 < gap_before.low

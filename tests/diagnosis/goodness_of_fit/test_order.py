@@ -16,11 +16,6 @@ def told(x, position=None, along="index", seed=1, **features):
     return order({"x": x, **features}, position, along, 0.01, np.random.default_rng(seed))
 
 
-def first(found):
-    assert found, "nothing was told"
-    return found[0]
-
-
 @pytest.mark.parametrize(
     "events",
     [
@@ -45,11 +40,8 @@ def test_any_order_is_as_probable(events, along):
 
 def test_the_bound_on_false_alarms_is_not_far_too_high():
     """Else nothing weak would be seen: at 50 % at least a tenth of exchangeable data sets alarm."""
-    alarms = sum(
-        bool(order({"x": rng.normal(size=300)}, np.arange(300.0), "index", 0.5, rng))
-        for rng in (np.random.default_rng([3, seed]) for seed in range(150))
-    )
-    assert alarms >= 15
+    streams = [np.random.default_rng([3, seed]) for seed in range(150)]
+    assert sum(bool(order({"x": rng.normal(size=300)}, np.arange(300.0), "index", 0.5, rng)) for rng in streams) >= 15
 
 
 @pytest.mark.parametrize("tail", [False, True])
@@ -80,7 +72,7 @@ of 0.5 has an amplitude of 1 / pi."""
 
 @pytest.mark.parametrize(("made", "kind", "of", "at", "size"), KINDS)
 def test_what_happens_along_the_index_is_told_where_it_is(made, kind, of, at, size):
-    found = first(told(MADE[made](np.random.default_rng(0))))
+    found, *_ = told(MADE[made](np.random.default_rng(0)))
     assert (found.kind, found.of, found.along) == (kind, of, "index")
     assert found.at == pytest.approx(at[0], abs=at[1])
     assert found.size == pytest.approx(size[0], abs=size[1])
@@ -92,7 +84,7 @@ def test_a_season_along_uneven_times():
     time = rng.uniform(0, 60, 3 * N)
     time = time[(time % 20) < 10]
     found = told(rng.normal(size=len(time)) + 0.4 * np.sin(2 * np.pi * time + 1), time, "time")
-    season = first([one for one in found if one.feature == "x"])
+    season, *_ = (one for one in found if one.feature == "x")
     assert (season.kind, season.of) == ("season", "level")
     assert season.at == pytest.approx(1, abs=0.002)
     assert season.size == pytest.approx(0.4, abs=5 * np.sqrt(2 / len(time)))
@@ -104,7 +96,7 @@ def test_times_that_come_in_bursts_are_told_and_a_rate_that_changes_slowly_is_no
     time = np.repeat(rng.uniform(0, 1000, N // 4), 4) + rng.exponential(1e-3, N)
     found = told(rng.normal(size=N), time, "time")
     assert {(one.kind, one.of) for one in found} == {("clustering", "rate")}
-    assert first(found).size == pytest.approx(3, rel=0.2)  # a compound Poisson process of four: variance 4 means
+    assert found[0].size == pytest.approx(3, rel=0.2)  # a compound Poisson process of four: variance 4 means
     counts = rng.poisson(10 * np.linspace(0.5, 1.5, 1000)).astype(float)
     assert bursts(counts).p_value > 1e-3
 
@@ -115,7 +107,7 @@ def test_the_same_times_may_be_in_any_order():
     x, day = rng.normal(size=N), np.sort(rng.integers(0, 40, N)).astype(float)
     rows = np.lexsort([x, day])
     assert told(x[rows], day[rows], "time") == []
-    assert first(told(x[rows])).p_value < 1e-6  # by the index they are not in any order
+    assert told(x[rows])[0].p_value < 1e-6  # by the index they are not in any order
 
 
 def test_images_are_followed_by_their_hits_and_where_these_are():
@@ -133,7 +125,5 @@ def test_an_image_in_which_hits_move():
     x = rng.random((N, 5, 6)) < 0.1
     x[N // 2 :, :, 5] = False
     found = order(projections(x.reshape(N, 30), (), (5, 6)), np.arange(N, dtype=float), "index", 0.01, rng)
-    assert {(one.kind, one.feature) for one in found if one.of == "level"} == {
-        ("change point", "hits"),
-        ("change point", "column"),
-    }
+    levels = {(one.kind, one.feature) for one in found if one.of == "level"}
+    assert levels == {("change point", "hits"), ("change point", "column")}

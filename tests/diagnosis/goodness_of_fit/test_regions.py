@@ -42,9 +42,6 @@ def test_a_hole_is_a_deficit_in_the_feature_where_it_is():
 def test_where_nothing_is_missing_a_region_stands_out_as_seldom_as_alpha_says():
     """Although hundreds of intervals are looked at. A right scan fails once in two thousand times."""
     count, alpha = 40, 0.2
-    hits = 0
-    for k in range(count):
-        x, rng = measured(Poisson(), [2.0], 3000, k)
-        hits += bool(found(Poisson(), x, rng, alpha))
+    hits = sum(bool(found(Poisson(), *measured(Poisson(), [2.0], 3000, k), alpha)) for k in range(count))
     assert hits <= binom.isf(5e-4, count, alpha)
     assert hits > 0  # of 40 none at all would be odder: once in 7 000 times

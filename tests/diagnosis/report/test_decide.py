@@ -47,10 +47,15 @@ class Cluster(Effect):
         return x
 
 
-def gaussian(mean=0.0, name="normal"):
-    return avobench.task(
-        lambda theta, rng: mean + theta[:, 0] + rng.standard_normal(len(theta)), prior={"mu": (-4, 4)}, name=name
-    )
+def gaussian(mean=0.0):
+    return avobench.task(lambda theta, rng: mean + rng.normal(theta), prior={"mu": (-4, 4)}, name="normal")
+
+
+def fit_of(model, target, share):
+    """A fit at a mean of 0 and given shares of clusters: nothing is minimised."""
+    point = model.to_cube(np.r_[0.0, [share] * len(model.effects)])
+    s = surrogate(model, target, Design(point, np.eye(model.dim) * 0.02), 20 * N, np.random.default_rng(1))
+    return fit_at(model, s, target, point)
 
 
 def known(share, edges, mean=0.0, free=True):
@@ -68,18 +73,15 @@ def known(share, edges, mean=0.0, free=True):
 
 @pytest.fixture(scope="module")
 def normal():
-    """Events of N(0, 1), a bank of such, and a fit at given shares of clusters: nothing is minimised."""
+    """Events of N(0, 1), a bank of such, and their fit with given effects."""
     bank, rng = Bank(gaussian(), Meter(), 0), np.random.default_rng(0)
     bank.resolve(np.array([0.01]))
     bank.session()(np.zeros((80 * N, 1)), rng)
     x = gaussian().simulate(np.zeros((N, 1)), rng)
     target = target_of(x, bins_of(x, x), x)
 
-    def fitted(*effects, shares=SHARE):
-        model = Model(bank.task, effects, bank)
-        point = model.to_cube(np.r_[0.0, np.full(len(effects), shares)])
-        s = surrogate(model, target, Design(point, np.eye(model.dim) * 0.02), 20 * N, np.random.default_rng(1))
-        return fit_at(model, s, target, point)
+    def fitted(*effects):
+        return fit_of(Model(bank.task, effects, bank), target, SHARE)
 
     return SimpleNamespace(x=x, target=target, bank=bank, fitted=fitted)
 
@@ -153,12 +155,7 @@ def test_of_two_sets_the_one_in_which_the_effect_is_tells():
     bank.resolve(np.array([0.01]))
     bank.session()(np.zeros((40 * N, 1)), rng)
     target = JointPart(joint, sets).target(joint.simulate(np.zeros((N, 1)), rng))
-    models = [Model(joint, effects, bank) for effects in ((Cluster(),), ())]
-    fits = []
-    for model in models:
-        point = model.to_cube(np.r_[0.0, [2 * SHARE] * len(model.effects)])
-        s = surrogate(model, target, Design(point, np.eye(model.dim) * 0.02), 20 * N, np.random.default_rng(1))
-        fits.append(fit_at(model, s, target, point))
+    fits = (fit_of(Model(joint, effects, bank), target, 2 * SHARE) for effects in ((Cluster(),), ()))
     pair = Pair.of(*fits, target)
     near, far = pair.sets().values()
     both = near.beside(far, N, N // 2).noncentrality()[0]

@@ -3,7 +3,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from measurements import Own
+from measurements import Own, entry
 from pydantic.errors import PydanticSchemaGenerationError
 
 from avobench.bench.plugins import registry
@@ -72,7 +72,7 @@ def test_the_model_of_a_model_makes_the_events_that_were_fitted(tmp_path):
     """An effect that was found later comes after all of the model before, and one may be found again."""
     task, at = Weinberg(), [45.5, 1.0]
     for name, phi in (("quantisation", [0.3]), ("resolution", [0.2]), ("resolution", [0.1])):
-        effect = next(effect for effect in catalogue(task) if effect.name == name)
+        effect = entry(task, name)
         model, at = Model(task, (effect,)), [*at, *phi, *(p.high for p in effect.parameters[1:])]
         task = reread(model, at, tmp_path / "model.json", "weinberg")
     assert len(set(task.parameter_names)) == len(at)

@@ -24,11 +24,9 @@ def model(p, gap, *effects):
     return ExtendedModel(fit, fit, None, {"summary": GateResult(statistic=1.0, dof=1, p_value=p, share=0.8)})
 
 
-def outcome(null, extended=None):
-    held_out = SimpleNamespace(
-        gap=lambda fit, rng, num_simulated: fit.gap, shrank=lambda new, old: new.gap.value < old.gap.low
-    )
-    return Outcome.of(null, extended, None, 0.05, held_out, np.random.default_rng(0), Effort())
+def outcome(null, extended=None, posterior=None, shrank=lambda new, old: new.gap.value < old.gap.low):
+    held_out = SimpleNamespace(gap=lambda fit, rng, num_simulated: fit.gap, shrank=shrank)
+    return Outcome.of(null, extended, posterior, 0.05, held_out, np.random.default_rng(0), Effort())
 
 
 def gap(low, value, high):
@@ -58,11 +56,8 @@ def test_the_verdict_contradicts_neither_the_gates_nor_the_gap(before, p_before,
     one = outcome(model(p_before, before), model(p_after, after, EFFECT))
     assert one.verdict == verdict
     left_out = verdict == Verdict.UNEXPLAINED
-    assert (one.gap_after is None, one.effects, one.withdrawn) == (
-        left_out,
-        () if left_out else (EFFECT,),
-        (EFFECT,) if left_out else (),
-    )
+    assert (one.gap_after is None) == left_out
+    assert (one.effects, one.withdrawn) == (((), (EFFECT,)) if left_out else ((EFFECT,), ()))
 
 
 P = st.floats(-300, 0).map(lambda power: 10**power)
@@ -72,9 +67,7 @@ GAPS = st.lists(st.floats(0.2, 900), min_size=3, max_size=3).map(lambda ends: ga
 @given(P, GAPS, P, GAPS, st.booleans())
 def test_no_answer_contradicts_a_number_beside_it(p_before, before, p_after, after, shrank):
     posterior = Posterior({frozenset({("dead_time", None)}): 1.0}, {})
-    held_out = SimpleNamespace(gap=lambda fit, rng, num_simulated: fit.gap, shrank=lambda new, old: shrank)
-    null, extended = model(p_before, before), model(p_after, after, EFFECT)
-    one = Outcome.of(null, extended, posterior, 0.05, held_out, np.random.default_rng(0), Effort())
+    one = outcome(model(p_before, before), model(p_after, after, EFFECT), posterior, lambda new, old: shrank)
     if one.effects:
         assert one.gap_after.value < one.gap_before.value
         assert not one.withdrawn
@@ -100,9 +93,8 @@ def test_a_gap_of_one_beside_a_small_p_value_is_explained():
     }
     one = outcome(replace(model(1.0, gap(0.7, 0.93, 1.2)), gates=gates))
     assert one.verdict == Verdict.UNEXPLAINED
-    assert (
-        unconfirmed(one) == "The gap is of the summary, and does not show what rejects the simulator: the classifier."
-    )
+    said = "The gap is of the summary, and does not show what rejects the simulator: the classifier."
+    assert unconfirmed(one) == said
     few = outcome(model(1e-3, gap(0.7, 1.2, 1.9)))
     assert unconfirmed(few) == "What was held out is too little to show by itself what the rest shows."
 
@@ -110,7 +102,6 @@ def test_a_gap_of_one_beside_a_small_p_value_is_explained():
 def test_a_theta_outside_the_prior_is_told():
     wide = task(lambda theta, rng: rng.normal(theta[:, 0]), prior={"mu": (-1, 1)}, support={"mu": (-9, 9)}, name="wide")
     fit = SimpleNamespace(model=Model(wide), params=np.array([2.94]))
-    assert prior_notes(fit, "without effects") == [
-        "mu = 2.94, fitted without effects, lies outside its prior, -1 to 1."
-    ]
+    (told,) = prior_notes(fit, "without effects")
+    assert told == "mu = 2.94, fitted without effects, lies outside its prior, -1 to 1."
     assert prior_notes(SimpleNamespace(model=Model(wide), params=np.array([0.9])), "without effects") == []

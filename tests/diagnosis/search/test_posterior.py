@@ -1,5 +1,6 @@
 """Probabilities of sets of effects."""
 
+from collections import Counter
 from types import SimpleNamespace
 
 import numpy as np
@@ -30,13 +31,13 @@ def posterior(models, outside=-2.0):
     return Posterior.of(models, CATALOGUE, {OUTSIDE: outside})
 
 
+def of(*models, outside=-2.0):
+    return posterior([weighed(value, *names) for value, *names in models], outside)
+
+
 SOME = st.lists(
     st.tuples(st.floats(-50, 0), st.lists(st.sampled_from(list(EFFECTS)), max_size=3, unique=True)), min_size=1
 )
-
-
-def of(*models, outside=-2.0):
-    return posterior([weighed(value, *names) for value, *names in models], outside)
 
 
 @given(SOME, st.floats(-3, 0))
@@ -45,23 +46,18 @@ def test_probabilities_are_those_of_exclusive_models(models, outside):
     assert sum(found.probability.values()) + found.others + found.outside == pytest.approx(1)
     for key, share in found.included.items():
         assert share == pytest.approx(sum(p for names, p in found.probability.items() if key in names))
-    told, enough = (
-        sum(found.probability[each] for each in found.credible),
-        SCORE.credible * sum(found.probability.values()),
-    )
+    told = sum(found.probability[each] for each in found.credible)
+    enough = SCORE.credible * sum(found.probability.values())
     assert told >= enough - 1e-9
     assert told - found.probability[found.credible[-1]] < enough + 1e-9
 
 
 def test_families_share_the_prior_by_the_odds_of_their_classes():
     """Of one effect alone: all families, features and shapes together have its share, two classes twice that of one."""
-    prior, total = Prior.of(CATALOGUE), 0.0
-    families = {}
+    prior, families = Prior.of(CATALOGUE), Counter()
     for effect in CATALOGUE:
-        each = np.exp(prior.log(frozenset({effect.key}))) * len(effect.shapes())
-        families[effect.name] = families.get(effect.name, 0.0) + each
-        total += each
-    assert total == pytest.approx(SCORE.number[1])
+        families[effect.name] += np.exp(prior.log(frozenset({effect.key}))) * len(effect.shapes())
+    assert families.total() == pytest.approx(SCORE.number[1])
     assert families["double_counting"] == pytest.approx(2 * families["dead_time"])  # of pulses, and of after-pulses
     assert families["mixture"] == pytest.approx(EFFECTS["mixture"].odds * families["dead_time"])
 
@@ -151,8 +147,7 @@ def test_what_a_model_has_goes_to_that_without_an_effect_that_does_not_count():
 
 
 def test_two_effects_must_explain_more_than_one():
-    found = of((-5, "dead_time"), (-5, "dead_time", "pile_up"))
-    assert len(found.best.effects) == 1
+    assert len(of((-5, "dead_time"), (-5, "dead_time", "pile_up")).best.effects) == 1
 
 
 def test_rivals_stand_in_the_place_of_an_effect():

@@ -1,18 +1,28 @@
-"""Where fits of an effect begin."""
+"""Where fits of an effect begin, and where two populations are looked for."""
 
 import numpy as np
 import pytest
-from measurements import with_effect
+from hypothesis import given
+from hypothesis import strategies as st
+from measurements import entry, with_effect
 
 from avobench import task as task_of
 from avobench.diagnosis.effort import Effort, effort_for
 from avobench.diagnosis.fit.null import fit_null
 from avobench.diagnosis.search.candidates import approach, begin, check, go_on, search_again
+from avobench.diagnosis.search.populations import best_pairs, populations
 from avobench.diagnosis.search.screening import Around, Sample, Start, glance, hidden, looked_again, starts_of
-from avobench.effects.catalogue import catalogue
 from avobench.effects.model import Model
 from avobench.tasks.carl import Carl
 from avobench.tasks.weinberg import Weinberg
+
+
+def screened(null, target, effect, x, rng, effort):
+    """The reference at a fit, the sample there, and where fits of an effect may begin, the best first."""
+    reference = null.reference(target, int(effort.reference * target.num_events), rng)
+    sample = Sample(null, target, effort.sample, rng, Around(reference, target))
+    look = looked_again(sample, glance(sample, effect, effect.guess(x), rng, effort), rng)
+    return reference, sample, starts_of(sample, look)
 
 
 def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
@@ -20,10 +30,8 @@ def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
     effort, found = Effort(), []
     for seed in range(4):
         rng = np.random.default_rng(seed)
-        reference = counter.null.reference(counter.target, int(effort.reference * counter.target.num_events), rng)
-        sample = Sample(counter.null, counter.target, effort.sample, rng, Around(reference, counter.target))
-        look = looked_again(sample, glance(sample, counter.effect, counter.effect.guess(counter.x), rng, effort), rng)
-        starts = hidden(sample, starts_of(sample, look)[0], rng, effort)
+        reference, sample, starts = screened(counter.null, counter.target, counter.effect, counter.x, rng, effort)
+        starts = hidden(sample, starts[0], rng, effort)
         fits = [begin(start, reference, counter.target, rng, 20_000) for start in starts]
         fits = [go_on(fit, reference, counter.target, rng, 20_000, 7) for fit in fits]
         strong = min(fits, key=lambda fit: abs(fit.params[1] - counter.truth.strong[1]))
@@ -33,15 +41,14 @@ def test_what_theta_hides_is_also_begun_where_it_is_strong(counter):
 
 
 def test_a_start_that_goes_too_far_is_tried_on_the_way():
-    task, rng = task_of(lambda theta, rng: rng.normal(theta, 1), prior={"mean": (0, 1)}, name="normal"), np.random
-    x = with_effect(task, "flat_background", [0.4], [0.1], 8000)
-    null, target = fit_null(Model(task), x, rng.default_rng(2), Effort(), None)
-    reference = null.reference(target, int(Effort().reference * target.num_events), rng.default_rng(3))
-    effect = next(effect for effect in catalogue(task) if effect.name == "flat_background")
-    model = null.model.plus(effect)
+    task = task_of(lambda theta, rng: rng.normal(theta, 1), prior={"mean": (0, 1)}, name="normal")
+    x, rng = with_effect(task, "flat_background", [0.4], [0.1], 8000), np.random.default_rng(2)
+    null, target = fit_null(Model(task), x, rng, Effort(), None)
+    reference = null.reference(target, int(Effort().reference * target.num_events), rng)
+    model = null.model.plus(entry(task, "flat_background"))
     points = [np.r_[null.point, model.to_cube(np.array([*null.params, share]))[1:]] for share in (0.1, 0.25, 0.9)]
     starts = [Start(model, point, np.nan, 0.1) for point in points]
-    right, far, farther = (check(start, reference, target, rng.default_rng(4), 20_000) for start in starts)
+    right, far, farther = (check(start, reference, target, np.random.default_rng(4), 20_000) for start in starts)
     assert right.expected < null.noiseless_q
     np.testing.assert_allclose(far.point, right.point, atol=1e-9)  # 0.4 of the way to 0.25 is 0.1
     assert farther.expected > right.expected
@@ -50,15 +57,13 @@ def test_a_start_that_goes_too_far_is_tried_on_the_way():
 def test_an_effect_that_theta_takes_up_for_the_most_part_is_approached_along_both():
     """An offset of 0.5 moves theta of carl by fifteen of its errors: from there it looks as if it explained little."""
     task, rng = Carl(), np.random.default_rng(0)
-    offset = next(effect for effect in catalogue(task) if effect.key == ("offset", 0))
+    offset = entry(task, "offset", 0)
     middle = np.add(task.prior.low, task.prior.high) / 2
     x = Model(task, (offset,)).simulate(np.tile([*middle, 0.5], (10_000, 1)), rng)
     effort = effort_for(task, "continuous", None, len(x))
     null, target = fit_null(Model(task), x, rng, effort, None)
-    reference = null.reference(target, int(effort.reference * target.num_events), rng)
-    sample = Sample(null, target, effort.sample, rng, Around(reference, target))
-    look = looked_again(sample, glance(sample, offset, offset.guess(x), rng, effort), rng)
-    start = check(starts_of(sample, look)[0], reference, target, rng, effort.fit)
+    reference, _, starts = screened(null, target, offset, x, rng, effort)
+    start = check(starts[0], reference, target, rng, effort.fit)
     reached = approach(start, reference, target, rng, effort.fit, null)
     assert reached.expected < 0.7 * start.expected
     assert reached.expected < 300 < start.expected  # 190 degrees of freedom, and an error of 40 by simulation
@@ -68,10 +73,8 @@ def test_an_effect_that_theta_takes_up_for_the_most_part_is_approached_along_bot
 
 @pytest.mark.parametrize("seed", [2, 3])
 def test_theta_is_not_expected_beyond_its_range(seed):
-    def normal(theta, rng):
-        return rng.normal(theta[:, 0], theta[:, 1])
-
-    task, rng = task_of(normal, prior={"mean": (0, 1), "width": (0.5, 2)}, name="normal"), np.random.default_rng(seed)
+    prior, rng = {"mean": (0, 1), "width": (0.5, 2)}, np.random.default_rng(seed)
+    task = task_of(lambda theta, rng: rng.normal(*theta.T), prior=prior, name="normal")
     null, target = fit_null(Model(task), rng.normal(2, 1, (8000, 1)), rng, Effort(rounds=3), None)
     reference = null.reference(target, int(Effort().reference * target.num_events), rng)
     nothing = np.zeros((1, target.rank))
@@ -86,11 +89,7 @@ def test_a_fit_begins_where_a_gap_is_that_is_narrower_than_any_grid():
     x = with_effect(task, "dead_region", [45.5, 1.0], [0.8, at, 0.025], 20_000)
     rng, effort = np.random.default_rng(1), effort_for(task, "continuous", None, 20_000)
     base, target = fit_null(Model(task), x, rng, effort, None)
-    effect = next(e for e in catalogue(task) if e.name == "dead_region")
-    reference = base.reference(target, int(effort.reference * target.num_events), rng)
-    sample = Sample(base, target, effort.sample, rng, Around(reference, target))
-    look = looked_again(sample, glance(sample, effect, effect.guess(x), rng, effort), rng)
-    (best, *_) = starts_of(sample, look)
+    _, _, (best, *_) = screened(base, target, entry(task, "dead_region"), x, rng, effort)
     _, centre, width = best.model.from_cube(best.point)[-3:]
     assert centre == pytest.approx(at, abs=0.03)
     assert width < 0.1
@@ -99,14 +98,10 @@ def test_a_fit_begins_where_a_gap_is_that_is_narrower_than_any_grid():
 
 def test_a_fit_that_went_astray_is_looked_for_all_around():
     """Theta and the edge of an exponential that was moved follow each other along a bent way."""
-
-    def decay(theta, rng):
-        return rng.exponential(theta[:, 0])
-
-    task, rng = task_of(decay, prior={"tau": (1, 4)}, name="decay"), np.random.default_rng(1)
+    task = task_of(lambda theta, rng: rng.exponential(theta), prior={"tau": (1, 4)}, name="decay")
+    rng = np.random.default_rng(1)
     null, target = fit_null(Model(task), 0.5 + rng.exponential(2, (4000, 1)), rng, Effort(), None)
-    effect = next(effect for effect in catalogue(task) if effect.name == "offset")
-    model = null.model.plus(effect)
+    model = null.model.plus(entry(task, "offset"))
     reference = null.reference(target, 20_000, rng)
     start = Start(model, model.to_cube(np.array([3.5, 0.9])), np.nan, 0.05)
     astray = begin(start, reference, target, rng, 4000)
@@ -114,3 +109,26 @@ def test_a_fit_that_went_astray_is_looked_for_all_around():
     assert astray.noiseless_q > 10 * astray.dof
     assert abs(found.params[0] - 2) < 0.4 * abs(astray.params[0] - 2)
     assert found.noiseless_q < 0.3 * astray.noiseless_q
+
+
+HEIGHTS = task_of(lambda theta, rng: rng.normal(*theta.T), prior={"mean": (-10, 10), "width": (0.2, 8)}, name="heights")
+
+
+@given(st.floats(0.05, 0.45), st.integers(0, 1000))
+def test_the_pair_of_which_a_mean_is_the_mixture_is_found_with_its_share(share, seed):
+    rng = np.random.default_rng(seed)
+    means = rng.standard_normal((8, 20))
+    mixed = (1 - share) * means[2] + share * means[5]
+    pairs, shares, q = best_pairs(mixed - means, 0.0, np.ones(8, bool))
+    assert pairs[0].tolist() == [2, 5]
+    assert shares[0] == pytest.approx(share)
+    assert q[0] == pytest.approx(0, abs=1e-9)
+
+
+def test_two_narrow_populations_far_from_where_one_wide_one_fits_are_found():
+    rng = np.random.default_rng(1)
+    x = np.concatenate([rng.normal(-4, 0.5, 1400), rng.normal(3, 0.5, 600)])[:, None]
+    null, target = fit_null(Model(HEIGHTS), x, rng, Effort(rounds=3), None)
+    start = populations(null, target, entry(HEIGHTS, "mixture"), rng, Effort())[0]
+    np.testing.assert_allclose(start.model.from_cube(start.point), [-4, 0.5, 0.3, 3, 0.5], atol=0.3)
+    assert start.expected < 0.1 * null.noiseless_q

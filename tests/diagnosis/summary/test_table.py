@@ -16,16 +16,11 @@ DECAYS = avobench.task(lambda theta, rng: rng.exponential(theta[:, 0]), prior={"
 
 def tables():
     """Counts, whose shape alone is told; a density per event; and squares, two entries an event."""
-    shares = np.diff(stats.expon.cdf(EDGES))
-    return avobench.Tables(
-        [
-            avobench.Table(EDGES, np.round(5000 * shares), name="counts"),
-            avobench.Table(EDGES, shares / np.diff(EDGES), errors=0.01 * np.ones(4), density=True, name="density"),
-            avobench.Table(
-                [0, 4, 16], [1.729, 0.234], errors=[0.1, 0.1], of=lambda x: np.hstack([x**2, x**2]), name="two"
-            ),
-        ]
-    )
+    shares, two = np.diff(stats.expon.cdf(EDGES)), {"of": lambda x: np.hstack([x**2, x**2]), "errors": [0.1, 0.1]}
+    counts = avobench.Table(EDGES, np.round(5000 * shares), name="counts")
+    density = {"errors": 0.01 * np.ones(4), "density": True, "name": "density"}
+    density = avobench.Table(EDGES, shares / np.diff(EDGES), **density)
+    return avobench.Tables([counts, density, avobench.Table([0, 4, 16], [1.729, 0.234], name="two", **two)])
 
 
 def events(n, seed=0, lifetime=1.0):
@@ -76,11 +71,8 @@ def test_vectors_of_events_are_the_same_however_they_are_asked_for():
     np.testing.assert_allclose(summary.covariance(x), np.cov(near, rowvar=False, bias=True), atol=1e-9)
     assert summary.moved(x, x).max() == 0
     assert summary.moved(x, events(150, 1)).mean() == pytest.approx(2, rel=0.3)  # two independent events
-    assert [(span.feature, span.name) for span in summary.view(x).spans] == [
-        (0, "counts"),
-        (0, "density"),
-        ("two", "two"),
-    ]
+    spans = [(span.feature, span.name) for span in summary.view(x).spans]
+    assert spans == [(0, "counts"), (0, "density"), ("two", "two")]
 
 
 def test_chi_squared_is_that_of_the_tables_and_its_noise_that_of_the_simulation():

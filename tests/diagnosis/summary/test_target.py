@@ -1,10 +1,9 @@
 import numpy as np
 import pytest
-from measurements import measured
+from measurements import applied, entry, measured
 
 from avobench.diagnosis.summary.bins import bins_of
 from avobench.diagnosis.summary.target import target_of, whitening
-from avobench.effects.catalogue import catalogue
 from avobench.tasks.carl import Carl
 
 
@@ -23,12 +22,11 @@ def test_the_noise_of_what_an_effect_changes_is_known(name, strength):
     theta = np.tile([0.1, -0.5], (n, 1))
     x = task.simulate(theta, rng)
     target = target_of(x, bins_of(x, x), x)
-    effect = next(e for e in catalogue(task, x) if e.key == (name, 4)).adapted(x)
-    phi = np.full((n, 1), strength)
+    effect = entry(task, name, 4, x).adapted(x)
     steps, moved = [], []
     for _ in range(60):
         before = task.simulate(theta, rng)
-        after = effect.apply(lambda theta, rng, x=before: x.copy(), theta, phi, rng)
+        after = applied(effect, before, [strength], rng)
         steps.append(target.whiten(target.summary.mean(after)[0] - target.summary.mean(before)[0]))
         moved.append(target.moved(before, after).mean())
     assert np.var(steps, axis=0, ddof=1).mean() == pytest.approx(np.mean(moved), rel=0.15)

@@ -1,7 +1,5 @@
 """The verdicts follow from the numbers, and turn when the numbers do."""
 
-from dataclasses import replace
-
 import pandas as pd
 import pytest
 
@@ -12,9 +10,9 @@ from paper.claims.claims import Evidence
 from paper.claims.reproduction import FIRST, pages
 
 
-def evidence(records=(), study=(), detector=None, ablation=()):
+def evidence(records=(), study=(), detector=None, **more):
     frame = labelled(list(records)) if records else pd.DataFrame()
-    return Evidence(frame, list(study), detector or {}, list(ablation))
+    return Evidence(frame, list(study), detector or {}, **more)
 
 
 def poisson_run(gamma, gradient, repetition, mean, std):
@@ -37,39 +35,32 @@ def poisson_study(mean=1.93, std=0.2, tight=0.9):
 
 
 def test_the_poisson_example():
-    good = evidence(study=poisson_study())
-    assert example_claims.concentration(good).verdict == "reproduced"
-    assert example_claims.tighter(good).verdict == "reproduced"
-    assert example_claims.steady(good).verdict == "reproduced"
-    assert example_claims.concentration(evidence(study=poisson_study(mean=1.5))).verdict == "not reproduced"
-    assert example_claims.tighter(evidence(study=poisson_study(tight=1.01))).verdict == "not reproduced"
-    assert example_claims.model_fit(evidence(study=poisson_study(std=0.1))).verdict == "reproduced"
-    assert example_claims.model_fit(evidence(study=poisson_study(std=0.6))).verdict.startswith("differs")
+    for claim, study, verdict in (
+        (example_claims.concentration, {}, "reproduced"),
+        (example_claims.tighter, {}, "reproduced"),
+        (example_claims.steady, {}, "reproduced"),
+        (example_claims.concentration, {"mean": 1.5}, "not reproduced"),
+        (example_claims.tighter, {"tight": 1.01}, "not reproduced"),
+        (example_claims.model_fit, {"std": 0.1}, "reproduced"),
+        (example_claims.model_fit, {"std": 0.6}, "differs"),
+    ):
+        assert claim(evidence(study=poisson_study(**study))).verdict.startswith(verdict), (claim, study)
 
 
 @pytest.mark.parametrize(("variance", "verdict"), [(0.5, "reproduced"), (2.0, "not reproduced")])
 def test_a_baseline_is_held_against_none(variance, verdict):
-    kinds = {"none": 1.0, "optimal": 0.1, "as_printed": variance}
-    variances = [
-        {"iteration": i, "baseline": kind, "mean": i * share, "log std": share}
-        for i in (100, 200)
-        for kind, share in kinds.items()
-    ]
-    finding = example_claims.baseline_variance(Evidence(pd.DataFrame(), [], {}, baseline={"variances": variances}))
+    kinds = [(i, *each) for i in (100, 200) for each in (("none", 1.0), ("optimal", 0.1), ("as_printed", variance))]
+    variances = [{"iteration": i, "baseline": kind, "mean": i * share, "log std": share} for i, kind, share in kinds]
+    finding = example_claims.baseline_variance(evidence(baseline={"variances": variances}))
     assert finding.verdict.startswith(f"Equation 13 as printed: {verdict};")
     assert finding.verdict.endswith("square: reproduced")
 
 
 @pytest.mark.parametrize(("width", "verdict"), [(0.3, "reproduced"), (0.5, "not reproduced")])
 def test_a_proposal_as_wide_as_the_spread_reproduces_the_data(width, verdict):
-    widths = {0.0: 0.1, 0.3: width}
-    runs = [
-        {"task": task, "strength": strength, "repetition": 0, "width": [widths[strength]]}
-        for task in ("poisson", "carl")
-        for strength in widths
-    ]
-    finding = example_claims.smeared(Evidence(pd.DataFrame(), [], {}, misspecification={"runs": runs}))
-    assert finding.verdict == verdict
+    of = [(task, *each) for task in ("poisson", "carl") for each in ((0.0, 0.1), (0.3, width))]
+    runs = [{"task": task, "strength": strength, "repetition": 0, "width": [wide]} for task, strength, wide in of]
+    assert example_claims.smeared(evidence(misspecification={"runs": runs})).verdict == verdict
 
 
 def test_better_on_average_needs_every_task(benchmark):
@@ -97,15 +88,12 @@ def test_avo_is_ahead_on_alignment_where_it_is_on_the_image_itself(benchmark, ma
     ("offset", "verdict"), [(0.02, "reproduced"), (0.09, "abc-smc: reproduced; bolfi: not reproduced")]
 )
 def test_a_better_summary_shows_whether_the_image_is_the_limit(make_record, offset, verdict):
-    offsets = {"abc-smc": 0.3, "bolfi": 0.1}
-    benchmark = [
-        make_record("alignment", method, target, off) for method, off in offsets.items() for target in range(6)
-    ]
-    study = [
-        {**make_record("alignment", method, target, offset), "task": "alignment-rows"}
-        for method in ("abc-smc", "bolfi")
-        for target in range(5)
-    ]
+    def made(offsets, num):
+        each = [(method, target) for method in offsets for target in range(num)]
+        return [make_record("alignment", method, target, offsets[method]) for method, target in each]
+
+    benchmark = made({"abc-smc": 0.3, "bolfi": 0.1}, 6)
+    study = [record | {"task": "alignment-rows"} for record in made({"abc-smc": offset, "bolfi": offset}, 5)]
     finding = benchmark_claims.summary_limits(evidence(benchmark, study))
     assert finding.verdict == verdict
     assert set(finding.numbers["targets"]) == {5}
@@ -154,9 +142,7 @@ def test_the_pages_have_every_claim_once_and_the_first_one_links_to_it(benchmark
     kinds = ("none", "optimal", "as_printed")
     baseline = {"variances": [{"iteration": 1, "baseline": kind, "mean": 1.0, "log std": 1.0} for kind in kinds]}
     spread = {"runs": [{"task": "poisson", "strength": 0.3, "repetition": 0, "width": [0.3]}]}
-    of = replace(
-        evidence(benchmark, [*poisson_study(), run, *rows], detector), baseline=baseline, misspecification=spread
-    )
+    of = evidence(benchmark, [*poisson_study(), run, *rows], detector, baseline=baseline, misspecification=spread)
     first, *numbers = pages(of).items()
     assert first[0] == FIRST
     text = "".join(page for _, page in numbers)

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from avobench.bench.cells.cell import Cell
 from avobench.bench.cells.streams import observe
+from avobench.bench.cells.trial import execute
 from avobench.tasks.errors import StoreError
 from avobench.tasks.weinberg import Weinberg
 from paper.figures import alignment, dimension, poisson, weinberg
@@ -32,3 +34,36 @@ NEEDS = [(poisson, "study"), (alignment, "study"), (weinberg, "weinberg"), (dime
 def test_without_the_records_that_it_needs_a_figure_says_so(figure, said):
     with pytest.raises(StoreError, match=said):
         figure.drawn([])
+
+
+@pytest.fixture(scope="module")
+def records():
+    """Runs of smm on both families and two numbers of parameters, with few events."""
+    return [
+        execute(Cell(f"{family}-{p}", {}, "smm", {}, target, 0, 4000, 2000, 0))
+        for family in ("warped", "means")
+        for p in (5, 2)
+        for target in range(2)
+    ]
+
+
+def at(record, ratio, status="ok"):
+    """The record with an estimate whose squared error is so many floors, at two of its quoted standard errors."""
+    p, error = len(record["theta_true"]), np.sqrt(ratio * record["floor"] / len(record["theta_true"]))
+    found = (np.array(record["theta_true"]) + error).tolist()
+    own = {"theta_hat": found, "squared_error": ratio * record["floor"], "standard_error": [error / 2] * p}
+    return {**record, **own, "status": status}
+
+
+def test_a_row_has_the_numbers_of_its_family_parameters_and_method(records):
+    told = [at(record, 1000 if record["task"] == "warped-5" else 0.5) for record in records]
+    told[0]["status"] = "doubtful"
+    assert told[0]["task"] == "warped-5"
+    rows = dimension.table([*told, {**told[0], "task": "poisson"}]).set_index(["family", "parameters"])
+    assert rows.index.tolist() == [("warped", 2), ("warped", 5), ("means", 2), ("means", 5)]
+    assert rows["targets"].tolist() == [2] * 4
+    assert rows["above 100"].tolist() == [0, 2, 0, 0]
+    assert rows["of these ok"].tolist() == [0, 1, 0, 0]
+    assert rows.loc[("means", 2), "inefficiency"] == pytest.approx(0.5 / np.log(2), rel=0.01)  # chi2 of 2, its median
+    assert rows.loc[("warped", 5), "worst run / floor"] == pytest.approx(1000)
+    assert dimension.drawn(told)[1]["inefficiency"].to_numpy() == pytest.approx(rows["inefficiency"], rel=1e-5)

@@ -51,16 +51,15 @@ def test_an_effect_moves_the_minimiser_as_it_moves_the_events():
     assert kept.minimiser(c, 1.0)[0] - c[0] == pytest.approx(4 * mean - c[0], rel=0.2)
 
 
-def test_a_doubted_fit_is_marked_and_has_the_pull_of_its_farthest_parameter():
-    def run(row, off, doubt):
-        return {"task": "tails", "share": 1.0, "target": 0, "row": row, "seconds": 1.0, "doubt": doubt} | {
-            "theta": [0.0, 0.0],
-            "minimiser": [0.0, 0.0],
-            "estimate": off,
-            "error": [1.0, 0.5],
-        }
+def run(task, estimate, **given):
+    """A run of the study with the least error at one parameter, unless something else is given."""
+    plain = {"share": 1.0, "target": 0, "row": "avo", "seconds": 1.0, "doubt": "", "minimiser": [0.0], "error": [1.0]}
+    return {"task": task, "estimate": estimate, **plain, **given}
 
-    records = [{"runs": [run("smm", [3.0, 4.0], ""), run("avo", [3.0, -1.0], "far")]}]
+
+def test_a_doubted_fit_is_marked_and_has_the_pull_of_its_farthest_parameter():
+    of = {"theta": [0.0, 0.0], "minimiser": [0.0, 0.0], "error": [1.0, 0.5]}
+    records = [{"runs": [run("tails", [3.0, 4.0], row="smm", **of), run("tails", [3.0, -1.0], doubt="far", **of)]}]
     [errors] = report.compared(records).to_dict("records")
     [pulls] = report.compared(records, "worst pull").to_dict("records")
     assert (errors["smm"].strip(), errors["avo"]) == ("25", "10 D")
@@ -68,27 +67,15 @@ def test_a_doubted_fit_is_marked_and_has_the_pull_of_its_farthest_parameter():
 
 
 def test_the_table_of_effects_counts_what_is_far_off_without_a_doubt():
-    def run(effect, off, doubt):
-        return {
-            "task": f"normal: {effect}",
-            "share": 1.0,
-            "target": 0,
-            "row": "avo",
-            "seconds": 1.0,
-            "doubt": doubt,
-        } | {"estimate": [off], "minimiser": [0.0], "error": [1.0]}
-
-    [row] = report.effects([{"runs": [run("a", 5, ""), run("b", 9, "d"), run("c", 1, "")]}]).to_dict("records")
+    runs = [run("normal: a", [5]), run("normal: b", [9], doubt="d"), run("normal: c", [1])]
+    [row] = report.effects([{"runs": runs}]).to_dict("records")
     assert (row["effects"], row["median pull"], row["worst pull"]) == (3, 5, 9)
     assert (row["beyond 4"], row["undoubted"], row["doubted"]) == (2, 1, 1)
 
 
 def test_the_table_of_outliers_counts_wrong_simulators_alone():
-    def run(share, off, error=(1.0,), task="normal"):
-        of = {"task": task, "share": share, "target": 0, "row": "avo", "seconds": 1.0, "doubt": ""}
-        return of | {"estimate": [off] * len(error or [0]), "minimiser": [0.0], "error": error and list(error)}
-
-    runs = [run(0.0, 9), run(0.05, 5), run(0.2, 1), run(0.05, 99, None), run(0.2, 99, (1.0, 1.0), "weinberg")]
+    runs = [run("normal", [off], share=share) for share, off in ((0.0, 9), (0.05, 5), (0.2, 1))]
+    runs += [run("normal", [99], share=0.05, error=None), run("weinberg", [99, 99], share=0.2, error=[1.0, 1.0])]
     [row] = report.outliers([{"runs": runs}]).to_dict("records")
     assert (row["fits"], row["median pull"], row["worst pull"], row["undoubted"]) == (2, 3, 5, 1)
 
@@ -98,9 +85,5 @@ def test_what_the_pages_say_of_outliers_is_what_the_record_holds():
     counted = report.outliers([record]).set_index("method")
     assert counted.loc[["avo-robust", "avo", "smm"], "beyond 4"].tolist() == [2, 20, 20]
     assert (counted["fits"]["avo"], counted["undoubted"]["avo-robust"]) == (41, 0)
-    wrong = (
-        report.table([record])
-        .query("share > 0")
-        .pivot(index=["task", "share"], columns="method", values="to minimiser")
-    )
+    wrong = report.table([record]).query("share > 0").pivot(index=["task", "share"], columns="method")["to minimiser"]
     assert ((wrong["avo"] < wrong["avo-robust"]).sum(), len(wrong)) == (6, 18)

@@ -50,9 +50,8 @@ def test_what_was_kept_is_not_made_again_and_what_is_missing_is_told(tmp_path, m
     make("real", 0, tmp_path)
     assert (tmp_path / "real-0.npz").stat().st_mtime_ns == before
     make("real", 1, tmp_path)
-    assert len(read("real", tmp_path).portraits) == sum(
-        len(Examples.read(tmp_path / f"real-{k}.npz").portraits) for k in range(2)
-    )
+    parts = [Examples.read(tmp_path / f"real-{k}.npz").portraits for k in range(2)]
+    assert len(read("real", tmp_path).portraits) == sum(map(len, parts))
 
 
 def test_a_trained_network_says_the_same_with_its_scale_in_its_weights():

@@ -108,9 +108,8 @@ def test_a_record_is_made_once_and_again_when_the_answer_changes(horse_kicks, tm
     monkeypatch.setattr(study, "said", lambda *a: made.append(a) or {})
     assert study.real(folder, examples=horse_kicks) == [record]
     assert not made
-    answers = json.loads((horse_kicks / study.EXPECTED).read_text())
-    answers["horse_kicks"]["why"] = "another reason"
-    (horse_kicks / study.EXPECTED).write_text(json.dumps(answers))
+    answers = horse_kicks / study.EXPECTED
+    answers.write_text(answers.read_text().replace('"why": "', '"why": "another reason: '))
     study.real(folder, examples=horse_kicks)
     assert len(made) == 1
 

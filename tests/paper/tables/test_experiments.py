@@ -13,7 +13,6 @@ from paper.tables import experiments as tables
 
 EFFICIENT = efficient_median((0.1, 0.9))
 """Median of an efficient estimator's squared error over the floor, for carl's two parameters."""
-ROOT = Path(__file__).parents[3]
 LOST = {"bump", "slcp"}
 """The tasks on which `avo` stays far from the floor, however many events it simulates."""
 
@@ -64,21 +63,20 @@ def test_each_answer_has_a_row_on_its_own_targets_and_a_test_on_those_in_common(
     mine = [{**record, "task": "mine"} for record in benchmark[:4]]
     rows = tables.rivals([*exact, *mine]).set_index(["task", "method", "answer"])
     assert "mine" not in rows.index.get_level_values("task")
-    assert rows.loc[("carl", "bolfi", "estimate"), "targets"] == 5
-    assert rows.loc[("carl", "bolfi", "estimate"), "avo ahead"] == "p = 0.031"  # five of five: 1 / 2^5
-    assert rows.loc[("carl", "abc-smc", "estimate"), "avo ahead"] == "p = 0.016"
-    assert rows.loc[("carl", "bolfi", "mean"), "inefficiency"] == 0
-    assert rows.loc[("carl", "bolfi", "mean"), "avo ahead"] == "p = 1"
-    assert ("carl", "abc-smc", "mean") not in rows.index  # which is the estimate
-    own = rows.loc[("carl", "avo", "estimate")]
-    assert rows.loc[("carl", "bolfi", "estimate"), "inefficiency"] == pytest.approx(100 * own["inefficiency"], rel=0.5)
+    rows = rows.loc["carl"]
+    bolfi, mean, own = (rows.loc[of] for of in (("bolfi", "estimate"), ("bolfi", "mean"), ("avo", "estimate")))
+    assert (bolfi["targets"], bolfi["avo ahead"]) == (5, "p = 0.031")  # five of five: 1 / 2^5
+    assert rows.loc[("abc-smc", "estimate"), "avo ahead"] == "p = 0.016"
+    assert (mean["inefficiency"], mean["avo ahead"]) == (0, "p = 1")
+    assert ("abc-smc", "mean") not in rows.index  # which is the estimate
+    assert bolfi["inefficiency"] == pytest.approx(100 * own["inefficiency"], rel=0.5)
     assert own["avo ahead"] == "-"
 
 
 def test_errors_that_fall_as_the_floor_does_stay_in_units_of_it(benchmark):
     own = [record for record in benchmark if (record["task"], record["method"]) == ("carl", "avo")]
     larger = [
-        r | {"budget": 10 * r["budget"], "floor": r["floor"] / 4, "squared_error": r["squared_error"] / 4} for r in own
+        r | {"budget": 10 * r["budget"]} | {name: r[name] / 4 for name in ("floor", "squared_error")} for r in own
     ]
     [row] = tables.growth([*own, *larger]).to_dict("records")
     few, many = (value for name, value in row.items() if name.endswith("events"))
@@ -89,7 +87,8 @@ def test_errors_that_fall_as_the_floor_does_stay_in_units_of_it(benchmark):
 
 def test_with_a_million_events_the_errors_of_avo_are_a_few_floors_but_on_the_named_tasks():
     """The floor itself falls with the simulated events, so the errors fall too. docs/methods.md names the tasks."""
-    rows = tables.growth(list(records_of([ROOT / EXPERIMENTS["growth"].folder]).values()))
+    folder = Path(__file__).parents[3] / EXPERIMENTS["growth"].folder
+    rows = tables.growth(list(records_of([folder]).values()))
     own = rows[rows["method"] == "avo"].set_index("task")
     assert (own["targets"] == 4).all()
     assert own[f"{BUDGETS[-1]} events"].notna().all()
