@@ -69,14 +69,14 @@ def doubt_of(
         simulated = simulate(np.tile(theta, (num_simulated, 1)))
     except SimulatorError as error:
         return f"the simulator failed where the estimate was to be tested: {text_of(error)}"
-    p_value = two_sample(seen(task, observed), seen(task, simulated), rng)
+    p_value = two_sample(without_cyclic_axes(task, observed), without_cyclic_axes(task, simulated), rng)
     if p_value >= LEVEL:
         return ""
     return f"fresh events simulated at the estimate differ from the observed ones: p = {p_value:.1g}"
 
 
-def seen(task: Task, x: NDArray) -> NDArray:
-    """What the test sees of events (n, d): an image is summed over the axes along which nothing depends on theta."""
+def without_cyclic_axes(task: Task, x: NDArray) -> NDArray:
+    """Events (n, d) as they are tested: images are summed over the axes along which nothing depends on theta."""
     if not task.cyclic_axes:
         return x
     axes = tuple(1 + axis for axis in task.cyclic_axes)
@@ -140,8 +140,8 @@ def scanned(observed: NDArray, simulated: NDArray) -> float:
     for level in range(levels):
         width = 2**level
         first = np.arange(0, 2**levels - width + 1, max(1, width // 2))
-        seen, of = (each[first + width] - each[first] for each in below)
-        tail = np.minimum(hypergeom.cdf(seen, total, num, of), hypergeom.sf(seen - 1, total, num, of))
+        hits, of = (each[first + width] - each[first] for each in below)
+        tail = np.minimum(hypergeom.cdf(hits, total, num, of), hypergeom.sf(hits - 1, total, num, of))
         p_values.append(2 * tail.min() * len(first))
     return float(min(1.0, levels * min(p_values)))
 
@@ -172,15 +172,15 @@ def classified(observed: NDArray, simulated: NDArray, rng: np.random.Generator) 
 
 def mirrored(theta: NDArray[np.float64]) -> NDArray[np.float64]:
     """Theta (p,) with the signs of some changed, and with two in each other's place with either sign: (m, p)."""
-    p, found = len(theta), []
+    p, images = len(theta), []
     for signs in product((1.0, -1.0), repeat=p):
-        found.append(np.array(signs) * theta)
+        images.append(np.array(signs) * theta)
     for i, j in combinations(range(p), 2):
         for sign in (1.0, -1.0):
             other = theta.copy()
             other[[i, j]] = sign * theta[[j, i]]
-            found.append(other)
-    return np.array(found[1:])
+            images.append(other)
+    return np.array(images[1:])
 
 
 def as_good(
@@ -206,8 +206,8 @@ def as_good(
     images = images[(np.abs(images - theta) / error).max(axis=1) > APART * resolved]
 
     def p_values(n: int) -> NDArray[np.float64]:
-        x = seen(task, simulate(np.repeat(images, n, axis=0))).reshape(len(images), n, -1)
-        return np.array([two_sample(seen(task, observed), each, rng) for each in x])
+        x = without_cyclic_axes(task, simulate(np.repeat(images, n, axis=0))).reshape(len(images), n, -1)
+        return np.array([two_sample(without_cyclic_axes(task, observed), each, rng) for each in x])
 
     try:
         for most in (len(images), TESTED):  # a first look at all, and fresh events for those that it leaves
@@ -232,7 +232,7 @@ def left_open(task: Task, theta: NDArray[np.float64], covariance: NDArray[np.flo
         return []
     unit, names = task.prior.std, task.parameter_names
     variance, axes = np.linalg.eigh(covariance / np.outer(unit, unit))
-    said = []
+    sentences = []
     for each, axis in zip(variance, axes.T, strict=True):
         if each <= most:
             continue
@@ -242,5 +242,5 @@ def left_open(task: Task, theta: NDArray[np.float64], covariance: NDArray[np.flo
         one, other = (
             ", ".join(f"{names[j]} = {end[j]:.3g}" for j in np.flatnonzero(np.abs(axis) > TAKES_PART)) for end in ends
         )
-        said.append(f"the events hardly distinguish {one} from {other}, or from what lies between")
-    return said
+        sentences.append(f"the events hardly distinguish {one} from {other}, or from what lies between")
+    return sentences

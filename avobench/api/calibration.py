@@ -180,8 +180,8 @@ def _fit(
     """Fit the events of one theta (p,), and keep the fit in a file; what goes wrong is returned."""
     try:
         x = checked_events(task, np.tile(theta, (events, 1)), stream(seed, "calibrated", task.name, i))
-        own = int(stream(seed, "fit", task.name, i).integers(2**31))
-        infer(task, x, method, seed=own, progress=False, **how).save(file)
+        fit_seed = int(stream(seed, "fit", task.name, i).integers(2**31))
+        infer(task, x, method, seed=fit_seed, progress=False, **how).save(file)
     except AvobenchError as error:
         return error
     return None
@@ -202,10 +202,10 @@ def _opened(folder: str | Path | None, identity: dict[str, Any]) -> Iterator[Pat
             yield Path(temporary)
         return
     require_folder(path := Path(folder))
-    file, said = path / IDENTITY, (json.dumps(identity, indent=1, default=repr) + "\n").encode()
-    if file.exists() and file.read_bytes() != said:
+    file, content = path / IDENTITY, (json.dumps(identity, indent=1, default=repr) + "\n").encode()
+    if file.exists() and file.read_bytes() != content:
         raise UsageError(
             f"{path} holds fits of another task or with other arguments ({file} has them); choose another folder"
         )
-    write_file(file, said)
+    write_file(file, content)
     yield path

@@ -15,15 +15,15 @@ class Described(Task):
 
     source = "read from a file"
 
-    def __init__(self, said: dict[str, Any]) -> None:
-        """`said` is what `description` gave. Raises KeyError, TypeError or ValueError for what is none."""
-        self.name = str(said["name"])
+    def __init__(self, record: dict[str, Any]) -> None:
+        """`record` is what `description` gave. Raises KeyError, TypeError or ValueError for what is none."""
+        self.name = str(record["name"])
         for name in ("parameter_names", "parameter_units", "feature_names", "feature_units"):
-            setattr(self, name, tuple(map(str, said[name])))
-        self.parameter_kinds = tuple(map(str, said.get("parameter_kinds", ())))  # older files have none
-        self.num_features = int(said["num_features"])
-        self.prior, self.support = Box(*said["prior"]), Box(*said["support"])
-        laws = [law and Law(law[0], tuple(law[1]), tuple(map(tuple, law[2]))) for law in said.get("laws", ())]
+            setattr(self, name, tuple(map(str, record[name])))
+        self.parameter_kinds = tuple(map(str, record.get("parameter_kinds", ())))  # older files have none
+        self.num_features = int(record["num_features"])
+        self.prior, self.support = Box(*record["prior"]), Box(*record["support"])
+        laws = [law and Law(law[0], tuple(law[1]), tuple(map(tuple, law[2]))) for law in record.get("laws", ())]
         if laws:
             self.prior = Distributed(self.prior.low, self.prior.high, tuple(laws))
         sizes = {len(self.parameter_names), len(self.parameter_units), self.prior.dim, self.support.dim}
@@ -41,12 +41,12 @@ def description(task: Task) -> dict[str, Any]:
     """What a file keeps of a task, of plain numbers and texts."""
     names = ("name", "parameter_names", "parameter_units", "parameter_kinds", "feature_names", "feature_units")
     names += ("num_features",)
-    said = {name: getattr(task, name) for name in names} | {
+    record = {name: getattr(task, name) for name in names} | {
         box: [getattr(task, box).low, getattr(task, box).high] for box in ("prior", "support")
     }
     if isinstance(task.prior, Distributed):
-        said["laws"] = [law and [law.name, law.args, law.kwds] for law in task.prior.laws]
-    return said
+        record["laws"] = [law and [law.name, law.args, law.kwds] for law in task.prior.laws]
+    return record
 
 
 def plain(values: Any) -> Any:

@@ -160,7 +160,7 @@ class Diagnosed:
             if path.exists() and not path.read_bytes().startswith(CODE.encode()):
                 raise UsageError(f"{path} is not of a diagnosis and would be replaced; choose another folder")
         pictures = json.dumps({"task": description(self.task), **asdict(self.result.pictures)}, default=plain)
-        said = json.dumps(self.diagnosis.model_dump(mode="json"), indent=1)
+        record = json.dumps(self.diagnosis.model_dump(mode="json"), indent=1)
         for name in ("diagnosis.json", "correction.npz", "model.json", "simulated.parquet"):
             (folder / name).unlink(missing_ok=True)
         paths = report.write(self.task, self.result, folder, title or self.task.name)
@@ -182,7 +182,7 @@ class Diagnosed:
             buffer = io.BytesIO()
             np.savez_compressed(buffer, x=weights.x, weights=weights.weights)
             paths.append(write_atomically(folder / "correction.npz", buffer.getvalue()))
-        return [*paths, write_atomically(folder / "diagnosis.json", f"{said}\n".encode())]
+        return [*paths, write_atomically(folder / "diagnosis.json", f"{record}\n".encode())]
 
     def _simulated(self) -> bytes:
         """The content of a Parquet file: as many events as the sample has, with the effects that were added.
@@ -204,8 +204,8 @@ class Diagnosed:
         from avobench.diagnosis.report.result import Maps, Pictures, Spectrum
         from avobench.effects.model_file import ModelFile
 
-        def arrays(said: dict[str, Any]) -> dict[str, Any]:
-            return {name: array(value) if isinstance(value, list) else value for name, value in said.items()}
+        def arrays(record: dict[str, Any]) -> dict[str, Any]:
+            return {name: array(value) if isinstance(value, list) else value for name, value in record.items()}
 
         diagnosis = Diagnosis.model_validate_json((folder / "diagnosis.json").read_bytes())
         drawn = json.loads((folder / "figures.json").read_bytes())
@@ -252,7 +252,7 @@ class Diagnosed:
         from avobench.reports.diagnosis.text import model, where
         from avobench.tasks.meter import Meter
 
-        found, rivals = list(self.diagnosis.decisions), self.result.rivals
+        decisions, rivals = list(self.diagnosis.decisions), self.result.rivals
         if conditions and rivals is None:
             raise UsageError("there are no fitted models to decide between: there is one alone, or a folder was read")
         for name, given in (conditions or {}).items():
@@ -261,7 +261,7 @@ class Diagnosed:
             require_condition(name, task, self.task, chosen)
             bank = bank_of(task, Meter(whole("simulations", simulations, 1)))
             try:
-                found += rivals.under(name, bank, chosen, simulations)
+                decisions += rivals.under(name, bank, chosen, simulations)
             except BudgetExhausted as error:
                 raise UsageError(
                     f"{name}: {simulations} simulated events are too few; allow {4 * simulations}"
@@ -274,7 +274,7 @@ class Diagnosed:
                 "where": each.where and where(each.where),
                 **each.model_dump(include={"events", "low", "high", "share"}),
             }
-            for each in found
+            for each in decisions
         ]
         columns = ["true", "rival", "condition", "events", "low", "high", "where", "share"]
         numbers = dict.fromkeys(["events", "low", "high"], "Int64")
@@ -390,7 +390,7 @@ def diagnose(
     checks = Checks(task, size, simulations, seed=seed, jobs=jobs, folder=folder)
     possible = registry.blamed(checks.entries, f"task {task.name}")
     tried = list(possible) if effects is None else chosen(possible, effects, spec or task.name)
-    theirs = _theirs(own, possible, task, checks.simulate)
+    user_effects = _user_effects(own, possible, task, checks.simulate)
     if joint or tables:
         if ordered or time is not None or fit != "surrogate" or (tables and drop_invalid):
             raise UsageError("tables and several data sets are no single sample: leave ordered, time and fit out")
@@ -400,8 +400,10 @@ def diagnose(
     measured: Any = x if part is None else part
     if not task.parameter_names:
         require_enough(task, np.empty(0), len(measured))
-    tried_on = checks.simulate(task.prior.sample(TRIED, rng := np.random.default_rng(0)), rng) if part and theirs else x
-    for each in theirs.values():  # what no file can keep would else show when all is done
+    tried_on = (
+        checks.simulate(task.prior.sample(TRIED, rng := np.random.default_rng(0)), rng) if part and user_effects else x
+    )
+    for each in user_effects.values():  # what no file can keep would else show when all is done
         registry.blamed(partial(_keepable, each, tried_on, task), f"effect {each.effect.name}")
     with shown(progress) as tell:
         result = diagnosed(
@@ -411,43 +413,43 @@ def diagnose(
             alpha=alpha,
             max_effects=max_effects,
             fit=fit,
-            effects=[*tried, *(each.effect for each in theirs.values())],
+            effects=[*tried, *(each.effect for each in user_effects.values())],
             jobs=jobs,
             ordered=ordered,
             time=time,
             progress=tell,
             bank=checks.bank,
         )
-    said = result.diagnosis
+    diagnosis = result.diagnosis
     p = len(task.parameter_names)
     require_enough(task, result.fit.params[:p], len(measured))
     remarks += failures(task, result.fit.params[:p], result.fit.std[:p])
-    told = {
-        "notes": remarks + said.notes,
-        "num_simulations": calls * (said.num_simulations - checks.bank.meter.failed) + beside(task) - before,
+    update = {
+        "notes": remarks + diagnosis.notes,
+        "num_simulations": calls * (diagnosis.num_simulations - checks.bank.meter.failed) + beside(task) - before,
     }
-    diagnosis = with_shift(said.model_copy(update=told), task)
-    return _diagnosed(replace(result, diagnosis=diagnosis), spec, theirs, possible)
+    diagnosis = with_shift(diagnosis.model_copy(update=update), task)
+    return _diagnosed(replace(result, diagnosis=diagnosis), spec, user_effects, possible)
 
 
-def with_shift(said: "Diagnosis", task: Task) -> "Diagnosis":
-    """A diagnosis whose errors of theta cover what a bank of few thetas may shift it by; doubted where that is more."""
-    told: dict[str, Any] = {}
+def with_shift(diagnosis: "Diagnosis", task: Task) -> "Diagnosis":
+    """The diagnosis with errors of theta that cover the shift by a bank of few thetas; a larger shift is a doubt."""
+    update: dict[str, Any] = {}
 
     def wider(of: Any, by: float) -> Any:
         return of.model_copy(update={"std": None if of.std is None else float(np.hypot(of.std, by))})
 
     for when in ("after", "before"):
-        if values := getattr(said, f"theta_{when}"):
+        if values := getattr(diagnosis, f"theta_{when}"):
             theta, std = np.array([(each.value, each.std) for each in values.values()], float).T
-            moved, told["doubt"] = apart(task, theta, std / 2)  # a mixture is also wider, which tests see
+            moved, update["doubt"] = apart(task, theta, std / 2)  # a mixture is also wider, which tests see
             by = dict(zip(values, moved, strict=True))
-            told[f"theta_{when}"] = {name: wider(each, by[name]) for name, each in values.items()}
-            told[f"identified_{when}"] = [
+            update[f"theta_{when}"] = {name: wider(each, by[name]) for name, each in values.items()}
+            update[f"identified_{when}"] = [
                 wider(each, sum(c * by[name] for name, c in each.coefficients.items()))
-                for each in getattr(said, f"identified_{when}")
+                for each in getattr(diagnosis, f"identified_{when}")
             ]
-    return said.model_copy(update=told)
+    return diagnosis.model_copy(update=update)
 
 
 def require_condition(name: str, task: Task, measured: Task, chosen: Mapping[str, float]) -> None:
@@ -490,15 +492,17 @@ def _named(task: Task | str | ArrayLike | pd.DataFrame, x: Any) -> tuple[Task, s
         task = sample_of(task, missing=[] if tables_in(x) else missing_in_both(task, x))
     if isinstance(task, SampleTask):
         return task, None
-    known = registry.task_of(task)
-    return known, task if isinstance(task, str) else registry.spec_of("task", task)
+    loaded = registry.task_of(task)
+    return loaded, task if isinstance(task, str) else registry.spec_of("task", task)
 
 
-def _diagnosed(result: "Result", spec: str | None, own: Mapping[str, "Own"], entries: Sequence[Effect]) -> Diagnosed:
+def _diagnosed(
+    result: "Result", spec: str | None, user_effects: Mapping[str, "UserEffect"], entries: Sequence[Effect]
+) -> Diagnosed:
     """What is shown and kept of a result.
 
-    `spec` loads the task again, `own` are the user's effects by name, `entries` those of the catalogue. The model is
-    made of the objects that this process has.
+    `spec` loads the task again, `user_effects` are those of the user by name, `entries` those of the catalogue. The
+    model is made of the objects that this process has.
     """
     from avobench.diagnosis.report.model_file import describe
     from avobench.diagnosis.report.uncertainties import QuotedFit
@@ -507,9 +511,9 @@ def _diagnosed(result: "Result", spec: str | None, own: Mapping[str, "Own"], ent
     fit, theta = result.fit, result.diagnosis.theta_after or result.diagnosis.theta_before
     std = QuotedFit(fit).std
     std[: fit.model.num_theta] = [value.std for value in theta.values()]
-    content = describe(fit, std, spec or "", {name: (each.source, each.found) for name, each in own.items()})
-    found = {registry.absolute(each.source or name): each.found for name, each in own.items()}
-    build = partial(AugmentedTask.of, content, result.task, found.__getitem__, entries=list(entries))
+    content = describe(fit, std, spec or "", {name: (each.source, each.loaded) for name, each in user_effects.items()})
+    loaded = {registry.absolute(each.source or name): each.loaded for name, each in user_effects.items()}
+    build = partial(AugmentedTask.of, content, result.task, loaded.__getitem__, entries=list(entries))
     return Diagnosed(result, content, build)
 
 
@@ -549,29 +553,29 @@ def _code(task: Task) -> tuple[str, str | None]:
     return "task", text and f"{text}\nimport scipy.stats\n\nimport avobench\n\n{made}\n"
 
 
-def _theirs(
-    own: Sequence[Effect | type[Effect] | str], possible: Sequence[Effect], task: Task, simulate: Simulate
-) -> dict[str, "Own"]:
-    """The effects of the user's by name, each tried on a few events."""
-    theirs = {each.effect.name: each for each in map(Own.of, own)}
-    if len(theirs) < len(own) or set(theirs) & {effect.name for effect in possible}:
-        raise UsageError(f"two effects have the same name; your own are {', '.join(theirs)}: give them other names")
-    for each in theirs.values():
+def _user_effects(
+    given: Sequence[Effect | type[Effect] | str], possible: Sequence[Effect], task: Task, simulate: Simulate
+) -> dict[str, "UserEffect"]:
+    """The user's effects by name; each is tried on a few events."""
+    by_name = {each.effect.name: each for each in map(UserEffect.of, given)}
+    if len(by_name) < len(given) or set(by_name) & {effect.name for effect in possible}:
+        raise UsageError(f"two effects have the same name; your own are {', '.join(by_name)}: give them other names")
+    for each in by_name.values():
         require_events(each.effect, task, simulate)
-    return theirs
+    return by_name
 
 
-class Own(NamedTuple):
-    """An effect of the user's, and how it is found again."""
+class UserEffect(NamedTuple):
+    """A user's effect, and the name that loads it again."""
 
     effect: Effect
     source: str | None
     """Its name, as for `registry.effect`; with HERE in front where it is of a script or a notebook."""
-    found: Effect
-    """What is found by this name: a file keeps the settings in which the effect differs."""
+    loaded: Effect
+    """What this name loads: a file keeps the settings in which the effect differs from it."""
 
     @classmethod
-    def of(cls, given: Effect | type[Effect] | str) -> "Own":
+    def of(cls, given: Effect | type[Effect] | str) -> "UserEffect":
         if isinstance(given, str):
             effect = registry.effect(given)
             return cls(effect, given, effect)
@@ -582,10 +586,10 @@ class Own(NamedTuple):
         return cls(effect, source, type(effect)() if by_class else effect)
 
 
-def _keepable(own: Own, x: NDArray, task: Task) -> None:
+def _keepable(given: UserEffect, x: NDArray, task: Task) -> None:
     from avobench.diagnosis.report.model_file import kept
 
-    kept(own.effect.adapted(x), task, own.source, own.found)
+    kept(given.effect.adapted(x), task, given.source, given.loaded)
 
 
 def require_events(effect: Effect, task: Task, simulate: Simulate) -> None:

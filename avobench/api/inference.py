@@ -185,11 +185,11 @@ class Inference:
     @classmethod
     def of(cls, content: dict[str, Any]) -> "Inference":
         """The fit that `save` wrote. Raises AttributeError, KeyError, TypeError or ValueError for what is none."""
-        told = dict(content["estimate"])
-        told |= {name: array(told[name]) for name in VECTORS}
-        told["trace"] = [TracePoint(n, array(theta), array(std)) for n, theta, std in told["trace"]]
-        told["sample"] = told["sample"] and WeightedSample(*map(array, told["sample"]))
-        task, estimate = Described(content["described"]), Estimate(**told)
+        arguments = dict(content["estimate"])
+        arguments |= {name: array(arguments[name]) for name in VECTORS}
+        arguments["trace"] = [TracePoint(n, array(theta), array(std)) for n, theta, std in arguments["trace"]]
+        arguments["sample"] = arguments["sample"] and WeightedSample(*map(array, arguments["sample"]))
+        task, estimate = Described(content["described"]), Estimate(**arguments)
         if not estimate.theta.shape == estimate.std.shape == (task.prior.dim,):
             raise ValueError("the estimate has another number of parameters")
         names = ("method", "num_events", "num_simulations", "seconds", "seed", "versions")
@@ -279,8 +279,8 @@ class Inference:
         except ImportError as error:
             raise UsageError("to_inference_data needs ArviZ below version 1: pip install 'arviz<1'") from error
         draws = {name: column.to_numpy()[None] for name, column in self.samples(n, seed).items()}
-        told: InferenceData = from_dict(draws, attrs={"samples_of": self.samples_of, "method": self.method})
-        return told
+        data: InferenceData = from_dict(draws, attrs={"samples_of": self.samples_of, "method": self.method})
+        return data
 
     def as_prior(self, seed: int = 0) -> dict[str, "rv_histogram"]:
         """What is known of each parameter now, as the prior of a task that new events are fitted with.
@@ -324,10 +324,10 @@ class Inference:
 
     def __str__(self) -> str:
         """A line for each parameter, a doubt where there is one, other answers, and what the fit took."""
-        found = zip(self.theta.items(), self._quoted[1], self.task.parameter_units, self.task.is_integer, strict=True)
+        rows = zip(self.theta.items(), self._quoted[1], self.task.parameter_units, self.task.is_integer, strict=True)
         lines = [
             f"{name} = {f'{value:.0f} ± {std:.2g}' if whole else with_error(value, std)}{in_unit(unit)}"
-            for (name, value), std, unit, whole in found
+            for (name, value), std, unit, whole in rows
         ]
         doubt = [f"doubtful: {self.doubt}"] if self.doubt else []
         notes = [f"note: {note}" for note in (*self.left_open, *self.warnings, self.estimate.message) if note]
@@ -486,29 +486,29 @@ def by_method(
     )
     start = time.perf_counter()
     words, drawn = (task.name, method.name), drawing(task, source)
-    known = Recorded(task, x_observed)
-    x_observed = known.events(x_observed)
-    posed = in_shares(known.task(drawn), method)
-    left, asked = budget - checks.meter.used, most_asked(task, method, budget, checks.meter)
+    recorded = Recorded(task, x_observed)
+    x_observed = recorded.events(x_observed)
+    posed = in_shares(recorded.task(drawn), method)
+    remaining, asked = budget - checks.meter.used, most_asked(task, method, budget, checks.meter)
     with shown(progress) as tell:
 
         def metered(what: str, task: Task, limit: int, reserve: int, before: int) -> MeteredSimulator:
             """A simulator of `limit` events with a stream of its own, `before` which so many were made."""
-            told = lambda used: tell(method.name, before + used, budget)  # noqa: E731
-            return MeteredSimulator(task, limit, stream(seed, what, *words), progress=told, reserve=reserve)
+            report = lambda used: tell(method.name, before + used, budget)  # noqa: E731
+            return MeteredSimulator(task, limit, stream(seed, what, *words), progress=report, reserve=reserve)
 
         # Events that are made in place of failed ones come out of what the test has, where more fail than expected.
-        simulate = metered("simulator", posed, asked, left - asked, checks.meter.used)
+        simulate = metered("simulator", posed, asked, remaining - asked, checks.meter.used)
         problem = pose(posed, x_observed, simulate)
         estimate = method.infer(problem, stream(seed, "method", *words))
         require_recordable(estimate, problem, simulate.used)
         estimate = with_shift(restricted(raw(estimate, posed), task), task)
-        fresh, rng = known.task(drawing(task, source, aside=True)), stream(seed, "test", *words)
-        held = left - max(simulate.used, asked)
+        fresh, rng = recorded.task(drawing(task, source, aside=True)), stream(seed, "test", *words)
+        held = remaining - max(simulate.used, asked)
         held = min(held, task.num_aside * 3 // 2) if sample else held
         tests = asked_of(task, held, checks.meter)
         test = metered("agreement", fresh, tests, held - tests, checks.meter.used + simulate.used)
-        estimate, others = tested(known.task(task), estimate, x_observed, test, simulate.used, rng)
+        estimate, others = compare_with_fresh(recorded.task(task), estimate, x_observed, test, simulate.used, rng)
     seconds = time.perf_counter() - start
     if isinstance(source, Counted):
         used = sum(each.used - each.failed for each in (checks.meter, simulate, test))
@@ -527,14 +527,14 @@ def most_asked(task: Task, method: Method, budget: int, checks: Meter) -> int:
     A tenth of the budget is held back for the test of the answer, and what is made in place of failed events takes of
     that too. Raises UsageError where too few are left for the method.
     """
-    least, left = method.min_simulations(task.prior.dim), budget - checks.used
-    held = min(budget // agreement.SHARE, left - least)
-    if (most := asked_of(task, left, checks)) < least:
+    least, remaining = method.min_simulations(task.prior.dim), budget - checks.used
+    held = min(budget // agreement.SHARE, remaining - least)
+    if (most := asked_of(task, remaining, checks)) < least:
         raise UsageError(
             f"a budget of {budget} is too small for {method.name} on {task.name}, whose events fail and are made "
             f"again: allow {int(1.2 * budget * least / max(most, 1)) + 1}"
         )
-    return max(asked_of(task, left - held, checks), least)
+    return max(asked_of(task, remaining - held, checks), least)
 
 
 def doubted(estimate: Estimate, doubt: str) -> Estimate:
@@ -561,16 +561,16 @@ def by_rejection(
     from avobench.methods.rejection import ROUNDS, SETS, rejection
 
     x_observed, warnings = check_events(task, x, drop_invalid=drop_invalid, diagnosis=False, made=lambda: task.events)
-    start, words, known = time.perf_counter(), (task.name, "abc"), Recorded(task, x_observed)
+    start, words, recorded = time.perf_counter(), (task.name, "abc"), Recorded(task, x_observed)
     num, sets = len(task.events), ROUNDS * SETS
-    x_observed, posed = known.events(x_observed), known.task(task)
+    x_observed, posed = recorded.events(x_observed), recorded.task(task)
     with shown(progress) as tell:
         rng = stream(seed, "method", *words)
         estimate = rejection(task, posed, x_observed, rng, lambda made: tell("abc", num * made // sets, num))
     estimate = with_shift(estimate, task)
-    aside = known.task(drawing(task, Given(task, Meter()), aside=True))
+    aside = recorded.task(drawing(task, Given(task, Meter()), aside=True))
     test = MeteredSimulator(aside, task.num_aside * 3 // 2, stream(seed, "agreement", *words))
-    estimate, others = tested(posed, estimate, x_observed, test, num, stream(seed, "test", *words))
+    estimate, others = compare_with_fresh(posed, estimate, x_observed, test, num, stream(seed, "test", *words))
     seconds = time.perf_counter() - start
     return Inference(task, "abc", estimate, len(x_observed), num, seconds, seed, tuple(warnings), others)
 
@@ -587,20 +587,20 @@ def restricted(estimate: Estimate, task: Task) -> Estimate:
 
     Events were made at its edge there. Without these thetas it is the posterior of the prior within the region.
     """
-    sample, known = estimate.sample, regions(task)
-    if sample is None or not known:
+    sample, learnt_regions = estimate.sample, regions(task)
+    if sample is None or not learnt_regions:
         return estimate
-    weights = sample.weights * np.all([region.contains(sample.theta) for region in known], axis=0)
+    weights = sample.weights * np.all([region.contains(sample.theta) for region in learnt_regions], axis=0)
     if not weights.sum() > 0:
         raise InvalidEstimate(f"the posterior lies where the simulator of {task.name} fails: widen the prior")
     weights = weights / weights.sum()
     mean = weights @ sample.theta
     std = np.sqrt(weights @ (sample.theta - mean) ** 2)
-    theta = estimate.theta if known[0].contains(estimate.theta[None])[0] else mean
+    theta = estimate.theta if learnt_regions[0].contains(estimate.theta[None])[0] else mean
     return replace(estimate, theta=theta, mean=mean, std=std, sample=WeightedSample(sample.theta, weights))
 
 
-def tested(
+def compare_with_fresh(
     task: Task,
     estimate: Estimate,
     x_observed: NDArray,
@@ -669,8 +669,8 @@ def by_effort(
     num_events = max(effort.least, int(effort.rounds * len(part)))
 
     def repeated(start: NDArray[np.float64]) -> "Fit":
-        found = refine(model, target, start, 0.005, again, num_events=num_events)
-        return summary_gate(found, target, again, effort)[1]
+        refined = refine(model, target, start, 0.005, again, num_events=num_events)
+        return summary_gate(refined, target, again, effort)[1]
 
     return gate, fit, with_prior(fit, task.prior, repeated)
 
@@ -731,11 +731,11 @@ def moments(
     estimate = Estimate(theta, how, "proposal", theta, std, trace, error=std, covariance=covariance, doubt=doubt)
     estimate = with_shift(estimate, task)
     seconds = time.perf_counter() - start
-    num_events, measured = told_of(parts)
+    num_events, measured = count_and_words(parts)
     return Inference(task, "smm", estimate, num_events, used, seconds, seed, tuple(warnings), measured=measured)
 
 
-def told_of(parts: "Sequence[Measured]") -> tuple[int | None, str]:
+def count_and_words(parts: "Sequence[Measured]") -> tuple[int | None, str]:
     """How many events were measured, if each part tells it, and what it is in words."""
     from avobench.diagnosis.summary.published import TablePart
 
@@ -745,7 +745,7 @@ def told_of(parts: "Sequence[Measured]") -> tuple[int | None, str]:
     of_tables = None if None in numbers else sum(numbers)
     words = [f"{alone} events"] * (len(tables) < len(parts))
     if number := sum(len(each.tables) for each in tables):
-        known = "" if of_tables is None else f" ({of_tables} events)"
+        size = "" if of_tables is None else f" ({of_tables} events)"
         bins = sum(len(each.values) for each in tables)
-        words.append(f"{number} table{'s' * (number > 1)} of {bins} bin{'s' * (bins > 1)}{known}")
+        words.append(f"{number} table{'s' * (number > 1)} of {bins} bin{'s' * (bins > 1)}{size}")
     return None if of_tables is None else alone + of_tables, ", ".join(words)

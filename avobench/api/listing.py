@@ -31,15 +31,15 @@ def list_effects(task: Task | str) -> pd.DataFrame:
     task = registry.task_of(task)
     entries, rows = catalogue(task), []
     for name in dict.fromkeys(effect.name for effect in entries):
-        own = [effect for effect in entries if effect.name == name]
-        shapes = [shape for effect in own for shape in effect.shapes()]
+        variants = [effect for effect in entries if effect.name == name]
+        shapes = [shape for effect in variants for shape in effect.shapes()]
         rows.append(
             {
                 "effect": name,
-                "what": own[0].sentence,
+                "what": variants[0].sentence,
                 "shapes": ", ".join(filter(None, dict.fromkeys(shape.shape for shape in shapes))),
                 "parameters": ", ".join(dict.fromkeys(each.name for shape in shapes for each in shape.parameters)),
-                "source": own[0].source,
+                "source": variants[0].source,
             }
         )
     return pd.DataFrame(rows).set_index("effect")

@@ -88,8 +88,8 @@ def _now_and_then(seconds: float, show: Callable[[str], None]) -> Progress:
         nonlocal last
         if (now := time.monotonic()) - last >= seconds:
             last, spent = now, now - began
-            left = spent * (total - done) / done if done else 0
-            share = f", {done / total:.0%} of what is usual, about {clock(left)} left" if left > 0 else ""
+            remaining = spent * (total - done) / done if done else 0
+            share = f", {done / total:.0%} of what is usual, about {clock(remaining)} left" if remaining > 0 else ""
             show(f"{phase}: {done} simulated events{share}")
 
     return tell
