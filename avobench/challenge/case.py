@@ -71,8 +71,8 @@ class Case:
         estimate = self._theta(when)
         if estimate is None:
             return None
-        known, true = self.task.identifiable(np.stack([estimate, self.answer["theta"]]))
-        return float((np.abs(known - true) / self.task.identifiable_scale).mean())
+        estimated, true = self.task.identifiable(np.stack([estimate, self.answer["theta"]]))
+        return float((np.abs(estimated - true) / self.task.identifiable_scale).mean())
 
     def pull(self, when: str) -> float | None:
         """How far theta is from the truth, in quoted errors, at most; None where the data determine nothing of it.
@@ -80,27 +80,27 @@ class Case:
         Of the combinations that the diagnosis says are determined; where the events determine fewer quantities than
         theta has, of those, with the errors that the combinations give them.
         """
-        known, estimate, truth = (
+        combinations, estimate, truth = (
             self.diagnosis[f"identified_{when}"],
             self._theta(f"theta_{when}"),
             self.answer["theta"],
         )
-        if not known:
+        if not combinations:
             return None
         names = self.task.parameter_names
-        rows = np.array([[each["coefficients"][name] for name in names] for each in known])
-        std = np.array([each["std"] for each in known])
+        rows = np.array([[each["coefficients"][name] for name in names] for each in combinations])
+        std = np.array([each["std"] for each in combinations])
         step = DERIVATIVE_STEP * self.task.prior.width
         at = np.stack([estimate, truth, *(estimate + change for change in np.diag(step))])
         quantities = self.task.identifiable(at)
         if quantities.shape[1] == len(names):
             return float(np.abs(rows @ (estimate - truth) / std).max())
-        found, true, *moved = quantities
+        estimated, true, *moved = quantities
         # A combination moves theta along its own coefficients, in units of the range, by its error.
         width = np.subtract(self.task.support.high, self.task.support.low)
-        slopes = [(rows * width) @ (change / step * width) for change in (np.array(moved) - found).T]
+        slopes = [(rows * width) @ (change / step * width) for change in (np.array(moved) - estimated).T]
         errors = [np.sqrt((slope**2) @ std**2) for slope in slopes]
-        return float(np.max(np.abs(found - true) / errors))
+        return float(np.max(np.abs(estimated - true) / errors))
 
     def _theta(self, when: str) -> np.ndarray | None:
         theta = self.diagnosis[when]

@@ -91,11 +91,11 @@ class Hidden:
     @property
     def answer(self) -> dict[str, Any]:
         """The effect as answers.json describes it."""
-        own = isinstance(self.injection, OwnShape)
+        has_own_shape = isinstance(self.injection, OwnShape)
         return {
             "name": self.injection.name,
             "feature": self.feature,
-            "shape": self.injection.effect.shape if own else self.injection.shape.name,
+            "shape": self.injection.effect.shape if has_own_shape else self.injection.shape.name,
             "settings": dict(self.injection.settings),
             "distance": self.visibility.distance,
             "power": self.visibility.power,
@@ -155,16 +155,16 @@ def _draw(
 
     A family is drawn first, then its feature, then its shape, so that none is favoured for having many of them.
     """
-    own: dict[tuple[str, Any], list[Effect]] = {}
+    catalogued: dict[tuple[str, Any], list[Effect]] = {}
     for effect in catalogue(task, reference):
-        own.setdefault(effect.key, []).append(effect)
+        catalogued.setdefault(effect.key, []).append(effect)
     foreign: dict[tuple[str, Any], list[Shape]] = {}
-    for feature in dict.fromkeys(feature for _, feature in own):
+    for feature in dict.fromkeys(feature for _, feature in catalogued):
         place = Place(task, feature, reference)
         for shape in shapes:
             if shape.suits(place):
                 foreign.setdefault((shape.family, feature), []).append(shape)
-    keys = [key for key in (own if source == "own" else foreign) if key in own and key[0] not in without]
+    keys = [key for key in (catalogued if source == "own" else foreign) if key in catalogued and key[0] not in without]
     if not keys:
         raise UsageError(f"there is no effect of {source} shape to hide in events of {task.name}")
     at = np.tile(theta, (_tried(task, num_events), 1))
@@ -173,14 +173,14 @@ def _draw(
     feature = features[rng.integers(len(features))]
     for _ in range(MAX_DRAWS):
         if source == "own":
-            injection = OwnShape.draw(own[family, feature], rng)
+            injection = OwnShape.draw(catalogued[family, feature], rng)
         else:
             choices = foreign[family, feature]
             injection = choices[rng.integers(len(choices))].draw(Place(task, feature, reference), rng)
-        seen = visibility(task, injection.measure(task.simulate, at, rng), theta, num_events, rng)
-        if seen.power >= LEAST_POWER and seen.distance <= MOST_DISTANCE:
+        strength = visibility(task, injection.measure(task.simulate, at, rng), theta, num_events, rng)
+        if strength.power >= LEAST_POWER and strength.distance <= MOST_DISTANCE:
             break
-    return Hidden(injection, task.labels[feature] if isinstance(feature, int) else feature, seen)
+    return Hidden(injection, task.labels[feature] if isinstance(feature, int) else feature, strength)
 
 
 def _tried(task: Task, num_events: int) -> int:

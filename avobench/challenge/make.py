@@ -75,10 +75,10 @@ def make(
 
 def named_shapes(spec: str) -> list[Shape]:
     """The shapes that `module:NAME` or `file.py:NAME` lists. Raises UsageError where it does not."""
-    found = registry.imported("shapes", spec)
-    if not isinstance(found, list | tuple) or not found or not all(isinstance(each, Shape) for each in found):
+    shapes = registry.imported("shapes", spec)
+    if not isinstance(shapes, list | tuple) or not shapes or not all(isinstance(each, Shape) for each in shapes):
         raise UsageError(f"--shapes takes a list of avobench.challenge.shape.Shape, and {spec} is none")
-    return list(found)
+    return list(shapes)
 
 
 def _json(content: dict[str, Any]) -> bytes:

@@ -81,10 +81,10 @@ def _of_set(cases: list[Case], each: str) -> list[Case]:
 
 def _one(cases: list[Case]) -> dict[str, Any]:
     """One hidden effect, which the catalogue has. Names are judged where something was detected."""
-    found = [case for case in cases if case.detected]
+    detected = [case for case in cases if case.detected]
     visible = [case for case in cases if case.power >= VISIBLE]
-    explained = [case for case in found if case.explained]
-    sizes = [len(case.ties[0]) for case in found if case.ties]
+    explained = [case for case in detected if case.explained]
+    sizes = [len(case.ties[0]) for case in detected if case.ties]
     borders = (0, *POWERS, np.inf)
     return {
         "cases": len(cases),
@@ -93,36 +93,36 @@ def _one(cases: list[Case]) -> dict[str, Any]:
             {"from": low, "to": min(high, 1), **rate(c.detected for c in cases if low <= c.power < high)}
             for low, high in pairwise(borders)
         ],
-        "right_first": rate(case.first() for case in found),
-        "right_first_by_gap": _by_gap(found, Case.first),
-        "right_first_whatever_feature": rate(case.first(feature=False) for case in found),
-        "in_tie_set": rate(case.in_first_tie for case in found),
+        "right_first": rate(case.first() for case in detected),
+        "right_first_by_gap": _by_gap(detected, Case.first),
+        "right_first_whatever_feature": rate(case.first(feature=False) for case in detected),
+        "in_tie_set": rate(case.in_first_tie for case in detected),
         "tie_size": float(np.mean(sizes)) if sizes else None,
-        "another_would_do": rate(bool(case.ties and case.ties[0] - {case.hidden[0]}) for case in found),
-        "more_named": rate(len(case.named) > 1 for case in found),
+        "another_would_do": rate(bool(case.ties and case.ties[0] - {case.hidden[0]}) for case in detected),
+        "more_named": rate(len(case.named) > 1 for case in detected),
         "visible_right_first": rate(case.first() for case in visible),
         "visible_in_tie_set": rate(case.in_first_tie for case in visible),
-        "explained": rate(case.explained for case in found),
-        **_before_and_after(found),
+        "explained": rate(case.explained for case in detected),
+        **_before_and_after(detected),
         "theta_within_2": rate(_near(explained, "after")),
-        "mistaken": _mistaken(found),
+        "mistaken": _mistaken(detected),
     }
 
 
 def _withheld(cases: list[Case]) -> dict[str, Any]:
-    found = [case for case in cases if case.detected]
+    detected = [case for case in cases if case.detected]
     return {
         "cases": len(cases),
         "undetectable": sum(case.undetectable for case in cases),
         "detected": rate(case.detected for case in cases),
-        "falsely_explained": rate(case.explained for case in found),
-        "falsely_explained_by_gap": _by_gap(found, lambda case: case.explained),
-        "mistaken": _mistaken([case for case in found if case.explained]),
+        "falsely_explained": rate(case.explained for case in detected),
+        "falsely_explained_by_gap": _by_gap(detected, lambda case: case.explained),
+        "mistaken": _mistaken([case for case in detected if case.explained]),
     }
 
 
 def _two(cases: list[Case]) -> dict[str, Any]:
-    found = [case for case in cases if case.detected]
+    detected = [case for case in cases if case.detected]
     visible = [case for case in cases if case.both_visible]
     missed = [case for case in visible if not case.both]
     return {
@@ -131,11 +131,11 @@ def _two(cases: list[Case]) -> dict[str, Any]:
         "visible_both": rate(case.both for case in visible),
         "visible_missed_explained": rate(case.explained for case in missed),
         "visible_at_least_one": rate(bool(set(case.hidden) & set(case.named)) for case in visible),
-        "both": rate(case.both for case in found),
-        "at_least_one": rate(bool(set(case.hidden) & set(case.named)) for case in found),
-        "both_with_ties": rate(set(case.hidden) <= set().union(*case.ties) for case in found),
-        **_before_and_after(found),
-        "mistaken": _mistaken(found),
+        "both": rate(case.both for case in detected),
+        "at_least_one": rate(bool(set(case.hidden) & set(case.named)) for case in detected),
+        "both_with_ties": rate(set(case.hidden) <= set().union(*case.ties) for case in detected),
+        **_before_and_after(detected),
+        "mistaken": _mistaken(detected),
     }
 
 

@@ -86,8 +86,8 @@ class Place:
         """
         if self.kind == "images":
             return x.reshape(-1, *self.task.event_shape) > 0
-        seen = x[:, self.columns].astype(float)
-        return seen if self.kind == "counts" else (seen - self.centre) / self.half_range
+        features = x[:, self.columns].astype(float)
+        return features if self.kind == "counts" else (features - self.centre) / self.half_range
 
     def write(self, x: NDArray, y: NDArray) -> NDArray:
         """Events x (n, d) in which what `read` gives is y; a cosine that runs over an end comes back from it."""

@@ -81,9 +81,9 @@ def _solved(spec: str, data: Path, number: int, case: dict, options: dict[str, A
         x, warnings = checks.events(x)
         effects = [effect for effect in checks.entries() if allowed is None or effect.name in allowed]
         diagnosis = diagnose(task, x, seed=number, effects=effects, bank=checks.bank, **asked).diagnosis
-        found = {"warnings": warnings, "diagnosis": diagnosis.model_dump(mode="json")}
-        json.dumps(found, allow_nan=False)  # a number that is none is a fault too
-        result |= found
+        answer = {"warnings": warnings, "diagnosis": diagnosis.model_dump(mode="json")}
+        json.dumps(answer, allow_nan=False)  # a number that is none is a fault too
+        result |= answer
     except UsageError:
         raise
     except Exception as error:
@@ -122,9 +122,9 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     if not path.is_file():
         raise UsageError(f"{folder} holds no challenge; `avobench challenge make --out {folder}` makes one")
     manifest = read_json(path)
-    found = {name: manifest.get(name) for name in MANIFEST}
-    if found != MANIFEST:
-        raise UsageError(f"{path} has the schema {found}, this version of avobench reads {MANIFEST}")
+    schema = {name: manifest.get(name) for name in MANIFEST}
+    if schema != MANIFEST:
+        raise UsageError(f"{path} has the schema {schema}, this version of avobench reads {MANIFEST}")
     try:
         cases = [case.case for case in Manifest.model_validate(manifest).cases]
     except ValidationError as error:

@@ -52,7 +52,7 @@ def visibility(
     fitted = Fitted.of(task, other)
     start = np.append(theta, 0.0) if other else theta
     starts = [start] if task.event_shape else [start, _where_means_agree(fitted, x, start, rng)]
-    return min((_from(task, fitted, x, start, num_events, rng) for start in starts), key=lambda seen: seen.distance)
+    return min((_from(task, fitted, x, start, num_events, rng) for start in starts), key=lambda each: each.distance)
 
 
 @dataclass(frozen=True)
@@ -121,14 +121,14 @@ def _from(
         jacobian = np.stack(slopes, axis=1)
         residual = (bins.mean(x) - bins.mean(simulated)) @ whiten
         move, _, rank, _ = np.linalg.lstsq(jacobian, residual, rcond=0.02)
-        left = residual - jacobian @ move
+        remaining = residual - jacobian @ move
         if round + 1 < num_rounds:
             theta = np.clip(theta + move * step, low, high)
             simulated = simulate(np.tile(theta, (m, 1)), rng)
     ndf = int(kept.sum() - rank)
     if ndf < 1:  # as many numbers are fitted as there are bins
         return Visibility(0.0, ALPHA)
-    noncentrality = max(0.0, float(left @ left) - ndf * (1 / n + 1 / m)) * num_events
+    noncentrality = max(0.0, float(remaining @ remaining) - ndf * (1 / n + 1 / m)) * num_events
     return Visibility(noncentrality / ndf, float(ncx2.sf(chi2.isf(ALPHA, ndf), ndf, noncentrality)))
 
 
