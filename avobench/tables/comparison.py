@@ -60,12 +60,12 @@ class Reduced:
         """
         per_value = tables.entries_of(np.ones_like(self.mean), self.mean)
         measured = per_value * tables.values
-        one, known = np.diag(self.scatter(tables, measured)), np.empty_like(measured)
+        one, weights = np.diag(self.scatter(tables, measured)), np.empty_like(measured)
         for table, part in zip(tables, tables.parts, strict=True):
             cov = table.covariance if tables.covariance is None else tables.covariance[part, part]
             counts = table.widths / per_value[part]  # the number of events
-            known[part] = counts if cov is None else one[part] / (np.diag(cov) * per_value[part] ** 2)
-        return tables.predict((known * measured + self.num_events * self.mean) / (known + self.num_events))
+            weights[part] = counts if cov is None else one[part] / (np.diag(cov) * per_value[part] ** 2)
+        return tables.predict((weights * measured + self.num_events * self.mean) / (weights + self.num_events))
 
     def scatter(self, tables: Tables, mean: NDArray[np.float64]) -> NDArray[np.float64]:
         """What each event adds to the covariance of the entries of all (K, K), where its mean entries are others (K,).
@@ -207,8 +207,8 @@ def whitening(cov: NDArray[np.float64]) -> NDArray[np.float64]:
     """W (K, r) with W^T cov W = 1, r the rank of cov (K, K): 1 less for each table of which only the shape is known."""
     scale = np.sqrt(np.diag(cov))
     values, vectors = np.linalg.eigh(cov / np.outer(scale, scale))
-    known = values > ROUNDING * values[-1]
-    return vectors[:, known] / np.sqrt(values[known]) / scale[:, None]
+    kept = values > ROUNDING * values[-1]
+    return vectors[:, kept] / np.sqrt(values[kept]) / scale[:, None]
 
 
 def distance(away: NDArray[np.float64], cov: NDArray[np.float64]) -> tuple[float, int]:

@@ -74,8 +74,8 @@ class TablePolynomial:
         solver = self.solver if without is None else self._solver(1.0 * (np.arange(len(self.theta)) != without))
         coefficients, wanted = solver @ self.values @ w, self.tables.values @ w
         start = np.clip(t, -1, 1)
-        found = least_squares(lambda t: quadratic(t) @ coefficients - wanted, start, bounds=(-1, 1))
-        return found.x, found.jac
+        solution = least_squares(lambda t: quadratic(t) @ coefficients - wanted, start, bounds=(-1, 1))
+        return solution.x, solution.jac
 
     @cached_property
     def misfit(self) -> NDArray[np.float64]:
@@ -220,8 +220,8 @@ def _best(polynomial: TablePolynomial, names: list[str], default: NDArray[np.flo
     away = (polynomial.values - polynomial.tables.values) @ polynomial.whitening_at(middle)
     closest = polynomial.theta[(away**2).sum(axis=1).argmin()]
     starts = [middle, closest, *([] if default is None else [default])]
-    found = [_settled(polynomial, polynomial.to_t(start)) for start in starts]
-    t, w, slopes = min(found, key=lambda each: polynomial.compare(polynomial.to_theta(each[0])).chi_squared)
+    minima = [_settled(polynomial, polynomial.to_t(start)) for start in starts]
+    t, w, slopes = min(minima, key=lambda each: polynomial.compare(polynomial.to_theta(each[0])).chi_squared)
     theta, half = polynomial.to_theta(t), np.ptp(polynomial.box, axis=0) / 2
     # In the box as -1 to 1, where the variance of what may be anywhere is 1/3.
     values, vectors = np.linalg.eigh(slopes.T @ slopes)
@@ -233,8 +233,8 @@ def _best(polynomial: TablePolynomial, names: list[str], default: NDArray[np.flo
     noise = (k - 1) * np.cov(without, rowvar=False, bias=True).reshape(len(t), len(t))
     cov = (every - linear @ polynomial.at(theta)[1] @ linear.T + noise) * np.outer(half, half)
     before = None if default is None else polynomial.compare(default)
-    told = int((values > 3).sum())
-    return TableFit(names, theta, cov, np.abs(t) > 1 - 1e-3, before, polynomial.compare(theta), told, polynomial)
+    num_fitted = int((values > 3).sum())
+    return TableFit(names, theta, cov, np.abs(t) > 1 - 1e-3, before, polynomial.compare(theta), num_fitted, polynomial)
 
 
 def _settled(

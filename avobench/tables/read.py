@@ -76,14 +76,14 @@ def read_table(source: Any, table: str | None = None, **settings: Any) -> Table:
     if suffix not in (".csv", ".yaml", ".yml"):
         raise UsageError(f"{file}: tables are read from {KINDS}")
     try:
-        found = list(_of_csv(file) if suffix == ".csv" else _of_yaml(file))
+        published = list(_of_csv(file) if suffix == ".csv" else _of_yaml(file))
     except UnicodeDecodeError as error:
         raise UsageError(f"{file} is not a text in UTF-8 (byte {error.start})") from error
-    tables = [each.name for each in found]
-    names = [each.name if tables.count(each.name) == 1 else each.column for each in found]
-    chosen = [each for each, name in zip(found, names, strict=True) if table in (None, name)]
+    tables = [each.name for each in published]
+    names = [each.name if tables.count(each.name) == 1 else each.column for each in published]
+    chosen = [each for each, name in zip(published, names, strict=True) if table in (None, name)]
     if len(chosen) != 1:
-        if not found:
+        if not published:
             raise UsageError(f"{file} holds no table")
         asked = "holds several tables" if table is None else f"has no table '{table}'"
         raise UsageError(f"{file} {asked}; choose one of: {', '.join(names)}")
@@ -97,9 +97,9 @@ def _of_csv(file: str) -> Iterator[Published]:
         if not any(cells):
             continue
         if cells[0].startswith("#"):
-            if told := re.match(r"#: *name: *(.+)", ",".join(cells)):
+            if title := re.match(r"#: *name: *(.+)", ",".join(cells)):
                 yield from _of_rows(file, name, header, rows)
-                name, header, rows = told[1].strip(), None, []
+                name, header, rows = title[1].strip(), None, []
         elif header is None or (len(cells) > 1 and not any(map(_is_number, cells))):
             yield from _of_rows(file, name, header, rows)
             header, rows = cells, []
@@ -119,11 +119,11 @@ def _cells(file: str) -> list[list[str]]:
     with open(file, encoding="utf-8-sig", newline="") as stream:
         lines = stream.read().splitlines(keepends=True)
     read = {separator: list(csv.reader(lines, delimiter=separator)) for separator in SEPARATORS}
-    found = {separator: [[cell.strip() for cell in row] for row in rows] for separator, rows in read.items()}
+    by_separator = {separator: [[cell.strip() for cell in row] for row in rows] for separator, rows in read.items()}
     separator = next(
-        (one for one, rows in found.items() if any(_end(row, "low") and _end(row, "high") for row in rows)), ","
+        (one for one, rows in by_separator.items() if any(_end(row, "low") and _end(row, "high") for row in rows)), ","
     )
-    rows = found[separator]
+    rows = by_separator[separator]
     if separator == "," or not any(DECIMAL.fullmatch(cell) for row in rows for cell in row):
         return rows
     if any("." in cell and _is_number(cell) for row in rows for cell in row):
@@ -147,8 +147,8 @@ def _of_rows(
     if [column[:-2] for column in sides[::2]] != [column[:-2] for column in sides[1::2]]:
         raise UsageError(f"{file}: errors have two sides, ' +' and ' -' side by side, got: {', '.join(sides)}")
     if sides and "error" in named:
-        told = f"{file} has the column '{named['error']}' beside {', '.join(sides)}"
-        raise UsageError(f"{told}: drop these if it is the total, else make it two, 'error +' and 'error -'")
+        message = f"{file} has the column '{named['error']}' beside {', '.join(sides)}"
+        raise UsageError(f"{message}: drop these if it is the total, else make it two, 'error +' and 'error -'")
     errors = [[named["error"]]] if "error" in named else list(zip(sides[::2], sides[1::2], strict=True))
     others = [
         column
@@ -164,10 +164,10 @@ def _of_rows(
             if row.get(of, name) == one:
                 where = f"{file}: line {number}"
                 at = _number(row[value], where)
-                told = [[_number(row[c], where, at) for c in pair if row[c] not in ("", "-")] for pair in errors]
-                if "error" in named and min(told[0], default=0) < 0:
-                    raise UsageError(f"{where} has an error of {told[0][0]:g}: errors must be positive")
-                error = np.sqrt(sum(np.mean(np.square(pair)) for pair in told if pair))
+                row_errors = [[_number(row[c], where, at) for c in pair if row[c] not in ("", "-")] for pair in errors]
+                if "error" in named and min(row_errors[0], default=0) < 0:
+                    raise UsageError(f"{where} has an error of {row_errors[0][0]:g}: errors must be positive")
+                error = np.sqrt(sum(np.mean(np.square(pair)) for pair in row_errors if pair))
                 bins.append((_number(row[low], where), _number(row[high], where), at, float(error)))
         lows, highs, values, sizes = map(list, zip(*bins, strict=True))
         yield Published(one, value, lows, highs, values, sizes if errors else None)

@@ -92,8 +92,10 @@ class Table:
         """Raise UsageError if there are more entries than events that have one each, by far more than errors (K, K)."""
         entries, variance = self.values @ self.widths, self.widths @ covariance @ self.widths
         if self.of is None and not self.normalised and entries > self.scale * (1 + 1e-6) + FAR * np.sqrt(abs(variance)):
-            told = f"{entries:g} entries are more than num_events={self.scale:g}"
-            raise self.wrong(f"{told}: give num_events=, normalised=True to compare the shape alone, or density=True")
+            message = f"{entries:g} entries are more than num_events={self.scale:g}"
+            raise self.wrong(
+                f"{message}: give num_events=, normalised=True to compare the shape alone, or density=True"
+            )
 
     def wrong(self, what: str) -> UsageError:
         """An error that names the table."""
@@ -177,15 +179,15 @@ class Table:
 
     def _binned(self, events: Any, n: int) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
         """The event of each entry, and its value: (m,) twice."""
-        found = self._column(events) if self.of is None else self.of(events)
-        if len(found) != n:
-            raise self.wrong(f"`of` must give numbers for each event: {len(found)} for {n} events")
-        if isinstance(found, np.ndarray) and found.dtype != object:
-            if found.ndim > 2:
-                raise self.wrong(f"`of` must give (n,), (n, k) or a list of arrays, got {found.shape}")
-            values = found[:, None] if found.ndim == 1 else found
+        entries = self._column(events) if self.of is None else self.of(events)
+        if len(entries) != n:
+            raise self.wrong(f"`of` must give numbers for each event: {len(entries)} for {n} events")
+        if isinstance(entries, np.ndarray) and entries.dtype != object:
+            if entries.ndim > 2:
+                raise self.wrong(f"`of` must give (n,), (n, k) or a list of arrays, got {entries.shape}")
+            values = entries[:, None] if entries.ndim == 1 else entries
             return np.repeat(np.arange(n), values.shape[1]), values.ravel()
-        parts = [np.ravel(part) for part in found]
+        parts = [np.ravel(part) for part in entries]
         values = np.concatenate(parts) if parts else np.empty(0)
         return np.repeat(np.arange(n), [len(part) for part in parts]), values
 
@@ -232,14 +234,14 @@ class Tables:
     @property
     def num_events(self) -> int | None:
         """How many events the tables are of, if all tell the same: counts without `of` tell those in their bins."""
-        told = {
+        counts = {
             round(table.values @ table.widths)
             if self.are_counts(table) and not (table.num_events or table.of)
             else table.num_events
             for table in self.tables
         }
-        number = told.pop()
-        return None if told or number is None else round(number)
+        number = counts.pop()
+        return None if counts or number is None else round(number)
 
     def are_counts(self, table: Table) -> bool:
         """Whether the errors of one of the tables are those of counts."""
@@ -267,10 +269,10 @@ class Tables:
 
         In each normalised table they are as many as these mean entries (K,).
         """
-        found = np.maximum(values, 0)
+        entries = np.maximum(values, 0)
         for table, part in zip(self.tables, self.parts, strict=True):
-            found[part] *= table.widths / table.scale * (mean[part].sum() if table.normalised else 1.0)
-        return found
+            entries[part] *= table.widths / table.scale * (mean[part].sum() if table.normalised else 1.0)
+        return entries
 
     def slopes(self, mean: NDArray[np.float64], around: NDArray[np.float64]) -> NDArray[np.float64]:
         """The derivative of the values with respect to the mean entries per event (K,), where the values are `around`.
