@@ -54,6 +54,6 @@ def diagnose(out: Path, time: str | None, **options: Any) -> None:
     task, x, when = asked.read(time=time)
     require_folder(out)
     with shown(None, plain=True) as progress:
-        found = diagnose_events(task, x, time=when, progress=progress, **options)
-    found.save(out, asked.title)
-    say(found.details())
+        diagnosis = diagnose_events(task, x, time=when, progress=progress, **options)
+    diagnosis.save(out, asked.title)
+    say(diagnosis.details())

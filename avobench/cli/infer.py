@@ -37,7 +37,7 @@ def infer(method: str | None, settings: tuple[str, ...], out: Path | None, **opt
     chosen = parse_settings(settings, {"task": [spec] if spec else [], "method": methods})
     task, x, _ = asked.read(chosen.get(spec))
     with shown(None, plain=True) as progress:
-        found = infer_events(task, x, method, settings=chosen.get(method), progress=progress, **options)
+        inference = infer_events(task, x, method, settings=chosen.get(method), progress=progress, **options)
     if out is not None:
-        found.save(out)
-    say(found)
+        inference.save(out)
+    say(inference)

@@ -99,20 +99,20 @@ def effects_of(spec: str) -> str:
         where = f"each acts on one of {', '.join(features)}, or on all alike; bounds are those for {features[0]}"
         lines += _wrapped(f"  {where}", 4)
     for name in dict.fromkeys(effect.name for effect in entries):
-        own = [effect for effect in entries if effect.name == name]
-        lines += _effect([shape for e in own if e.key == own[0].key for shape in e.shapes()], _bounds)
-        if len(own) > 1 and isinstance(own[0].feature, str):
-            lines += _wrapped(f"        each acts on one of {', '.join(effect.feature for effect in own)}", 12)
+        variants = [effect for effect in entries if effect.name == name]
+        lines += _effect([shape for e in variants if e.key == variants[0].key for shape in e.shapes()], _bounds)
+        if len(variants) > 1 and isinstance(variants[0].feature, str):
+            lines += _wrapped(f"        each acts on one of {', '.join(effect.feature for effect in variants)}", 12)
     return "\n".join(lines)
 
 
-def _effect(shapes: Sequence[Effect], told: Callable[[Parameter], str]) -> list[str]:
+def _effect(shapes: Sequence[Effect], describe: Callable[[Parameter], str]) -> list[str]:
     """The sentence of an effect, its source, and a line for all shapes with the same parameters."""
     first = shapes[0]
     lines = [*_wrapped(f"    {first.name}: {first.sentence}", 8)]
     alike: dict[str, list[str]] = {}
     for shape in shapes:
-        parameters = ", ".join(told(parameter) for parameter in shape.parameters)
+        parameters = ", ".join(describe(parameter) for parameter in shape.parameters)
         named = alike.setdefault(parameters, [])
         if shape.shape not in named:
             named.append(shape.shape)

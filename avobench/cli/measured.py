@@ -140,9 +140,9 @@ def _events(file: str, columns: list[str] | None, weights: str | None, time: str
     """Measured events of a file, without the column of `weights` by which they are thinned, and the column `time`."""
     x, when = read_timed(file, [*columns, *([weights] if weights else [])] if columns else None, time)
     if weights:
-        with warnings.catch_warnings(record=True, action="always") as told:
+        with warnings.catch_warnings(record=True, action="always") as caught:
             x = unweighted(x, weights)
-        say(f"note: {told[0].message}", err=True)
+        say(f"note: {caught[0].message}", err=True)
     return x, when
 
 
@@ -160,11 +160,11 @@ def tables_of(names: Sequence[str], features: Sequence[str] | None, **settings: 
     """The tables of files, each by its feature. Raises UsageError."""
     if features is not None and len(features) != len(names):
         raise UsageError(f"--columns names the feature of each table: {len(features)} for {len(names)} tables")
-    found = []
+    tables = []
     for k, name in enumerate(names):
         file, _, chosen = name.rpartition(":") if re.search(r"\.(csv|yaml|yml):[^:]+$", name) else (name, "", None)
-        found.append(read_table(file, chosen, feature=features[k] if features else 0, **settings))
-    return found
+        tables.append(read_table(file, chosen, feature=features[k] if features else 0, **settings))
+    return tables
 
 
 def read_joint(path: str, trust: bool = False) -> Joint:
@@ -174,37 +174,39 @@ def read_joint(path: str, trust: bool = False) -> Joint:
     Files are looked for beside this one. Raises UsageError.
     """
     try:
-        said = tomllib.loads(Path(path).read_text())
+        sections = tomllib.loads(Path(path).read_text())
     except (OSError, ValueError, RecursionError) as error:
         raise UsageError(f"{path} cannot be read: {error}") from error
-    shared = said.pop("shared", None)
+    shared = sections.pop("shared", None)
     if not isinstance(shared, list | None):
         raise UsageError(f"{path}: shared must be a list of names of parameters")
-    return joint({name: _set(f"{path}: {name}", each, Path(path).parent, trust) for name, each in said.items()}, shared)
+    return joint(
+        {name: _set(f"{path}: {name}", each, Path(path).parent, trust) for name, each in sections.items()}, shared
+    )
 
 
-def _set(where: str, said: Any, folder: Path, trust: bool) -> tuple[Any, Any]:
+def _set(where: str, section: Any, folder: Path, trust: bool) -> tuple[Any, Any]:
     """The task and the events or tables of one section. Raises UsageError."""
-    if not isinstance(said, dict):
+    if not isinstance(section, dict):
         raise UsageError(f"{where} must be a section [name] with a task, and data or a table")
-    for key, value in said.items():
+    for key, value in section.items():
         if key not in KEYS:
             hint = did_you_mean(key, KEYS) or f"it may have {', '.join(KEYS)}"
             raise UsageError(f"{where} cannot have '{key}'; {hint}")
         if not isinstance(value, KEYS[key]) or (isinstance(value, list) and not all(isinstance(v, str) for v in value)):
             raise UsageError(f"{where}: {key} cannot be {value!r}")
-    tables = said.get("table", [])
+    tables = section.get("table", [])
     tables = [tables] if isinstance(tables, str) else tables
-    if "task" not in said or ("data" in said) == bool(tables):
+    if "task" not in section or ("data" in section) == bool(tables):
         raise UsageError(f"{where} needs a task, and data or a table: one of the two")
-    of_tables = {key: said[key] for key in ("density", "normalised") if key in said}
+    of_tables = {key: section[key] for key in ("density", "normalised") if key in section}
     if of_tables and not tables:
         raise UsageError(f"{where}: {', '.join(of_tables)} is of a table, which is not given")
-    if "weights" in said and tables:
+    if "weights" in section and tables:
         raise UsageError(f"{where}: weights are of data, which is not given")
-    columns, spec = said.get("columns"), said["task"]
+    columns, spec = section.get("columns"), section["task"]
     beside = re.search(r"\.py:[^:]+$|\.json$", spec)
     task = registry.build("task", registry.trusted(str(folder / spec) if beside else spec, trust), {})
     if tables:
         return task, tables_of([str(folder / table) for table in tables], columns, **of_tables)
-    return task, _events(str(folder / said["data"]), columns, said.get("weights"))[0]
+    return task, _events(str(folder / section["data"]), columns, section.get("weights"))[0]

@@ -20,9 +20,9 @@ def listed(context: click.Context, option: click.Parameter, given: tuple[str, ..
     return names or None
 
 
-def names(option: str, told: str) -> Callable[..., Any]:
+def names(option: str, description: str) -> Callable[..., Any]:
     """An option that takes names in one or several lists `A,B,...`."""
-    return click.option(option, multiple=True, metavar="A,B,...", callback=listed, help=told)
+    return click.option(option, multiple=True, metavar="A,B,...", callback=listed, help=description)
 
 
 def workers_of(options: dict[str, Any], state: State) -> Workers:

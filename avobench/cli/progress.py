@@ -43,7 +43,9 @@ class ProgressView(View):
             outcome = f"squared error {record['squared_error']:.3g}{ratio}"
         else:
             outcome = reason(record)
-        self.note(f"[{len(sweep.done)}/{len(sweep.cells)}] {cell.label}: {outcome}, {clock(seconds)}{_left(sweep)}")
+        self.note(
+            f"[{len(sweep.done)}/{len(sweep.cells)}] {cell.label}: {outcome}, {clock(seconds)}{_time_left(sweep)}"
+        )
         self.after_cell(sweep, cell)
         self.last = time.monotonic()
 
@@ -53,19 +55,19 @@ class ProgressView(View):
         if self.live:
             table = Table.grid(padding=(0, 1))
             share = (len(sweep.done) + sum(running.values())) / len(sweep.cells)
-            bars = {f"{len(sweep.done)} of {len(sweep.cells)} cells{_left(sweep)}": share, **running}
+            bars = {f"{len(sweep.done)} of {len(sweep.cells)} cells{_time_left(sweep)}": share, **running}
             for label, value in bars.items():
                 table.add_row(ProgressBar(total=1, completed=value, width=30), f"{value:4.0%}", label)
             self.live.update(table, refresh=True)
         elif time.monotonic() - self.last >= QUIET_SECONDS:
             self.last = time.monotonic()
             self.note(
-                "running: " + ", ".join(f"{label} {share:.0%}" for label, share in running.items()) + _left(sweep)
+                "running: " + ", ".join(f"{label} {share:.0%}" for label, share in running.items()) + _time_left(sweep)
             )
 
 
-def _left(sweep: Sweep) -> str:
+def _time_left(sweep: Sweep) -> str:
     if not sweep.pending:
         return ""
-    left, known = sweep.seconds_left()
-    return f"; {'about' if known else 'at least'} {clock(left)} left" if left else ""
+    remaining, all_timed = sweep.seconds_left()
+    return f"; {'about' if all_timed else 'at least'} {clock(remaining)} left" if remaining else ""
