@@ -101,10 +101,10 @@ def texts(values: Iterable[str]) -> list[Cell]:
     return [Cell(value, value) for value in values]
 
 
-def figures(values: Sequence[float | None], told: Callable[[Any], str] | None = None) -> list[Cell]:
-    """A column of numbers, each as it is `told`, by default with as many decimals in each row."""
-    said = numbers.column(values) if told is None else map(told, values)
-    return [Cell(text, key(value), True) for text, value in zip(said, values, strict=True)]
+def figures(values: Sequence[float | None], render: Callable[[Any], str] | None = None) -> list[Cell]:
+    """A column of numbers, each as `render` writes it, by default with as many decimals in each row."""
+    rendered = numbers.column(values) if render is None else map(render, values)
+    return [Cell(text, key(value), True) for text, value in zip(rendered, values, strict=True)]
 
 
 def key(value: float | None) -> str:
@@ -114,12 +114,12 @@ def key(value: float | None) -> str:
 
 
 def column(values: pd.Series) -> list[Cell]:
-    """The cells of a column of a data frame: numbers where all that is known of it are."""
-    known = [None if pd.api.types.is_scalar(value) and pd.isna(value) else value for value in values]
-    if any(isinstance(value, bool) or not isinstance(value, Real | None) for value in known):
-        return [Cell("-", "") if value is None else Cell(str(value), str(value)) for value in known]
-    whole = all(value is None or float(value).is_integer() for value in known)
-    return figures([None if value is None else int(value) if whole else float(value) for value in known])
+    """The cells of a column of a data frame: numbers if every value that is not missing is one."""
+    cleaned = [None if pd.api.types.is_scalar(value) and pd.isna(value) else value for value in values]
+    if any(isinstance(value, bool) or not isinstance(value, Real | None) for value in cleaned):
+        return [Cell("-", "") if value is None else Cell(str(value), str(value)) for value in cleaned]
+    whole = all(value is None or float(value).is_integer() for value in cleaned)
+    return figures([None if value is None else int(value) if whole else float(value) for value in cleaned])
 
 
 def address(kind: str, content: bytes) -> str:

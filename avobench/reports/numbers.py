@@ -60,10 +60,10 @@ def column(values: Sequence[float | None]) -> list[str]:
 
     The smallest of them has three digits, and at most three decimals. None and NaN are dashes.
     """
-    known = [value for value in values if value is not None and not math.isnan(value)]
-    if all(isinstance(value, int) for value in known):
+    present = [value for value in values if value is not None and not math.isnan(value)]
+    if all(isinstance(value, int) for value in present):
         return [str(value) if isinstance(value, int) else "-" for value in values]
-    sizes = [abs(value) for value in known if value != 0 and math.isfinite(value)]
+    sizes = [abs(value) for value in present if value != 0 and math.isfinite(value)]
     low, high = min(sizes, default=1.0), max(sizes, default=1.0)
     if low < SCIENTIFIC_BELOW or high >= SCIENTIFIC_FROM:
         form = ".2e"

@@ -29,7 +29,7 @@ def comparable(cells: pd.DataFrame) -> pd.DataFrame:
     """The cells whose target every method of their task has; all of a task where no target is in common."""
     parts = []
     for _, of_task in cells.groupby("task", sort=False):
-        common = set.intersection(*(set(own["target"]) for _, own in of_task.groupby("method")))
+        common = set.intersection(*(set(of_method["target"]) for _, of_method in of_task.groupby("method")))
         parts.append(of_task[of_task["target"].isin(common)] if common else of_task)
     return pd.concat(parts)
 

@@ -44,11 +44,11 @@ def ordered(labels: Iterable[str], order: tuple[str, ...]) -> list[str]:
 
 def colours(methods: Iterable[str]) -> dict[str, Any]:
     """A colour for each method: the paper's have theirs in every figure, others take what is left, by name."""
-    found = {method: METHOD_COLOURS[method] for method in methods if method in METHOD_COLOURS}
-    others = ordered(set(methods) - set(found), METHOD_ORDER)
-    left = [colour for colour in PALETTE if colour not in found.values()]
-    left.sort(key=lambda colour: colour in METHOD_COLOURS.values())  # those of methods that are not here come last
-    return found | {method: left[index % len(left)] for index, method in enumerate(others)}
+    fixed = {method: METHOD_COLOURS[method] for method in methods if method in METHOD_COLOURS}
+    others = ordered(set(methods) - set(fixed), METHOD_ORDER)
+    free = [colour for colour in PALETTE if colour not in fixed.values()]
+    free.sort(key=lambda colour: colour in METHOD_COLOURS.values())  # those of methods that are not here come last
+    return fixed | {method: free[index % len(free)] for index, method in enumerate(others)}
 
 
 def panels(titles: list[str], columns: int = 2, size: tuple[float, float] = PANEL) -> tuple[Figure, list[Axes]]:

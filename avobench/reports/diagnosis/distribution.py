@@ -94,7 +94,7 @@ def _regions(axes: Sequence[Axes], regions: Sequence[Region], low: float, high: 
     rows: list[float] = []  # the place of the last label of each
     labelled = regions[:MOST_LABELS]
     for region in sorted(regions, key=lambda region: region.low + region.high):
-        left, right = _seen(max(region.low, low), min(region.high, high), low, high)
+        left, right = _drawn_limits(max(region.low, low), min(region.high, high), low, high)
         if region.low >= high or region.high <= low:
             continue
         look = {"fc": (*REGION[region.kind], 0.2), "lw": 0, "zorder": 0}
@@ -110,7 +110,7 @@ def _regions(axes: Sequence[Axes], regions: Sequence[Region], low: float, high: 
         axes[0].annotate(sigma(region), (place, 1), (0, 3 + 11 * row), **where, **look)
 
 
-def _seen(left: float, right: float, low: float, high: float) -> tuple[float, float]:
+def _drawn_limits(left: float, right: float, low: float, high: float) -> tuple[float, float]:
     """The limits that a region is drawn with, which lie within the axis and are not too near to each other."""
     least = LEAST_SEEN * (high - low)
     if right - left >= least:

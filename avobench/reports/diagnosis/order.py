@@ -24,14 +24,14 @@ def _sentence(one: Disorder) -> str:
     size = f"{one.size:+.3g} ({one.unit})"
     in_time = one.along == "time"
     if one.kind == "drift":
-        said = f"{what} drifts by {size} from the first event to the last"
+        sentence = f"{what} drifts by {size} from the first event to the last"
     elif one.kind == "change point":
-        said = f"{what} changes by {size} at " + (f"time {one.at:.6g}" if in_time else f"event {one.at:.0f}")
+        sentence = f"{what} changes by {size} at " + (f"time {one.at:.6g}" if in_time else f"event {one.at:.0f}")
     elif one.kind == "season":
         period = f"{one.at:.6g} in time" if in_time else f"{one.at:.4g} events"
-        said = f"{what} has a season of period {period} and amplitude {number(one.size)} ({one.unit})"
+        sentence = f"{what} has a season of period {period} and amplitude {number(one.size)} ({one.unit})"
     elif one.of == "rate":
-        said = f"events come in clusters, {size} in counts of {one.at:.0f} intervals apart"
+        sentence = f"events come in clusters, {size} in counts of {one.at:.0f} intervals apart"
     else:
-        said = f"{what} is alike in events {one.at:.0f} apart, {size}"
-    return f"{said}, {p_equals(one.p_value)}"
+        sentence = f"{what} is alike in events {one.at:.0f} apart, {size}"
+    return f"{sentence}, {p_equals(one.p_value)}"

@@ -83,8 +83,8 @@ def _value(fitted: Value | EffectValue | None) -> html.Cell:
 
 
 def _tests(diagnosis: Diagnosis) -> html.Table:
-    tested = {"as it is": diagnosis.gates, "with the added effects": diagnosis.gates_after or {}}
-    rows = [(when, name, gate) for when, gates in tested.items() for name, gate in gates.items()]
+    stages = {"as it is": diagnosis.gates, "with the added effects": diagnosis.gates_after or {}}
+    rows = [(when, name, gate) for when, gates in stages.items() for name, gate in gates.items()]
     gates = [gate for _, _, gate in rows]
     columns = {
         "simulator": html.texts([when for when, _, _ in rows]),

@@ -109,7 +109,7 @@ def meaning(diagnosis: Diagnosis) -> str:
         unsearched = "and no effect was fitted for want of simulated events; details() says how many mostly do"
         why = "and no effect of the catalogue explains it" if searched else unsearched
         return f"Simulation and measurement disagree ({before}, {alpha}), {why}. {look(diagnosis)}".rstrip()
-    return f"{_lacking(diagnosis)} {_left(diagnosis)}"
+    return f"{_lacking(diagnosis)} {_remaining_disagreement(diagnosis)}"
 
 
 def look(diagnosis: Diagnosis) -> str:
@@ -187,7 +187,7 @@ def _lacking(diagnosis: Diagnosis) -> str:
     return f"Something is missing, but these data do not tell for sure which effect: {which}"
 
 
-def _left(diagnosis: Diagnosis) -> str:
+def _remaining_disagreement(diagnosis: Diagnosis) -> str:
     """What is left once the effects are added."""
     p, alpha, gap = diagnosis.p_value_after, diagnosis.alpha, diagnosis.gap_after
     added = "it" if len(diagnosis.effects) == 1 else "them"
@@ -202,9 +202,9 @@ def _left(diagnosis: Diagnosis) -> str:
     tests = f"by the {' and '.join(rejecting) or 'tests'} ({p_equals(p)}, alpha = {alpha:g})" if p < alpha else ""
     apart = f"on {aside(diagnosis)} ({gap_of(gap)})" if gap.low > 1 else ""
     hidden = rejecting and "summary" not in rejecting
-    left = " and ".join(filter(None, (tests, apart)))
+    evidence = " and ".join(filter(None, (tests, apart)))
     shrinks = "the gap shrinks, but" if gap.value < diagnosis.gap_before.value else "the gap is no smaller, and"
-    return f"With {added} {shrinks} a disagreement is left {left}." + (
+    return f"With {added} {shrinks} a disagreement is left {evidence}." + (
         " The gap is that of the summary and does not show it." if hidden else ""
     )
 
