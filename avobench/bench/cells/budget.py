@@ -118,10 +118,10 @@ def asked_of(task: Task, limit: int, checks: Meter | None = None) -> int:
     They are all where the simulator may not fail. How often it does is known by the `checks` that were made, and by the
     events by which the region was learnt where it works.
     """
-    known = [region.within_it for region in regions(task)]
-    if not known:
+    counts = [region.within_it for region in regions(task)]
+    if not counts:
         return limit
-    failed, tried = (sum(numbers) for numbers in zip(*known, strict=True))
+    failed, tried = (sum(numbers) for numbers in zip(*counts, strict=True))
     made = tried - failed + (checks.used - checks.failed if checks else 0)
     failed += checks.failed if checks else 0
     share = failed / made

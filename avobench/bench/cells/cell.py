@@ -56,8 +56,8 @@ class Cell:
         names, theta = list(task.parameter_names), identity["theta_true"]
         if not len(names) == len(set(names)) == len(theta):
             raise UsageError(f"task '{self.task}' has targets of {len(theta)} parameters and the names {names}")
-        known = {"parameter_names": tuple(map(str, names)), "packages": (*method.packages, *task.packages)}
-        vars(self).update(known, amortised=bool(method.amortised), together=bool(method.together))
+        attributes = {"parameter_names": tuple(map(str, names)), "packages": (*method.packages, *task.packages)}
+        vars(self).update(attributes, amortised=bool(method.amortised), together=bool(method.together))
 
     def build_task(self) -> Task:
         return registry.build("task", self.task, self.task_settings)

@@ -58,14 +58,14 @@ def raw(estimate: Estimate, posed: Task) -> Estimate:
     def moved(theta: NDArray, std: NDArray | None) -> NDArray | None:
         return None if std is None else std * slopes(theta, std)
 
-    told = {"theta": prior.at(estimate.theta), "error": moved(estimate.theta, estimate.error)}
-    told["trace"] = [TracePoint(n, prior.at(theta), moved(theta, std)) for n, theta, std in estimate.trace]
+    changes = {"theta": prior.at(estimate.theta), "error": moved(estimate.theta, estimate.error)}
+    changes["trace"] = [TracePoint(n, prior.at(theta), moved(theta, std)) for n, theta, std in estimate.trace]
     if estimate.covariance is not None:
         slope = slopes(estimate.theta, np.sqrt(np.diag(estimate.covariance)))
-        told["covariance"] = estimate.covariance * np.outer(slope, slope)
+        changes["covariance"] = estimate.covariance * np.outer(slope, slope)
     if estimate.sample is None:
-        return replace(estimate, **told, mean=prior.at(estimate.mean), std=moved(estimate.mean, estimate.std))
+        return replace(estimate, **changes, mean=prior.at(estimate.mean), std=moved(estimate.mean, estimate.std))
     points, weights = prior.at(estimate.sample.theta), estimate.sample.weights
     mean = weights @ points / weights.sum()
     std = np.sqrt(weights @ (points - mean) ** 2 / weights.sum())
-    return replace(estimate, **told, sample=WeightedSample(points, weights), mean=mean, std=std)
+    return replace(estimate, **changes, sample=WeightedSample(points, weights), mean=mean, std=std)

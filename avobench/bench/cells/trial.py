@@ -63,8 +63,8 @@ class Trial:
         self._started = datetime.now(UTC).isoformat(timespec="seconds")
         self._task, self.method = cell.build_task(), cell.build_method()
         # An amortised method has the same events for every target: one budget for all, whoever simulates first.
-        own = () if self.method.amortised else (cell.target,)
-        words = (self._task.name, self.method.name, *own, cell.repetition)
+        of_target = () if self.method.amortised else (cell.target,)
+        words = (self._task.name, self.method.name, *of_target, cell.repetition)
         metered = partial(MeteredSimulator, rng=stream(cell.seed, "simulator", *words), progress=progress)
         self.simulate = metered(self._task, cell.budget)
         self.rng = stream(cell.seed, "method", *words)
@@ -81,14 +81,14 @@ class Trial:
             settings = json.dumps(cell.task_settings, sort_keys=True)
             # An amortised method shares its simulated summaries among all targets, so these have one reference.
             x = _observed(cell.task, settings, cell.target, cell.num_observations, cell.seed)
-            reference = x if own else _observed(cell.task, settings, 0, cell.num_observations, cell.seed)
-            known = Recorded(self._task, reference)
-            self._posed, self._x_observed = in_shares(known.task(self._task), self.method), known.events(x)
+            reference = x if of_target else _observed(cell.task, settings, 0, cell.num_observations, cell.seed)
+            recorded = Recorded(self._task, reference)
+            self._posed, self._x_observed = in_shares(recorded.task(self._task), self.method), recorded.events(x)
             asked = cell.budget
             if failing(self._posed):
                 asked = asked_of(self._posed, int((1 - SPARE) * cell.budget))
             self.simulate = metered(self._posed, asked, reserve=cell.budget - asked)
-            self.problem = pose(self._posed, self._x_observed.copy(), self.simulate, known.events(reference))
+            self.problem = pose(self._posed, self._x_observed.copy(), self.simulate, recorded.events(reference))
         self._observation_seconds = time.perf_counter() - start
 
     @contextmanager
@@ -110,7 +110,7 @@ class Trial:
         status = next((word for kind, word in STATUS_OF.items() if isinstance(self.failure, kind)), Status.METHOD_ERROR)
         if self.problem is None:  # where it was too much, e.g. for memory: no method has run
             status = Status.SIMULATOR_ERROR
-        return self._recorded(status, told(self.failure), start)
+        return self._recorded(status, message_of(self.failure), start)
 
     def _estimated(self, start: float) -> dict[str, Any]:
         """The record where the method returned. Raises InvalidEstimate for what is none, or cannot be recorded."""
@@ -193,7 +193,7 @@ def execute_together(
     return [trial.record() for trial in trials]
 
 
-def told(error: BaseException) -> str:
+def message_of(error: BaseException) -> str:
     """The message of an error, for a record or a line to the user."""
     if isinstance(error, AvobenchError):
         return text_of(error)

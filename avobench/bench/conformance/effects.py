@@ -30,23 +30,23 @@ def subjects(name: str) -> list[tuple[Task, Effect]]:
     A user's effect is tried on all tasks on which it runs, without those whose events it makes into others if there are
     more. Raises UsageError if there is no such effect.
     """
-    found = []
+    candidates = []
     families = [] if ":" in name else registry.effect_families(name)
     for kind, specs in TASKS.items():
         tasks = [registry.build("task", spec, {}) for spec in specs]
         if ":" in name:
             effect = registry.effect(name)
-            found.append((tasks[0], effect, _made(tasks[0], effect)))
+            candidates.append((tasks[0], effect, _made(tasks[0], effect)))
             continue
         for family in (family for family in of_domain(kind) if family in families):
             entries = ((task, entry) for task in tasks for entry in family.entries(Site(task)))
-            found += [(task, entry, np.dtype(task.dtype)) for task, entry in islice(entries, 1)]
-    found = [(task, effect) for task, effect, made in found if made == np.dtype(task.dtype)] or [
-        (task, effect) for task, effect, made in found if made is not None
+            candidates += [(task, entry, np.dtype(task.dtype)) for task, entry in islice(entries, 1)]
+    candidates = [(task, effect) for task, effect, made in candidates if made == np.dtype(task.dtype)] or [
+        (task, effect) for task, effect, made in candidates if made is not None
     ]
-    if not found:
+    if not candidates:
         raise UsageError(f"effect '{name}' runs on no task of ours")
-    return found
+    return candidates
 
 
 def _made(task: Task, effect: Effect) -> np.dtype | None:
@@ -139,9 +139,9 @@ def _rows(task: Task, effect: Effect) -> None:
     n = NUM_EVENTS // 4 if task.event_shape else NUM_EVENTS
     theta, phi = _thetas(task, n), _phi(effect, n)
     for first in (0, 1):
-        quiet, own = np.arange(n) % 2 == first, phi.copy()
-        own[quiet, 0] = effect.parameters[0].null
-        x = _events(task, effect, theta, own, 2)
+        quiet, mixed = np.arange(n) % 2 == first, phi.copy()
+        mixed[quiet, 0] = effect.parameters[0].null
+        x = _events(task, effect, theta, mixed, 2)
         p = _same(x[quiet], task.simulate(theta[quiet], np.random.default_rng(3)))
         expect(p > ALPHA, f"rows at the null value change when others are not (p = {p:.1g})")
 

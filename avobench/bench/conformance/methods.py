@@ -91,9 +91,9 @@ class _Trial:
             expect(None not in theta, f"has theta = {theta} after {simulations} events, where finite numbers are due")
 
     def left_over(self) -> None:
-        left = self.cell.budget - self.record["simulations_used"]
-        explained = left <= MAX_LEFT_WITHOUT_REASON * self.cell.budget or self.record["message"].strip() != ""
-        expect(explained, f"left {left} of {self.cell.budget} events on {self.cell.task}, and no message")
+        unused = self.cell.budget - self.record["simulations_used"]
+        explained = unused <= MAX_LEFT_WITHOUT_REASON * self.cell.budget or self.record["message"].strip() != ""
+        expect(explained, f"left {unused} of {self.cell.budget} events on {self.cell.task}, and no message")
 
     def global_state(self) -> None:
         """Carries the cell out again, now that packages are loaded: what loading them does is not the method's."""

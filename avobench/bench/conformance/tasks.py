@@ -119,29 +119,29 @@ def _kinds(task: Task) -> None:
 
 def _identifiable(task: Task) -> None:
     p, theta = task.prior.dim, task.prior.sample(10, np.random.default_rng(0))
-    known, scale = task.identifiable(theta), np.asarray(task.identifiable_scale)
-    sound = isinstance(known, np.ndarray) and known.ndim == 2 and len(known) == 10 and 1 <= known.shape[1] <= p
-    expect(sound, f"identifiable must make an array (10, k) of theta (10, {p}), k from 1 to {p}, got {known!r:.200}")
-    itself = known.shape[1] < p or np.array_equal(known, theta)
+    values, scale = task.identifiable(theta), np.asarray(task.identifiable_scale)
+    sound = isinstance(values, np.ndarray) and values.ndim == 2 and len(values) == 10 and 1 <= values.shape[1] <= p
+    expect(sound, f"identifiable must make an array (10, k) of theta (10, {p}), k from 1 to {p}, got {values!r:.200}")
+    itself = values.shape[1] < p or np.array_equal(values, theta)
     expect(itself, "identifiable must return theta itself where it returns as many numbers as theta has")
-    sound = scale.shape == known.shape[1:] and bool((scale > 0).all())
-    expect(sound, f"identifiable_scale must be {known.shape[1]} positive numbers, got {scale!r}")
+    sound = scale.shape == values.shape[1:] and bool((scale > 0).all())
+    expect(sound, f"identifiable_scale must be {values.shape[1]} positive numbers, got {scale!r}")
     alone = np.concatenate([task.identifiable(row[None]) for row in theta])
-    expect(np.allclose(known, alone), "identifiable gives a row another value where other rows are beside it")
+    expect(np.allclose(values, alone), "identifiable gives a row another value where other rows are beside it")
 
 
 def _generates(task: Task) -> None:
-    theta, seen = task.prior.sample(30, np.random.default_rng(0)), []
+    theta, calls = task.prior.sample(30, np.random.default_rng(0)), []
 
     def alter(generated: Any, rows: slice) -> Any:
-        seen.append((len(generated), rows))
+        calls.append((len(generated), rows))
         return generated
 
     simulated = task.simulate(theta, np.random.default_rng(1))
     altered = task.simulate(theta, np.random.default_rng(1), alter)
     expect(np.array_equal(simulated, altered), "events are others where `alter` changes nothing")
-    sound = sum(n for n, _ in seen) == 30 and all(rows.stop - rows.start == n for n, rows in seen)
-    expect(sound, f"`alter` is given {[n for n, _ in seen]} generated events for rows {[rows for _, rows in seen]}")
+    sound = sum(n for n, _ in calls) == 30 and all(rows.stop - rows.start == n for n, rows in calls)
+    expect(sound, f"`alter` is given {[n for n, _ in calls]} generated events for rows {[rows for _, rows in calls]}")
     pieces = list(task.generate(30, np.random.default_rng(1)))
     starts = np.cumsum([0, *(len(piece) for piece in pieces)])
     expect(starts[-1] == 30, f"generate made {starts[-1]} events where 30 were asked for")

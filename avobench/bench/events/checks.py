@@ -89,10 +89,10 @@ def check_events(
     if task.event_shape or set(task.kinds_of_features) != {"count"}:
         repeated = num_repeated(x)
         if repeated > MANY_REPEATS * len(x):
-            told = f"{repeated} of {len(x)} events repeat an earlier one"
+            message = f"{repeated} of {len(x)} events repeat an earlier one"
             if diagnosis and not task.event_shape and copies(x, x[:, :0]) is not None:
-                raise UsageError(f"{told}, which no rounding of values explains; drop the copies")
-            warnings.append(f"{told}: unless the values were rounded, repeated events falsify every test")
+                raise UsageError(f"{message}, which no rounding of values explains; drop the copies")
+            warnings.append(f"{message}: unless the values were rounded, repeated events falsify every test")
     return _cast(task, x), warnings
 
 
@@ -155,10 +155,10 @@ def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
             raise UsageError(f"the rows of the events differ in length{if_uneven(x)}") from error
     given, wanted = [str(name) for name in x.columns], list(task.labels)
     names = _as_meant(given, wanted)
-    told = [f"{a} is taken as {b}" for a, b in zip(given, names, strict=True) if a != b]
+    remarks = [f"{a} is taken as {b}" for a, b in zip(given, names, strict=True) if a != b]
     if set(wanted) <= set(names):
         extra = [name for name in names if name not in wanted]
-        told += [f"{', '.join(map(repr, extra))} is no feature of {task.name} and was left out"] if extra else []
+        remarks += [f"{', '.join(map(repr, extra))} is no feature of {task.name} and was left out"] if extra else []
         x = x.set_axis(names, axis=1)[wanted]
     elif task.feature_names and set(wanted) & set(names):
         missing = [name for name in wanted if name not in names]
@@ -169,16 +169,16 @@ def by_name(task: Task, x: ArrayLike) -> tuple[NDArray, list[str]]:
             f"{len(names)} columns: {', '.join(names)}; choose by name which are meant"
         )
     elif not task.event_shape and len(names) > 1 and list(x.columns) != list(range(len(names))):
-        told = [f"the columns {', '.join(names)} are taken as {', '.join(wanted)}, in this order"]
+        remarks = [f"the columns {', '.join(names)} are taken as {', '.join(wanted)}, in this order"]
     for name, column in x.items():
         if not pd.api.types.is_numeric_dtype(column) or pd.api.types.is_complex_dtype(column):
             raise UsageError(f"the column {name} holds {column.dtype} instead of real numbers{if_uneven(column)}")
     truth = [name for name, column in x.items() if pd.api.types.is_bool_dtype(column)]
     if truth and len(truth) < len(x.columns):
-        told.append(f"{', '.join(truth)}: {TRUTH}")
+        remarks.append(f"{', '.join(truth)}: {TRUTH}")
     kinds = {pd.api.types.is_float_dtype(column) or column.hasnans for _, column in x.items()}
     x, more = _counted(x.to_numpy(float if kinds == {True} or len(kinds) > 1 else None))
-    return x, told + more
+    return x, remarks + more
 
 
 def _counted(x: NDArray) -> tuple[NDArray, list[str]]:

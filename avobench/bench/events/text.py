@@ -86,9 +86,9 @@ def _form(path: str, lines: list[str], comments: list[str], separator: str) -> F
     events = rows[skip:]
     width = len(rows[0])
     if not named and comments:
-        told = next(csv.reader([comments[-1]], delimiter=separator, skipinitialspace=True))
-        if len(told) == width and not any(map(_number, told)):
-            names = [cell.strip() for cell in told]
+        header = next(csv.reader([comments[-1]], delimiter=separator, skipinitialspace=True))
+        if len(header) == width and not any(map(_number, header)):
+            names = [cell.strip() for cell in header]
     longer = width + 1 if named and rows[0][-1].strip() else width
     trailing = bool(events) and longer > 1 and all(len(row) == longer and not row[-1].strip() for row in events)
     if trailing and names is not None and not names[-1]:
@@ -152,8 +152,8 @@ def _parsed(path: str, events: list[tuple[int, str]], form: Form) -> pd.DataFram
 
 def _with_line(error: str, events: list[tuple[int, str]]) -> str:
     """The message of the parser, with the line of the file."""
-    found = re.search(r"Row #(\d+): Expected (\d+) columns, got (\d+)", error)
-    if not found:
+    match = re.search(r"Row #(\d+): Expected (\d+) columns, got (\d+)", error)
+    if not match:
         return error
-    row, wanted, got = map(int, found.groups())
+    row, wanted, got = map(int, match.groups())
     return f"line {events[row - 1][0]} has {got} cells and the columns are {wanted}"

@@ -74,22 +74,22 @@ def load(kind: str, spec: str) -> Any:
     """Load what `spec` names: a class, or an instance that a user's file has ready-made. Raises UsageError."""
     if is_model(kind, spec):
         return AugmentedTask
-    found = imported(kind, spec) if ":" in spec else _registered(kind, spec)
+    loaded = imported(kind, spec) if ":" in spec else _registered(kind, spec)
     base = BASES[kind]
-    if kind == "task" and inspect.isfunction(found):
+    if kind == "task" and inspect.isfunction(loaded):
         raise UsageError(
-            f"'{spec}' is a function; write NAME = avobench.task({found.__name__}, prior=...) beside it and name that"
+            f"'{spec}' is a function; write NAME = avobench.task({loaded.__name__}, prior=...) beside it and name that"
         )
-    if not (isinstance(found, base) or (inspect.isclass(found) and issubclass(found, base))):
+    if not (isinstance(loaded, base) or (inspect.isclass(loaded) and issubclass(loaded, base))):
         raise UsageError(f"'{spec}' is not a subclass of avobench.{kind}s.{base.__name__}, nor an instance of one")
-    missing = [name for name in REQUIRED[kind] if not hasattr(found, name)]
-    missing += sorted(found.__abstractmethods__) if inspect.isclass(found) else []
+    missing = [name for name in REQUIRED[kind] if not hasattr(loaded, name)]
+    missing += sorted(loaded.__abstractmethods__) if inspect.isclass(loaded) else []
     if missing:
         raise UsageError(f"{kind} '{spec}' does not define {', '.join(missing)}")
-    pattern, said = NAMES[kind]
-    if not re.fullmatch(pattern, found.name):
-        raise UsageError(f"the name of {kind} '{spec}' must be {said}, got '{found.name}'")
-    return found
+    pattern, rule = NAMES[kind]
+    if not re.fullmatch(pattern, loaded.name):
+        raise UsageError(f"the name of {kind} '{spec}' must be {rule}, got '{loaded.name}'")
+    return loaded
 
 
 def runs_theirs(kind: str, spec: str) -> bool:
@@ -105,25 +105,27 @@ def is_model(kind: str, spec: str) -> bool:
 
 def build(kind: str, spec: str, settings: dict[str, Any]) -> Any:
     """An instance of the task or method `spec` with `settings`, values as text or typed. Raises UsageError."""
-    found = load(kind, spec)
+    loaded = load(kind, spec)
     if is_model(kind, spec):
         if settings:
             raise UsageError(f"{spec} is a model; its settings are in the file")
         return read_model(spec)
-    if not inspect.isclass(found):
+    if not inspect.isclass(loaded):
         if settings:
             raise UsageError(f"{kind} '{spec}' is ready-made; its settings are in {spec.rpartition(':')[0]}")
-        return found
-    known = [field.name for field in fields_of(found)]
+        return loaded
+    allowed = [field.name for field in fields_of(loaded)]
     for name in settings:
-        if name not in known:
-            hint = did_you_mean(name, known) or f"it has: {', '.join(known) or 'none'}"
-            raise UsageError(f"{kind} {found.name} has no setting '{name}'; {hint}")
+        if name not in allowed:
+            hint = did_you_mean(name, allowed) or f"it has: {', '.join(allowed) or 'none'}"
+            raise UsageError(f"{kind} {loaded.name} has no setting '{name}'; {hint}")
     try:
-        return blamed(lambda: TypeAdapter(found).validate_python(settings) if known else found(), f"{kind} '{spec}'")
+        return blamed(
+            lambda: TypeAdapter(loaded).validate_python(settings) if allowed else loaded(), f"{kind} '{spec}'"
+        )
     except ValidationError as error:
         where, reason = first_fault(error)
-        raise UsageError(f"{f'setting {where}'.strip()} of {kind} {found.name}: {reason}") from error
+        raise UsageError(f"{f'setting {where}'.strip()} of {kind} {loaded.name}: {reason}") from error
 
 
 def task_of(given: Task | str) -> Task:
@@ -162,19 +164,19 @@ def effect(spec: str) -> Effect:
     """The effect of a user's `module:Class` or `file.py:Class`. Raises UsageError in one line."""
     if ":" not in spec:
         raise UsageError(f"--effect takes module:Class, got '{spec}'; --effects chooses from the catalogue")
-    found = load("effect", spec)
-    return blamed(found, f"effect '{spec}'") if inspect.isclass(found) else found
+    loaded = load("effect", spec)
+    return blamed(loaded, f"effect '{spec}'") if inspect.isclass(loaded) else loaded
 
 
 def effect_families(name: str) -> list[type[Effect]]:
     """The installed effects of a name, which several classes may have, or of an entry point. Raises UsageError."""
     points = families()
-    found = [family for point, family in points.items() if name in (point, point.rpartition(".")[2], family.name)]
-    if not found:
-        known = points if "." in name else {point.rpartition(".")[2] for point in points}
-        hint = did_you_mean(name, sorted(known), n=3, cutoff=0.5)
+    matches = [family for point, family in points.items() if name in (point, point.rpartition(".")[2], family.name)]
+    if not matches:
+        choices = points if "." in name else {point.rpartition(".")[2] for point in points}
+        hint = did_you_mean(name, sorted(choices), n=3, cutoff=0.5)
         raise UsageError(f"there is no effect '{name}'; {hint}{' ' if hint else ''}`avobench list effects` shows all")
-    return found
+    return matches
 
 
 def spec_of(kind: str, instance: Any) -> str | None:
@@ -199,8 +201,8 @@ def places_of(kind: str, instance: Any) -> Iterator[tuple[str, str]]:
     by_class = not functions and _class_tells(kind, instance)
     wanted = [instance, cls] if by_class else [instance]
     for home in dict.fromkeys(thing.__module__ for thing in (cls, *functions)):
-        known = vars(sys.modules[home]) if home in sys.modules else {}
-        yield from ((home, name) for one in wanted for name, value in list(known.items()) if value is one)
+        namespace = vars(sys.modules[home]) if home in sys.modules else {}
+        yield from ((home, name) for one in wanted for name, value in list(namespace.items()) if value is one)
     if by_class and cls.__module__ == "__main__" and "." not in cls.__qualname__:
         yield "__main__", cls.__qualname__  # it was sent here from the process of the script
 
@@ -242,9 +244,9 @@ def settings_of(instance: Any) -> dict[str, Any]:
     }
 
 
-def fields_of(found: Any) -> list[dataclasses.Field]:
+def fields_of(thing: Any) -> list[dataclasses.Field]:
     """The settings that a class of tasks or methods, or one of them, may be given."""
-    return [field for field in dataclasses.fields(found) if field.init] if dataclasses.is_dataclass(found) else []
+    return [field for field in dataclasses.fields(thing) if field.init] if dataclasses.is_dataclass(thing) else []
 
 
 def made_of(instance: Any) -> list[Any]:
@@ -254,8 +256,8 @@ def made_of(instance: Any) -> list[Any]:
     """
     parts = [one for part in instance.parts for one in made_of(part)] if isinstance(instance, Task) else []
     kinds = isinstance(instance, Task | Method | Effect)
-    told = isinstance(instance, Effect) or dataclasses.is_dataclass(instance) or is_ours(type(instance))
-    return [type(instance) if kinds and told else instance, *parts]
+    by_class = isinstance(instance, Effect) or dataclasses.is_dataclass(instance) or is_ours(type(instance))
+    return [type(instance) if kinds and by_class else instance, *parts]
 
 
 def missing_package(instance: Any) -> str | None:
@@ -292,9 +294,9 @@ def _points(kind: str) -> tuple[EntryPoint, ...]:
 
 
 def _registered(kind: str, name: str) -> Any:
-    known = names(kind)
-    if name not in known:
-        hint = did_you_mean(name, known, cutoff=0.4) or f"known: {', '.join(known)}, module:Class or file.py:Class"
+    choices = names(kind)
+    if name not in choices:
+        hint = did_you_mean(name, choices, cutoff=0.4) or f"known: {', '.join(choices)}, module:Class or file.py:Class"
         raise UsageError(f"there is no {kind} named '{name}'; {hint}")
     if kind == "effect":
         return families()[name]
@@ -328,6 +330,6 @@ def imported(kind: str, spec: str) -> Any:
 
 def _of_kind(kind: str, module: ModuleType) -> list[str]:
     """The names of a module that may be meant by one of a task, method or effect."""
-    base, own = BASES[kind], module.__name__
+    base, home = BASES[kind], module.__name__
     meant = {name: value for name, value in vars(module).items() if isinstance(value, base) or callable(value)}
-    return [name for name, value in meant.items() if isinstance(value, base) or value.__module__ == own]
+    return [name for name, value in meant.items() if isinstance(value, base) or value.__module__ == home]

@@ -104,33 +104,33 @@ def _sources(thing: Any, within: tuple[int, ...] = ()) -> Iterator[str]:
         yield thing
     elif isinstance(thing, functools.partial):
         yield from _sources(thing.func, within)
-        yield told((thing.args, thing.keywords), within)
+        yield fingerprint((thing.args, thing.keywords), within)
     elif inspect.ismethod(thing):
         yield from _sources(thing.__func__, within)
-        yield told(thing.__self__, within)
+        yield fingerprint(thing.__self__, within)
     elif inspect.isclass(thing):
         bases = [base for base in thing.__mro__ if not is_ours(base)]
         yield from (base.__qualname__ for base in bases[:1])
         for module in dict.fromkeys(base.__module__ for base in bases):
             yield from _used(module, [base for base in bases if base.__module__ == module], within)
-        yield from (told(_attributes(base), within) for base in bases if not _has_a_name(base))
+        yield from (fingerprint(_attributes(base), within) for base in bases if not _has_a_name(base))
     elif inspect.isfunction(thing):
         if not is_ours(thing):
             yield thing.__qualname__
             yield from _used(thing.__module__, [thing], within)
         if not _has_a_name(thing) and (values := _values(thing)):
-            yield told(values, within)
+            yield fingerprint(values, within)
     elif WRAPPED in getattr(thing, "__dict__", ()):
         yield from _sources(thing.__wrapped__, within)
     else:
         yield from _sources(type(thing), within)
         if _is_installed(type(thing)):
-            yield told(thing, within)
+            yield fingerprint(thing, within)
         elif state := _state(thing):
-            yield told(state, within)
+            yield fingerprint(state, within)
 
 
-def told(value: Any, within: tuple[int, ...] = ()) -> str:
+def fingerprint(value: Any, within: tuple[int, ...] = ()) -> str:
     """A text that differs where values do, and is the same in every process.
 
     Code is told by its source, and an object by its class and what it holds, unless they are an installed package's.
@@ -141,7 +141,7 @@ def told(value: Any, within: tuple[int, ...] = ()) -> str:
     if id(value) in within:
         return "itself"
     within = (*within, id(value))
-    tell, code = functools.partial(told, within=within), inspect.isclass(value) or inspect.isfunction(value)
+    tell, code = functools.partial(fingerprint, within=within), inspect.isclass(value) or inspect.isfunction(value)
     texts = [type(value).__qualname__]
     if isinstance(value, functools.partial):
         texts += map(tell, (value.func, value.args, value.keywords))
@@ -174,10 +174,10 @@ def _is_installed(thing: Any) -> bool:
 
 def _has_a_name(thing: Any) -> bool:
     """Tell whether its module has a class or function by its name, so that the source of the module tells it."""
-    found = sys.modules.get(thing.__module__)
+    value = sys.modules.get(thing.__module__)
     for name in thing.__qualname__.split("."):
-        found = getattr(found, name, None)
-    return found is thing
+        value = getattr(value, name, None)
+    return value is thing
 
 
 def _values(function: FunctionType) -> dict[str, Any]:
@@ -206,8 +206,10 @@ def _state(thing: Any) -> list[Any]:
     except Exception:  # a user's class may refuse to be pickled
         state = vars(thing)
     if isinstance(state, dict):
-        own = functools.partial(inspect.getattr_static, type(thing))
-        state = {k: value for k, value in state.items() if not isinstance(own(k, None), functools.cached_property)}
+        attribute = functools.partial(inspect.getattr_static, type(thing))
+        state = {
+            k: value for k, value in state.items() if not isinstance(attribute(k, None), functools.cached_property)
+        }
     held = [state] if state else []
     if isinstance(thing, np.ndarray):
         held.append(np.asarray(thing))
@@ -295,15 +297,15 @@ def _text(thing: Any) -> str:
     return textwrap.dedent(inspect.getsource(thing))
 
 
-def _of_values(thing: Any, seen: set[str], within: tuple[int, ...]) -> Iterator[str]:
+def _of_values(thing: Any, visited: set[str], within: tuple[int, ...]) -> Iterator[str]:
     """The text of a class or function without a file, and the values in its module of the names that it uses."""
     text, home = _text(thing), vars(sys.modules[thing.__module__])
     yield text
-    for name in sorted(_names(text) & home.keys() - seen):
-        seen.add(name)
+    for name in sorted(_names(text) & home.keys() - visited):
+        visited.add(name)
         value = home[name]
         if inspect.isfunction(value) or inspect.isclass(value):
             if value.__module__ == thing.__module__:
-                yield from _of_values(value, seen, within)
+                yield from _of_values(value, visited, within)
         elif not inspect.ismodule(value):
-            yield f"{name} = {told(value, within)}"
+            yield f"{name} = {fingerprint(value, within)}"

@@ -142,13 +142,13 @@ def outcomes(jobs: int | None, calls: Iterable[Call]) -> Iterator[tuple[int, Any
                 process.begin(call)
             wait([process.pipe for process in busy], WATCH_SECONDS)
             for process, place in list(busy.items()):
-                if (told := process.outcome()) is not None:
+                if (outcome := process.outcome()) is not None:
                     del busy[process]
                     if process.alive:
                         idle.append(process)
-                    if isinstance(told[0], BaseException) and not isinstance(told[0], ProcessEnded):
-                        raise told[0]
-                    yield place, told[0]
+                    if isinstance(outcome[0], BaseException) and not isinstance(outcome[0], ProcessEnded):
+                        raise outcome[0]
+                    yield place, outcome[0]
     finally:
         for process in busy:
             process.terminate()
@@ -308,8 +308,8 @@ def _answer(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[s
     except (Exception, SystemExit) as error:
         # A class of a user's would be imported where it arrives, with the code that goes with it.
         ours = isinstance(error, AvobenchError | OSError) and type(error).__module__ in (errors.__name__, "builtins")
-        said = error if ours else raised(error)
-        return "raised" if ours else "fault", said, traceback.format_exc()
+        failure = error if ours else raised(error)
+        return "raised" if ours else "fault", failure, traceback.format_exc()
 
 
 def _end_with(parent: int) -> None:

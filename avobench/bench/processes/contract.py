@@ -65,9 +65,9 @@ def differing(cell: Cell) -> str:
     """
     planned = {kind: _identity(kind, cell, cell.identity) for kind in ("task", "method")}
     new = [kind for kind in planned if planned[kind] not in _SAME]
-    found = dataclasses.replace(cell).identity if new else {}  # made anew from what this process imports
+    remade = dataclasses.replace(cell).identity if new else {}  # made anew from what this process imports
     for kind in new:
-        if _identity(kind, cell, found) != planned[kind]:
+        if _identity(kind, cell, remade) != planned[kind]:
             return f"{kind} '{getattr(cell, kind)}'"
         _SAME.add(planned[kind])
     return ""

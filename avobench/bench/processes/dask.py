@@ -83,9 +83,9 @@ class DaskBackend(Backend):
             return client.submit(_work, cell, wanted, self._debug, key=key, priority=order[cell.id])
 
         with _connected(self._scheduler) as client:
-            for address, found in client.run(facts, on_error="return").items():
-                if not isinstance(found, CommClosedError):  # that one died before it could answer
-                    require_equal(address, found, wanted)
+            for address, answer in client.run(facts, on_error="return").items():
+                if not isinstance(answer, CommClosedError):  # that one died before it could answer
+                    require_equal(address, answer, wanted)
             client.subscribe_topic(TOPIC, heard)
             futures = [submit(client, cell) for cell in cells]
             queue = as_completed(futures, loop=client.loop, with_results=True, raise_errors=False)
@@ -146,8 +146,8 @@ def _connected(scheduler: str) -> "Client":
 def facts(dask_worker: "Worker | None" = None) -> dict[str, Any]:
     """The facts that must be the same wherever cells are carried out, so that results are. Dask gives `dask_worker`."""
     threads = 1 if dask_worker is None else dask_worker.state.nthreads
-    found = {name: version for name, version in versions().items() if name != "commit"}
-    return found | {"source": source()} | {name: os.environ.get(name) for name in THREADS} | {"threads": threads}
+    packages = {name: version for name, version in versions().items() if name != "commit"}
+    return packages | {"source": source()} | {name: os.environ.get(name) for name in THREADS} | {"threads": threads}
 
 
 @cache
@@ -161,13 +161,13 @@ def source() -> str:
     return digest.hexdigest()[:12]
 
 
-def require_equal(address: str, found: dict[str, Any] | Exception, wanted: dict[str, Any]) -> None:
+def require_equal(address: str, answer: dict[str, Any] | Exception, wanted: dict[str, Any]) -> None:
     """Raise UsageError, in one line, when a worker's facts are not those of the sweep."""
-    if isinstance(found, Exception):
-        raise UsageError(f"the worker at {address} cannot use avobench: {type(found).__name__}: {found}")
+    if isinstance(answer, Exception):
+        raise UsageError(f"the worker at {address} cannot use avobench: {type(answer).__name__}: {answer}")
     for name in wanted:
-        if found.get(name) != wanted[name]:
-            what = f"{name} {found.get(name)} where this run has {wanted[name]}"
+        if answer.get(name) != wanted[name]:
+            what = f"{name} {answer.get(name)} where this run has {wanted[name]}"
             hint = "start it with --nthreads 1" if name in ("threads", *THREADS) else "install the same on both"
             raise UsageError(f"the worker at {address} has {what}; {hint}")
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from avobench.bench.cells.cell import Cell
-from avobench.bench.cells.trial import blank_record, execute, execute_together, told
+from avobench.bench.cells.trial import blank_record, execute, execute_together, message_of
 from avobench.bench.processes.calls import Call, Limits, outcomes
 from avobench.bench.processes.contract import ATTEMPTS, Backend, differing, heartbeat
 from avobench.bench.store.files import disk_errors, write_atomically
@@ -129,7 +129,7 @@ def _work(piece: Piece, marks: Path, debug: bool) -> list[dict[str, Any]] | str:
     except (Exception, SystemExit) as error:
         if debug:
             traceback.print_exc()
-        return told(error)
+        return message_of(error)
     finally:
         if (torch := sys.modules.get("torch")) and torch.cuda.is_initialized():
             torch.cuda.empty_cache()  # what PyTorch keeps of a GPU for later, other workers may need now

@@ -67,8 +67,8 @@ def mean_errors(records: list[dict[str, Any]]) -> NDArray[np.float64]:
     """The squared error of the mean of each record's posterior (n,); NaN where it is not known."""
     errors = []
     for record in records:
-        known = record["spread_of"] == "posterior" and None not in record["mean"]
-        shift = np.subtract(record["mean"], record["theta_true"]) if known else np.nan
+        has_mean = record["spread_of"] == "posterior" and None not in record["mean"]
+        shift = np.subtract(record["mean"], record["theta_true"]) if has_mean else np.nan
         errors.append(np.sum(np.square(shift)))
     return np.array(errors)
 
@@ -116,7 +116,7 @@ def _labels(
     for record, part in zip(records, parts, strict=True):
         names = differ[group(record)]
         usual = _defaults(kind, record[kind]) if names else {}
-        told = {name: value for name, value in part.items() if name in names and usual.get(name, ...) != value}
-        extra = [f"{name}={value}".replace(" ", "") for name, value in told.items()]
+        settings = {name: value for name, value in part.items() if name in names and usual.get(name, ...) != value}
+        extra = [f"{name}={value}".replace(" ", "") for name, value in settings.items()]
         result.append(" ".join([record[kind], *extra]))
     return result

@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from avobench.bench.plugins.registry import made_of, settings_of
-from avobench.bench.plugins.source import source_hash, told
+from avobench.bench.plugins.source import fingerprint, source_hash
 from avobench.bench.store.files import locked, not_plain, require_folder, write_file
 from avobench.effects.bank import Bank
 from avobench.tasks import Task
@@ -49,9 +49,9 @@ class KeptBank(Bank):
         self._claim()
         self._recall()
         super().__init__(task, meter, seed, jobs)
-        if known := regions(task):
-            said = [region.learnt for region in known]
-            write_file(folder / WORKED, (json.dumps(said) + "\n").encode())
+        if learnt_regions := regions(task):
+            contents = [region.learnt for region in learnt_regions]
+            write_file(folder / WORKED, (json.dumps(contents) + "\n").encode())
         self._single: dict[str, list[Path]] = {EVENTS: [], ASIDE: []}
         """The files that were not merged yet."""
         for kind, single in self._single.items():
@@ -169,5 +169,5 @@ def _identity(task: Task) -> dict[str, Any]:
         "features": list(task.labels),
     }
     if settings := settings_of(task):
-        identity["settings"] = json.loads(json.dumps(settings, default=told))  # as the file has them
+        identity["settings"] = json.loads(json.dumps(settings, default=fingerprint))  # as the file has them
     return identity

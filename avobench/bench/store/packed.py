@@ -91,7 +91,7 @@ def write_rows(path: Path, rows: list[Row]) -> None:
 
     def check(written: Path) -> None:
         try:
-            same = all(found == row for found, row in zip_longest(read_rows(written), rows))
+            same = all(stored == row for stored, row in zip_longest(read_rows(written), rows))
         except Unreadable as error:
             raise OSError(f"what was written {error}") from error
         if not same:

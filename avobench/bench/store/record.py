@@ -194,7 +194,7 @@ class Record(Strict):
             if self.standard_error is not None:
                 raise ValueError(f"standard_error is given though the status is {self.status}")
             return
-        differences = [found - true for found, true in zip(self.theta_hat, self.theta_true, strict=True)]
+        differences = [estimate - true for estimate, true in zip(self.theta_hat, self.theta_true, strict=True)]
         distance = sum(difference * difference for difference in differences)
         if not math.isclose(self.squared_error, distance, rel_tol=TOLERANCE):
             raise ValueError(f"squared_error is {self.squared_error}, theta_hat is {distance} from theta_true")

@@ -70,13 +70,13 @@ class Store:
                     raise UsageError(f"{path} is empty; `avobench run --results {path}` fills it")
                 path.mkdir(parents=True, exist_ok=True)
                 write_atomically(marker, (json.dumps(SCHEMA) + "\n").encode())
-            found = json.loads(marker.read_text())
+            schema = json.loads(marker.read_text())
         except (ValueError, RecursionError) as error:
             raise UsageError(f"{marker} is not readable as JSON; restore it to {json.dumps(SCHEMA)}") from error
         except OSError as error:
             raise UsageError(f"the results folder {path} cannot be used: {error.strerror or error}") from error
-        if found != SCHEMA:
-            raise UsageError(f"{path} holds the schema {found}, this version of avobench reads {SCHEMA}")
+        if schema != SCHEMA:
+            raise UsageError(f"{path} holds the schema {schema}, this version of avobench reads {SCHEMA}")
         if create and not os.access(path, os.W_OK):
             raise UsageError(f"the results folder {path} is read-only; choose another with --results")
 
@@ -133,7 +133,7 @@ class Store:
 
         A reader needs no lock. What is packed meanwhile is gone as a file, but then in the table, which is read after.
         """
-        seen = set()
+        names = set()
         for path in self._files():
             try:
                 if why := not_plain(path):
@@ -145,12 +145,12 @@ class Store:
                 yield Entry(path, b"", None, f"{UNREAD}: {error.strerror or error}")
             else:
                 yield _entry(path, content)
-            seen.add(path.name)
+            names.add(path.name)
         try:
             for row in read_rows(self.table):
-                if row.file not in seen:
+                if row.file not in names:
                     yield _entry(within(self.table, row.file), row.text.encode())
-                seen.add(row.file)
+                names.add(row.file)
         except (Unreadable, UsageError) as error:
             yield Entry(self.table, b"", None, str(error))
 
@@ -159,9 +159,9 @@ class Store:
         with (
             disk_errors(f"{self.records} cannot be listed"),
             suppress(FileNotFoundError),
-            os.scandir(self.records) as found,
+            os.scandir(self.records) as listing,
         ):
-            return [self.records / each.name for each in found if fnmatch(each.name, "[!.]*.json")]
+            return [self.records / each.name for each in listing if fnmatch(each.name, "[!.]*.json")]
         return []
 
     def read(self, *, traces: bool = True) -> tuple[list[dict[str, Any]], dict[Path, str]]:

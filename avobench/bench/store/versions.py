@@ -16,23 +16,23 @@ _distributions = cache(importlib.metadata.packages_distributions)
 @cache
 def versions(modules: tuple[str, ...] = ()) -> dict[str, str | None]:
     """Versions of RECORDED, of the packages of these modules, and the commit of the source of a git checkout."""
-    found: dict[str, str | None] = {"python": platform.python_version()}
+    record: dict[str, str | None] = {"python": platform.python_version()}
     for name in (*RECORDED, *(package for module in modules for package in _packages(module))):
         try:
-            found[name] = importlib.metadata.version(name)
+            record[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
-            found[name] = None
+            record[name] = None
     source = Path(__file__).resolve().parents[3]
-    found["commit"] = None
+    record["commit"] = None
     if (source / ".git").exists():
         git = ["git", "-C", str(source)]
         try:
             head = subprocess.run([*git, "rev-parse", "--short=12", "HEAD"], capture_output=True, text=True, check=True)
             changed = subprocess.run([*git, "diff", "--quiet", "HEAD", "--", "avobench"])
-            found["commit"] = head.stdout.strip() + "-changed" * (changed.returncode != 0)
+            record["commit"] = head.stdout.strip() + "-changed" * (changed.returncode != 0)
         except (OSError, subprocess.CalledProcessError):
-            found["commit"] = "unknown"
-    return found
+            record["commit"] = "unknown"
+    return record
 
 
 def _packages(module: str) -> list[str]:

@@ -50,14 +50,14 @@ class Sweep:
             task, method = record["task"], record["method"]
             for key in ((task, method), ("", method)):
                 total.setdefault(key, []).append(seconds(record))
-        left, longest, known = 0.0, 0.0, True
+        remaining, longest, all_timed = 0.0, 0.0, True
         for cell in self.pending:
             task, method = cell.identity["task"], cell.identity["method"]
             durations = total.get((task, method)) or total.get(("", method)) or [0.0]
-            known &= ("", method) in total
+            all_timed &= ("", method) in total
             expected = sum(durations) / len(durations) * (1 - self.running.get(cell.id, 0.0))
-            left, longest = left + expected, max(longest, expected)
-        return max(left / max(1, self.backend.workers), longest), known
+            remaining, longest = remaining + expected, max(longest, expected)
+        return max(remaining / max(1, self.backend.workers), longest), all_timed
 
 
 def seconds(record: dict[str, Any]) -> float:
