@@ -54,7 +54,7 @@ class Reduced:
         return slopes @ self.scatter(tables, mean) @ slopes.T / self.num_events
 
     def pooled(self, tables: Tables) -> NDArray[np.float64]:
-        """The values that measured and simulated events give together, each bin by how well either knows it: (K,).
+        """The mean of the measured and simulated values (K,), in each bin weighted by the events that either is worth.
 
         Where few were simulated, no bin is then taken to be as empty or as full as theirs.
         """

@@ -233,7 +233,7 @@ class Tables:
 
     @property
     def num_events(self) -> int | None:
-        """How many events the tables are of, if all tell the same: counts without `of` tell those in their bins."""
+        """The number of events, if all tables agree on it; counts without `of` have as many as their bins hold."""
         counts = {
             round(table.values @ table.widths)
             if self.are_counts(table) and not (table.num_events or table.of)

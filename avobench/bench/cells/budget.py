@@ -115,8 +115,8 @@ class MeteredSimulator:
 def asked_of(task: Task, limit: int, checks: Meter | None = None) -> int:
     """How many of `limit` events may be asked for, so that the others suffice for those made in place of failed ones.
 
-    They are all where the simulator may not fail. How often it does is known by the `checks` that were made, and by the
-    events by which the region was learnt where it works.
+    All may be asked for where the simulator cannot fail. The rate of failures comes from the `checks` that were made,
+    and from the events that taught in which region the simulator works.
     """
     counts = [region.within_it for region in regions(task)]
     if not counts:

@@ -250,7 +250,7 @@ def fields_of(thing: Any) -> list[dataclasses.Field]:
 
 
 def made_of(instance: Any) -> list[Any]:
-    """What `source_hash` is to tell of a task, method or effect, and of the parts of a task, with those of tasks there.
+    """The objects that `source_hash` reads of a task, method or effect, and of the parts of a task, at any depth.
 
     Settings and parts, and what a model file says of an effect, identify it elsewhere: then its class is enough.
     """

@@ -188,7 +188,7 @@ def _lacking(diagnosis: Diagnosis) -> str:
 
 
 def _remaining_disagreement(diagnosis: Diagnosis) -> str:
-    """What is left once the effects are added."""
+    """A sentence on the disagreement that remains with the added effects."""
     p, alpha, gap = diagnosis.p_value_after, diagnosis.alpha, diagnosis.gap_after
     added = "it" if len(diagnosis.effects) == 1 else "them"
     if diagnosis.verdict == Verdict.NAMED:
