@@ -89,8 +89,8 @@ class Checks:
         A simulated event of one task alone counts as its share of one that has an event of each.
         """
         parts, warnings, beside = [], [], 0
-        for name, own, x in zip(self.task.names, self.task.tasks, sets, strict=True):
-            checks = Checks(own, self._num_reference, self.bank.meter.limit)
+        for name, task, x in zip(self.task.names, self.task.tasks, sets, strict=True):
+            checks = Checks(task, self._num_reference, self.bank.meter.limit)
             try:
                 part, more = (
                     (checks.tables(x), []) if isinstance(x, Tables) else checks.events(x, drop_invalid=drop_invalid)

@@ -196,13 +196,13 @@ def effort_for(task: Task, domain: str, num_simulations: int | None, num_events:
     full = full_effort(task, domain, num_events)
     if num_simulations is None:
         return full
-    least, left = first_fit_events(full.scaled(0), task, num_events), num_simulations - num_spent
-    if left < least:
+    least, available = first_fit_events(full.scaled(0), task, num_events), num_simulations - num_spent
+    if available < least:
         raise UsageError(
             f"{num_simulations} simulated events are too few: the checks, the first fit and the tests need "
             f"{int(BUDGET.with_checks * least)}"
         )
-    share = float(np.clip((left - least) / usual_events(domain, num_events), 0, 1))
-    while first_fit_events(full.scaled(share), task, num_events) > left:
+    share = float(np.clip((available - least) / usual_events(domain, num_events), 0, 1))
+    while first_fit_events(full.scaled(share), task, num_events) > available:
         share = share * BUDGET.step if share > BUDGET.least_share else 0.0
     return full.scaled(share)

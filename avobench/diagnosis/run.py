@@ -100,8 +100,8 @@ def diagnose(
     held_out = HeldOut.of(run.target, aside)
     outcome = Outcome.of(null, extended, posterior, alpha, held_out, rng, effort, run.affordable)
     result = run.report(outcome, inferred)
-    said = {"order": order, "seed": seed, "seconds": perf_counter() - started}
-    return replace(result, diagnosis=result.diagnosis.model_copy(update=said))
+    details = {"order": order, "seed": seed, "seconds": perf_counter() - started}
+    return replace(result, diagnosis=result.diagnosis.model_copy(update=details))
 
 
 @dataclass
@@ -189,17 +189,17 @@ class Run:
             with self.meter.keeping(self.later):
                 fit, self.target = fit_null(model, x, rng, effort, inferred and inferred.centre(model))
                 self.phases.begin("gates")
-                null = None if fit.p_value < TEST.hopeless else self.tested(fit, replace(effort, metrics=1))
+                null = None if fit.p_value < TEST.hopeless else self.with_tests(fit, replace(effort, metrics=1))
                 if null is None or null.p_value < self.alpha:
                     tried = [fit] if null is None else [fit, null.efficient]
                     # A theta that is missed looks like a missing effect, so that no limit leaves this search out.
                     with self.affordable("a second search for theta", required=self.meter.limit is not None):
                         fit = best_null(tried, self.target, rng, effort.sure)
-                        null = self.tested(fit)
-                    null = null or self.tested(fit)
+                        null = self.with_tests(fit)
+                    null = null or self.with_tests(fit)
         return null, inferred
 
-    def tested(self, fit: Fit, effort: Effort | None = None) -> ExtendedModel:
+    def with_tests(self, fit: Fit, effort: Effort | None = None) -> ExtendedModel:
         """A fitted model with all tests of it."""
         measured = None if self.of_tables else self.events
         return ExtendedModel.of(fit, self.target, measured, self.rng, effort or self.effort, self.affordable)
@@ -252,7 +252,7 @@ class Run:
             key = posterior.unsupported(fit, self.refitted(for_tests))
             if key is None:
                 self.notes += notes
-                return self.tested(fit), posterior
+                return self.with_tests(fit), posterior
             self.notes.append(
                 f"{key[0]} was fitted and left out: its size is compatible with none, "
                 "and it explains no more than chance does."

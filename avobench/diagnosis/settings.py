@@ -485,9 +485,9 @@ class BudgetSettings:
 
 @dataclass(frozen=True)
 class DecideSettings:
-    """How it is told what would tell models apart."""
+    """How a diagnosis says what would tell models apart."""
 
-    told: float = 0.95
+    confidence: float = 0.95
     """Probability with which the right one of two models has the smaller chi-squared, once they are told apart."""
     pieces: int = 64
     """Pieces of simulated events, at most: their scatter is the error by simulation, known to a tenth."""

@@ -22,7 +22,7 @@ GROUP = "avobench.effects"
 @cache
 def families() -> dict[str, type[Effect]]:
     """The installed families by their entry points, looked for once a process. Raises UsageError."""
-    found = {}
+    installed = {}
     for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
         try:
             family = point.load()
@@ -30,16 +30,16 @@ def families() -> dict[str, type[Effect]]:
             raise UsageError(f"effect '{point.name}' cannot be used, {point.value} raised {raised(error)}") from error
         if not (isinstance(family, type) and issubclass(family, Effect) and family.domains):
             raise UsageError(f"effect '{point.name}': {point.value} is no subclass of Effect that states its domains")
-        found[point.name] = family
-    if not found:
+        installed[point.name] = family
+    if not installed:
         raise UsageError("no effect is installed: this checkout is newer than its installation; pip install it again")
-    return found
+    return installed
 
 
 def of_domain(*kinds: Domain) -> list[type[Effect]]:
     """The families for features of any of these kinds, in the order of the catalogue."""
-    own = {family: None for family in families().values() if not set(kinds).isdisjoint(family.domains)}
-    return sorted(own, key=lambda family: (family.position is None, family.position or 0, family.name))
+    matching = {family: None for family in families().values() if not set(kinds).isdisjoint(family.domains)}
+    return sorted(matching, key=lambda family: (family.position is None, family.position or 0, family.name))
 
 
 def catalogue(task: Task, x: NDArray | None = None, made: Callable[[], NDArray] | None = None) -> list[Effect]:
@@ -49,8 +49,8 @@ def catalogue(task: Task, x: NDArray | None = None, made: Callable[[], NDArray] 
     (N, d) show, or those of simulated events (n, d) over the prior, which `made` gives.
     """
     site = Site(task, x, made)
-    found = [*of_domain(*site.domains), *([LostValue] if task.missing else [])]
-    return [entry for family in found for entry in family.entries(site)]
+    classes = [*of_domain(*site.domains), *([LostValue] if task.missing else [])]
+    return [entry for family in classes for entry in family.entries(site)]
 
 
 def chosen(effects: Iterable[Effect], names: Iterable[str], task: str) -> list[Effect]:
@@ -59,14 +59,14 @@ def chosen(effects: Iterable[Effect], names: Iterable[str], task: str) -> list[E
     `task` is what the user calls the task.
     """
     effects = list(effects)
-    known = dict.fromkeys(name for effect in effects for name in _names(effect))
+    all_names = dict.fromkeys(name for effect in effects for name in _names(effect))
     wanted = {name.rpartition(".")[2]: name for name in names}
     for name, given in wanted.items():
-        if name not in known:
-            hint = [did_you_mean(name, known, n=3, cutoff=0.5), f"`avobench list effects --task {task}` shows all"]
+        if name not in all_names:
+            hint = [did_you_mean(name, all_names, n=3, cutoff=0.5), f"`avobench list effects --task {task}` shows all"]
             raise UsageError(f"there is no effect '{given}' for {task}; {' '.join(filter(None, hint))}")
     return [effect for effect in effects if wanted.keys() & set(_names(effect))]
 
 
 def _names(effect: Effect) -> list[str]:
-    return [effect.name, *(point.rpartition(".")[2] for point, own in families().items() if own is type(effect))]
+    return [effect.name, *(point.rpartition(".")[2] for point, family in families().items() if family is type(effect))]

@@ -128,8 +128,8 @@ class Effect(ABC):
 
     def unit(self, parameter: Parameter, units: Sequence[str] = ()) -> str:
         """The unit of one of its parameters, as an answer says it; `units` (d,) are those of the features, if known."""
-        known = units and isinstance(self.feature, int)
-        return units[self.feature] if known and parameter.unit == OF_FEATURE else parameter.unit
+        has_unit = units and isinstance(self.feature, int)
+        return units[self.feature] if has_unit and parameter.unit == OF_FEATURE else parameter.unit
 
     @property
     def key(self) -> tuple[str, int | str | None]:

@@ -95,7 +95,7 @@ def ranges(task: Task, x: NDArray | None = None) -> tuple[Range, ...]:
     if x is None:
         rng = np.random.default_rng(0)
         x = checked_events(task, task.prior.sample(REFERENCE_EVENTS, rng), rng)
-    x, found = filled(x), []
+    x, spans = filled(x), []
     units = task.feature_units or ("",) * task.num_features
     for column, kind, unit in zip(x.T.astype(float), task.kinds_of_features, units, strict=True):
         low, high = column.min(), column.max()
@@ -103,7 +103,7 @@ def ranges(task: Task, x: NDArray | None = None) -> tuple[Range, ...]:
         if kind == "angle":
             once = 360.0 if unit == "deg" else 2 * np.pi
             start = -once / 2 if low < 0 else 0.0
-            found.append(Range(start, start + once, False, periodic=True))
+            spans.append(Range(start, start + once, False, periodic=True))
             continue
         sharp_low, sharp_high = ends_sharply(-column), ends_sharply(column)
         centre, reach = float(np.median(column)), DEVIATIONS * float(column.std())
@@ -111,8 +111,8 @@ def ranges(task: Task, x: NDArray | None = None) -> tuple[Range, ...]:
             _round_out(low, high)[0] if sharp_low else centre - reach,
             _round_out(low, high)[1] if sharp_high else centre + reach,
         )
-        found.append(Range(low, high, sharp_low and sharp_high, False, positive, sharp_low, sharp_high))
-    return tuple(found)
+        spans.append(Range(low, high, sharp_low and sharp_high, False, positive, sharp_low, sharp_high))
+    return tuple(spans)
 
 
 def ends_sharply(column: NDArray[np.float64]) -> bool:

@@ -42,23 +42,24 @@ def accepted(
 ) -> NDArray:
     """Events that a detector records: drawn anew, row by row, until recorded: theta (n, p) -> (n, d).
 
-    `keep(x, rows)` is the chance that the events x, of these rows of theta, are recorded. Where a value is missing,
-    and it is NaN, it is that of the others on average: a selection does not change how often values are missing. What a
-    detector hardly ever records cannot be waited for: such a row has the event of the nearest other one in theta that
-    can be recorded there, or where none near can, of the nearest that was recorded. So a fit that tries such parameters
-    goes on. Where no row has any, events stay that are not recorded; within `must_record` it raises SimulatorError.
+    `keep(x, rows)` is the chance that the events x, of these rows of theta, are recorded. It is NaN where a value is
+    missing; then the mean chance of the others counts, since a selection does not change how often values are missing.
+    What a detector hardly ever records cannot be waited for: such a row gets the event of the nearest other row in
+    theta that can be recorded there. Where none near can, it gets that of the nearest row that was recorded. So a fit
+    that tries such parameters goes on. Where no row was recorded, the events stay as they are; within `must_record`,
+    SimulatorError is raised.
     """
     x = simulate(theta, rng)
-    rows, left = np.arange(len(theta)), DRAWN * max(len(theta), FEW)
+    rows, remaining = np.arange(len(theta)), DRAWN * max(len(theta), FEW)
     for _ in range(MAX_ROUNDS):
         chance = keep(x[rows], rows)
         if (missing := np.isnan(chance)).any():
             chance = np.where(missing, chance[~missing].mean() if not missing.all() else 1.0, chance)
         rows = rows[rng.random(len(rows)) >= chance]
-        left -= len(rows)
+        remaining -= len(rows)
         if len(rows) == 0:
             return x
-        if left < 0:
+        if remaining < 0:
             break
         x[rows] = simulate(theta[rows], rng)
 

@@ -99,7 +99,7 @@ class Inference:
         self.psi = np.stack([np.zeros(p), np.full(p, np.log(settings.initial_std))])
         self.start = self.psi.copy()
         self.u, self.log_q = np.empty((0, p)), np.empty(0)  # where they were simulated, and how probable that was
-        self.seen = np.empty((self.num_events, self.real.shape[1]), np.float32)  # as the networks see their events
+        self.synthetic = np.empty((self.num_events, self.real.shape[1]), np.float32)  # as the networks see their events
         self.statistic: Statistic | None = None
         self.moved = np.inf  # by the last polish, in widths of the round, a parameter
         self.divergence = np.nan  # of Jensen and Shannon, from the observed events, where it was minimised
@@ -120,7 +120,7 @@ class Inference:
         # the adversarial phase: both players learn from events simulated at draws from the proposal
         for turn in self.settings.turns(self.num_adversarial):
             fresh = self.simulate(self.draws(turn.end - turn.begin))
-            self.seen[turn.begin : turn.end] = fresh
+            self.synthetic[turn.begin : turn.end] = fresh
             rows = np.stack([self.draw(half, turn) for half in range(2)], axis=2)
             f = yield Lesson(fresh, rows, slice(turn.judge_from, turn.end), turn.learning_rate)
             self.move_proposal(f, turn)
@@ -148,7 +148,7 @@ class Inference:
             std = np.sqrt((root**2).sum(axis=1))
             self.note(answer.mean, std)
             width = 1 / self.settings.errors if last else 1  # far events tell how phi moves with theta, near ones where
-            self.seen[start:num_events] = self.simulate(
+            self.synthetic[start:num_events] = self.simulate(
                 self.proposal.around(answer.mean, width * root, num_events - start, self.rng)
             )
             answer, root = self.polish(answer.mean, root, toward, learn=not last)  # near events have nothing to teach
@@ -157,8 +157,8 @@ class Inference:
 
         state = "converged" if answer.converged else "did not converge"
         error = self.proposal.scale * (leeway.error(answer.mean) if leeway else answer.error)
-        told = ", ".join(f"{e:.3g}" for e in error)
-        comment = f"; the polish {state} in {answer.num_steps} steps, with a standard error of {told}"
+        errors = ", ".join(f"{e:.3g}" for e in error)
+        comment = f"; the polish {state} in {answer.num_steps} steps, with a standard error of {errors}"
         if self.settings.matched == "divergence":
             comment += f"; the divergence there is {self.divergence:.3g} of at most {np.log(2):.3g}"
         estimate = self.estimate(answer.mean, std, "mean of the proposal after the polish", comment)
@@ -251,9 +251,9 @@ class Inference:
         """
         if learn and self.settings.learns:
             rows = self.taught(mean, root)
-            self.statistic.learn(self.seen[rows], self.u[rows], self.settings.statistic_steps)
-            if self.seen.shape[1] > MOST_INPUTS:
-                self.linear = [regression(self.seen[half : len(self.u) : 2], self.u[half::2]) for half in range(2)]
+            self.statistic.learn(self.synthetic[rows], self.u[rows], self.settings.statistic_steps)
+            if self.synthetic.shape[1] > MOST_INPUTS:
+                self.linear = [regression(self.synthetic[half : len(self.u) : 2], self.u[half::2]) for half in range(2)]
         shrink, errors = self.settings.shrink, self.settings.errors
         bounds, widest, looks = self.proposal.bounds, self.proposal.widest, (shrink, errors / CLOSER)
         closer = partial(polish_closer, toward=toward, larger=LARGER, alone=widest is not None)
@@ -264,8 +264,8 @@ class Inference:
             answer, root = closer(self.matched(), mean, root, bounds, looks)
             root, begin = narrower(root, answer, shrink, errors, widest), [answer.mean, self.averaged_mean]
         contrasts = self.contrasts()
-        found = [minimise(contrasts, start, root, bounds, toward) for start in begin]
-        best = min(found, key=lambda each: (not each.answer.converged, each.divergence))
+        minima = [minimise(contrasts, start, root, bounds, toward) for start in begin]
+        best = min(minima, key=lambda each: (not each.answer.converged, each.divergence))
         self.divergence = best.divergence
         return best.answer, root
 
@@ -309,7 +309,7 @@ class Inference:
             learnt = [np.hstack([phi, phi[:, p:] ** 2]) if phi.shape[1] <= FEW else phi for phi in self.learnt(x)]
             return [(phi, np.hstack([last, phi])) for phi, last in zip(learnt, self.layers(x), strict=True)]
 
-        observed, simulated = self.real, self.seen[: len(self.u)]
+        observed, simulated = self.real, self.synthetic[: len(self.u)]
         unseen = zip(features(observed), features(simulated), strict=True)
         trained = zip(features(swapped(observed)), features(swapped(simulated)), strict=True)
         contrasts = []
@@ -339,7 +339,7 @@ class Inference:
         self, phi: Callable[[NDArray[np.float32]], Sequence[NDArray[np.float32]]], halves: tuple[int, int]
     ) -> list[Fold]:
         """Folds of all events by phi, which makes the features of either half of events (n, k), in their order."""
-        real, synthetic = phi(self.real), phi(self.seen[: len(self.u)])
+        real, synthetic = phi(self.real), phi(self.synthetic[: len(self.u)])
         return [Fold(*of, self.u[half::2], KNOWN) for *of, half in zip(real, synthetic, halves, strict=True)]
 
     def layers(self, x: NDArray[np.float32]) -> list[NDArray[np.float32]]:

@@ -169,12 +169,12 @@ class Posterior:
         # diagonal matrices D_i: K * |x - x'|^2 = sum_i D_i^2 K + K D_i^2 - 2 D_i K D_i, which needs only A.
         # For M = D_i L, M^T (K + s I)^-1 M = |M - A W|^2 / s + |W|^2 with W = B^-1 A^T M, a sum of positive terms.
         x = self.x - self._centre
-        left = a[:, :r]
+        columns = a[:, :r]  # L
         squares = (x**2).sum(1)
-        trace = (inverse[:r] * (a.T @ (squares[:, None] * left)).T).sum()
-        quadratic = (alpha * squares) @ left @ weights[:r]
+        trace = (inverse[:r] * (a.T @ (squares[:, None] * columns)).T).sum()
+        quadratic = (alpha * squares) @ columns @ weights[:r]
         for coordinate in x.T:
-            moved = coordinate[:, None] * left
+            moved = coordinate[:, None] * columns
             within, _ = dpotrs(self._small, a.T @ moved, lower=1)
             trace -= ((moved - a @ within) ** 2).sum() / s + (within**2).sum()
             quadratic -= ((alpha @ moved) ** 2).sum()
@@ -359,10 +359,10 @@ class BatchedLCBSC(elfi.methods.bo.acquisition.LCBSC):
         low, high = np.transpose(self.model.bounds)
         starts = self.prior.rvs(self.n_inits, random_state=self.random_state).reshape(-1, self.model.input_dim)
         factor = np.sqrt(self._beta(t))
-        found, values = minimise(
+        minima, values = minimise(
             lambda x: self._bound(x, factor), np.clip(starts, low, high), low, high, self.max_opt_iters
         )
-        return self._add_noise(np.tile(found[values.argmin()], (n, 1)))
+        return self._add_noise(np.tile(minima[values.argmin()], (n, 1)))
 
     def _bound(self, x: Array, factor: float) -> tuple[Array, Array, Array]:
         """mean - factor standard deviations, as Brochu, Cora and de Freitas 2010, with derivatives."""

@@ -80,19 +80,19 @@ class Bsl(Method):
         def simulated(theta: NDArray[np.float64], events: int) -> NDArray[np.float64]:
             """Summaries of the sets at theta (p,): (sets, k)."""
             sets = problem.simulate.repeat(theta, events)[0].reshape(self.sets, events // self.sets, -1)
-            found = np.stack([problem.summary(one) for one in sets])
-            tried.append(Evaluation(theta, found.mean(axis=0), problem.simulate.used))
-            return found
+            summaries = np.stack([problem.summary(one) for one in sets])
+            tried.append(Evaluation(theta, summaries.mean(axis=0), problem.simulate.used))
+            return summaries
 
         def chain(near: _Near, start: NDArray[np.float64], events: int, length: int) -> NDArray[np.float64]:
             """`length` draws: (length, p). A step out of the prior is refused without simulation."""
             model, bounds = prior_model(elfi, prior)
             scale = np.sqrt(events / self.sets / len(problem.x_observed) + 1 / self.sets)
 
-            def likelihood(found: NDArray[np.float64], wanted: NDArray[np.float64]) -> float:
+            def likelihood(estimates: NDArray[np.float64], wanted: NDArray[np.float64]) -> float:
                 """ELFI's, of what theta is by each set (sets, p) and by the observation (1, p)."""
-                mean = found.mean(axis=0)
-                return gaussian_syn_likelihood(mean + scale * (found - mean), wanted)
+                mean = estimates.mean(axis=0)
+                return gaussian_syn_likelihood(mean + scale * (estimates - mean), wanted)
 
             def statistics(*theta: NDArray, batch_size: int, random_state: np.random.RandomState) -> NDArray:
                 return near.statistic(simulated(np.array([one.item(0) for one in theta]), events))
@@ -119,8 +119,8 @@ class Bsl(Method):
                 events, share = self._events(number), self.chains if number == self.chains else 1
                 draws = chain(near, start, events, share * budget // (2 * self.chains) // events)
                 trace.append(_point(problem, draws))
-            while left := problem.simulate.remaining // events:  # steps out of the prior have cost nothing
-                draws = np.concatenate([draws, chain(near, draws[-1], events, left)])
+            while steps := problem.simulate.remaining // events:  # steps out of the prior have cost nothing
+                draws = np.concatenate([draws, chain(near, draws[-1], events, steps)])
                 trace[-1] = _point(problem, draws)
         moved = (np.diff(draws, axis=0) != 0).any(axis=1).mean()
         return Estimate(

@@ -46,7 +46,7 @@ def is_open(answer: Polished, prior: Box | None = None) -> bool:
     Where another prior is as narrow as what the events tell, that alone does not make it open.
     """
     wide = bool(np.linalg.eigvalsh(answer.covariance)[-1] > OPEN**2)
-    return wide and not (isinstance(prior, Distributed) and answer.told > SIGNIFICANT)
+    return wide and not (isinstance(prior, Distributed) and answer.significance > SIGNIFICANT)
 
 
 def leaves_open(answer: Polished, prior: Box | None = None) -> bool:
@@ -118,8 +118,8 @@ def log_likelihood(folds: Sequence[Fold], points: NDArray[np.float64]) -> NDArra
     coefficients, gram = np.hstack([fit.coefficients for fit in fits]), np.mean([fit.gram for fit in fits], axis=0)
     scatter = coefficients.T @ (gram - np.outer(gram[0], gram[0]) / gram[0, 0]) @ coefficients
     signal, axes = np.linalg.eigh(scatter)
-    told = signal > SIGNIFICANT * (np.sqrt(len(gram)) + np.sqrt(len(signal))) ** 2
-    axes = axes[:, told][:, ::-1]
+    significant = signal > SIGNIFICANT * (np.sqrt(len(gram)) + np.sqrt(len(signal))) ** 2
+    axes = axes[:, significant][:, ::-1]
     variance = np.zeros((len(points), axes.shape[1]))
     parts = np.split(axes, np.cumsum([fit.coefficients.shape[1] for fit in fits])[:-1])
     for fold, fit, part in zip(folds, fits, parts, strict=True):
@@ -127,7 +127,7 @@ def log_likelihood(folds: Sequence[Fold], points: NDArray[np.float64]) -> NDArra
         variance += np.outer(1 / fold.num_observations + of_fit, (part**2).sum(axis=0))
     distance, compared = (values @ coefficients @ axes) ** 2 / variance, max(points.shape[1] - 1, 1)
     total = distance.sum(axis=1)
-    far = total > max(total.min() + FAR * told.sum(), np.partition(total, LEAST_POINTS)[LEAST_POINTS])
+    far = total > max(total.min() + FAR * significant.sum(), np.partition(total, LEAST_POINTS)[LEAST_POINTS])
     return np.where(far, -np.inf, -(np.log(variance) + distance)[:, :compared].sum(axis=1) / 2)
 
 

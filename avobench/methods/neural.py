@@ -130,7 +130,7 @@ class Neural(Method):
                 fitted = posterior(factors, self.observed(problem, searching), box, searching, self.first_rows)
                 trace.append(TracePoint(problem.simulate.used, fitted.mode, fitted.std))
                 box = _truncated(box, fitted)
-            told = "all factors share the error of one network, which the width leaves out: it is mostly far too small"
+            note = "all factors share the error of one network, which the width leaves out: it is mostly far too small"
             estimate = Estimate(
                 theta=fitted.mode,
                 how="maximum of the posterior, the product of a learned factor for each row",
@@ -139,7 +139,7 @@ class Neural(Method):
                 std=fitted.std,
                 trace=trace,
                 sample=fitted.sample,
-                message=told,
+                message=note,
                 doubt=fitted.doubt,
             )
             estimates.append(estimate)

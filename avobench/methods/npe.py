@@ -54,9 +54,9 @@ class Npe(Neural):
         from sbi.neural_nets import posterior_nn
 
         varies = torch.as_tensor(rows.std(axis=0) > 0)  # an empty bin cannot be standardised
-        free, seen = logit(torch.as_tensor(theta), box)[0], torch.as_tensor(rows)[:, varies]
-        network = posterior_nn(self.model, hidden_features=self.hidden)(free, seen)
-        train(network, lambda theta, s: network.loss(theta, s).mean(), free.numpy(), seen.numpy(), self, rng)
+        free, inputs = logit(torch.as_tensor(theta), box)[0], torch.as_tensor(rows)[:, varies]
+        network = posterior_nn(self.model, hidden_features=self.hidden)(free, inputs)
+        train(network, lambda theta, s: network.loss(theta, s).mean(), free.numpy(), inputs.numpy(), self, rng)
 
         def log_factors(theta: torch.Tensor, summaries: torch.Tensor) -> torch.Tensor:
             free, log_slope = logit(theta[None], box)

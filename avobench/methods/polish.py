@@ -63,7 +63,7 @@ class Polished:
     """Covariance of the mean (p, p); as large as the prior's along a direction that the events leave open."""
     num_steps: int
     converged: bool
-    told: float = 0.0
+    significance: float = 0.0
     """Least information on a combination of the parameters, in units of what mere noise would show."""
     alone: NDArray[np.float64] | None = None
     """Covariance (p, p) by what the events say without the prior; None where that was not asked of them. Along what
@@ -129,7 +129,7 @@ class Fold:
     """
 
     def __init__(
-        self, real: NDArray[np.float32], synthetic: NDArray[np.float32], u: NDArray[np.float64], known: int = KNOWN
+        self, real: NDArray[np.float32], synthetic: NDArray[np.float32], u: NDArray[np.float64], least: int = KNOWN
     ) -> None:
         scale, simulated = real.std(axis=0, dtype=float), synthetic.std(axis=0, dtype=float)
         alike = scale.max() <= CONSTANT * simulated.max()
@@ -141,7 +141,7 @@ class Fold:
         covariance = np.eye(kept.sum()) if alike else (real.T @ real).astype(float) / len(real)
         self.covariance = covariance + RIDGE * np.eye(len(covariance))
         self.inverse = np.linalg.inv(self.covariance)
-        self.num_observations, self.is_known = len(real), len(real) >= known * kept.sum()
+        self.num_observations, self.is_known = len(real), len(real) >= least * kept.sum()
         self.synthetic, self.u = self._standardised(synthetic), u
 
     def _standardised(self, phi: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -161,11 +161,11 @@ class Fold:
         synthetic = self.synthetic[near.rows]
         coefficients = near.fit(synthetic)
         if self.is_known or (test and self.num_observations >= KNOWN * len(self.shift)):
-            known = self.inverse_beside(synthetic, near.weights)
+            inverse = self.inverse_beside(synthetic, near.weights)
         else:
             scatter = synthetic - quadratic(near.z) @ coefficients
-            known = ridged_inverse(near.covariance(scatter, scatter))
-        return Response(center, near.unit, coefficients, near.spread, known, self.num_observations)
+            inverse = ridged_inverse(near.covariance(scatter, scatter))
+        return Response(center, near.unit, coefficients, near.spread, inverse, self.num_observations)
 
     def inverse_beside(self, synthetic: NDArray[np.float32], weights: NDArray[np.float64]) -> NDArray[np.float64]:
         """The inverse covariance (k, k) of the observed events and of those simulated ones (n, k) that are unlike them.
@@ -274,8 +274,8 @@ def descend(
             parts = zip(*(response.at(mean) for response in responses_at(mean)), strict=True)
         except TooFewEvents:
             return Polished(mean, root @ root.T, step - 1, converged=False)
-        gradient, seen, noise = (sum(part) for part in parts)
-        gradient, information, told = significant(gradient, seen, noise)
+        gradient, apparent, noise = (sum(part) for part in parts)
+        gradient, information, significance = significant(gradient, apparent, noise)
         precision = information + np.eye(len(mean))
         force = gradient - (mean - toward)
         free = ~(((mean <= low) & (force < 0)) | ((mean >= high) & (force > 0)))  # the others rest on a bound
@@ -283,7 +283,7 @@ def descend(
         move[free] = np.linalg.solve(precision[np.ix_(free, free)], force[free])
         covariance = np.linalg.inv(precision)
         if (np.abs(move) < stands_still * np.sqrt(np.diag(covariance))).all():
-            return Polished(mean, covariance, step, True, told, *without_prior(seen, noise))
+            return Polished(mean, covariance, step, True, significance, *without_prior(apparent, noise))
         reach, last = (reach / 2 if (unit @ move) @ (unit @ last) < 0 else reach), move  # back and forth is too far
         mean = mean + move * min(1, reach / np.linalg.norm(unit @ move))
         mean = center + (mean - center) * min(1, FARTHEST / max(np.linalg.norm(unit @ (mean - center)), FARTHEST))
@@ -318,7 +318,7 @@ def polish_closer(
         again = polish(folds, answer.mean, narrow, bounds, toward)
         apart = np.linalg.norm(again.mean - answer.mean)
         moved = apart > SAME * np.linalg.norm(again.error)
-        less_sure = again.told > SLOPES and (again.error > larger * answer.error).any()
+        less_sure = again.significance > SLOPES and (again.error > larger * answer.error).any()
         same = not (again.converged and (moved or less_sure))
         if again.num_steps == 0 or (answer.converged and same):
             break

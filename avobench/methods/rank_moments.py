@@ -195,14 +195,14 @@ class _Rounds:
         weights = [self.regression(half) for half in halves]
         return [
             Fold(
-                self.told(self.observed[k::2], weights[1 - k]),
-                self.told(self.ranks[half], weights[1 - k]),
+                self.features(self.observed[k::2], weights[1 - k]),
+                self.features(self.ranks[half], weights[1 - k]),
                 self.u[half],
             )
             for k, half in enumerate(halves)
         ]
 
-    def told(self, ranks: NDArray[np.float32], weights: NDArray[np.float32]) -> NDArray[np.float32]:
+    def features(self, ranks: NDArray[np.float32], weights: NDArray[np.float32]) -> NDArray[np.float32]:
         """What is matched of events with these ranks (n, d): p statistics, and the polynomials of lowest degree."""
         parts = self.polynomials.parts(ranks)
         return np.concatenate([np.hstack([part @ weights, part[:, self.polynomials.lowest]]) for part in parts])
@@ -242,5 +242,5 @@ class _Rounds:
 def ranks(observed: NDArray[np.float32], x: NDArray[np.float32]) -> NDArray[np.float64]:
     """Ranks of x (n, k) among sorted observed numbers (N, k), from -1 below all to 1 above, of equal ones the mean."""
     columns = zip(observed.T, x.T, strict=True)
-    places = [np.searchsorted(known, new, "left") + np.searchsorted(known, new, "right") for known, new in columns]
+    places = [np.searchsorted(real, new, "left") + np.searchsorted(real, new, "right") for real, new in columns]
     return np.column_stack(places) / len(observed) - 1

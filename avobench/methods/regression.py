@@ -48,6 +48,6 @@ def regressed(
     ridge = RidgeCV(STRENGTHS).fit(standard, tried_theta / box.width)
     slope = np.atleast_2d(ridge.coef_)
     place = {point.tobytes(): i for i, point in enumerate(tried_theta)}
-    own = np.array([standard[place[point.tobytes()]] for point in np.ascontiguousarray(theta)])
-    adjusted = theta + (target - own) @ slope.T * box.width
+    accepted = np.array([standard[place[point.tobytes()]] for point in np.ascontiguousarray(theta)])
+    adjusted = theta + (target - accepted) @ slope.T * box.width
     return np.clip(weights @ adjusted, box.low, box.high)

@@ -79,9 +79,9 @@ class Smm(Method):
             answer = polish([fold], mean, np.diag(std), proposal.bounds, toward)
             # As wide as the last where the events say nothing of a parameter, or wider, as in `polish.narrower`.
             free = proposal.widest is not None and answer.alone is not None
-            own = np.sqrt(np.diag(answer.alone)) if free else answer.error
+            uncertainty = np.sqrt(np.diag(answer.alone)) if free else answer.error
             most = proposal.widest if free else std
-            mean, std = answer.mean, np.minimum(most, np.maximum(self.shrink * std, self.errors * own))
+            mean, std = answer.mean, np.minimum(most, np.maximum(self.shrink * std, self.errors * uncertainty))
             error = leeway.error(mean) if leeway else answer.error
             trace.append(TracePoint(problem.simulate.used, proposal.to_raw(mean), error * proposal.scale))
         last = trace[-1]

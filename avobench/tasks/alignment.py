@@ -65,9 +65,9 @@ class Particles:
 
     def events(self, start: int, stop: int) -> "Particles":
         """The particles of the events start to stop."""
-        own = slice(self.offsets[start], self.offsets[stop])
+        part = slice(self.offsets[start], self.offsets[stop])
         offsets = self.offsets[start : stop + 1] - self.offsets[start]
-        return Particles(offsets, self.position[:, own], self.momentum[:, own], self.energy[own], self.reach[own])
+        return Particles(offsets, self.position[:, part], self.momentum[:, part], self.energy[part], self.reach[part])
 
     def only(self, kept: NDArray[np.bool_]) -> "Particles":
         """The particles that are kept, given a mask of all m of them: (m,)."""
@@ -197,14 +197,14 @@ class Alignment(Task):
         edges = np.tanh(np.linspace(-MAX_ETA, MAX_ETA, rows + 1))
         row = np.searchsorted(edges, z / self.radius, side="right") - 1
         column = np.floor(np.arctan2(y, x) * (columns / (2 * np.pi))).astype(int) % columns
-        seen = (row >= 0) & (row < rows)
-        cell = ((event[crossing] * rows + row) * columns + column)[seen]
+        on_grid = (row >= 0) & (row < rows)
+        cell = ((event[crossing] * rows + row) * columns + column)[on_grid]
         size = len(particles) * self.num_features
         if self.response == "hit":
             image = np.zeros(size, self.dtype)
             image[cell] = 1
         else:
-            image = np.bincount(cell, particles.energy[crossing[seen]], size)
+            image = np.bincount(cell, particles.energy[crossing[on_grid]], size)
             image = (np.log1p(image) if self.log1p else image).astype(self.dtype)
         return image.reshape(-1, self.num_features)
 
@@ -232,13 +232,13 @@ class _Stream:
         self.rng = rng  # kept, so that no other Generator can have its identity
         self._pythia = start_pythia((*SETTINGS, f"ParticleDecays:tau0Max = {max_tau0}", f"Random:seed = {seed}"))
         self._ids, self._counts = _counted(self._pythia, particles)
-        self._left: Particles | None = None
+        self._unused: Particles | None = None
 
     def next(self, num_events: int) -> Particles:
-        if not self._left:
-            self._left = self._generate()
-        n = min(num_events, len(self._left))
-        particles, self._left = self._left.events(0, n), self._left.events(n, len(self._left))
+        if not self._unused:
+            self._unused = self._generate()
+        n = min(num_events, len(self._unused))
+        particles, self._unused = self._unused.events(0, n), self._unused.events(n, len(self._unused))
         return particles
 
     def _generate(self) -> Particles:

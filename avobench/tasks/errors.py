@@ -103,9 +103,9 @@ def installed_by(extra: str) -> str:
     return f"in a clone of avobench, pip install '.[{extra}]'"
 
 
-def did_you_mean(name: str, known: Iterable[str], n: int = 1, cutoff: float = 0.6) -> str:
-    """A question after the known names that are spelled alike; "" where there is none."""
-    near = get_close_matches(name, list(known), n, cutoff)
+def did_you_mean(name: str, names: Iterable[str], n: int = 1, cutoff: float = 0.6) -> str:
+    """A question after those of the `names` that are spelled like `name`; "" where there is none."""
+    near = get_close_matches(name, list(names), n, cutoff)
     return f"did you mean {' or '.join(near)}?" if near else ""
 
 

@@ -63,16 +63,16 @@ class FunctionTask(Task):
         self.feature_names = tuple(feature_names)
         self.parameter_names = tuple(prior)
         self.parameter_units = tuple(units.get(parameter, "1") for parameter in prior)
-        said = {name: kind for name, kind in kinds.items() if name in prior and kind in get_args(ParameterKind)}
-        self.prior = box_of(prior, [name for name, kind in said.items() if kind == "integer"])
+        prior_kinds = {name: kind for name, kind in kinds.items() if name in prior and kind in get_args(ParameterKind)}
+        self.prior = box_of(prior, [name for name, kind in prior_kinds.items() if kind == "integer"])
         both = zip(prior.items(), self.prior.low, self.prior.high, strict=True)
         ends = {name: getattr(given, "within", (low, high)) for (name, given), low, high in both}
         self.support = Box(*zip(*(support.get(parameter, ends[parameter]) for parameter in prior), strict=True))
         if not self.support.contains_all(np.array([self.prior.low, self.prior.high])):
             raise ValueError(f"the support of {name} must hold its prior")
-        kinds = {name: kind for name, kind in kinds.items() if name not in said}
-        if "integer" in said.values():
-            self.parameter_kinds = tuple(said.get(parameter, "continuous") for parameter in prior)
+        kinds = {name: kind for name, kind in kinds.items() if name not in prior_kinds}
+        if "integer" in prior_kinds.values():
+            self.parameter_kinds = tuple(prior_kinds.get(parameter, "continuous") for parameter in prior)
             ends = np.array([self.prior.low, self.prior.high, self.support.low, self.support.high])
             broken = (ends != np.rint(ends)).any(axis=0) & self.is_integer
             if broken.any():
@@ -102,19 +102,19 @@ class FunctionTask(Task):
 
     @property
     def parts(self) -> tuple[object, ...]:
-        """The function, and what was said of its parameters and events."""
-        said = (self.prior, self.support, self.parameter_names, self.parameter_units, self.feature_names)
+        """The function, and what was declared about its parameters and events."""
+        declared = (self.prior, self.support, self.parameter_names, self.parameter_units, self.feature_names)
         if self.feature_kinds or self.feature_units:
-            said += (self.feature_kinds, self.feature_units)
+            declared += (self.feature_kinds, self.feature_units)
         if self.parameter_kinds:
-            said += (self.parameter_kinds,)
+            declared += (self.parameter_kinds,)
         if self.per_theta:
-            said += ("per theta",)
+            declared += ("per theta",)
         if self.failed != "raise":
-            said += (self.failed,)
+            declared += (self.failed,)
         if self.missing:
-            said += (f"missing {self.missing}",)
-        return (self.function, repr(said))
+            declared += (f"missing {self.missing}",)
+        return (self.function, repr(declared))
 
     @property
     def arguments(self) -> dict[str, Any]:
@@ -125,13 +125,13 @@ class FunctionTask(Task):
         )
         if isinstance(self.prior, Distributed):
             prior |= {name: law for name, law in zip(prior, self.prior.laws, strict=True) if law is not None}
-        said = {"prior": prior, "support": support, "units": dict(zip(prior, self.parameter_units, strict=True))}
-        said |= {"features": self.feature_names, "name": self.name}
+        arguments = {"prior": prior, "support": support, "units": dict(zip(prior, self.parameter_units, strict=True))}
+        arguments |= {"features": self.feature_names, "name": self.name}
         kinds = dict(zip(self.labels, self.feature_kinds, strict=bool(self.feature_kinds)))
         kinds |= dict(zip(self.parameter_names, self.parameter_kinds, strict=bool(self.parameter_kinds)))
         units = dict(zip(self.labels, self.feature_units, strict=bool(self.feature_units)))
-        said |= {"missing": tuple(self.labels[j] for j in self.missing)} if self.missing else {}
-        return said | {"kinds": kinds, "feature_units": units, "per_theta": self.per_theta, "failed": self.failed}
+        arguments |= {"missing": tuple(self.labels[j] for j in self.missing)} if self.missing else {}
+        return arguments | {"kinds": kinds, "feature_units": units, "per_theta": self.per_theta, "failed": self.failed}
 
     def simulate(self, theta: NDArray[np.float64], rng: np.random.Generator) -> NDArray:
         """One event per row: theta (n, p) -> (n, d). Raises ValueError outside the support."""
@@ -142,11 +142,11 @@ class FunctionTask(Task):
     @cached_property
     def region(self) -> Region | None:
         """Where the simulator works, learnt when it is first asked for; None where it may not fail."""
-        return None if self.failed == "raise" else self.region_known(None)
+        return None if self.failed == "raise" else self.region_of(None)
 
-    def region_known(self, known: Mapping[str, Any] | None) -> Region:
-        """The region by what is known of it, as `Region.learnt` has it; or by trying the simulator."""
-        return Region(self, self._events, self.per_theta, known)
+    def region_of(self, learnt: Mapping[str, Any] | None) -> Region:
+        """The region as it was `learnt` before, see `Region.learnt`; None tries the simulator."""
+        return Region(self, self._events, self.per_theta, learnt)
 
     def quoted(
         self, theta: NDArray[np.float64], error: NDArray[np.float64]
@@ -361,13 +361,13 @@ def task(
     except UsageError:
         raise
     except (Exception, SystemExit) as error:  # a user's function may raise anything
-        hint, said = "", str(error) if isinstance(error, SimulatorError) else raised(error)
+        hint, reason = "", str(error) if isinstance(error, SimulatorError) else raised(error)
         if getattr(simulate, "__code__", None) in [frame.f_code for frame, _ in walk_tb(error.__traceback__)]:
             hint = (
                 "; theta is one, (p,), so theta[0]" if per_theta else "; theta has a row for each event, so theta[:, 0]"
             )
             hint += " is the first parameter"
-        raise UsageError(f"the task {label} cannot be made: {said}{hint}") from error
+        raise UsageError(f"the task {label} cannot be made: {reason}{hint}") from error
     if not made.repeats:
         warn(
             f"{label} makes other events when it is given the same generator again: take all randomness from that, or "
@@ -397,12 +397,12 @@ def limited_to(seconds: float, what: str) -> Iterator[None]:
         raise _Over
 
     began, before = time.monotonic(), signal.signal(signal.SIGALRM, over)
-    left, interval = signal.setitimer(signal.ITIMER_REAL, seconds)
+    remaining, interval = signal.setitimer(signal.ITIMER_REAL, seconds)
     try:
         yield
     except _Over:
         raise UsageError(f"{what} has not returned after {seconds:g} s; mend it, or allow more `seconds`") from None
     finally:
         # An alarm that was set before is set again.
-        signal.setitimer(signal.ITIMER_REAL, left and max(left - (time.monotonic() - began), 1e-3), interval)
+        signal.setitimer(signal.ITIMER_REAL, remaining and max(remaining - (time.monotonic() - began), 1e-3), interval)
         signal.signal(signal.SIGALRM, before)

@@ -26,8 +26,9 @@ def apart(task: Task, theta: NDArray[np.float64], std: NDArray[np.float64]) -> t
         return np.zeros(len(theta)), few
     if not (far := np.abs(moved) > std).any():
         return moved, ""
-    told = ", ".join(f"{task.parameter_names[k]} by {abs(moved[k]):.2g}" for k in np.flatnonzero(far))
-    return moved, f"the thetas of the bank are so far apart that this may shift {told}: simulate at thetas nearer to it"
+    shifts = ", ".join(f"{task.parameter_names[k]} by {abs(moved[k]):.2g}" for k in np.flatnonzero(far))
+    doubt = f"the thetas of the bank are so far apart that this may shift {shifts}: simulate at thetas nearer to it"
+    return moved, doubt
 
 
 def shift(task: SampleTask, theta: NDArray[np.float64]) -> NDArray[np.float64] | None:
@@ -63,5 +64,5 @@ def shift(task: SampleTask, theta: NDArray[np.float64]) -> NDArray[np.float64] |
     inverse = np.linalg.pinv(weighted @ slopes.T, hermitian=True)  # the covariance of theta by one event
     moved = inverse @ weighted @ missed
     noise = np.diag(inverse) * (bend**2 / task.sizes[near]).sum()
-    told = moved**2 > SURE**2 * noise
-    return np.sign(moved) * np.sqrt(np.where(told, moved**2 - noise, 0)) * task.prior.width
+    significant = moved**2 > SURE**2 * noise
+    return np.sign(moved) * np.sqrt(np.where(significant, moved**2 - noise, 0)) * task.prior.width

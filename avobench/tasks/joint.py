@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,20 +38,20 @@ class JointTask(Task):
         several = [one for one, count in times.items() if count > 1]
         for one in shared or ():
             if one not in several:
-                told = f"no two data sets have a parameter '{one}' to share"
-                raise UsageError(f"{told}; they have: {', '.join(several)}")
+                message = f"no two data sets have a parameter '{one}' to share"
+                raise UsageError(f"{message}; they have: {', '.join(several)}")
         self.shared = tuple(several if shared is None else shared)
-        found: dict[str, tuple[Task, int]] = {}
+        first: dict[str, tuple[Task, int]] = {}
         self._theta: list[list[int]] = []
         """Which of all parameters those of each task are."""
         for name, task in tasks.items():
-            own = [one if one in self.shared or times[one] == 1 else f"{name}: {one}" for one in task.parameter_names]
-            for k, one in enumerate(own):
-                _require_alike(one, found.setdefault(one, (task, k)), (task, k))
-            self._theta.append([list(found).index(one) for one in own])
-        self.parameter_names = tuple(found)
-        self.parameter_units = tuple(task.parameter_units[k] for task, k in found.values())
-        kinds = [(task.parameter_kinds or ("continuous",) * len(task.parameter_names))[k] for task, k in found.values()]
+            names = [one if one in self.shared or times[one] == 1 else f"{name}: {one}" for one in task.parameter_names]
+            for k, one in enumerate(names):
+                _require_alike(one, first.setdefault(one, (task, k)), (task, k))
+            self._theta.append([list(first).index(one) for one in names])
+        self.parameter_names = tuple(first)
+        self.parameter_units = tuple(task.parameter_units[k] for task, k in first.values())
+        kinds = [(task.parameter_kinds or ("continuous",) * len(task.parameter_names))[k] for task, k in first.values()]
         self.parameter_kinds = tuple(kinds) if "integer" in kinds else ()
         self.prior, self.support = (self._common(which) for which in ("prior", "support"))
         self.num_features = sum(task.num_features for task in self.tasks)
@@ -108,8 +108,8 @@ class JointTask(Task):
 
 
 def _require_alike(name: str, one: tuple[Task, int], other: tuple[Task, int]) -> None:
-    told: list[tuple[Any, Any]] = [(t.parameter_units[k], bool(t.is_integer[k])) for t, k in (one, other)]
-    if told[0][0] != told[1][0]:
-        raise UsageError(f"{name} is in {told[0][0]} in one data set and in {told[1][0]} in another: convert it")
-    if told[0] != told[1]:
+    units = [task.parameter_units[k] for task, k in (one, other)]
+    if units[0] != units[1]:
+        raise UsageError(f"{name} is in {units[0]} in one data set and in {units[1]} in another: convert it")
+    if len({bool(task.is_integer[k]) for task, k in (one, other)}) > 1:
         raise UsageError(f"{name} is a whole number in one data set and not in another")

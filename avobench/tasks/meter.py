@@ -47,8 +47,8 @@ class Meter:
         An event of several data sets has one of each: a part of it counts as its share. To learn where a simulator
         works is not charged: that happens once, and the same seed is to give the same answer whenever it is asked.
         """
-        known, calls = regions(task), max(len(task.tasks), 1)
-        before = [region.charge for region in known]
+        task_regions, calls = regions(task), max(len(task.tasks), 1)
+        before = [region.charge for region in task_regions]
 
         def pay(also: Callable[[int], None] | None, num_events: int) -> None:
             if also is not None:
@@ -56,14 +56,14 @@ class Meter:
             self.charge(-(-num_events // calls))
             self.failed += -(-num_events // calls)
 
-        for region, also in zip(known, before, strict=True):
+        for region, also in zip(task_regions, before, strict=True):
             region.charge, _ = partial(pay, also), region.uncharged()
         try:
             yield
         finally:
-            for region, also in zip(known, before, strict=True):
+            for region, also in zip(task_regions, before, strict=True):
                 region.charge = also
-        if other := sum(region.uncharged() for region in known):  # of other processes
+        if other := sum(region.uncharged() for region in task_regions):  # of other processes
             self.add(-(-other // calls))
             self.failed += -(-other // calls)
 

@@ -22,14 +22,14 @@ def in_pieces(
     task: Task, theta: Sequence[NDArray[np.float64]], seeds: Sequence[np.random.SeedSequence], jobs: int
 ) -> NDArray:
     """Events as those of `checked_events` for pieces of theta, (n, p) each, with a seed each: all in order (N, d)."""
-    known = regions(task)
-    counts = [region.counts.copy() for region in known]
+    task_regions = regions(task)
+    counts = [region.counts.copy() for region in task_regions]
     calls = [joblib.delayed(_made)(task, *each) for each in zip(theta, seeds, strict=True)]
     try:
         made, more = zip(*joblib.Parallel(n_jobs=min(jobs, len(calls)))(calls), strict=True)
     except TerminatedWorkerError as error:
         raise ProcessEnded("crashed", "a worker process was ended (killed, or out of memory)") from error
-    for k, region in enumerate(known):  # other processes have counted in copies
+    for k, region in enumerate(task_regions):  # other processes have counted in copies
         region.counts = counts[k] + sum(each[k] for each in more)
     return np.concatenate(made)
 
@@ -38,10 +38,10 @@ def _made(
     task: Task, theta: NDArray[np.float64], seed: np.random.SeedSequence
 ) -> tuple[NDArray, list[NDArray[np.int64]]]:
     """Events as those of `checked_events`, and what they added to the counts of each region of the task."""
-    known = regions(task)
-    before = [region.counts.copy() for region in known]
+    task_regions = regions(task)
+    before = [region.counts.copy() for region in task_regions]
     x = checked_events(task, theta, np.random.default_rng(seed))
-    return x, [region.counts - old for region, old in zip(known, before, strict=True)]
+    return x, [region.counts - old for region, old in zip(task_regions, before, strict=True)]
 
 
 def spread(task: Task, jobs: int | None) -> Task:

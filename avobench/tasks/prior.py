@@ -51,15 +51,15 @@ class Law:
         from scipy import stats
 
         what = f"the prior of {parameter}"
-        known, args = getattr(given, "dist", None), getattr(given, "args", ())
+        family, args = getattr(given, "dist", None), getattr(given, "args", ())
         if isinstance(given, stats.rv_continuous | stats.rv_discrete) and hasattr(stats, given.name or ""):
             raise UsageError(f"{what} lacks its parameters: write it as scipy.stats.norm(0, 1) is written")
-        if known is None or type(known) is not type(getattr(stats, known.name or "", None)):
+        if family is None or type(family) is not type(getattr(stats, family.name or "", None)):
             if integer:
                 raise UsageError(f"{what} must be one of scipy.stats by name, since {parameter} is an integer")
             return cls.tabulated(what, given)
         try:
-            law = cls(known.name, tuple(map(float, args)), tuple((k, float(v)) for k, v in given.kwds.items()))
+            law = cls(family.name, tuple(map(float, args)), tuple((k, float(v)) for k, v in given.kwds.items()))
         except TypeError as error:
             raise UsageError(f"{what} must be a distribution of one number, got {shown(given)}") from error
         except ValueError as error:
@@ -99,8 +99,8 @@ class Law:
     def __repr__(self) -> str:
         if self.name == TABULATED:
             return f"scipy.stats.rv_histogram(([1] * {len(self.args) - 1}, {list(self.args)}), density=False)"
-        told = [*map(repr, self.args), *(f"{name}={value!r}" for name, value in self.kwds)]
-        return f"scipy.stats.{self.name}({', '.join(told)})"
+        arguments = [*map(repr, self.args), *(f"{name}={value!r}" for name, value in self.kwds)]
+        return f"scipy.stats.{self.name}({', '.join(arguments)})"
 
     @cached_property
     def _frozen(self) -> Any:
@@ -193,10 +193,10 @@ class Distributed(Box):
         return self._by_law((theta - self.low) / self.width, theta, "cdf")
 
     def _by_law(self, plain: NDArray, given: NDArray, how: str) -> NDArray[np.float64]:
-        found = plain.copy()
+        values = plain.copy()
         for j, law in enumerate(self.laws):
-            found[..., j] = plain[..., j] if law is None else getattr(law, how)(given[..., j])
-        return found
+            values[..., j] = plain[..., j] if law is None else getattr(law, how)(given[..., j])
+        return values
 
 
 Ends = tuple[float, float] | Distribution

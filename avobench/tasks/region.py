@@ -45,16 +45,16 @@ class Region:
         task: Task,
         call: Callable[[NDArray, np.random.Generator], NDArray],
         per_theta: bool,
-        known: Mapping[str, Any] | None,
+        learnt: Mapping[str, Any] | None,
     ) -> None:
-        """Try the simulator, or take what is `known` of an earlier time.
+        """Try the simulator, or take what was `learnt` at an earlier time.
 
-        Raises SimulatorError where it hardly ever does.
+        Raises SimulatorError where it hardly ever works.
         """
         from scipy.stats import qmc
 
         self._task, self._call, self._per_theta = task, call, per_theta
-        self.reason = known["reason"] if known else "it returned NaN or infinity"
+        self.reason = learnt["reason"] if learnt else "it returned NaN or infinity"
         """Why it failed last."""
         self._raises = False
         self.charge: Callable[[int], None] | None = None
@@ -67,7 +67,7 @@ class Region:
         theta = self._low + qmc.Sobol(len(self._low), seed=0).random(TRIED) * self._width
         theta = np.where(task.is_integer, np.rint(theta), theta)
         self.worked = np.array(
-            ~self._attempted(theta, np.random.default_rng(0))[1] if known is None else known["worked"], bool
+            ~self._attempted(theta, np.random.default_rng(0))[1] if learnt is None else learnt["worked"], bool
         )
         """Whether it worked at each of those that were tried: (TRIED,)."""
         self._tried = (theta - self._low) / self._width
@@ -124,17 +124,17 @@ class Region:
         return np.full(len(unit), np.inf) if self._machine is None else self._machine.decision_function(unit)
 
     @cached_property
-    def _known(self) -> tuple[NDArray[np.float64], Any]:
+    def _working(self) -> tuple[NDArray[np.float64], Any]:
         """Parameters in the region that worked, in the unit cube (k, p), clearly if there are any; and their tree."""
         from scipy.spatial import cKDTree
 
         depth = np.where(self.worked, self._depth(self._tried), -np.inf)
-        known = self._tried[depth >= min(DEPTH, depth.max())]
-        return known, cKDTree(known)
+        working = self._tried[depth >= min(DEPTH, depth.max())]
+        return working, cKDTree(working)
 
     def _nearest(self, unit: NDArray[np.float64]) -> NDArray[np.float64]:
-        known, tree = self._known
-        return known[tree.query(unit)[1]]
+        working, tree = self._working
+        return working[tree.query(unit)[1]]
 
     def within(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
         """Parameters (n, p), those outside of the region moved just into it, on the way to the nearest that worked."""
@@ -214,15 +214,15 @@ class Region:
 
     def notes(self, theta: NDArray[np.float64] | None = None, std: NDArray[np.float64] | None = None) -> list[str]:
         """What failed, and where: sentences for the answer of a fit that found theta with errors std (p,)."""
-        name, told = self._task.name, []
+        name, notes = self._task.name, []
         if lost := int((~self.worked).sum()):
             share = self.contains(self._task.prior.sample(DRAWS, np.random.default_rng(0))).mean()
-            told.append(
+            notes.append(
                 f"{name} failed at {lost} of {TRIED} thetas at which it was tried ({self.reason}){self._where()}; the "
                 f"fit keeps to where it works, {100 * share:.3g} % of the prior"
             )
         if again := int(self.counts[AGAIN]):
-            told.append(
+            notes.append(
                 f"{again} later events of {name} have failed and were made again at the same theta, "
                 f"{self.counts[MOVED]} of them at the nearest theta that is known to work; its events are those that "
                 "succeed"
@@ -231,10 +231,10 @@ class Region:
             theta is not None
             and not self.contains(np.vstack([theta, theta + np.diag(std), theta - np.diag(std)])).all()
         ):
-            told.append(
+            notes.append(
                 f"theta or its error reaches out of the region where {name} works: what lies beyond is not known"
             )
-        return told
+        return notes
 
     def _where(self) -> str:
         """Where most failures are, as the one condition on one parameter that tells them best."""
@@ -255,8 +255,8 @@ class Region:
 
 def failing(task: Task) -> list[Any]:
     """The task itself, or those that it is made of, whose simulator may fail."""
-    own = [task] if getattr(task, "failed", "raise") == "region" else []
-    return own + [one for part in task.tasks for one in failing(part)]
+    itself = [task] if getattr(task, "failed", "raise") == "region" else []
+    return itself + [one for part in task.tasks for one in failing(part)]
 
 
 def regions(task: Task) -> list[Region]:
@@ -266,10 +266,10 @@ def regions(task: Task) -> list[Region]:
 
 def recall(task: Task, learnt: Sequence[Mapping[str, Any]]) -> None:
     """Tell tasks what was `learnt` of their regions. Raises KeyError, TypeError or ValueError for what is none."""
-    for one, known in zip(failing(task), learnt, strict=True):
-        if len(known["worked"]) != TRIED:
-            raise ValueError(f"it has {len(known['worked'])} in place of {TRIED}")
-        one.__dict__.setdefault("region", one.region_known(known))
+    for one, record in zip(failing(task), learnt, strict=True):
+        if len(record["worked"]) != TRIED:
+            raise ValueError(f"it has {len(record['worked'])} in place of {TRIED}")
+        one.__dict__.setdefault("region", one.region_of(record))
 
 
 def beside(task: Task) -> int:
@@ -279,7 +279,9 @@ def beside(task: Task) -> int:
 
 def failures(task: Task, theta: NDArray[np.float64], std: NDArray[np.float64]) -> list[str]:
     """What failed of the simulators of a task, for the answer of a fit that found theta with errors std (p,)."""
-    own = getattr(task, "region", None)
+    task_region = getattr(task, "region", None)
     return [
-        note for region in regions(task) for note in (region.notes(theta, std) if region is own else region.notes())
+        note
+        for region in regions(task)
+        for note in (region.notes(theta, std) if region is task_region else region.notes())
     ]

@@ -84,9 +84,9 @@ class SampleTask(Task):
             return np.zeros(n, np.intp)
         at = self.scaled(theta)
         if p == 1:
-            known = self.scaled(self.nodes)[:, 0]  # in rising order
-            above = np.clip(np.searchsorted(known, at[:, 0]), 1, len(known) - 1)
-            share = (at[:, 0] - known[above - 1]) / (known[above] - known[above - 1])
+            positions = self.scaled(self.nodes)[:, 0]  # in rising order
+            above = np.clip(np.searchsorted(positions, at[:, 0]), 1, len(positions) - 1)
+            share = (at[:, 0] - positions[above - 1]) / (positions[above] - positions[above - 1])
             return above - 1 + (share > rng.random(n))
         triangles = self._triangles
         simplex = triangles.find_simplex(at)
@@ -316,15 +316,15 @@ def _drawn(
     w, rows, worth = weights_of("simulated events", weights, len(x)), [], 0.0
     nodes, which = np.unique(theta, axis=0, return_inverse=True)
     for k, node in enumerate(nodes):
-        own = np.flatnonzero(which.ravel() == k)
+        index = np.flatnonzero(which.ravel() == k)
         where = f" at theta = {node.tolist()}" if node.size else ""
-        if not w[own].sum() > 0:
+        if not w[index].sum() > 0:
             raise UsageError(f"the weights of simulated events{where} do not add up to a positive number")
-        positive = without_negative(x[own], w[own])
-        if (tell := effective_drawn(w[own], positive)) < LEAST:
+        positive = without_negative(x[index], w[index])
+        if (tell := effective_drawn(w[index], positive)) < LEAST:
             raise UsageError(
-                f"{len(own)} weighted events{where} are worth {tell:.1f} of equal weight; at least {LEAST} are needed"
+                f"{len(index)} weighted events{where} are worth {tell:.1f} of equal weight; at least {LEAST} are needed"
             )
-        rows.append(own[drawn(positive, rng)])
+        rows.append(index[drawn(positive, rng)])
         worth += tell / len(x)
     return rng.permutation(np.concatenate(rows)), worth, float(w.sum())

@@ -105,8 +105,8 @@ def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
         return u - model.allowed(u)
 
     def residual(t: NDArray[np.float64]) -> NDArray[np.float64]:
-        left = here + t @ (slopes + np.tensordot(t, bends, 1))
-        return np.concatenate([left, np.sqrt(FIT.anchor) * t, FIT.wall * outside(t)])
+        whitened = here + t @ (slopes + np.tensordot(t, bends, 1))
+        return np.concatenate([whitened, np.sqrt(FIT.anchor) * t, FIT.wall * outside(t)])
 
     def slope(t: NDArray[np.float64]) -> NDArray[np.float64]:
         wall = FIT.wall * (outside(t) != 0)[:, None] * axes
@@ -120,8 +120,8 @@ def minimise(model: Model, s: Surrogate, target: Target) -> Fit:
             noise = target.num_events * target.rank * s.variance_at(centre + axes @ t)
             return float((residual(t) ** 2).sum()) - noise
 
-        found = [minimize(distance, start, method="L-BFGS-B", bounds=[(-1, 1)] * p) for start in (t, np.zeros(p))]
-        t = min(found, key=lambda one: one.fun).x
+        minima = [minimize(distance, start, method="L-BFGS-B", bounds=[(-1, 1)] * p) for start in (t, np.zeros(p))]
+        t = min(minima, key=lambda one: one.fun).x
     return fit_at(model, s, target, s.design.to_u(t))
 
 

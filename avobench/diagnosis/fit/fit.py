@@ -133,9 +133,9 @@ class Fit:
         The fit follows slopes to which simulation adds noise, so that it scatters by more than the information says.
         """
         values, vectors = np.linalg.eigh(self.information[0])
-        known = vectors[:, values > 12]
-        noise = known.T @ self.jacobian_noise @ known / (1 + self.noise)
-        followed = known @ np.linalg.inv(np.diag(values[values > 12]) + noise)
+        directions = vectors[:, values > 12]
+        noise = directions.T @ self.jacobian_noise @ directions / (1 + self.noise)
+        followed = directions @ np.linalg.inv(np.diag(values[values > 12]) + noise)
         return (vectors / np.maximum(values, 12)) @ vectors.T + followed @ noise @ followed.T
 
     @property

@@ -136,6 +136,6 @@ def best_null(tried: list[Fit], target: Target, rng: np.random.Generator, effort
         num_events *= 2 if best.undecided else 1
     if best.undecided:  # only its error is wanted, and no limit fails for that
         with suppress(BudgetExhausted):
-            known = settled(best, target, rng, num_events, (1, 2))
-            return best if known.undecided else best.with_slopes_of(known)
+            sharper = settled(best, target, rng, num_events, (1, 2))
+            return best if sharper.undecided else best.with_slopes_of(sharper)
     return best

@@ -149,9 +149,9 @@ def from_events(model: Model, vectors: Vectors, design: Design, num_events: int,
     source = model.source()
     pairs, k = max(num_events // 2, 1), (model.dim + 1) * (model.dim + 2) // 2
     normal, at_centre, spread, unlike = np.zeros((k, k)), 0.0, 0.0, 0.0
-    left = pairs
-    while left > 0:
-        n = min(left, model.at_once)
+    remaining = pairs
+    while remaining > 0:
+        n = min(remaining, model.at_once)
         u = design.to_u(places.uniform(-1, 1, (n, model.dim)))
         b = basis(design.to_t(u))
         seed = int(happenings.integers(2**63))
@@ -161,7 +161,7 @@ def from_events(model: Model, vectors: Vectors, design: Design, num_events: int,
         at_centre = at_centre + vectors.moments(twins, b)
         spread = spread + vectors.moments(x, b)
         unlike += n / pairs * float(vectors.moved(twins[: FIT.compared_twins], x[: FIT.compared_twins]).mean())
-        left -= n
+        remaining -= n
     alone, again = np.linalg.pinv(normal, rcond=1e-12, hermitian=True), repeats(source)
     if unlike < 1:
         bend, bend_variance = alone[0] @ (spread - at_centre), unlike * alone[0, 0]
@@ -187,9 +187,9 @@ def from_bank(model: Model, vectors: Vectors, design: Design, num_events: int, r
     bank, k, pairs = model.events, (model.dim + 1) * (model.dim + 2) // 2, max(num_events // 2, 1)
     normal, taken = np.zeros((k, k)), {}
     sums: dict[bytes, NDArray[np.float64]] = {}
-    left = pairs
-    while left > 0:
-        n = min(left, model.at_once)
+    remaining = pairs
+    while remaining > 0:
+        n = min(remaining, model.at_once)
         u = np.concatenate([design.to_u(rng.uniform(-1, 1, (n, model.dim))), np.tile(design.centre, (n, 1))])
         terms = np.zeros((2 * n, k + 1))  # of spread places, and their number at the centre
         terms[:n, :k], terms[n:, k] = basis(design.to_t(u[:n])), 1
@@ -199,7 +199,7 @@ def from_bank(model: Model, vectors: Vectors, design: Design, num_events: int, r
         np.add.at(there, which, terms)
         for key, more in zip(keys, there, strict=True):
             sums[key] = sums.get(key, 0) + more
-        left -= n
+        remaining -= n
     theta, x, node = bank.handed(list(sums))
     size, at_nodes, one = np.bincount(node)[:, None], basis(design.to_t(model.to_cube(theta))), np.eye(k)[0]
     weights, of_nodes = np.array(list(sums.values())) / size, (at_nodes * size).T @ at_nodes
@@ -269,16 +269,16 @@ class ReferenceModel:
         p, k = self.model.dim, (model.dim + 1) * (model.dim + 2) // 2
         normal, change, unlike = np.zeros((k, k)), 0.0, 0.0
         num_centre, change_there = 0, 0.0
-        left, source = num_events, self.model.source()
-        while left > 0:
-            n = min(left, model.at_once)
+        remaining, source = num_events, self.model.source()
+        while remaining > 0:
+            n = min(remaining, model.at_once)
             u = design.to_u(rng.uniform(-1, 1, (n, model.dim)))
             u[: n // 2] = design.centre
             b = basis(design.to_t(u))
             x, y = with_and_without(self.model, model, model.from_cube(u), rng, source)
             some = slice(None, None, max(n // FIT.compared_twins, 1))
             moved = float(vectors.moved(x[some], y[some]).mean())
-            if left == num_events and moved > 1:
+            if remaining == num_events and moved > 1:
                 return from_events(model, vectors, design, num_events, rng)
             unlike += n / num_events * moved
             normal += b.T @ b
@@ -288,7 +288,7 @@ class ReferenceModel:
             one = np.ones((len(there), 1))
             change_there = change_there + (vectors.moments(y[there], one) - vectors.moments(x[there], one))[0]
             num_centre += n // 2
-            left -= n
+            remaining -= n
         inverse = np.linalg.pinv(normal, rcond=1e-12, hermitian=True)
         # The known polynomial in the coordinates of this design, by its values at as many points as it has terms.
         t = np.random.default_rng(0).uniform(-1, 1, (2 * k, model.dim))

@@ -38,22 +38,22 @@ def summary_gate(fit: Fit, target: Target, rng: np.random.Generator, effort: Eff
     """
     ratio = effort.sharpen if fit.p_value > TEST.hopeless else effort.repeated
     num_events = int(ratio * max(target.num_events, TEST.few))
-    plainly_wrong, tested = fit.noiseless_q > TEST.plainly * fit.dof, []
+    plainly_wrong, results = fit.noiseless_q > TEST.plainly * fit.dof, []
     for _ in range(Effort.metrics):
-        metric, lacking, known = model_metric(fit, target, target.mean, target.num_events, rng, effort.covariance)
+        metric, lacking, distinct = model_metric(fit, target, target.mean, target.num_events, rng, effort.covariance)
         # The fit has found its place: wide designs would only show a quadratic where it is none.
         efficient = sharpen(fit, metric, rng, num_events, least=0.0)
         if efficient.p_value > TEST.hopeless:
             efficient = settled(efficient, metric, rng, num_events, effort.settle)
         dof = max(efficient.dof - round(lacking), 1)
-        p_value = distance_p(efficient.q, dof, known)
-        tested.append((GateResult(statistic=efficient.q, dof=dof, p_value=p_value), efficient, metric))
+        p_value = distance_p(efficient.q, dof, distinct)
+        results.append((GateResult(statistic=efficient.q, dof=dof, p_value=p_value), efficient, metric))
         accepted, moved = p_value > TEST.doubted, efficient.distance_to(fit)
-        astray = moved > TEST.strayed if accepted else moved > 1 and len(tested) < effort.metrics
+        astray = moved > TEST.strayed if accepted else moved > 1 and len(results) < effort.metrics
         if plainly_wrong or not astray:
             break
         fit = efficient
-    return tested[-1] if accepted else max(tested, key=lambda each: each[0].p_value)
+    return results[-1] if accepted else max(results, key=lambda each: each[0].p_value)
 
 
 def distance_p(q: float, dof: int, num_events: float) -> float:
@@ -64,8 +64,8 @@ def distance_p(q: float, dof: int, num_events: float) -> float:
     """
     if dof**2 / num_events < TEST.biased * np.sqrt(2 * dof):
         return float(chi2.sf(q, dof))
-    left = max(num_events - dof + 1, 1)
-    return float(f.sf(q * left / (num_events * dof), dof, left))
+    freedom = max(num_events - dof + 1, 1)
+    return float(f.sf(q * freedom / (num_events * dof), dof, freedom))
 
 
 def model_metric(
@@ -76,20 +76,20 @@ def model_metric(
     The covariance is the model's, because that of few measured events is biased where they are fewest. Simulated events
     that were given are few as well, and the mean that is compared is theirs too. The covariance is then that within
     both samples, as in any test of two: the measured one is that of the `target`. The other return values are the
-    number of degrees of freedom that is added where the model makes no events, and of how many distinct events the
+    degrees of freedom that are added where the model makes no events, and the number of distinct events of which the
     covariance is.
     """
     source = fit.model.source()
     simulated = fit.model.simulate(np.tile(fit.params, (num_simulated, 1)), rng, source)
     cov, lacking = target.summary.model_covariance(simulated, num_events)
-    known = num_simulated / repeats(source)
+    distinct = num_simulated / repeats(source)
     if isinstance(fit.model.events, Given):
         given = fit.model.events.num_around(fit.params[: fit.model.num_theta])
         share = given / (given + target.num_events)
         cov, lacking = share * cov + (1 - share) * target.cov, share * lacking
-        known = 1 / (share**2 / known + (1 - share) ** 2 / target.num_events)
+        distinct = 1 / (share**2 / distinct + (1 - share) ** 2 / target.num_events)
     metric = Target.of(target.summary, mean, num_events, cov)
-    return metric, float(lacking @ (metric.whitening**2).sum(axis=1)), known
+    return metric, float(lacking @ (metric.whitening**2).sum(axis=1)), distinct
 
 
 def cell_gate(fit: Fit, x: NDArray, rng: np.random.Generator, effort: Effort) -> GateResult:

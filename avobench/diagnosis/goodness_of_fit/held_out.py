@@ -60,12 +60,12 @@ class HeldOut:
         chi-squared differs by 2 |d| times a normal deviate more than it should, of variance 1 from these events and
         their share of those that were fitted from the fits.
         """
-        after, before = self._left(new), self._left(old)
+        after, before = self._residual(new), self._residual(old)
         error = np.sqrt(1 + (1 + new.noise + old.noise) * self.num_events / self.target.num_events)
         scatter = 2 * float(np.linalg.norm(before - after)) * error
         return float(before @ before - after @ after) > TEST.shrunk * scatter
 
-    def _left(self, fit: Fit) -> NDArray[np.float64]:
+    def _residual(self, fit: Fit) -> NDArray[np.float64]:
         """Measured minus fitted mean, whitened for so many events: (r,)."""
         return np.sqrt(self.num_events) * ((self.mean - fit.predicted) @ self.target.whitening)
 

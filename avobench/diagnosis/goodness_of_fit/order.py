@@ -73,10 +73,10 @@ def order(
     findings: list[tuple[Look, Series]] = []
     for name, values in features.items():
         level = Series(name, "level", clipped(values[rows]), at, "its own unit")
-        in_level, left = findings_of(level, scores(values[rows]), alpha / looks)
+        in_level, residuals = findings_of(level, scores(values[rows]), alpha / looks)
         findings += [(look, level) for look in in_level]
-        width = np.abs(left - np.median(left))
-        told_apart = abs(scores(width) @ scores(left)) < ORDER.same_ranks * len(left)
+        width = np.abs(residuals - np.median(residuals))
+        told_apart = abs(scores(width) @ scores(residuals)) < ORDER.same_ranks * len(residuals)
         if told_apart and all(look.kind != "clustering" for look in in_level):
             spreads = Series(name, "spread", width / max(width.mean(), 1e-300), at, "of its mean")
             findings += [(look, spreads) for look in findings_of(spreads, scores(width), alpha / looks)[0]]
@@ -201,14 +201,14 @@ def season(s: NDArray[np.float64], at: NDArray[np.float64]) -> Look:
         phase = 2 * np.pi * cycles * at
         return np.column_stack([np.cos(phase), np.sin(phase)])
 
-    def left(cycles: float) -> float:
+    def residual_sum(cycles: float) -> float:
         return float((without(s, waves(cycles)) ** 2).sum())
 
     around = k[best] / 2 * (bins / (bins - 1) if bins > 1 else 1)
     p = float(min(-np.expm1(len(k) * np.log1p(-np.exp(-power[best]))), 1.0)) if power[best] > 0 else 1.0
     if p > 1e-3:  # too little for a period to be worth more care
         return Look("season", p, float(power[best]), 1 / around, waves(around))
-    cycles = float(minimize_scalar(left, bounds=(around - 0.5, around + 0.5), method="bounded").x)
+    cycles = float(minimize_scalar(residual_sum, bounds=(around - 0.5, around + 0.5), method="bounded").x)
     return Look("season", p, float(power[best] - np.log(len(k))), 1 / cycles, waves(cycles))
 
 

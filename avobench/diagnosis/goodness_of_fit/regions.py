@@ -61,13 +61,13 @@ class Scan:
 def intervals(fit: Fit, target: Target, spans: list[Span]) -> Scan:
     """Contiguous runs of bins in each span."""
     regions, readings, lengths = [], [], []
-    whole, left = _readings(fit, target)
+    whole, free = _readings(fit, target)
     for span in spans:
         bins = len(span.ends) - 1
         some = [(a, b) for a in range(bins) for b in range(a, min(bins, a + max(bins // 2, 1)))]
         regions += [Interval(span, *each) for each in some]
         first, last = span.start + np.array(some).T
-        readings.append(_sums(left, first, last))
+        readings.append(_sums(free, first, last))
         lengths.append(np.linalg.norm(_sums(whole, first, last), axis=1))
     return _scan(regions, np.vstack(readings), np.concatenate(lengths)) if spans else _nothing(fit)
 
@@ -78,8 +78,8 @@ def dependences(fit: Fit, target: Target) -> Scan:
     if not directions:
         return _nothing(fit)
     rows = np.array([row for _, row in directions])
-    whole, left = _readings(fit, target)
-    return _scan([Together(features) for features, _ in directions], rows @ left, np.linalg.norm(rows @ whole, axis=1))
+    whole, free = _readings(fit, target)
+    return _scan([Together(features) for features, _ in directions], rows @ free, np.linalg.norm(rows @ whole, axis=1))
 
 
 def _nothing(fit: Fit) -> Scan:
@@ -176,8 +176,8 @@ def regions(
 
     `names` are those of the features, (d,), or none where there is nothing to choose from.
     """
-    found = significant(intervals(fit, target, spans) + dependences(fit, target), fit, rng, alpha)
-    return [Region(**placed(region, z, names).model_dump(), z=z, p_global=p) for region, z, p in found]
+    disagreements = significant(intervals(fit, target, spans) + dependences(fit, target), fit, rng, alpha)
+    return [Region(**placed(region, z, names).model_dump(), z=z, p_global=p) for region, z, p in disagreements]
 
 
 def placed(region: Interval | Together, z: float, names: tuple[str, ...]) -> Place:

@@ -32,12 +32,12 @@ from avobench.effects.model import Model
 from avobench.effects.pool import Counted, Pool
 from avobench.tasks.errors import BudgetExhausted
 
-ENOUGH = float(2 * norm.ppf(DECIDE.told)) ** 2
+ENOUGH = float(2 * norm.ppf(DECIDE.confidence)) ** 2
 """The noncentrality from which two models are told apart: 10.8."""
 
 
 @dataclass(frozen=True)
-class Seen:
+class Separation:
     """How two models differ under a condition, in standard errors of one event."""
 
     difference: NDArray[np.float64]
@@ -47,10 +47,10 @@ class Seen:
     rival: NDArray[np.float64]
     """How the rival moves with its parameters: (r, P)."""
 
-    def beside(self, other: "Seen", n: float, m: float) -> "Seen":
+    def beside(self, other: "Separation", n: float, m: float) -> "Separation":
         """n events of this condition and m of another, as one event of both, by as many pieces as both have."""
         a, b, g = np.sqrt(n), np.sqrt(m), min(len(self.difference), len(other.difference))
-        return Seen(
+        return Separation(
             np.hstack([a * self.difference[:g], b * other.difference[:g]]),
             np.vstack([a * self.slopes, b * other.slopes]),
             np.vstack([a * self.rival, b * other.rival]),
@@ -63,11 +63,11 @@ class Seen:
         average. What errors of the true model's parameters add is subtracted.
         """
         reach = orth(self.rival) if self.rival.size else self.rival
-        left, slopes = (each - reach @ (reach.T @ each) for each in (self.difference.T, self.slopes))
-        pieces = left.shape[1]
+        residual, slopes = (each - reach @ (reach.T @ each) for each in (self.difference.T, self.slopes))
+        pieces = residual.shape[1]
         pairs = pieces * (pieces - 1)
-        mean, products, moved = left.mean(axis=1), left.T @ left, slopes.T @ slopes
-        apart = left.T - mean
+        mean, products, moved = residual.mean(axis=1), residual.T @ residual, slopes.T @ slopes
+        apart = residual.T - mean
         squares = ((apart @ apart.T) ** 2)[~np.eye(pieces, dtype=bool)].sum()
         simulated = 4 * ((apart @ mean) ** 2).sum() / pairs + 2 * squares / pairs**2
         measured = 4 * ((mean @ slopes) ** 2).sum() + 2 * (moved**2).sum()
@@ -82,29 +82,31 @@ class Pair:
     true: Fit
     rival: Fit
     target: Target
-    now: Seen
+    now: Separation
     """By what was measured."""
 
     @classmethod
     def of(cls, true: Fit, rival: Fit, target: Target) -> "Pair":
         """By events that the bank has. Raises BudgetExhausted where these are too few."""
         size = int(np.clip(target.num_events // DECIDE.in_piece, DECIDE.least, BUDGET.most_events // DECIDE.pieces))
-        found = differences((true.model, rival.model), (true.params, rival.params), target, size, free=True)
+        difference = differences((true.model, rival.model), (true.params, rival.params), target, size, free=True)
         root = np.sqrt(target.num_events)
         slopes = true.jacobian @ errors(true) / root
-        return cls(true, rival, target, Seen(found @ target.whitening, slopes, rival.jacobian / root))
+        return cls(true, rival, target, Separation(difference @ target.whitening, slopes, rival.jacobian / root))
 
-    def sets(self) -> dict[str, Seen]:
+    def sets(self) -> dict[str, Separation]:
         """The same by each of several data sets alone; none of a single one."""
-        stacked, found = self.target.summary, {}
+        stacked, by_set = self.target.summary, {}
         if isinstance(stacked, StackedSummary):
             back = self.target.whitening.T @ self.target.cov  # from whitened means to means
             for name, part, weight in zip(stacked.names, stacked.parts, stacked.weights, strict=True):
-                own = back[:, part] @ whitening(self.target.cov[part, part] / weight)
-                found[name] = Seen(self.now.difference @ own, own.T @ self.now.slopes, own.T @ self.now.rival)
-        return found
+                transform = back[:, part] @ whitening(self.target.cov[part, part] / weight)
+                by_set[name] = Separation(
+                    self.now.difference @ transform, transform.T @ self.now.slopes, transform.T @ self.now.rival
+                )
+        return by_set
 
-    def under(self, events: Bank | Counted, chosen: Mapping[str, float], size: int) -> Seen:
+    def under(self, events: Bank | Counted, chosen: Mapping[str, float], size: int) -> Separation:
         """By the simulator of another condition, in pieces of so many events, which come from its bank.
 
         `chosen` are parameters of the task that are set to these values, and then known. Raises BudgetExhausted.
@@ -123,7 +125,7 @@ class Pair:
             for model, each in zip(models, params, strict=True)
         ]
         target = target_of(made[0], summary_of(task, *made), made[0])
-        found, slopes = differences(models, params, target, size), []
+        difference, slopes = differences(models, params, target, size), []
         for fit, model, each in zip(fits, models, params, strict=True):
             scale = (fit.model.high - fit.model.low) / (model.high - model.low)
             centre, axes = model.to_cube(each), scale[:, None] * fit.next_design().axes
@@ -131,9 +133,9 @@ class Pair:
             slope = fit_at(model, s, target, centre).jacobian * scale / np.sqrt(target.num_events)
             slope[:, at] = 0
             slopes.append(slope)
-        return Seen(found @ target.whitening, slopes[0] @ errors(self.true), slopes[1])
+        return Separation(difference @ target.whitening, slopes[0] @ errors(self.true), slopes[1])
 
-    def decision(self, rivals: "Rivals", adds: Seen | None = None, condition: str = "") -> Decision:
+    def decision(self, rivals: "Rivals", adds: Separation | None = None, condition: str = "") -> Decision:
         """How many more measured events would do, of the same kind or of what a condition `adds`."""
         n, labels = self.target.num_events, self.true.model.task.labels
         now = self.now.noncentrality()
@@ -169,14 +171,14 @@ class Pair:
 
     def _where(self, rivals: "Rivals") -> dict[str, Any]:
         """The interval of a feature, or the dependence, that has most of the noncentrality, and its share."""
-        left = np.sqrt(self.target.num_events) * self.now.difference.mean(axis=0)
-        fit = replace(self.rival, residual=left, noise=0.0)
+        residual = np.sqrt(self.target.num_events) * self.now.difference.mean(axis=0)
+        fit = replace(self.rival, residual=residual, noise=0.0)
         scan = intervals(fit, self.target, rivals.spans) + dependences(fit, self.target)
         if not scan.regions:
             return {}
         z = scan.z(fit)
         most = int(np.abs(z).argmax())
-        share = z[most] ** 2 / ((left @ fit.projector()) ** 2).sum()
+        share = z[most] ** 2 / ((residual @ fit.projector()) ** 2).sum()
         return {"where": placed(scan.regions[most], z[most], rivals.names), "share": min(share, 1.0)}
 
 
@@ -198,22 +200,22 @@ class Rivals:
 
         A model that has all effects of the other one is the true one: else the larger never differs.
         """
-        found = []
+        groups = []
         for each in posterior.credible:
             pairs, larger = [], each > posterior.best.effects
             for other in posterior.shapes[each][: DECIDE.shapes] if each != posterior.best.effects else []:
                 with suppress(BudgetExhausted):
                     pairs.append(Pair.of(*((other.fit, chosen) if larger else (chosen, other.fit)), target))
-            found += [pairs] if pairs else []
-        return cls(found, spans, names)
+            groups += [pairs] if pairs else []
+        return cls(groups, spans, names)
 
     def decisions(self) -> list[Decision]:
         """What would decide on each rival: more events of the same kind, and of each of several data sets alone."""
-        found = []
+        decisions = []
         for pairs in self.pairs:
             pair, decision = self._nearest(pairs)
-            found += [decision, *(pair.decision(self, adds, name) for name, adds in pair.sets().items())]
-        return found
+            decisions += [decision, *(pair.decision(self, adds, name) for name, adds in pair.sets().items())]
+        return decisions
 
     def under(self, name: str, bank: Bank | Counted, chosen: Mapping[str, float], simulations: int) -> list[Decision]:
         """The same by events of another condition, of which about so many are simulated; see `Pair.under`.
@@ -221,7 +223,7 @@ class Rivals:
         Where a model takes more, as one that loses nearly all events there, pieces are made smaller. Raises
         BudgetExhausted where that leaves next to nothing.
         """
-        found, size = [], simulations // (DECIDE.asked * DECIDE.pieces)
+        decisions, size = [], simulations // (DECIDE.asked * DECIDE.pieces)
         for pair in [self._nearest(pairs)[0] for pairs in self.pairs]:
             adds = None
             while adds is None:
@@ -230,8 +232,8 @@ class Rivals:
                 with suppress(BudgetExhausted):
                     adds = pair.under(bank, chosen, size)
                 size = size if adds else size // 2
-            found.append(pair.decision(self, adds, name))
-        return found
+            decisions.append(pair.decision(self, adds, name))
+        return decisions
 
     def _nearest(self, pairs: list[Pair]) -> tuple[Pair, Decision]:
         """The shape that is hardest to tell from the other model."""
@@ -254,7 +256,7 @@ def differences(
     In each piece both models change the same simulated events, and no event is in two pieces. Where this is to be
     `free`, there are as many pieces as the bank has events for. Raises BudgetExhausted where these are too few.
     """
-    bank, summary, found = models[0].events, target.summary, []
+    bank, summary, pieces = models[0].events, target.summary, []
     if isinstance(bank, Pool):  # a second request may begin anywhere
         size = min(size, bank.size // DECIDE.pieces)
     if not isinstance(bank, Bank):
@@ -262,20 +264,20 @@ def differences(
         for model, each in zip(models, params, strict=True):
             x = model.simulate(np.tile(each, (DECIDE.pieces * size, 1)), np.random.default_rng(0))
             means.append(summary.mean(x, DECIDE.pieces))
-        found = list(np.stack(means, axis=1))
+        pieces = list(np.stack(means, axis=1))
     else:
         session = bank.session()
         with bank.meter.closed() if free else nullcontext(), suppress(BudgetExhausted):
-            while len(found) < DECIDE.pieces:
+            while len(pieces) < DECIDE.pieces:
                 sources, means = [copy(session), copy(session)], []
                 for model, each, source in zip(models, params, sources, strict=True):
-                    x = model.simulate(np.tile(each, (size, 1)), np.random.default_rng(len(found)), source)
+                    x = model.simulate(np.tile(each, (size, 1)), np.random.default_rng(len(pieces)), source)
                     means.append(summary.mean(x)[0])
                 session = sources[0].after(sources[1])
                 if repeats(session) > 1:
                     break
-                found.append(np.stack(means))
-    if len(found) < DECIDE.fewest:
-        raise BudgetExhausted(f"{len(found)} pieces of {size} events are too few")
+                pieces.append(np.stack(means))
+    if len(pieces) < DECIDE.fewest:
+        raise BudgetExhausted(f"{len(pieces)} pieces of {size} events are too few")
     # Of some tables a function of the mean is compared.
-    return np.array([summary.linear(a[None])[0] - summary.linear(b[None])[0] for a, b in found])
+    return np.array([summary.linear(a[None])[0] - summary.linear(b[None])[0] for a, b in pieces])

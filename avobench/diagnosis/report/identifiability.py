@@ -59,7 +59,7 @@ class Signal:
     """Standard error of `kept` by simulation where nothing is left."""
     error: float
     """The same where as much is left."""
-    left: NDArray[np.float64]
+    residual: NDArray[np.float64]
     """What is left, with the noise of simulation (r,)."""
     point: NDArray[np.float64]
     """Where the parameters are then, in the unit cube (P,)."""
@@ -119,16 +119,16 @@ class Detection:
             return self._row(effect), none
         row = self._row(effect, signal, float(strength.null + np.exp(strong) * (side - strength.null)))
         plain = at(min(strong + np.log(REPORT.plainer), 0.0), samples[-2:-1])
-        if plain.followed and self.seen(plain):
-            return row, plain.left / np.sqrt(plain.kept)
+        if plain.followed and self.detects(plain):
+            return row, plain.residual / np.sqrt(plain.kept)
         return row, none
 
     def ends(self, signal: Signal) -> bool:
-        """Whether a strength is seen, or the last one that theta follows."""
-        return self.seen(signal) or not signal.followed
+        """Whether the test sees a strength, or theta no longer follows it."""
+        return self.detects(signal) or not signal.followed
 
-    def seen(self, signal: Signal) -> bool:
-        """Whether a strength is seen, and not the noise of simulation."""
+    def detects(self, signal: Signal) -> bool:
+        """Whether the test sees a strength, and not the noise of simulation."""
         return signal.kept >= max(self.need, REPORT.shown * signal.noise)
 
     def tells(self, signal: Signal) -> bool:
@@ -146,7 +146,7 @@ class Detection:
         return Identifiable(
             **named(effect.key, model.task.labels).model_dump(),
             retained=retained,
-            minimum_detectable=size if signal is not None and self.seen(signal) else None,
+            minimum_detectable=size if signal is not None and self.detects(signal) else None,
             theta_bias=bias,
             theta_bias_at=size,
             rivals=[],
@@ -158,26 +158,26 @@ class Detection:
             events = len(sample.x)
             compared = min(events, REPORT.compared_moves)
             change, scatter = sample.changes(effect, phi[None], events, np.random.default_rng(seed), compared)
-            signal = self._left(change[0], float(scatter[0]))
+            signal = self._after_fit(change[0], float(scatter[0]))
             if self.tells(signal):
                 break
         return signal
 
-    def _left(self, change: NDArray[np.float64], scatter: float) -> Signal:
-        """What a change (r,) of the mean leaves, with a square by its `scatter` that is none of the effect."""
+    def _after_fit(self, change: NDArray[np.float64], scatter: float) -> Signal:
+        """What a change (r,) of the mean leaves after a fit; `scatter` is the part of its square by chance."""
         target, s = self.target, self.around
         mean = target.summary.linear(s.coefficients[:1])[0]
         mean = mean + target.cov @ target.whitening @ change / np.sqrt(target.num_events)
         moved = replace(target, mean=mean)
         if self.fit.model.dim:
             fit = minimise(self.fit.model, s, moved)
-            point, left = fit.point, fit.residual
+            point, residual = fit.point, fit.residual
         else:
-            point, left = s.design.centre, change
+            point, residual = s.design.centre, change
         t = s.design.to_t(point)
         step = basis(t[None])[0] - basis(np.zeros((1, s.dim)))[0]
         variance = scatter / target.rank + target.num_events * float(step @ s.inverse @ step)
-        whole, kept = float(change @ change) - scatter, float(left @ left) - variance * self.fit.dof
+        whole, kept = float(change @ change) - scatter, float(residual @ residual) - variance * self.fit.dof
         noise = np.sqrt(2 * self.fit.dof) * variance
         error = float(np.hypot(noise, 2 * np.sqrt(max(kept, 0) * variance)))
-        return Signal(whole, kept, noise, error, left, point, bool(np.abs(t).max(initial=0) < REPORT.followed))
+        return Signal(whole, kept, noise, error, residual, point, bool(np.abs(t).max(initial=0) < REPORT.followed))

@@ -18,12 +18,12 @@ from avobench.tasks.prior import Distributed
 
 
 def describe(
-    fit: Fit, std: NDArray[np.float64], task_spec: str, own: Mapping[str, tuple[str | None, Effect]]
+    fit: Fit, std: NDArray[np.float64], task_spec: str, user_effects: Mapping[str, tuple[str | None, Effect]]
 ) -> ModelFile:
     """What `model.json` says of a fitted model.
 
-    `std` (P,) are its standard errors. `own` gives of the user's effects by name how each is found again, if it is,
-    and the effect as it is before it sees data.
+    `std` (P,) are its standard errors. `user_effects` holds the user's effects by name: how each is found again, or
+    None, and the effect before it has seen data.
     """
     model = fit.model
     theta = model.num_theta
@@ -47,7 +47,7 @@ def describe(
         name="-".join([base.name, *(e.name.replace("_", "-") for e in model.effects)]),
         task=base.content if inner else registry.absolute(task_spec),
         task_settings={} if inner else registry.settings_of(base),
-        effects=[kept(effect, base, *own.get(effect.name, (None, None))) for effect in model.effects],
+        effects=[kept(effect, base, *user_effects.get(effect.name, (None, None))) for effect in model.effects],
         parameters=[
             Parameter(
                 name=names[i],
@@ -63,16 +63,16 @@ def describe(
     )
 
 
-def kept(effect: Effect, base: Task, source: str | None = None, own: Effect | None = None) -> AddedEffect:
+def kept(effect: Effect, base: Task, source: str | None = None, original: Effect | None = None) -> AddedEffect:
     """What a file keeps of an effect on a task.
 
-    Of one of the user's `own` that is as it is before it sees data, and `source` how it is found again: module:Class or
-    file.py:Class; its name where it is not.
+    For one of the user's effects, `original` is the effect before it has seen data. `source` says how it is found
+    again: module:Class or file.py:Class, or its name where there is neither.
     """
     names, settings = set(settings_of(effect)) - {"shape"} if is_dataclass(effect) else set(), {}
-    if own is not None:
+    if original is not None:
         source = registry.absolute(source or effect.name)
-        names = {name for name in names if not np.all(getattr(effect, name) == getattr(own, name))}
+        names = {name for name in names if not np.all(getattr(effect, name) == getattr(original, name))}
     if names:
         settings = TypeAdapter(type(effect)).dump_python(effect, mode="json", include=names)
     return AddedEffect(name=effect.name, feature=effect.feature, shape=effect.shape, source=source, settings=settings)

@@ -30,7 +30,7 @@ MOST_LEFT = 0.5
 """Share of the gap that a model which is rejected may leave: from then on it leaves more than it explains."""
 
 
-def left(before: Gap, after: Gap | None) -> float:
+def share_left(before: Gap, after: Gap | None) -> float:
     """The share of the held-out gap that is left with effects: 1 if it did not shrink, or none was added."""
     if after is None or after.value >= before.value:
         return 1.0
@@ -89,7 +89,7 @@ class Outcome:
             elif not describes and not held_out.shrank(extended.efficient, null.efficient):
                 why = "on held-out events the gap shrank by less than its error"
             else:
-                share = left(before, after)
+                share = share_left(before, after)
                 likely = posterior.outside if posterior else 0.0
                 if not describes and (share > MOST_LEFT or likely >= OUTSIDE_FROM):
                     why = f"with it {share:.0%} of the gap are left, and p = {extended.p_value:.2g}"
@@ -187,9 +187,9 @@ def notes_of(
             f"{num_events} events make {target.rank} bins or less: the identifiability card says what so few cannot "
             "show."
         )
-    if isinstance(target.summary, Bins) and (left := target.summary.left_out):
+    if isinstance(target.summary, Bins) and (omitted := target.summary.left_out):
         notes.append(
-            f"{left} pairs of features, far from each other in their order, are not compared: there are too many of "
+            f"{omitted} pairs of features, far from each other in their order, are not compared: there are too many of "
             "them for so many events, or for the memory."
         )
     notes += prior_notes(outcome.first, "without effects")

@@ -37,8 +37,8 @@ def _of_set(name: str, summary: Summary, part: slice, target: Target, before: Fi
             errors = summary.simulated.errors_of(summary.tables, predicted)
             rows = Comparison.of(summary.tables, predicted, errors + fit.noise * cov, fit.num_events).rows
             return [(row.chi_squared, row.dof) for row in rows]
-        left = np.sqrt(target.num_events) * (target.mean[part] - predicted) @ directions
-        return [(float(left @ left) / (1 + fit.noise), len(left))]
+        residual = np.sqrt(target.num_events) * (target.mean[part] - predicted) @ directions
+        return [(float(residual @ residual) / (1 + fit.noise), len(residual))]
 
     of_tables = isinstance(summary, TableSummary)
     names = [table.name for table in summary.tables] if isinstance(summary, TableSummary) else [""]
@@ -46,11 +46,11 @@ def _of_set(name: str, summary: Summary, part: slice, target: Target, before: Fi
     then = [q for q, _ in compared(after)] if after else [None] * len(first)
     return [
         TableGap(
-            name=": ".join(filter(None, (name, own))),
+            name=": ".join(filter(None, (name, label))),
             kind="table" if of_tables else "events",
             dof=dof,
             chi_squared_before=q,
             chi_squared_after=later,
         )
-        for own, (q, dof), later in zip(names, first, then, strict=True)
+        for label, (q, dof), later in zip(names, first, then, strict=True)
     ]

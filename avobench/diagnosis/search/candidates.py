@@ -116,8 +116,8 @@ class Candidates:
         """
         away = start.point[: self.without.model.dim] - self.without.point
         far = away @ self.without.information[0] @ away > SEARCH.moved**2
-        known = self.sample.around.holds(start.point[: self.without.model.dim])
-        return bool(far) and known and start.model.newest_acts_last
+        within = self.sample.around.holds(start.point[: self.without.model.dim])
+        return bool(far) and within and start.model.newest_acts_last
 
     def hopeful(self, starts: list[Start]) -> list[Start]:
         """The best start of each shape, and one more elsewhere, where screening expects that it explains something.
@@ -128,13 +128,13 @@ class Candidates:
         promising = [start for start in starts if start.expected < self.without.noiseless_q]
         with self.meter.keeping(3 * max(self.meter.remaining or 0, 0) // 4):
             tried = self.work(check, [each for some in by_shape(promising) for each in some[:2]], self.effort.fit // 2)
-            seen = sorted((start for start in tried if start is not None), key=lambda start: start.expected)
-            firsts = {start.model.effects[-1].key: start for start in seen[::-1] if start.slope is not None}
+            ranked = sorted((start for start in tried if start is not None), key=lambda start: start.expected)
+            firsts = {start.model.effects[-1].key: start for start in ranked[::-1] if start.slope is not None}
             nearer = self.work(approach, list(firsts.values()), self.effort.fit // 2, self.without)
-        others = [start for start in seen if not any(start is first for first in firsts.values())]
+        others = [start for start in ranked if not any(start is first for first in firsts.values())]
         reached = [near or first for near, first in zip(nearer, firsts.values(), strict=True)]
-        seen = sorted([*others, *reached], key=lambda start: start.expected)
-        first, second = ([some[k] for some in by_shape(seen or promising) if len(some) > k] for k in (0, 1))
+        ranked = sorted([*others, *reached], key=lambda start: start.expected)
+        first, second = ([some[k] for some in by_shape(ranked or promising) if len(some) > k] for k in (0, 1))
         first = varied(first, lambda start: start.expected / 2, lambda start: start.model)
         return [*first[: self.effort.starts], *second[: self.effort.starts // 4]]
 

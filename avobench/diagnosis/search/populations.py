@@ -33,18 +33,18 @@ def populations(fit: Fit, target: Target, effect: Effect, rng: np.random.Generat
 
     near = rng.standard_normal((points, p)) * SEARCH.apart ** rng.uniform(0, 2, (points, 1))
     u = np.clip(np.concatenate([rng.uniform(*ends, (points, p)), fit.point + near, fit.point[None]]), *ends)
-    seen = residuals(u)
+    misfits = residuals(u)
     for k in range(SEARCH.pairings):
-        pairs, _, _ = best_pairs(seen, noise, inside(u))
+        pairs, _, _ = best_pairs(misfits, noise, inside(u))
         around = np.unique(pairs[: SEARCH.pairs])
         beside = u[np.resize(around, points)]
         beside = np.clip(beside + SEARCH.apart ** (1 + k / 2) * rng.standard_normal(beside.shape), *ends)
-        u, seen = np.concatenate([u, beside]), np.concatenate([seen, residuals(beside)])
-    pairs, _, _ = best_pairs(seen, noise, inside(u))
+        u, misfits = np.concatenate([u, beside]), np.concatenate([misfits, residuals(beside)])
+    pairs, _, _ = best_pairs(misfits, noise, inside(u))
     starts = []
     for two in u[pairs[: SEARCH.pairs]]:
-        seen, noise_of_two = residuals(two, SEARCH.final_events), noise / SEARCH.final_events
-        (pair, *_), (share, *_), (q, *_) = best_pairs(seen, noise_of_two, inside(two))
+        misfits, noise_of_two = residuals(two, SEARCH.final_events), noise / SEARCH.final_events
+        (pair, *_), (share, *_), (q, *_) = best_pairs(misfits, noise_of_two, inside(two))
         first, second = low + two[pair] * width
         point = model.to_cube(np.r_[first, max(share, 0.01), second])
         half = np.full(model.dim, SEARCH.apart ** (1 + SEARCH.pairings / 2))
@@ -66,10 +66,10 @@ def best_pairs(
     The share is at most one half. For each first mean only its best partner is kept.
     """
     products = residuals @ residuals.T
-    own = np.diag(products) - noise
-    length = np.maximum(own[:, None] + own - 2 * products, 1e-12)
-    share = np.clip((own[:, None] - products) / length, 0, 0.5)
-    q = (1 - share) ** 2 * own[:, None] + 2 * share * (1 - share) * products + share**2 * own
+    squares = np.diag(products) - noise
+    length = np.maximum(squares[:, None] + squares - 2 * products, 1e-12)
+    share = np.clip((squares[:, None] - products) / length, 0, 0.5)
+    q = (1 - share) ** 2 * squares[:, None] + 2 * share * (1 - share) * products + share**2 * squares
     np.fill_diagonal(q, np.inf)
     second = q.argmin(axis=1)
     least = q[np.arange(len(q)), second]

@@ -168,10 +168,10 @@ def covariates_of(fits: dict[Names, list[Weighed]], prior: "Prior") -> dict[Name
         if names:
             kind = best.resemblance, len(names) > 1, -prior.plainness(best)
             reached = np.log(fit.num_events / events), -np.log(max(fit.noiseless_q / max(fit.dof, 1), 1))
-            told = -np.log1p(deficit), log, *kind, *reached
+            row = -np.log1p(deficit), log, *kind, *reached
         else:
-            told = -deficit, log, np.mean(looks or [0.0]), 0, 0, 0, 0
-        covariates[names] = np.array(told, dtype=float)
+            row = -deficit, log, np.mean(looks or [0.0]), 0, 0, 0, 0
+        covariates[names] = np.array(row, dtype=float)
     return covariates
 
 

@@ -195,7 +195,7 @@ class Around:
 
     def __init__(self, reference: ReferenceModel, target: Target) -> None:
         self.surrogate, self.target = reference.surrogate, target
-        self._left, self._slopes, self._bends = self.surrogate.residual(target)
+        self._residual, self._slopes, self._bends = self.surrogate.residual(target)
 
     def holds(self, point: NDArray[np.float64]) -> bool:
         """Whether a point (p,) of the unit cube lies within where the model is known; theta may be far beyond."""
@@ -221,9 +221,9 @@ class Around:
         lowest, reached, best = np.full(m, np.inf), gain.copy(), t.copy()
         for _ in range(steps):
             bent = np.tensordot(t, self._bends, 1)
-            left = self._left + np.einsum("mi,mir->mr", t, self._slopes + bent) + gain[:, None] * change
+            residual = self._residual + np.einsum("mi,mir->mr", t, self._slopes + bent) + gain[:, None] * change
             slope = np.concatenate([self._slopes + 2 * bent, change[:, None]], axis=1)
-            down = np.einsum("mir,mr->mi", slope, left)
+            down = np.einsum("mir,mr->mi", slope, residual)
             down[:, p] -= gain * scatter
             square = slope @ slope.transpose(0, 2, 1)
             square[:, range(p + 1), range(p + 1)] += FIT.anchor
@@ -261,10 +261,10 @@ class Around:
         The noise of the model at its centre is taken out. What it is more elsewhere is left in: a place of which little
         is known promises nothing.
         """
-        left = self._left + np.einsum("mi,mir->mr", t, self._slopes + np.tensordot(t, self._bends, 1))
-        left = left + gain[:, None] * change
+        residual = self._residual + np.einsum("mi,mir->mr", t, self._slopes + np.tensordot(t, self._bends, 1))
+        residual = residual + gain[:, None] * change
         noise = self.target.num_events * self.surrogate.inverse[0, 0]
-        return (left**2).sum(axis=1) - gain**2 * scatter - noise * self.target.rank
+        return (residual**2).sum(axis=1) - gain**2 * scatter - noise * self.target.rank
 
 
 def glance(
@@ -358,10 +358,11 @@ def hidden(sample: Sample, start: Start, rng: np.random.Generator, effort: Effor
             point, _ = scan(start.model, target, rng, fixed=phi, around=theta, size=size)
             for _ in range(SEARCH.stepped):
                 x = start.model.simulate(np.tile(start.model.from_cube(point), (effort.fit // SEARCH.stepped, 1)), rng)
-                left = target.whiten(target.mean - target.summary.mean(x)[0])
-                theta = point[:p] = np.clip(point[:p] + np.clip(fit.follow(left), -SEARCH.stride, SEARCH.stride), 0, 1)
+                residual = target.whiten(target.mean - target.summary.mean(x)[0])
+                step = np.clip(fit.follow(residual), -SEARCH.stride, SEARCH.stride)
+                theta = point[:p] = np.clip(point[:p] + step, 0, 1)
             noise = target.num_events / len(x) * target.rank
-            row.append((point, float(((left @ free) ** 2).sum()) - noise))
+            row.append((point, float(((residual @ free) ** 2).sum()) - noise))
         places, expected = np.array([point for point, _ in row]), np.array([value for _, value in row])
         along = np.gradient(places[:, :p], places[:, p], axis=0)
         between = np.abs(np.diff(places[:, p])).mean()

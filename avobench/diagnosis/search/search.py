@@ -54,8 +54,8 @@ class Search:
         with suppress(BudgetExhausted):
             like = self.like(null.model, null.params)
             self.extend(weighed, dropped, effects, like)
-        known = {one.effects for one in weighed}
-        weighed += [one for one in dropped if one.effects not in known]
+        sets = {one.effects for one in weighed}
+        weighed += [one for one in dropped if one.effects not in sets]
         return Posterior.of(weighed, effects, like) if len(weighed) > 1 or not meter.refused else None
 
     def like(self, model: Model, theta: NDArray[np.float64]) -> dict[str, float]:

@@ -240,20 +240,20 @@ class Bins(Summary):
         their squares, and the square of each. A gain that all share moves or spreads every feature by little, or both
         by another amount in every event, and the sum shows it.
         """
-        found = []
+        directions = []
         for k, pair in enumerate(self.products, self.num_bins):
-            found.append((pair, np.eye(1, self.size, k)[0]))
+            directions.append((pair, np.eye(1, self.size, k)[0]))
         if len(self.edges) < MANY or not self.scores:
-            return found
+            return directions
         everything, scores = tuple(range(len(self.edges))), np.concatenate(self.scores)
         for weights in (scores, scores**2):
-            found.append((everything, np.r_[weights, np.zeros(self.size - len(weights))]))
+            directions.append((everything, np.r_[weights, np.zeros(self.size - len(weights))]))
         fluctuating = np.eye(2, self.size, self.size - 2)
         if len(self._common) == 1:  # the square of a sum is the sum of the squares and of twice the products
             products = np.arange(self.size)[self.num_bins : self.num_bins + len(self.products)]
             fluctuating[0, self.size - 2] = 0
             fluctuating[0, products], fluctuating[0, : len(scores)] = 2, scores**2
-        return found + [(everything, row) for row in fluctuating]
+        return directions + [(everything, row) for row in fluctuating]
 
     @cached_property
     def _sides(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

@@ -43,10 +43,10 @@ class StackedSummary(Summary):
         return [of(s, np.ascontiguousarray(x[:, at])) for s, at in zip(self.summaries, self.columns, strict=True)]
 
     def mean(self, x: NDArray, pieces: int = 1) -> NDArray[np.float64]:
-        return np.hstack(self._stacked(lambda summary, own: summary.mean(own, pieces), x))
+        return np.hstack(self._stacked(lambda summary, events: summary.mean(events, pieces), x))
 
     def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.hstack(self._stacked(lambda summary, own: summary.moments(own, weights), x))
+        return np.hstack(self._stacked(lambda summary, events: summary.moments(events, weights), x))
 
     def project(self, x: NDArray, direction: NDArray[np.float64]) -> NDArray[np.float64]:
         each = zip(self.summaries, self.columns, self.parts, strict=True)
@@ -58,7 +58,7 @@ class StackedSummary(Summary):
         return np.average(moved, axis=0, weights=[summary.size for summary in self.summaries])
 
     def covariance(self, x: NDArray) -> NDArray[np.float64]:
-        return block_diag(*self._stacked(lambda summary, own: summary.covariance(own), x))
+        return block_diag(*self._stacked(lambda summary, events: summary.covariance(events), x))
 
     def linear(self, terms: NDArray[np.float64]) -> NDArray[np.float64]:
         each = zip(self.summaries, self.parts, strict=True)
@@ -76,15 +76,15 @@ class StackedSummary(Summary):
     def view(self, x: "NDArray | JointPart") -> View:
         spans, shown = [], []
         sets = x.sets if isinstance(x, JointPart) else [x[:, at] for at in self.columns]
-        for name, summary, at, part, own in zip(
+        for name, summary, at, part, events in zip(
             self.names, self.summaries, self.columns, self.parts, sets, strict=True
         ):
-            view = summary.view(own)
+            view = summary.view(events)
             for span in view.spans:
                 feature = span.feature + at.start if isinstance(span.feature, int) else span.feature
                 named = f"{name}: {span.name}" if span.name else ""
                 spans.append(replace(span, feature=feature, start=span.start + part.start, name=named))
-            shown.append(view.shown or _shares(summary.mean(own)[0], len(own)))
+            shown.append(view.shown or _shares(summary.mean(events)[0], len(events)))
         return View(spans, shown=Shown(*map(np.concatenate, zip(*shown, strict=True))))
 
     def chi_squared_variance(self, rank: int, num_events: int) -> float:
@@ -132,17 +132,17 @@ class JointPart(Part):
         return Target.of(summary, np.concatenate([target.mean for target in targets]), num_events, cov)
 
     def seen_by(self, summary: Summary) -> tuple[NDArray[np.float64], int]:
-        seen = [
-            one.seen_by(own) if isinstance(one, Part) else (own.mean(one)[0], len(one))
-            for own, one in zip(summary.summaries, self.sets, strict=True)
+        means = [
+            one.seen_by(part_summary) if isinstance(one, Part) else (part_summary.mean(one)[0], len(one))
+            for part_summary, one in zip(summary.summaries, self.sets, strict=True)
         ]
-        return np.concatenate([mean for mean, _ in seen]), max(round(summary.weights[0] * seen[0][1]), 1)
+        return np.concatenate([mean for mean, _ in means]), max(round(summary.weights[0] * means[0][1]), 1)
 
     def as_events(self, task: Task, simulated: NDArray, rng: np.random.Generator) -> NDArray:
         """Each feature by itself: how those of one set go together is lost, and effects do not read that off."""
         shown = [
-            one.as_events(own, _of(own, simulated, at), rng) if isinstance(one, Part) else one
-            for own, one, at in zip(self.task.tasks, self.sets, self.task.columns, strict=True)
+            one.as_events(part_task, _of(part_task, simulated, at), rng) if isinstance(one, Part) else one
+            for part_task, one, at in zip(self.task.tasks, self.sets, self.task.columns, strict=True)
         ]
         least = min(map(len, shown))
         return np.hstack([rng.permutation(one)[:least].astype(task.dtype) for one in shown])

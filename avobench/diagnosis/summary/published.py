@@ -119,12 +119,12 @@ class TablePart(Part):
 
     def _in_bins_of(self, tables: Tables) -> NDArray[np.float64]:
         """The values in wider bins, into which those of the tables were merged."""
-        found = []
+        merged = []
         for table, part, wide in zip(self.tables, self.tables.parts, tables, strict=True):
             starts = np.searchsorted(table.edges, wide.edges[:-1])
             counts = np.add.reduceat(self.values[part] * table.widths, starts)
-            found.append(self.values[part] if len(starts) == len(table.values) else counts / wide.widths)
-        return np.concatenate(found)
+            merged.append(self.values[part] if len(starts) == len(table.values) else counts / wide.widths)
+        return np.concatenate(merged)
 
     def as_events(self, task: Task, simulated: NDArray, rng: np.random.Generator) -> NDArray:
         """Within a bin they are distributed as those of simulated events, as are features without a table."""
@@ -168,12 +168,12 @@ def _drawn(
     """So many numbers of a table with these values (K,), in each bin as simulated ones (n,) are: (m,)."""
     share = np.cumsum(values * table.widths)
     bins = np.searchsorted(share / share[-1], (np.arange(m) + 0.5) / m)
-    found = np.empty(m)
+    numbers = np.empty(m)
     for k, (low, high) in enumerate(zip(table.edges, table.edges[1:], strict=False)):
         here, inside = bins == k, np.sort(simulated[(simulated >= low) & (simulated < high)])
         at = inside if len(inside) else np.array([end for end in (low, high) if np.isfinite(end)])
-        found[here] = np.interp(rng.random(here.sum()), np.linspace(0, 1, len(at)), at)
-    return rng.permutation(found)
+        numbers[here] = np.interp(rng.random(here.sum()), np.linspace(0, 1, len(at)), at)
+    return rng.permutation(numbers)
 
 
 def tables_of(task: Task, tables: Tables) -> Tables:
@@ -182,11 +182,11 @@ def tables_of(task: Task, tables: Tables) -> Tables:
     Raises UsageError for a feature or a unit that the task does not have, and for tables of too few counts.
     """
     named: list[Table] = []
-    seen: Counter[str] = Counter()
+    occurrences: Counter[str] = Counter()
     for table in tables:
         changed = _of_feature(task, table) if table.of is None else {"name": table.name or "table"}
-        seen[changed["name"]] += 1
-        if (number := seen[changed["name"]]) > 1:
+        occurrences[changed["name"]] += 1
+        if (number := occurrences[changed["name"]]) > 1:
             changed["name"] += f" ({number})"
         count = round(table.values @ table.widths)
         if tables.are_counts(table) and count < BUDGET.least_events:
@@ -197,11 +197,11 @@ def tables_of(task: Task, tables: Tables) -> Tables:
 
 def _of_feature(task: Task, table: Table) -> dict[str, Any]:
     """The number of the feature of a task that a table is of, its unit, and a name."""
-    known, feature = list(task.labels), table.feature
-    if feature not in known and feature not in range(len(known)):
-        raise table.wrong(f"{task.name} has no feature {feature}; it has: {', '.join(known)}")
-    at = known.index(feature) if isinstance(feature, str) else feature
+    labels, feature = list(task.labels), table.feature
+    if feature not in labels and feature not in range(len(labels)):
+        raise table.wrong(f"{task.name} has no feature {feature}; it has: {', '.join(labels)}")
+    at = labels.index(feature) if isinstance(feature, str) else feature
     unit = task.feature_units[at] if task.feature_units else ""
     if table.unit and unit and table.unit not in (unit, unit.upper()):  # old tables of HEPData have capitals alone
-        raise table.wrong(f"its edges are in {table.unit}, and {task.name} makes {known[at]} in {unit}")
-    return {"feature": at, "unit": unit or table.unit, "name": table.name or known[at]}
+        raise table.wrong(f"its edges are in {table.unit}, and {task.name} makes {labels[at]} in {unit}")
+    return {"feature": at, "unit": unit or table.unit, "name": table.name or labels[at]}

@@ -75,8 +75,8 @@ class TableSummary(Summary):
     def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
         a, b = self.tables.entries(before), self.tables.entries(after)
         variance = np.diag(Reduced.of(self.tables, before).covariance)
-        seen = variance > 0
-        return ((a - b)[:, seen] ** 2) @ (1 / variance[seen]) / max(seen.sum(), 1)
+        varying = variance > 0
+        return ((a - b)[:, varying] ** 2) @ (1 / variance[varying]) / max(varying.sum(), 1)
 
     def covariance(self, x: NDArray) -> NDArray[np.float64]:
         return self._near @ Reduced.of(self.tables, x).covariance @ self._near.T

@@ -115,15 +115,15 @@ class ConditionalResponse(FeatureEffect):
         other, _, form = self.shape.partition(" ")
         j = int(other[1:]) - 1
         u = self.ranges[j].unit(x[:, j])
-        own, size = self.ranges[self.feature], np.abs(1 + u) / 2
+        span, size = self.ranges[self.feature], np.abs(1 + u) / 2
         if form == SMEARED:
             moved = size * rng.standard_normal(len(x))
         elif form in (GAIN, BALANCED):
             gain = np.minimum(size, 1) if form == GAIN else np.clip(u, -1, 1)
-            moved = (x[:, self.feature] - own.centre) * gain
+            moved = (x[:, self.feature] - span.centre) * gain
         else:
             moved = SHIFTS[form](u)
-        x[:, self.feature] = own.wrapped(x[:, self.feature] + phi[:, 0] * moved)
+        x[:, self.feature] = span.wrapped(x[:, self.feature] + phi[:, 0] * moved)
         return x
 
 

@@ -48,8 +48,8 @@ class FeatureEffect(Family):
             return "in the unit of each feature" if parameter.unit == OF_FEATURE else "of half the range of each"
         if parameter.unit == OF_FEATURE:
             return super().unit(parameter, units)
-        own = units[self.feature] if units else ""
-        return f"of half the range {self.low:.4g} to {self.high:.4g}{'' if own in ('', '1') else f' {own}'}"
+        unit = units[self.feature] if units else ""
+        return f"of half the range {self.low:.4g} to {self.high:.4g}{'' if unit in ('', '1') else f' {unit}'}"
 
     @property
     def columns(self) -> range:

@@ -110,9 +110,9 @@ class Quantisation(Change):
     def apply(self, simulate, theta, phi, rng):
         if not self.shape.startswith("blurred"):
             return super().apply(simulate, theta, phi, rng)
-        x, known = simulate(theta, rng), self._known_step()
+        x, parameter = simulate(theta, rng), self._known_step()
         for j, comb in zip(self.columns, self.combs, strict=True):
-            step = comb.step * phi[:, 1] * 2 / (known.low + known.high)
+            step = comb.step * phi[:, 1] * 2 / (parameter.low + parameter.high)
             at = (x[:, j] - comb.origin) / step
             at = np.floor(at) if self.shape == "blurred_down" else np.rint(at)
             read = comb.origin + step * (at + phi[:, 2] * rng.standard_normal(len(x)))
@@ -226,7 +226,7 @@ class Saturation(Change):
         values, counts = np.unique(column, return_counts=True)
         repeated = counts >= REPEATED
         sides = (repeated & (values < span.centre), repeated & (values > span.centre))
-        return tuple(float(values[own][counts[own].argmax()]) if own.any() else float("nan") for own in sides)
+        return tuple(float(values[side][counts[side].argmax()]) if side.any() else float("nan") for side in sides)
 
     def changed(self, x, span, phi, rng):
         u = span.unit(x)
@@ -271,13 +271,13 @@ class Censoring(Change):
 
     def variants(self):
         one = {
-            f"censored_{side}": (self._known("limit", limit), self._known("value", spike))
+            f"censored_{side}": (self._parameter("limit", limit), self._parameter("value", spike))
             for side, limit, spike in zip(SIDES, self.limits, self.spikes, strict=True)
         }
         outer = Parameter("outer", 0, 1, None, "of the events")
         return one | {f"two_limits_{side}": (outer,) for side, two in zip(SIDES, self.two, strict=True) if two}
 
-    def _known(self, name: str, at: float | None) -> Parameter:
+    def _parameter(self, name: str, at: float | None) -> Parameter:
         low, high = (self.low, self.high) if at is None else (at - KNOWN * self.half, at + KNOWN * self.half)
         return Parameter(name, low, high, None, "of the feature", known=at is not None)
 
@@ -288,8 +288,8 @@ class Censoring(Change):
     def adapted(self, x):
         column = x[:, self.feature]
         shown = [Spike.shown(column, side) for side in SIDES]
-        middle, found = np.median(column), spikes(column)
-        low, high = found[found < middle], found[found > middle]
+        middle, values = np.median(column), spikes(column)
+        low, high = values[values < middle], values[values > middle]
         return replace(
             self,
             spikes=tuple(spike and spike.value for spike in shown),

@@ -29,11 +29,11 @@ def exposed(
     g, at = np.minimum(g, LONGEST), list(columns)
     x = simulate(theta, rng)
     x[:, at] = np.where(g[:, None] < 1, rng.binomial(whole(x[:, at]), np.minimum(g, 1)[:, None]), x[:, at])
-    rows, left = np.flatnonzero(g > 1), g[g > 1] - 1
+    rows, remaining = np.flatnonzero(g > 1), g[g > 1] - 1
     while len(rows):
         more = whole(simulate(theta[rows], rng)[:, at])
-        x[np.ix_(rows, at)] += rng.binomial(more, np.minimum(left, 1)[:, None])
-        rows, left = rows[left > 1], left[left > 1] - 1
+        x[np.ix_(rows, at)] += rng.binomial(more, np.minimum(remaining, 1)[:, None])
+        rows, remaining = rows[remaining > 1], remaining[remaining > 1] - 1
     return x
 
 

@@ -70,17 +70,17 @@ def counted(
     for part in parts:
         whole[: len(part)] += part
     tau, prolongs = tau * whole, prolonging.any()
-    seen, time, blind_until = np.zeros(len(n), np.int32), np.zeros(len(n), np.float32), np.zeros(len(n), np.float32)
+    counts, time, blind_until = np.zeros(len(n), np.int32), np.zeros(len(n), np.float32), np.zeros(len(n), np.float32)
     for m, part in zip(active, parts, strict=True):
         now = time[:m]
         now += part
         blinds = now >= blind_until[:m]
-        seen[:m] += blinds
+        counts[:m] += blinds
         if prolongs:
             blinds |= rng.random(m, np.float32) < prolonging[:m]
         np.maximum(blind_until[:m], (now + tau[:m]) * blinds, out=blind_until[:m])
-    back = np.empty_like(seen)
-    back[order] = seen
+    back = np.empty_like(counts)
+    back[order] = counts
     return back
 
 

@@ -185,8 +185,8 @@ class Gain(ImageEffect):
     @property
     def parameters(self):
         axis = LINES.index(self.shape)
-        found = self.odd[axis] if self.odd else None
-        low, high = (0, self.grid[axis] - 1) if found is None else (found - PINNED, found + PINNED)
+        line = self.odd[axis] if self.odd else None
+        low, high = (0, self.grid[axis] - 1) if line is None else (line - PINNED, line + PINNED)
         return (Parameter("gain", 0, 1 if self.hits else 2, 1, "1"), Parameter(self.shape, low, high, None, self.shape))
 
     def shapes(self):

@@ -13,7 +13,7 @@ import avobench
 from avobench.api.diagnosis import Diagnosed
 from avobench.diagnosis.fit.fit import fit_at
 from avobench.diagnosis.fit.surrogate import Design, surrogate
-from avobench.diagnosis.report.decide import Pair, Rivals, Seen
+from avobench.diagnosis.report.decide import Pair, Rivals, Separation
 from avobench.diagnosis.settings import TEST
 from avobench.diagnosis.summary.bins import bins_of
 from avobench.diagnosis.summary.joint import JointPart
@@ -96,7 +96,7 @@ def test_two_gaussians_whose_means_differ(delta, turned, seed):
     """Of one event chi-squared is the squared difference, and what the rival imitates of that does not count."""
     noise = 0.05 * delta * np.random.default_rng(seed).standard_normal((40, 3))
     difference = delta * np.array([np.cos(turned), np.sin(turned), 0]) + noise
-    seen = Seen(difference, np.empty((3, 0)), np.array([[0.0], [1.0], [0.0]]))
+    seen = Separation(difference, np.empty((3, 0)), np.array([[0.0], [1.0], [0.0]]))
     value, error = seen.noncentrality()
     assert value == pytest.approx((delta * np.cos(turned)) ** 2, abs=5 * error)
     assert error < 0.2 * delta**2
@@ -105,7 +105,10 @@ def test_two_gaussians_whose_means_differ(delta, turned, seed):
 def test_noise_of_simulation_is_no_difference():
     rng = np.random.default_rng(0)
     values, errors = np.transpose(
-        [Seen(rng.standard_normal((20, 30)), np.empty((30, 0)), np.empty((30, 0))).noncentrality() for _ in range(300)]
+        [
+            Separation(rng.standard_normal((20, 30)), np.empty((30, 0)), np.empty((30, 0))).noncentrality()
+            for _ in range(300)
+        ]
     )
     assert abs(values.mean()) < 4 * values.std() / np.sqrt(300)
     assert values.std() < errors.mean() < 2 * values.std()
@@ -118,7 +121,7 @@ def total(events):
 
 def test_conditions_with_unequal_numbers_of_pieces_add_up():
     rng = np.random.default_rng(5)
-    some, more = (Seen(rng.normal(1, 0.3, (g, 1)), np.empty((1, 0)), np.empty((1, 0))) for g in (50, 64))
+    some, more = (Separation(rng.normal(1, 0.3, (g, 1)), np.empty((1, 0)), np.empty((1, 0))) for g in (50, 64))
     for one, other in ((some, more), (more, some)):
         value, error = one.beside(other, 2, 3).noncentrality()
         assert abs(value - 5) < 4 * error < 2

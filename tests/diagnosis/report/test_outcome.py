@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from avobench.diagnosis.effort import Effort
 from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel
-from avobench.diagnosis.report.outcome import Outcome, left, prior_notes, unconfirmed
+from avobench.diagnosis.report.outcome import Outcome, prior_notes, share_left, unconfirmed
 from avobench.diagnosis.schema import Gap, GateResult, Verdict
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.settings import TEST
@@ -76,7 +76,7 @@ def test_no_answer_contradicts_a_number_beside_it(p_before, before, p_after, aft
         assert one.gap_after.low <= 1
     if one.verdict == Verdict.FAMILY:
         assert one.posterior.outside < 0.5
-        assert left(before, after) <= 0.5
+        assert share_left(before, after) <= 0.5
     if one.verdict == Verdict.UNEXPLAINED:
         assert one.why
 
