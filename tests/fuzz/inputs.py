@@ -23,10 +23,10 @@ nasty_texts = st.sampled_from(NASTY_TEXTS) | st.text(st.characters(exclude_categ
 nasty_numbers = st.sampled_from(NASTY_NUMBERS) | st.floats() | st.integers()
 
 
-LADDER = json.loads(150 * "[" + 150 * "]")
-"""Lists in one another, deeper than any reader needs to go."""
+ladders = st.builds(json.loads, st.just(150 * "[" + 150 * "]"))
+"""Lists in one another, deeper than any reader needs to go: new ones each time, since they may be changed."""
 nasty = st.recursive(
-    st.none() | st.booleans() | nasty_numbers | nasty_texts | st.sampled_from(["half \ud800", LADDER]),
+    st.none() | st.booleans() | nasty_numbers | nasty_texts | st.just("half \ud800") | ladders,
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(nasty_texts, inner, max_size=3),
     max_leaves=6,
 )
