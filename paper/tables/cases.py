@@ -24,6 +24,8 @@ from paper.studies.cases import CASES, FOLDER, read
 OF = {case.name: case for groups in CASES.values() for cases in groups.values() for case in cases}
 REJECTED = 1e-10
 """p-value of the model with what was named, below which it does not describe the events."""
+FAR = 10.0
+"""Difference of chi-squared by which one fit is plainly better than another: three standard deviations."""
 Record = dict[str, Any]
 BINS = 5
 """Of probabilities, with equal numbers of cases, for the error of calibration."""
@@ -69,10 +71,12 @@ def column(records: list[Record]) -> dict[str, str]:
     return {
         "single effects, detected": f"{len(single)} of {len(kinds['single'])}",
         "first name right": of(first_right, single),
+        "by chi-squared alone": of(lowest_right, single),
         "right or defensible": of(first_defensible, single),
         "truth in the 95 % set": of(in_set, single),
         "models in it": f"{mean(sizes):.1f}" if sizes else "-",
         "chi-squared per dof with it": f"{median(map(chi_squared, single)):.2f}" if single else "-",
+        "a wrong one fits far better": of(misled, single),
         "pairs, detected": f"{len(pairs)} of {len(kinds['pair'])}",
         "both named": of(both_named, pairs),
         "both in the 95 % set": of(in_set, pairs),
@@ -98,6 +102,23 @@ def seen(record: Record) -> bool:
 
 def first_right(record: Record) -> bool:
     return bool(effects := record["diagnosis"]["effects"]) and named(effects[0], record["right"])
+
+
+def single_fits(record: Record) -> list[tuple[float, bool]]:
+    """Chi-squared of the best fit with each effect alone, lowest first, and whether it is the right one."""
+    fits = [(each["q"], each["effects"][0]) for each in record["sets"] if len(each["effects"] or ()) == 1]
+    return sorted((q, named(effect, record["right"])) for q, effect in fits)
+
+
+def lowest_right(record: Record) -> bool:
+    """Whether the single effect whose fit has the lowest chi-squared is right: the simplest rule there is."""
+    return bool(fits := single_fits(record)) and fits[0][1]
+
+
+def misled(record: Record) -> bool:
+    """Whether chi-squared of a wrong effect is FAR below that of the right one, or this was not fitted."""
+    lowest = {is_right: q for q, is_right in reversed(single_fits(record))}
+    return lowest.get(False, np.inf) < lowest.get(True, np.inf) - FAR
 
 
 def first_defensible(record: Record) -> bool:

@@ -13,6 +13,7 @@ from paper.cases.opened import (
     tenth,
     thirteenth,
     twelfth,
+    twentieth,
 )
 
 SERIES = (
@@ -27,6 +28,7 @@ SERIES = (
     seventeenth,
     eighteenth,
     nineteenth,
+    twentieth,
 )
 CASES: dict[str, list[Case]] = {
     by: [case for series in SERIES for case in series.CASES[by]] for by in ("simulated", "measured")

@@ -50,3 +50,23 @@ def test_only_the_right_effects_and_no_others_are_the_truth():
     assert cases.in_set(record("single", models=[(["mixture"], 0.5), (["overdispersion"], 0.1)]))
     assert cases.in_set(record("pair", models=[(["dead_time", "zero_inflation"], 0.1)]))
     assert not cases.in_set(record("pair", models=[(["dead_time"], 0.5), (["zero_inflation"], 0.4)]))
+
+
+def fits(**q):
+    """A record of a single overdispersion, with so large a chi-squared for each effect alone, and of a pair."""
+    sets = [{"effects": [{"name": name, "feature": None}], "q": each, "dof": 9} for name, each in q.items()]
+    both = {"effects": [{"name": "overdispersion", "feature": None}, {"name": "mixture", "feature": None}], "q": 1.0}
+    return record("single") | {"sets": [{"effects": [], "q": 2.0}, *sets, both, {"effects": None}]}
+
+
+def test_the_simplest_rule_takes_the_effect_that_fits_best_alone():
+    assert cases.lowest_right(fits(overdispersion=5.0, mixture=6.0))
+    assert not cases.lowest_right(fits(overdispersion=5.0, mixture=4.0))
+    assert not cases.lowest_right(record("single") | {"sets": []})
+
+
+def test_one_misleads_that_fits_far_better_than_the_right_one():
+    assert not cases.misled(fits(overdispersion=14.0, mixture=5.0))
+    assert cases.misled(fits(overdispersion=16.0, mixture=5.0))
+    assert cases.misled(fits(mixture=5.0))
+    assert not cases.misled(fits(overdispersion=50.0))
