@@ -28,7 +28,7 @@ AT_ONCE = 10_000
 
 
 class Events:
-    """Events with their observables: one number an event, or one a particle."""
+    """Events with their observables: one number per event, or one per particle."""
 
     def __init__(self, count: NDArray, momentum: NDArray, mass: NDArray) -> None:
         self.count = count

@@ -118,7 +118,7 @@ def rapidity(p: Array, energy: Array, axis: Array) -> Array:
 def observables(p: Array, mass: Array, beam: float) -> dict[str, Array]:
     """Everything that the tables are of, for events of one multiplicity: p (g, k, 3), mass (g, k), beam momentum [GeV].
 
-    One number an event (g,), or one a particle (g, k).
+    One number per event (g,), or one per particle (g, k).
     """
     size = np.linalg.norm(p, axis=2)
     energy = np.sqrt(size**2 + mass**2)
@@ -151,7 +151,7 @@ def reduced(
 ) -> dict[str, Array]:
     """The same for events of any multiplicity from two on: count (n,), momentum (m, 3), mass (m,), event after event.
 
-    One number an event (n,), or one a particle (m,), in the order of the events.
+    One number per event (n,), or one per particle (m,), in the order of the events.
     """
     starts, found = np.concatenate([[0], np.cumsum(count)])[:-1], {}
     for k in np.unique(count):

@@ -20,7 +20,7 @@ def density(record: dict[str, Any], theta: NDArray[np.float64], *, final: bool) 
 
 
 def convergence(record: dict[str, Any]) -> pd.DataFrame:
-    """A row a point of the trace: `simulations`, `distance` of the proposal's mode from theta*, and `loss`.
+    """One row per point of the trace: `simulations`, `distance` of the proposal's mode from theta*, and `loss`.
 
     The loss is -log q(theta* | psi), for a Gaussian of the recorded mode and standard deviation.
     """

@@ -46,7 +46,7 @@ class Calibration:
 
     fits: tuple[Inference, ...]
     truth: pd.DataFrame
-    """The parameters behind the events of each fit: a row a fit."""
+    """The parameters behind the events of each fit: one row per fit."""
     failed: tuple[str, ...] = ()
     """What went wrong with those that gave no answer, a line each."""
 
@@ -57,7 +57,7 @@ class Calibration:
 
     @property
     def ranks(self) -> pd.DataFrame:
-        """The share of what was quoted that lies below the true value, a row a fit: uniform if the errors hold.
+        """The share of what was quoted that lies below the true value, one row per fit: uniform if the errors hold.
 
         Of a posterior it is that of its points (S. Talts and others, arXiv:1804.06788), else that of a Gaussian with
         the quoted standard deviation.
@@ -72,7 +72,7 @@ class Calibration:
         return pd.DataFrame(np.array(rows), columns=self.truth.columns)
 
     def to_frame(self) -> pd.DataFrame:
-        """A row a parameter: how often the central interval of each nominal level held the true value.
+        """One row per parameter: how often the central interval of each nominal level held the true value.
 
         `uniform` is the p-value of the ranks being uniform (Kolmogorov-Smirnov).
         """

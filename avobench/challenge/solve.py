@@ -31,7 +31,7 @@ def solve(
     trust: bool = False,
     progress: Callable[[str], None] = lambda line: None,
 ) -> None:
-    """Diagnose each case of `folder` that has no result yet, with `options` of `diagnose`; a file a case in `results/`.
+    """Diagnose each case of `folder` that has no result yet, with `options` of `diagnose`: one file in `results/` each.
 
     Each case has its number as seed, and one process. One that fails, or exceeds a limit, leaves its error as the
     result, and is tried again the next time. The option `bank` is the path of a folder of simulated events that all

@@ -16,7 +16,7 @@ COMMANDS = {
     "infer": ("infer:infer", "Infer the parameters of a simulator behind measured events."),
     "run": ("run:run", "Carry out the cells that a results folder lacks."),
     "status": ("records:status", "Summarise the records of a results folder."),
-    "export": ("records:export", "Write all records as one table, a row a cell."),
+    "export": ("records:export", "Write all records as one table, with a row per cell."),
     "pack": ("records:pack", "Put the records of a results folder into one file."),
     "check": ("check:check", "Tell whether a task, method or effect keeps its contract."),
     "figure": ("reports:figure", "Draw figures from records."),

@@ -34,16 +34,16 @@ class Phases:
 
 @dataclass(frozen=True)
 class Effort:
-    """Numbers of simulated events. What is `a measured one` is multiplied by the number of measured events."""
+    """Numbers of simulated events. What is `per measured event` is multiplied by the number of measured events."""
 
     rounds: float = 1
-    """Events of each round of the first fit, a measured one."""
+    """Events of each round of the first fit, per measured event."""
     sharpen: float = 8
-    """Events where a p-value is at stake, a measured one: simulation then adds a quarter to the variance."""
+    """Events where a p-value is at stake, per measured event: simulation then adds a quarter to the variance."""
     reference: float = 5
-    """Events of the model that candidates are added to, a measured one."""
+    """Events of the model that candidates are added to, per measured event."""
     rounds_of_search: tuple[tuple[float, int], ...] = ((0.4, 7), (1.2, 4), (3.2, 2))
-    """Events of the fits that go on, a measured one, and the steps of each."""
+    """Events of the fits that go on, per measured event, and the steps of each."""
     few: int = 1000
     """Measured events that fewer count as in the line above."""
     settle: tuple[float, ...] = (1, 2, 4)
@@ -55,7 +55,7 @@ class Effort:
     sample: int = 15_000
     """Events from which effects are screened."""
     generated: float = 10
-    """Events of a slow generator that is asked only once, a measured one."""
+    """Events of a slow generator that is asked only once, per measured event."""
     screen: int = 6_000
     """Events of a screening grid; each of its points gets a fiftieth of them at least."""
     covariance: int = 60_000
@@ -81,7 +81,7 @@ class Effort:
 
     @property
     def repeated(self) -> float:
-        """Events with which a fit is repeated where no p-value is at stake, a measured one."""
+        """Events with which a fit is repeated where no p-value is at stake, per measured event."""
         return min(self.reference, self.sharpen)
 
     @property

@@ -215,7 +215,7 @@ class Run:
             with self.affordable("the search for what is missing"):
                 made = null.fit.model.simulate(np.tile(null.fit.params, (effort.sample, 1)), rng)
                 x, experience = x.as_events(self.task, made, rng), False
-        if isinstance(x, Part):
+        if isinstance(x, Part):  # the simulated events have ended
             return None, None
         features = disagreeing(null.fit, target, x)
         if len(features) < x.shape[1]:

@@ -151,7 +151,7 @@ class TestSettings:
     """Leaves of a tree, at most: more than three splits deep, for correlations of three features, which no summary
     sees."""
     check_events: int = 4
-    """Simulated events a measured one, for the classifier's expectation: they add a quarter to its variance."""
+    """Simulated events per measured event, for the classifier's expectation: they add a quarter to its variance."""
     grain: float = 1e-6
     """Share of a feature's spread within which the classifier takes values as equal: rounding differs by computer."""
     held_out_share: float = 0.25
@@ -389,7 +389,7 @@ class RecognitionSettings:
     portrait_events: int = 50_000
     """Measured events of a portrait, at most: the networks were trained with no more."""
     simulated: int = 2
-    """Simulated events a measured one, beside which those are looked at, as in training."""
+    """Simulated events per measured event, beside which those are looked at, as in training."""
     floor: float = 0.1
     """Added to the probability of each family: experience excludes none, since simulators may be unlike those it was
     had with."""
@@ -428,7 +428,7 @@ class ReportSettings:
     refitted: int = 4
     """Other shapes that are fitted once more, at most: those that move theta furthest."""
     compared: int = 3
-    """Events, a measured one, from which it is taken how far another theta is away: to a standard error at most."""
+    """Events, per measured event, from which it is taken how far another theta is away: to a standard error at most."""
     compared_events: int = 50_000
     """The same at most, as many as a data set of the challenge has."""
     few_events: int = 1000
@@ -437,7 +437,7 @@ class ReportSettings:
     """Chi-squared per degree of freedom below which, in the challenge, effects that were taken out of the catalogue
     were often explained by others, and above which they seldom were (docs/challenge.md)."""
     map_events: int = 4
-    """Simulated events a measured one, for the maps of cells: they add a quarter to the variance of a pull."""
+    """Simulated events per measured event, for the maps of cells: they add a quarter to the variance of a pull."""
     prior_sigmas: float = 5.0
     """Standard errors to either side of the fit that the prior of an effect's parameter reaches in model.json."""
     least_prior: float = 0.01
@@ -472,13 +472,13 @@ class BudgetSettings:
     scans: int = 4
     """Events of a scan of theta, in those of all its points: three searches, each with a tenth more."""
     tests: int = 4
-    """Events of the tests beside those of a sharpening, a measured one. Most find those of the fit."""
+    """Events of the tests beside those of a sharpening, per measured event. Most find those of the fit."""
     sure: float = 3.0
-    """Events of the last fit of theta before a disagreement is believed, a measured one, at least. Chosen on
+    """Events of the last fit of theta before a disagreement is believed, per measured event, at least. Chosen on
     development cases without an effect, under limits."""
     added: int = 12
-    """Events that are kept for the fit and the tests of an effect that was chosen, a measured one: most were simulated
-    when it was looked for."""
+    """Events that are kept for the fit and the tests of an effect that was chosen, per measured event: most were
+    simulated when it was looked for."""
     refined: int = 8
     """Rounds of the fit of an effect that was chosen, at most."""
 

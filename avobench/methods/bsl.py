@@ -30,7 +30,7 @@ class Bsl(Method):
     ELFI's BSL takes simulated sets to be as large as the observed one, which the budget holds once. With fewer events
     the mean is noise to the chain, and its posterior is as wide as 1/N + 2/n allows; where it is knows more than that.
 
-    The covariance of a histogram is singular, so the task's summary enters as one number a parameter: theta by
+    The covariance of a histogram is singular, so the task's summary enters as one number per parameter: theta by
     generalised least squares, from how the summary moves with theta among the simulated and how it varies among parts
     of the observation. The first thetas are drawn from the prior, and chains follow, each with a new such statistic and
     steps that suit it. The last has half of the budget and alone is the posterior.

@@ -68,8 +68,8 @@ def _cells(frame: pd.DataFrame) -> html.Table:
     columns = ["task", "method", "target", "repetition", "status", "squared_error", "floor", "simulations_used"]
     columns += ["simulator_seconds", "method_seconds", "started", "message", "id"]
     if len(frame) <= MOST_CELLS:
-        return _table("cells", "Cells", "A row an inference; the download has every field.", frame[columns], frame)
-    text = f"A row an inference: {MOST_CELLS} of {len(frame)}, first those that failed, then those with the largest "
+        return _table("cells", "Cells", "One row per inference; the download has every field.", frame[columns], frame)
+    text = f"One row per inference: {MOST_CELLS} of {len(frame)}, first those that failed, then those with the largest "
     text += (
         "squared error above their floor. The summary counts all; the download has the rows shown, `avobench export` "
     )

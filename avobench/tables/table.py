@@ -298,7 +298,7 @@ def checked_covariance(covariance: ArrayLike, size: int, wrong: Callable[[str], 
         raise wrong("covariance has masked values: mend or drop them")
     cov = np.asarray(covariance, float)
     if cov.shape != (size, size):
-        raise wrong(f"covariance must have shape ({size}, {size}), one row a bin, got {cov.shape}")
+        raise wrong(f"covariance must have shape ({size}, {size}), one row per bin, got {cov.shape}")
     if not np.isfinite(cov).all():
         raise wrong("covariance has values that are not finite")
     variances = np.diag(cov)

@@ -40,7 +40,7 @@ def table(former: list[Row], bank: list[Row]) -> pd.DataFrame:
                     "sets": len(of),
                     "first right": sum(map(first, of)),
                     "in the set": sum(row["truth"] in row["models"] for row in of),
-                    "calls an event": f"{median(calls):.0f} (at most {max(calls):.0f})",
+                    "calls per event": f"{median(calls):.0f} (at most {max(calls):.0f})",
                     "seconds": f"{median(row['seconds'] for row in of):.0f}",
                 }
             )
@@ -59,7 +59,7 @@ def alarms(rows: list[Row]) -> pd.DataFrame:
             {
                 "nothing hidden": data,
                 "alarms": f"{wrong} of {len(of)} ({100 * interval.low:.0f} to {100 * interval.high:.0f} %)",
-                "calls an event": f"{median(calls):.0f} (at most {max(calls):.0f})",
+                "calls per event": f"{median(calls):.0f} (at most {max(calls):.0f})",
             }
         )
     return pd.DataFrame(lines)

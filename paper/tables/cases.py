@@ -1,6 +1,6 @@
 """How often the diagnosis was right on cases of others: `python -m paper.tables.cases [opened|sealed]`.
 
-It prints a table of the records of `python -m paper.studies.cases`, a column a group of cases, and no case by itself.
+It prints a table of the records of `python -m paper.studies.cases`, a column per group of cases, and no case by itself.
 Groups are those of the simulated cases; what was measured is a group of its own.
 """
 
@@ -32,7 +32,7 @@ BINS = 5
 
 
 def table(records: list[Record]) -> pd.DataFrame:
-    """A row a quantity, and a column a group of cases."""
+    """One row per quantity, and one column per group of cases."""
     groups: dict[str, Callable[[Record], bool]] = {
         group: lambda record, group=group: record["made_by"] == "simulated" and case_of(record).group == group
         for group in ("counts", "one feature", "several features")
@@ -87,7 +87,7 @@ def column(records: list[Record]) -> dict[str, str]:
         "a lone name, though rejected": of(lone, detected),
         "false alarms": f"{len(alarms)} of {len(kinds['null'])}",
         "right, of all": of(right, records),
-        "calls an event": f"{median(calls):.0f}" if calls else "-",
+        "calls per event": f"{median(calls):.0f}" if calls else "-",
         "seconds": f"{median(seconds):.0f}" if seconds else "-",
     }
 

@@ -173,7 +173,7 @@ def growth(records: Records) -> pd.DataFrame:
 
 
 def rivals(records: Records) -> pd.DataFrame:
-    """A row an answer of a method on a task: the estimate and, where the posterior has another mean, that mean.
+    """One row per answer of a method on a task: the estimate and, where the posterior has another mean, that mean.
 
     `targets` says of how many targets a row is; a test takes those that both have. The inefficiency is the median
     squared error over the floor in units of an efficient estimator's; on weinberg, where the events determine c alone,

@@ -46,7 +46,7 @@ def _at_its_value(effect: dict[str, Any], true: dict[str, Any] | None) -> bool:
 
 
 def table(seeds: list[list[dict[str, Any]]]) -> pd.DataFrame:
-    """A row a data set: what is known, what was named and how many names are tied, p-values, gaps and the judgement.
+    """One row per data set: what is known, what was named and how many are tied, p-values, gaps and the judgement.
 
     All with the first seed; the last columns say how often each judgement was passed with all seeds.
     """

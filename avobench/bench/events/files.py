@@ -28,7 +28,7 @@ def read_events(path: str, columns: Sequence[str] | None = None) -> NDArray | pd
 def read_timed(
     path: str, columns: Sequence[str] | None = None, time: str | None = None
 ) -> tuple[NDArray | pd.DataFrame, NDArray[np.float64] | None]:
-    """The events of a .npy, .npz, text or .parquet file, or of a tree `file.root:tree`: (n, d), one row an event.
+    """The events of a .npy, .npz, text or .parquet file, or of a tree `file.root:tree`: (n, d), one row per event.
 
     What has columns with names is a table, the rest an array. `columns` chooses columns, branches, or arrays of a .npz;
     without it all are read. More than two dimensions are flattened row by row. Also returns the column `time` (n,), if
@@ -132,7 +132,7 @@ def _table(file: str, arrays: dict[str, NDArray | pd.Series]) -> pd.DataFrame:
     for name, values in arrays.items():
         if values.ndim != 1 or values.dtype.kind not in "biuf":
             raise UsageError(
-                f"{file}: '{name}' does not hold one real number an event{_first_text(values) or if_uneven(values)}"
+                f"{file}: '{name}' does not hold one real number per event{_first_text(values) or if_uneven(values)}"
             )
     if len({len(values) for values in arrays.values()}) > 1:
         raise UsageError(f"{file}: the columns differ in length")

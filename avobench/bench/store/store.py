@@ -1,4 +1,4 @@
-"""Records on disk: a JSON file a cell, or many packed in one table. docs/records.md describes them."""
+"""Records on disk: one JSON file per cell, or many packed in one table. docs/records.md describes them."""
 
 import json
 import os
@@ -42,7 +42,7 @@ class Packed:
 
 
 class Store:
-    """A folder of records: `store.json` names the schema, `records/` holds one file a cell, `records.parquet` others.
+    """A folder of records: `store.json` names the schema, `records/` holds one file per cell, `records.parquet` others.
 
     A cell has a file until the store is packed; then it has a row of the table. A file wins over the row of the same
     cell, which it was made to replace. Only the process that holds `lock()` writes.

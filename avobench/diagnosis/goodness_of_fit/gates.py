@@ -211,7 +211,10 @@ def classifier_gate(fit: Fit, target: Target, x: NDArray, rng: np.random.Generat
 
 @dataclass(frozen=True)
 class ExtendedModel:
-    """A fitted model, the task alone or with effects, and all tests of it."""
+    """A fitted model, the task alone or with effects, and all tests of it.
+
+    The metric of a target is the covariance in which chi-squared is taken.
+    """
 
     fit: Fit
     """The fit in the metric of the target, in which models are compared."""

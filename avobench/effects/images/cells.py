@@ -143,7 +143,7 @@ class RandomNoise(ImageEffect):
 
     @property
     def parameters(self):
-        return (Parameter("rate", 0, 0.1 * self.num_cells, 0, "cells an event"),)
+        return (Parameter("rate", 0, 0.1 * self.num_cells, 0, "cells per event"),)
 
     def apply(self, simulate, theta, phi, rng):
         x = simulate(theta, rng)

@@ -234,7 +234,7 @@ def likely_models(diagnosis: Diagnosis, least: float = 0.0) -> str:
     beside = [(name, p) for name, p in other if p is not None]
     counted = len(diagnosis.models) - len(models)
     more = f"; {counted} more, each below {least:g}" if counted else ""
-    return f"{_ranked(models)}{more}. Not in the set: {_ranked(beside)}."
+    return f"{_ranked(models)}{more}. Not in the set: {_ranked(beside)}"
 
 
 def model(effects: list[Named]) -> str:

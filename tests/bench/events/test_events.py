@@ -101,7 +101,7 @@ def test_pickled_files_are_refused_and_run_nothing(tmp_path):
         ("events.parquet", b"PAR1", "cannot be read"),
         ("events.csv", b"", "is empty"),
         ("events.csv", b"\xff\xfe1", "not a text in UTF-8"),
-        ("events.csv", b"a,b\n\n1,x\n", "'b' does not hold one real number an event: line 3 has 'x'"),
+        ("events.csv", b"a,b\n\n1,x\n", "'b' does not hold one real number per event: line 3 has 'x'"),
         ("events.root", b"root", "needs the name of a tree"),
     ],
 )

@@ -19,8 +19,8 @@ def kept(folder, text):
     ("text", "message"),
     [
         ("energy\n1,234.5\n2\n", "line 2 has 2 cells and the columns are 1"),
-        ('a,b\n"1,234.5",2\n1,3\n', "'a' does not hold one real number an event: line 2 has '1,234.5'"),
-        ("a;b\n1,5;2\n2,5;2\noops;2\n", "'a' does not hold one real number an event: line 4 has 'oops'"),
+        ('a,b\n"1,234.5",2\n1,3\n', "'a' does not hold one real number per event: line 2 has '1,234.5'"),
+        ("a;b\n1,5;2\n2,5;2\noops;2\n", "'a' does not hold one real number per event: line 4 has 'oops'"),
         ("a;b\n1,5;2.5\n1,5;2\n", "decimal commas and others with points"),
         ("0,1\n1,2\n3,4\n", "may be names or an event"),
         ("a,a\n1,2\n", "two columns of the name 'a'"),
