@@ -64,11 +64,11 @@ def diagnose(
 ) -> Result:
     """Compare measured events x (N, d), or published tables, with a task, and say what it lacks.
 
-    Simulated events come from the `bank` of the checks before it, with its limit, or from one of its own with at most
-    `num_simulations`, which `jobs` processes fill. Without `experience` the networks are not asked what the events
-    look like. `ordered` asks whether the order of the events, or that of their `time` (N,), matters. `progress` is
-    told how far it is. Raises UsageError for too few events, for a lower limit than the first fit takes, and for
-    impossible settings.
+    If a `bank` is given, events come from it, and its limit holds. Otherwise a new bank simulates at most
+    `num_simulations` events, in `jobs` processes. Without `experience` the networks are not asked what the events look
+    like. `ordered` asks whether the order of the events, or that of their `time` (N,), matters. `progress` is called
+    with how far the diagnosis is. Raises UsageError for too few events, for a lower limit than the first fit takes, and
+    for impossible settings.
     """
     started = perf_counter()
     if not 0 < alpha < 1:
@@ -157,8 +157,8 @@ class Run:
             return []
         usual = usual_events(domain(self.task), len(self.events))
         return [
-            f"{self.meter.limit} simulated events did not suffice for {', '.join(self.left_out)}; "
-            f"{max(usual, 2 * self.meter.limit)} mostly do."
+            f"{self.meter.limit} simulated events did not suffice for {'; '.join(self.left_out)}. About "
+            f"{max(usual, 2 * self.meter.limit)} are mostly enough."
         ]
 
     @property

@@ -246,7 +246,7 @@ def seen_at(
 
 
 def check(start: Start, reference: ReferenceModel, target: Target, rng: np.random.Generator, num_events: int) -> Start:
-    """The same start, or part of the way to it from the model without the effect, with the Q that events have there."""
+    """The start, or a point between it and the fit without the effect: whichever has the lower simulated Q."""
     model, origin = start.model, reference.surrogate.design.centre
     last = len(origin)
     null = model.nulls[last]

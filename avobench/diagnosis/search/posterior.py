@@ -39,7 +39,7 @@ class Posterior:
 
     @classmethod
     def of(cls, weighed: Iterable[Weighed], catalogue: list[Effect], like: dict[str, float]) -> "Posterior":
-        """Of all models that were weighed, each shape once; `like` is how much the events look like each family."""
+        """Of all models that were weighed, each shape once; `like` is the logarithm of how much they look like each."""
         shapes: dict[Names, dict[tuple, Weighed]] = {}
         for one in weighed:
             each = tuple(sorted((str(effect.key), effect.shape) for effect in one.fit.model.effects))
@@ -93,11 +93,11 @@ class Posterior:
         return replace(self, weights=_most_first(weights))
 
     def unsupported(self, fit: Fit, refit: Callable[[Fit], Fit]) -> tuple | None:
-        """The key of the least supported effect of a fit that does not count; None if each does.
+        """The key of the least supported effect among those of a fit that do not count, or None.
 
         An effect counts if its size is not compatible with none, or if it explains more than chance. What it explains
         is by how much chi-squared falls below that of the best fit without it, which `refit` makes as good as this one.
-        Both are told in units of what chi-squared of this fit is for each degree of freedom.
+        The size is divided by the root of chi-squared per degree of freedom, the explained chi-squared by that ratio.
         """
         keys, scale = {effect.key for effect in fit.model.effects}, np.sqrt(max(1.0, fit.q / max(fit.dof, 1)))
         chances = {None: SCORE.chance}
@@ -113,7 +113,7 @@ class Posterior:
 
     @property
     def credible(self) -> list[Names]:
-        """The smallest set of models that is credible, should it be one of these."""
+        """The smallest set of models with SCORE.credible of the weight of all that were weighed."""
         reached = np.cumsum(list(self.weights.values()))
         return list(self.weights)[: int(np.searchsorted(reached, SCORE.credible * reached[-1])) + 1]
 

@@ -191,7 +191,7 @@ class Expected:
 
 
 class Around:
-    """A fitted model and others around it, to which what an effect does is added."""
+    """What Q is near a fitted model if the change by an effect is added to its surrogate."""
 
     def __init__(self, reference: ReferenceModel, target: Target) -> None:
         self.surrogate, self.target = reference.surrogate, target
@@ -270,9 +270,9 @@ class Around:
 def glance(
     sample: Sample, effect: Effect, guess: NDArray[np.float64] | None, rng: np.random.Generator, effort: Effort
 ) -> Look:
-    """A first look at one shape of an effect, and where measured events and others disagree.
+    """A first look at one shape of an effect: at points (m, q) guessed by the measured events, or over a grid.
 
-    It is at the points (m, q) that are a `guess` by the measured events, or over a grid.
+    Places where measured and simulated events disagree most are added.
     """
     guessed, points = guess is not None, grid(effect) if guess is None else guess
     events = effort.screen // int(np.clip(len(points), *SEARCH.points))
