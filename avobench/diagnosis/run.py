@@ -15,7 +15,7 @@ from avobench.diagnosis.fit.null import Inferred, best_null, fit_null
 from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel, correction
 from avobench.diagnosis.goodness_of_fit.held_out import HeldOut
 from avobench.diagnosis.goodness_of_fit.order import exchangeability
-from avobench.diagnosis.goodness_of_fit.regions import disagreeing
+from avobench.diagnosis.goodness_of_fit.regions import disagreeing, regions
 from avobench.diagnosis.report.decide import Rivals
 from avobench.diagnosis.report.identifiability import card
 from avobench.diagnosis.report.outcome import Outcome, notes_of, to_choose_from
@@ -282,7 +282,8 @@ class Run:
                 events = int(effort.repeated * target.num_events)
                 moves = ambiguity(fit, final.fit, outcome.posterior.allowed, target, rng, events)
         view = target.summary.view(self.events)
-        regions = outcome.regions(self.task, target, view, rng)
+        names = to_choose_from(self.task)
+        where = regions(outcome.null.fit, target, view.spans, rng, self.alpha, names) if outcome.disagree else []
         with self.affordable("the identifiability card"):
             shown = self.effects
             if not self.of_tables and len(some := disagreeing(fit, target, self.events)) < self.events.shape[1]:
@@ -295,12 +296,12 @@ class Run:
                 weights = correction(fit, target, self.events, rng)
         rivals = None
         if outcome.effects and len(outcome.posterior.credible) > 1:
-            rivals = Rivals.of(final.fit, outcome.posterior, target, view.spans, to_choose_from(self.task))
+            rivals = Rivals.of(final.fit, outcome.posterior, target, view.spans, names)
         diagnosis = assemble(
             self.task,
             outcome,
             QuotedFit(fit, moves),
-            regions,
+            where,
             rows,
             rivals.decisions() if rivals else [],
             notes=self.notes + self.shortage() + notes_of(outcome, fit, target, inferred, self.num_events),
