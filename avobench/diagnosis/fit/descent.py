@@ -23,15 +23,13 @@ def refine(
     *,
     num_events: int,
     max_rounds: int = 10,
-    reference: ReferenceModel | None = None,
 ) -> Fit:
     """Fit from `start` (P,) in the unit cube, with designs that begin with half-width `half` and shrink.
 
-    `num_events` are simulated for each. `reference` is the model without its last effect, if that is known well.
+    `num_events` are simulated for each.
     """
-    half = np.broadcast_to(half, model.dim).astype(float)
-    design = Design.box(start, half) if reference is None else reference.design(start, half)
-    return descend(model, target, design, rng, num_events, max_rounds, reference)
+    design = Design.box(start, np.broadcast_to(half, model.dim).astype(float))
+    return descend(model, target, design, rng, num_events, max_rounds)
 
 
 def descend(
