@@ -131,11 +131,6 @@ class Sample:
         """At points (m, q), with so many events each."""
         return Look(effect, points, *self.changes(effect, points, events, rng), events, guessed)
 
-    def again(self, look: "Look", most: int, share: float, events: int, rng: np.random.Generator) -> "Look":
-        """A look at the best points of another, at points next to them, and where the measured events disagree."""
-        points = np.concatenate([look.beside(self, most, share), self.places(look.effect)])
-        return self.look(look.effect, points, events, rng, look.guessed)
-
     def places(self, effect: Effect) -> NDArray[np.float64]:
         """Points (m, q) at which an effect acts where measured events and these disagree most; none without a place."""
         strength, *shape = effect.parameters
@@ -284,7 +279,8 @@ def looked_again(sample: Sample, look: Look, rng: np.random.Generator) -> Look:
     finished = sample.fit.model.plus(look.effect).newest_acts_last
     events = (SEARCH.final_events if finished else SEARCH.dear_events) * look.events
     for most, share in SEARCH.looks:
-        look = sample.again(look, most, share, events, rng)
+        points = np.concatenate([look.beside(sample, most, share), sample.places(look.effect)])
+        look = sample.look(look.effect, points, events, rng, look.guessed)
     return look
 
 
