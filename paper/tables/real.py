@@ -115,8 +115,8 @@ def page(seeds: list[list[dict[str, Any]]]) -> str:
     for record in seeds[0]:
         expected, diagnosis = record["expected"], record["diagnosis"]
         about, lacks = " ".join(record["data_head"][:-1]), f"**Known:** {expected['lacks']}. {expected['why']}"
-        lines += ["", f"## {record['name'].replace('_', ' ').capitalize()}", "", _wrapped(about)]
-        lines += ["", _wrapped(lacks), "", _wrapped(f"**Said: {judged(expected, diagnosis)}.** {_said(diagnosis)}")]
+        lines += ["", f"## {record['name'].replace('_', ' ').capitalize()}", "", wrapped(about)]
+        lines += ["", wrapped(lacks), "", wrapped(f"**Said: {judged(expected, diagnosis)}.** {_said(diagnosis)}")]
     return "\n".join(lines) + "\n"
 
 
@@ -138,7 +138,8 @@ def _told(effect: dict[str, Any]) -> str:
     return f"`{effect['name']}` with {', '.join(values)}{tied}"
 
 
-def _wrapped(text: str) -> str:
+def wrapped(text: str) -> str:
+    """A paragraph of a page in lines of 120 letters at most."""
     return textwrap.fill(text, 120, break_long_words=False, break_on_hyphens=False)
 
 

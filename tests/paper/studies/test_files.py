@@ -19,7 +19,7 @@ def test_what_is_lacking_is_made_once_and_written_at_once(tmp_path):
             return {"square": n * n}
 
         wanted = [({"n": n}, lambda n=n: square(n)) for n in range(3)]
-        return FILE.completed(path, FILE.begun(path, "rows", seed=0), "rows", wanted)
+        return FILE.completed(path, "rows", wanted, seed=0)
 
     with pytest.raises(KeyboardInterrupt):
         made(stop=1)
@@ -38,7 +38,7 @@ def test_what_is_lacking_is_made_once_and_written_at_once(tmp_path):
 def test_a_row_takes_the_place_of_an_earlier_version(tmp_path):
     def made(version, names):
         wanted = [({"name": name, "version": version}, dict) for name in names]
-        return FILE.completed(path, FILE.begun(path, "rows"), "rows", wanted)["rows"]
+        return FILE.completed(path, "rows", wanted)["rows"]
 
     path = tmp_path / FILE.name
     made("1", "ab")
