@@ -1,8 +1,9 @@
 """The diagnosis on one page: fit and test the simulator, search what it lacks, add that and refit, and report."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from time import perf_counter
 
 import numpy as np
@@ -249,7 +250,7 @@ class Run:
             fit, notes = posterior.best.fit, []
             with self.meter.keeping(for_tests), self.affordable("a sharper fit"):
                 fit, notes = refined(fit, self.target, self.rng, self.effort)
-            key = posterior.unsupported(fit, self.refitted(for_tests))
+            key = posterior.unsupported(fit, partial(self.refitted, for_tests))
             if key is None:
                 self.notes += notes
                 return self.with_tests(fit), posterior
@@ -260,16 +261,12 @@ class Run:
             posterior = posterior.without(key)
         return None, posterior
 
-    def refitted(self, for_tests: int) -> Callable[[Fit], Fit]:
-        """A function that fits again as precisely as for the answer, or returns the fit if too few events are left."""
-
-        def refit(fit: Fit) -> Fit:
-            if fit.model.effects:
-                with self.meter.keeping(for_tests), suppress(BudgetExhausted):
-                    return refined(fit, self.target, self.rng, self.effort)[0]
-            return fit
-
-        return refit
+    def refitted(self, for_tests: int, fit: Fit) -> Fit:
+        """A fit made again as precisely as for the answer, or the same if too few events are left."""
+        if fit.model.effects:
+            with self.meter.keeping(for_tests), suppress(BudgetExhausted):
+                return refined(fit, self.target, self.rng, self.effort)[0]
+        return fit
 
     def report(self, outcome: Outcome, inferred: Inferred | None) -> Result:
         """The final fit, its uncertainties, where the events disagree, what they could not show, and figures."""
