@@ -55,12 +55,13 @@ def table(seeds: list[list[dict[str, Any]]]) -> pd.DataFrame:
         judgements = [judged(each["expected"], each["diagnosis"]) for each in (record, *others)]
         expected, diagnosis = record["expected"], record["diagnosis"]
         named = [effect["name"] for effect in diagnosis["effects"]]
+        unnamed = "nothing" if diagnosis["verdict"] == Verdict.NOTHING else "something, no name"
         gaps = [diagnosis["gap_before"], diagnosis["gap_after"]]
         row = {
             "data": record["name"],
             "events": diagnosis["num_events"],
             "known": " or ".join(expected["answer"]) or "nothing",
-            "named": ", then ".join(named) or _unnamed(diagnosis["verdict"]),
+            "named": ", then ".join(named) or unnamed,
             "tied": sum(len(effect["tied_with"]) for effect in diagnosis["effects"]),
             "p": p_value(diagnosis["p_value_before"]),
             "p after": p_value(diagnosis["p_value_after"]),
@@ -71,10 +72,6 @@ def table(seeds: list[list[dict[str, Any]]]) -> pd.DataFrame:
         }
         rows.append(row)
     return pd.DataFrame(rows)
-
-
-def _unnamed(verdict: str) -> str:
-    return "nothing" if verdict == Verdict.NOTHING else "something, no name"
 
 
 def format_table(seeds: list[list[dict[str, Any]]]) -> str:
