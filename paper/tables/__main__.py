@@ -15,7 +15,7 @@ from paper.studies import agreement, few, hard, saturation, textbook
 from paper.studies import contamination as contamination_study
 from paper.studies import misspecification as misspecification_study
 from paper.studies.files import StudyFile
-from paper.tables import coverage, experiments, targets
+from paper.tables import experiments, targets
 
 TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str | StudyFile]] = {
     "ablation": (experiments.ablation, "reference dimension ablation"),
@@ -24,7 +24,7 @@ TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str | St
     "contamination-effects": (contamination.effects, contamination_study.FILE),
     "contamination-outliers": (contamination.outliers, contamination_study.FILE),
     "agreement": (agreement.table, agreement.FILE),
-    "coverage": (coverage.table, "reference rivals smm"),
+    "coverage": (experiments.coverage, "reference rivals smm"),
     "dimension": (dimension.table, "dimension"),
     "few": (few.table, few.FILE),
     "textbook": (textbook.table, textbook.FILE),
