@@ -3,7 +3,7 @@
 import pytest
 
 from avobench.tasks.errors import StoreError
-from paper.studies.files import StudyFile
+from paper.studies.files import StudyFile, add_lines, read_lines
 
 FILE = StudyFile("numbers")
 
@@ -43,3 +43,10 @@ def test_a_row_takes_the_place_of_an_earlier_version(tmp_path):
     path = tmp_path / FILE.name
     made("1", "ab")
     assert made("2", "b") == [{"name": "a", "version": "1"}, {"name": "b", "version": "2"}]
+
+
+def test_lines_are_added_for_what_a_file_lacks(tmp_path):
+    path = tmp_path / "rows.jsonl"
+    for last in (2, 4):
+        add_lines(path, (({"n": n}, lambda n=n, last=last: {"n": n, "of": last}) for n in range(last)))
+    assert [row["of"] for row in read_lines(path)] == [2, 2, 4, 4]
