@@ -1,8 +1,9 @@
 """The diagnosis on one page: fit and test the simulator, search what it lacks, add that and refit, and report."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from time import perf_counter
 
 import numpy as np
@@ -15,7 +16,7 @@ from avobench.diagnosis.fit.null import Inferred, best_null, fit_null
 from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel, correction
 from avobench.diagnosis.goodness_of_fit.held_out import HeldOut
 from avobench.diagnosis.goodness_of_fit.order import exchangeability
-from avobench.diagnosis.goodness_of_fit.regions import disagreeing
+from avobench.diagnosis.goodness_of_fit.regions import disagreeing, regions
 from avobench.diagnosis.report.decide import Rivals
 from avobench.diagnosis.report.identifiability import card
 from avobench.diagnosis.report.outcome import Outcome, notes_of, to_choose_from
@@ -249,7 +250,7 @@ class Run:
             fit, notes = posterior.best.fit, []
             with self.meter.keeping(for_tests), self.affordable("a sharper fit"):
                 fit, notes = refined(fit, self.target, self.rng, self.effort)
-            key = posterior.unsupported(fit, self.refitted(for_tests))
+            key = posterior.unsupported(fit, partial(self.refitted, for_tests))
             if key is None:
                 self.notes += notes
                 return self.with_tests(fit), posterior
@@ -260,16 +261,12 @@ class Run:
             posterior = posterior.without(key)
         return None, posterior
 
-    def refitted(self, for_tests: int) -> Callable[[Fit], Fit]:
-        """A function that fits again as precisely as for the answer, or returns the fit if too few events are left."""
-
-        def refit(fit: Fit) -> Fit:
-            if fit.model.effects:
-                with self.meter.keeping(for_tests), suppress(BudgetExhausted):
-                    return refined(fit, self.target, self.rng, self.effort)[0]
-            return fit
-
-        return refit
+    def refitted(self, for_tests: int, fit: Fit) -> Fit:
+        """A fit made again as precisely as for the answer, or the same if too few events are left."""
+        if fit.model.effects:
+            with self.meter.keeping(for_tests), suppress(BudgetExhausted):
+                return refined(fit, self.target, self.rng, self.effort)[0]
+        return fit
 
     def report(self, outcome: Outcome, inferred: Inferred | None) -> Result:
         """The final fit, its uncertainties, where the events disagree, what they could not show, and figures."""
@@ -282,7 +279,8 @@ class Run:
                 events = int(effort.repeated * target.num_events)
                 moves = ambiguity(fit, final.fit, outcome.posterior.allowed, target, rng, events)
         view = target.summary.view(self.events)
-        regions = outcome.regions(self.task, target, view, rng)
+        names = to_choose_from(self.task)
+        where = regions(outcome.null.fit, target, view.spans, rng, self.alpha, names) if outcome.disagree else []
         with self.affordable("the identifiability card"):
             shown = self.effects
             if not self.of_tables and len(some := disagreeing(fit, target, self.events)) < self.events.shape[1]:
@@ -295,12 +293,12 @@ class Run:
                 weights = correction(fit, target, self.events, rng)
         rivals = None
         if outcome.effects and len(outcome.posterior.credible) > 1:
-            rivals = Rivals.of(final.fit, outcome.posterior, target, view.spans, to_choose_from(self.task))
+            rivals = Rivals.of(final.fit, outcome.posterior, target, view.spans, names)
         diagnosis = assemble(
             self.task,
             outcome,
             QuotedFit(fit, moves),
-            regions,
+            where,
             rows,
             rivals.decisions() if rivals else [],
             notes=self.notes + self.shortage() + notes_of(outcome, fit, target, inferred, self.num_events),

@@ -65,9 +65,7 @@ class Combination(Strict):
     std: float
 
 
-class EffectValue(Strict):
-    value: float
-    std: float | None
+class EffectValue(Value):
     null: float | None
     unit: str
 

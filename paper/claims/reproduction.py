@@ -4,7 +4,6 @@ Every claim has a measurement from committed records and a criterion, so that th
 The first page has the verdicts and their reasons. The two others, in docs/tables, have the numbers.
 """
 
-import textwrap
 from pathlib import Path
 
 import click
@@ -15,6 +14,7 @@ from avobench.reports.quantities import comparable, labelled
 from paper.claims import benchmark_claims, example_claims
 from paper.claims.claims import Claim, Evidence, Finding
 from paper.studies import baseline, detector, misspecification
+from paper.tables.real import wrapped
 
 FIRST = "reproduction.md"
 NUMBERS = {
@@ -52,7 +52,7 @@ def _verdicts(measured: dict[str, list[tuple[Claim, Finding]]]) -> str:
             rows.append(f"| {link} | {finding.verdict} |")
             if claim.why:
                 reasons += [f"**{claim.title}.** {claim.why}"]
-    return "\n\n".join([INTRODUCTION, "\n".join(rows), reasons[0], *map(_wrapped, reasons[1:])]) + "\n"
+    return "\n\n".join([INTRODUCTION, "\n".join(rows), reasons[0], *map(wrapped, reasons[1:])]) + "\n"
 
 
 def _section(claim: Claim, finding: Finding) -> str:
@@ -62,16 +62,12 @@ def _section(claim: Claim, finding: Finding) -> str:
     return "\n\n".join(
         [
             f"## {claim.title}",
-            _wrapped(f"{claim.says} ({claim.where})"),
+            wrapped(f"{claim.says} ({claim.where})"),
             f"{commands}:",
             f"```\n{table}\n```",
-            _wrapped(f"**Verdict: {finding.verdict}.** {finding.reading}"),
+            wrapped(f"**Verdict: {finding.verdict}.** {finding.reading}"),
         ]
     )
-
-
-def _wrapped(text: str) -> str:
-    return textwrap.fill(text, 120, break_long_words=False, break_on_hyphens=False)
 
 
 def _anchor(title: str) -> str:
@@ -83,9 +79,8 @@ def gather(results: Path, studies: Path, ablation: Path) -> Evidence:
     """The records in the three results folders."""
     frame = comparable(labelled(Store(results).read_all()))
     records, undone = Store(studies).read_all(), Store(ablation).read_all()
-    return Evidence(
-        frame, records, detector.read(studies), undone, baseline.read(studies), misspecification.read(studies)
-    )
+    response, variances, widths = (each.FILE.read(studies) for each in (detector, baseline, misspecification))
+    return Evidence(frame, records, response, undone, variances, widths)
 
 
 @click.command()

@@ -18,14 +18,14 @@ FOLDERS |= dict.fromkeys(
     ("poisson", "alignment", "contamination", "detector", "misspecification"), Path("results/studies")
 )
 """The figures, and where the records of each are unless another folder is named."""
-ONE_FILE = {"contamination": contamination.read, "detector": detector.read, "misspecification": misspecification.read}
-"""The figures that are drawn from a file of their own, with what reads it."""
+ONE_FILE = {"contamination": contamination.FILE, "detector": detector.FILE, "misspecification": misspecification.FILE}
+"""The figures that are drawn from a file of their own."""
 
 
 def draw(name: str, results: Path | None, out: Path) -> list[Path]:
     """Draw one figure of FOLDERS. Raises StoreError where its records are missing."""
     folder = results or FOLDERS[name]
-    records = [ONE_FILE[name](folder)] if name in ONE_FILE else Store(folder).read_all()
+    records = [ONE_FILE[name].read(folder)] if name in ONE_FILE else Store(folder).read_all()
     with matplotlib.rc_context(STYLE):
         return save(*importlib.import_module(f"paper.figures.{name}").drawn(records), out, name)
 

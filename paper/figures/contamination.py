@@ -36,16 +36,13 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
             | {"to minimiser": ((known(estimate) - known(minimiser)) ** 2).sum()}
             | {"pull": np.median(pulls), "worst pull": pulls.max(), "doubtful": bool(run["doubt"])}
         )
-    grouped = pd.DataFrame(rows).groupby(["task", "share", "row"], sort=False)
+    frame = pd.DataFrame(rows)
+    frame["task"], frame["row"] = pd.Categorical(frame["task"], tasks), pd.Categorical(frame["row"], METHODS)
+    grouped = frame.groupby(["task", "share", "row"], observed=True)
     medians = dict.fromkeys(("to theta", "to minimiser", "pull", "seconds"), "median")
     numbers = grouped.agg({**medians, "worst pull": "max", "doubtful": "sum"})
     numbers.insert(0, "targets", grouped.size())
-    numbers = numbers.reset_index().rename(columns={"row": "method"})
-    shares = sorted({run["share"] for run in records[0]["runs"]})
-    orders = {"task": list(tasks), "share": shares, "method": list(METHODS)}
-    return numbers.sort_values(
-        list(orders), key=lambda column: column.map(orders[str(column.name)].index), ignore_index=True
-    )
+    return numbers.reset_index().rename(columns={"row": "method"}).astype({"task": str, "method": str})
 
 
 def compared(records: list[dict[str, Any]], value: str = "to minimiser") -> pd.DataFrame:

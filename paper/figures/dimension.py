@@ -30,8 +30,10 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
         return pd.DataFrame()
     frame = labelled(studied)
     frame[["family", "p"]] = frame["task"].str.rsplit("-", n=1, expand=True)
+    frame["family"] = pd.Categorical(frame["family"], families)
+    frame["method"] = pd.Categorical(frame["method"], ordered(frame["method"], METHOD_ORDER))
     rows = []
-    for (family, p, method), cells in frame.astype({"p": int}).groupby(["family", "p", "method"], sort=False):
+    for (family, p, method), cells in frame.astype({"p": int}).groupby(["family", "p", "method"], observed=True):
         ratios = cells["ratio"].to_numpy()
         rows.append(
             {
@@ -46,12 +48,7 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
                 "seconds": cells["seconds"].mean(),
             }
         )
-    numbers = pd.DataFrame(rows)
-    orders = {"family": families, "method": ordered(numbers["method"], METHOD_ORDER)}
-    for name, order in orders.items():
-        numbers[name] = pd.Categorical(numbers[name], order)
-    numbers = numbers.sort_values(["family", "parameters", "method"], ignore_index=True)
-    return numbers.astype(dict.fromkeys(orders, str))
+    return pd.DataFrame(rows)
 
 
 def _task_of(record: dict[str, Any]) -> Task | type[Task] | None:

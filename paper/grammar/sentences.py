@@ -108,6 +108,11 @@ def regions(label: str | Rule, by: str, *kinds: str) -> Regions:
     return {(by, kind): label for kind in kinds}
 
 
+def claimants(label: str | Rule) -> tuple[str, ...]:
+    """The families that a claim may be of."""
+    return (label,) if isinstance(label, str) else label.families
+
+
 def nothing(label: str) -> Regions:
     """The region of a primitive that goes by nothing, claimed by one family."""
     return regions(label, "nothing", "constant")
@@ -132,12 +137,8 @@ class Primitive:
 
     def of(self, family: str, d: int) -> list[tuple[str, str]]:
         """The regions in which this family may claim what is done to one of d features."""
-        possible = [
-            (region, label) for region, label in self.regions.items() if d > 1 or region[0] not in ("other", "all")
-        ]
-        return [
-            region for region, label in possible if family in ((label,) if isinstance(label, str) else label.families)
-        ]
+        possible = [region for region in self.regions if d > 1 or region[0] not in ("other", "all")]
+        return [region for region in possible if family in claimants(self.regions[region])]
 
     def sentence(self, region: tuple[str, str], task: Task, reference: NDArray, rng: Rng) -> Sentence | None:
         """A random sentence of a region; None where it does not suit, or where it is not clear who claims it."""
@@ -219,11 +220,9 @@ class Grammar:
         """What families may claim of sentences about d features: by name, the primitives with their regions."""
         if d not in self._claims:
             labels = [label for each in self.primitives for label in each.regions.values()]
-            names = sorted(
-                {one for label in labels for one in ((label,) if isinstance(label, str) else label.families)}
-            )
             claims = {
-                name: [(each, each.of(name, d)) for each in self.primitives if each.of(name, d)] for name in names
+                name: [(each, of) for each in self.primitives if (of := each.of(name, d))]
+                for name in sorted({name for label in labels for name in claimants(label)})
             }
             self._claims[d] = {name: primitives for name, primitives in claims.items() if primitives}
         return self._claims[d]

@@ -17,7 +17,6 @@ from avobench.tasks.function import task
 from paper.studies.files import StudyFile
 
 FILE = StudyFile("agreement")
-read = FILE.read
 NUM_SEEDS = 20
 """Fits of each case, each of other events: one doubt in twenty is what is allowed."""
 THETA = {"poisson": (2.0,), "carl": (0.5, -1.0), "normal": (0.4, -0.2)}
@@ -78,7 +77,6 @@ def made(path: Path, seed: int = 0, num_seeds: int = NUM_SEEDS) -> dict[str, Any
     `fits` holds for each the `case`, `num_events`, `budget`, the number `fit`, whether it is `sound`, and its `doubt`.
     Raises StoreError for a damaged file.
     """
-    record = FILE.begun(path, "fits", seed=seed)
 
     def one(name: str, case: Case, num_events: int, budget: int, number: int) -> dict[str, Any]:
         x = case.events(num_events, stream(seed, "observed", name, num_events, number))
@@ -91,7 +89,7 @@ def made(path: Path, seed: int = 0, num_seeds: int = NUM_SEEDS) -> dict[str, Any
         for name, case in cases().items()
         for n, budget in case.sizes
     ]
-    return FILE.completed(path, record, "fits", wanted, "torch")
+    return FILE.completed(path, "fits", wanted, seed=seed)
 
 
 def table(records: list[dict[str, Any]]) -> pd.DataFrame:

@@ -13,6 +13,7 @@ to FILE; those that it has are left alone.
 
 import json
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from avobench.bench.events import read_events
 from avobench.bench.plugins import registry
 from avobench.diagnosis import diagnose
 from avobench.diagnosis.checks import Checks
+from paper.studies.files import add_lines
 
 FOLDER = Path("results/bank")
 
@@ -51,14 +53,12 @@ def diagnosed(folder: Path, number: int, answers: dict[str, Any]) -> dict[str, A
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="File of JSON lines.")
 def main(folders: tuple[Path, ...], out: Path) -> None:
     """Diagnose each data set of the challenges that FILE does not have."""
-    have = [json.loads(line) for line in out.read_text().splitlines()] if out.exists() else []
-    done = {(row["data"], row["case"]) for row in have}
+    wanted = []
     for folder in folders:
         answers = json.loads((folder / "answers.json").read_text())
         for number in range(len(answers["cases"])):
-            if (folder.name, number) not in done:
-                with out.open("a") as file:
-                    file.write(json.dumps(diagnosed(folder, number, answers)) + "\n")
+            wanted.append(({"data": folder.name, "case": number}, partial(diagnosed, folder, number, answers)))
+    add_lines(out, wanted)
 
 
 if __name__ == "__main__":

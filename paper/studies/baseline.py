@@ -14,7 +14,6 @@ from paper.studies.files import StudyFile
 from paper.tasks import PoissonExample
 
 FILE = StudyFile("baseline")
-read = FILE.read
 KINDS = ("none", "optimal", "as_printed")
 ITERATIONS = (100, 1000, 3000)
 """Of the example of Section 4.1: the proposal far from theta*, on its way, and at the end."""

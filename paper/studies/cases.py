@@ -26,7 +26,7 @@ from avobench.diagnosis.search.posterior import Posterior
 from avobench.tasks.errors import StoreError, UsageError
 from paper.cases import opened, sealed
 from paper.cases.case import Case
-from paper.studies.files import read_file
+from paper.studies.files import of_identity, read_file
 
 STUDY, FOLDER = "cases", Path("results/cases")
 CASES = {
@@ -73,8 +73,8 @@ def made(
         for case in [case for case in some if not names or case.name in names]:
             path = folder / configuration.name / f"{case.name}.json"
             identity = identity_of(case, made_by, configuration)
-            record = read_file(path, STUDY) if path.exists() else {}
-            if {field: record.get(field) for field in identity} != identity:
+            record = of_identity(path, identity)
+            if not record:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 try:
                     record = {"schema_version": SCHEMA_VERSION, **identity, **said(case, configuration)}

@@ -33,7 +33,6 @@ from paper.experiments import BUDGET, NUM_OBSERVATIONS
 from paper.studies.files import StudyFile
 
 FILE = StudyFile("contamination")
-read = FILE.read
 SHARES = (0.0, 0.01, 0.05, 0.2)
 """Shares of the observed events that are outliers."""
 NUM_TARGETS = 3
@@ -266,7 +265,6 @@ def made(
     and `version` of the method, what there was to find (`theta`, and `minimiser`), `estimate`, `error`, `doubt` and
     `seconds`. Raises StoreError for a damaged file.
     """
-    record = FILE.begun(path, "runs", seed=seed, budget=budget, num_observations=num_events)
     methods = {
         row: registry.build("method", name, settings) for row, (name, settings) in METHODS.items() if row in rows
     }
@@ -292,7 +290,7 @@ def made(
         for share in of.shares
         if due(name, target, row)
     ]
-    return FILE.completed(path, record, "runs", wanted, "torch")
+    return FILE.completed(path, "runs", wanted, seed=seed, budget=budget, num_observations=num_events)
 
 
 def one(

@@ -6,8 +6,8 @@ them apart are made anew and diagnosed with these two families alone. One JSON l
 those that it has are left alone.
 """
 
-import json
 import time
+from functools import partial
 from itertools import chain, zip_longest
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,7 @@ from avobench.diagnosis.schema import Decision, Named
 from avobench.effects.catalogue import catalogue
 from avobench.tasks import Task
 from avobench.tasks.contract import stable_hash
+from paper.studies.files import add_lines
 from shapes import SEEN
 
 FILE = Path("results/studies/decide.jsonl")
@@ -108,13 +109,10 @@ def names(effects: list[Named]) -> list[str]:
 @click.option("--task", "tasks", multiple=True, default=tuple(EVENTS), help="Tasks. Repeatable.")
 def study(out: Path, tasks: tuple[str, ...]) -> None:
     """Carry out what the file lacks."""
-    have = [json.loads(line) for line in out.read_text().splitlines()] if out.exists() else []
-    done = {(row["task"], row["kind"], row["number"]) for row in have}
     of_task = [[(name, kind, number) for number in range(SETS[name]) for kind in ("own", "foreign")] for name in tasks]
-    for case in filter(None, chain.from_iterable(zip_longest(*of_task))):
-        if case not in done:
-            with out.open("a") as file:
-                file.write(json.dumps(made(*case)) + "\n")
+    cases = filter(None, chain.from_iterable(zip_longest(*of_task)))
+    key = ("task", "kind", "number")
+    add_lines(out, ((dict(zip(key, case, strict=True)), partial(made, *case)) for case in cases))
 
 
 if __name__ == "__main__":

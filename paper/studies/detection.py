@@ -6,7 +6,8 @@ range, by a seed that no version was developed on. Each case and limit adds a JS
 it has is left alone.
 """
 
-import json
+from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from avobench.diagnosis import diagnose
 from avobench.tasks.errors import UsageError
 from paper.cases.case import Case
 from paper.studies.cases import CASES
+from paper.studies.files import add_lines
 
 FOLDER = Path("results/detection")
 KINDS = ("null", "single")
@@ -57,15 +59,9 @@ def tested(case: Case, limit: int | None, seed: int) -> dict[str, Any]:
 def main(seed: int, out: Path, part: tuple[int, int]) -> None:
     """Test the cases that the file does not have."""
     out.parent.mkdir(parents=True, exist_ok=True)
-    have = [json.loads(line) for line in out.read_text().splitlines()] if out.exists() else []
-    done = {(row["case"], row["limit"]) for row in have}
     cases = [case for case in CASES["opened"]["simulated"] if case.kind in KINDS]
-    for case in cases[part[0] :: part[1]]:
-        for limit in LIMITS:
-            if (case.name, limit) not in done:
-                line = json.dumps(tested(case, limit, seed)) + "\n"
-                with out.open("a") as file:
-                    file.write(line)
+    each = product(cases[part[0] :: part[1]], LIMITS)
+    add_lines(out, (({"case": case.name, "limit": limit}, partial(tested, case, limit, seed)) for case, limit in each))
 
 
 if __name__ == "__main__":

@@ -10,7 +10,6 @@ from avobench.tasks.alignment import CHUNK, Alignment
 from paper.studies.files import StudyFile
 
 FILE = StudyFile("detector")
-read = FILE.read
 THETA = (0.0, 1.0)
 EVENTS = 200_000
 """Behind each average response (paper, Figure 2): a cell is then known to a few per cent."""

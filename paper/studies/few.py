@@ -19,7 +19,6 @@ from paper.studies.contamination import gaussian_of_a_width
 from paper.studies.files import StudyFile
 
 FILE = StudyFile("few")
-read = FILE.read
 METHODS = ("avo", "rank-moments", "smm")
 EVENTS = (300, 2000)
 """Observed events of a fit."""
@@ -43,7 +42,6 @@ def made(path: Path, seed: int = 0, num_fits: int = NUM_FITS, budget: int = BUDG
     parameter that the events determine from the truth, in quoted errors, and `doubt`. Raises StoreError for a damaged
     file.
     """
-    record = FILE.begun(path, "fits", seed=seed, budget=budget)
     methods = [registry.build("method", name, {}) for name in METHODS]
     wanted = [
         (
@@ -52,7 +50,7 @@ def made(path: Path, seed: int = 0, num_fits: int = NUM_FITS, budget: int = BUDG
         )
         for fit, of, events, method in product(range(num_fits), tasks(), EVENTS, methods)
     ]
-    return FILE.completed(path, record, "fits", wanted, "torch")
+    return FILE.completed(path, "fits", wanted, seed=seed, budget=budget)
 
 
 def one(of: Task, num_events: int, fit: int, method: Method, seed: int, budget: int) -> dict[str, Any]:

@@ -22,7 +22,6 @@ from paper.sbibm_tasks import SBIBM
 from paper.studies.files import StudyFile
 
 FILE = StudyFile("hard")
-read = FILE.read
 NUM_EVENTS = 10_000
 """Observed events of a fit."""
 NUM_TARGETS = 15
@@ -63,7 +62,6 @@ def made(
     `fits` holds for each the `task`, `target`, `method` (a row of METHODS) and its `version`; its `theta`, the `floors`
     of its parameters, `estimate`, `error`, `doubt` and `seconds`. Raises StoreError for a damaged file.
     """
-    record = FILE.begun(path, "fits", seed=seed, num_observations=num_events, budget=budget)
     methods = {label: registry.build("method", *how) for label, how in METHODS.items()}
     wanted = []
     for target, task, (label, method) in product(range(num_targets), tasks, methods.items()):
@@ -72,7 +70,7 @@ def made(
         due = target < OF_OTHERS if task in SBIBM else label not in SLOW or target in unseen
         if due:
             wanted.append((key, partial(one, task(), target, method, seed, num_events, budget)))
-    return FILE.completed(path, record, "fits", wanted, "torch")
+    return FILE.completed(path, "fits", wanted, seed=seed, num_observations=num_events, budget=budget)
 
 
 def one(task: Informed, target: int, method: Method, seed: int, num_events: int, budget: int) -> dict[str, Any]:

@@ -19,7 +19,6 @@ from paper.experiments import BUDGET, NUM_OBSERVATIONS
 from paper.studies.files import StudyFile
 
 FILE = StudyFile("misspecification")
-read = FILE.read
 TASKS = ("poisson", "carl")
 """One with a count for an event, one with five features."""
 STRENGTHS = (0.0, 0.01, 0.03, 0.1, 0.3)
@@ -37,12 +36,11 @@ def made(path: Path, seed: int = 0) -> dict[str, Any]:
     prior's, a number a parameter, and the p-value of the gates of a diagnosis. Raises StoreError for a damaged file.
     """
     identity = {"seed": seed, "budget": BUDGET, "num_observations": NUM_OBSERVATIONS}
-    record = FILE.begun(path, "runs", **identity, method=METHOD.name, method_version=METHOD.version)
     keys = [(task, strength, i) for i in range(REPETITIONS) for task in TASKS for strength in STRENGTHS]
     wanted = [
         (dict(zip(("task", "strength", "repetition"), key, strict=True)), partial(one, *key, seed)) for key in keys
     ]
-    return FILE.completed(path, record, "runs", wanted, "torch")
+    return FILE.completed(path, "runs", wanted, **identity, method=METHOD.name, method_version=METHOD.version)
 
 
 def one(

@@ -19,7 +19,7 @@ from avobench.bench.store.record import SCHEMA_VERSION, encode
 from avobench.bench.store.versions import versions
 from avobench.diagnosis.run import diagnose
 from avobench.tasks.errors import StoreError, UsageError, first_fault
-from paper.studies.files import read_file
+from paper.studies.files import of_identity, read_file
 
 EXAMPLES = Path("examples/real")
 FOLDER = Path("results/real")
@@ -79,8 +79,8 @@ def real(folder: Path, seed: int = 0, examples: Path = EXAMPLES, jobs: int = 1) 
         path = folder / f"{name}.json"
         module = importlib.import_module(user_files.module_name(examples / f"{name}.py"))
         identity = identity_of(name, answer, module.task, examples, seed)
-        record = read_file(path, "real") if path.exists() else {}
-        if {field: record.get(field) for field in identity} != identity:
+        record = of_identity(path, identity)
+        if not record:
             record = {"schema_version": SCHEMA_VERSION, **identity, **said(module.task, module.measured, seed, jobs)}
             write_atomically(path, encode(record))
         records.append(record)

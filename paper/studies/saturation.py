@@ -17,7 +17,6 @@ from paper.experiments import BUDGET, NUM_OBSERVATIONS, READINGS
 from paper.studies.files import StudyFile
 
 FILE = StudyFile("saturation")
-read = FILE.read
 ITERATIONS = (20, 60, 300)
 """The iterations, of 3 333, after which the discriminator is looked at."""
 NUM_TARGETS = 5
@@ -34,12 +33,11 @@ def made(
     `largest` logit of the simulated events by its size, and the `share` of them at which log(1 - d) is exactly 0.
     Raises StoreError for a damaged file.
     """
-    record = FILE.begun(path, "runs", seed=seed, iterations=list(iterations))
     wanted = [
         ({"target": target, **reading}, partial(one, target, AvoPaper(**reading), seed, iterations))
         for target, reading in product(range(num_targets), READINGS.values())
     ]
-    return FILE.completed(path, record, "runs", wanted, "torch")
+    return FILE.completed(path, "runs", wanted, seed=seed, iterations=list(iterations))
 
 
 def one(target: int, settings: AvoPaper, seed: int, iterations: tuple[int, ...]) -> dict[str, Any]:

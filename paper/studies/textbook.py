@@ -19,7 +19,6 @@ from avobench.tasks import Task
 from paper.studies.files import StudyFile
 
 FILE = StudyFile("textbook")
-read = FILE.read
 NUM_FITS = 12
 """Data sets of each distribution, the same for each way of fitting."""
 BUDGET = 200_000
@@ -113,12 +112,11 @@ def made(path: Path, seed: int = 0, num_fits: int = NUM_FITS) -> dict[str, Any]:
     quoted `error`, both in units of the smallest possible error from as many events, and a `doubt`. Raises StoreError
     for a damaged file.
     """
-    record = FILE.begun(path, "fits", seed=seed, budget=BUDGET)
     wanted = [
         ({"distribution": name, "way": way, "fit": fit}, partial(one, name, way, fit, seed))
         for fit, name, way in product(range(num_fits), DISTRIBUTIONS, WAYS)
     ]
-    return FILE.completed(path, record, "fits", wanted, "torch")
+    return FILE.completed(path, "fits", wanted, seed=seed, budget=BUDGET)
 
 
 def one(name: str, way: str, fit: int, seed: int) -> dict[str, Any]:

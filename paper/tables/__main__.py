@@ -13,52 +13,43 @@ from paper.experiments import records_of
 from paper.figures import contamination, dimension, misspecification
 from paper.studies import agreement, few, hard, saturation, textbook
 from paper.studies import contamination as contamination_study
-from paper.studies.misspecification import read
-from paper.tables import coverage, experiments, targets
+from paper.studies import misspecification as misspecification_study
+from paper.studies.files import StudyFile
+from paper.tables import experiments, targets
 
-TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str]] = {
+TABLES: dict[str, tuple[Callable[[list[dict[str, Any]]], pd.DataFrame], str | StudyFile]] = {
     "ablation": (experiments.ablation, "reference dimension ablation"),
-    "contamination": (contamination.compared, "studies"),
-    "contamination-pulls": (partial(contamination.compared, value="worst pull"), "studies"),
-    "contamination-effects": (contamination.effects, "studies"),
-    "contamination-outliers": (contamination.outliers, "studies"),
-    "agreement": (agreement.table, "studies"),
-    "coverage": (coverage.table, "reference rivals smm"),
+    "contamination": (contamination.compared, contamination_study.FILE),
+    "contamination-pulls": (partial(contamination.compared, value="worst pull"), contamination_study.FILE),
+    "contamination-effects": (contamination.effects, contamination_study.FILE),
+    "contamination-outliers": (contamination.outliers, contamination_study.FILE),
+    "agreement": (agreement.table, agreement.FILE),
+    "coverage": (experiments.coverage, "reference rivals smm"),
     "dimension": (dimension.table, "dimension"),
-    "few": (few.table, "studies"),
-    "textbook": (textbook.table, "studies"),
+    "few": (few.table, few.FILE),
+    "textbook": (textbook.table, textbook.FILE),
     "fresh": (experiments.fresh, "fresh"),
     "growth": (experiments.growth, "growth"),
-    "hard": (hard.table, "studies"),
-    "misspecification": (misspecification.table, "studies"),
+    "hard": (hard.table, hard.FILE),
+    "misspecification": (misspecification.table, misspecification_study.FILE),
     "rivals": (experiments.rivals, "reference rivals smm plain"),
-    "saturation": (saturation.table, "studies"),
+    "saturation": (saturation.table, saturation.FILE),
     "sensitivity": (experiments.sensitivity, "sensitivity"),
     "targets": (targets.table, "reference"),
     "tuning": (experiments.tuning, "tuning"),
 }
-"""What makes each table, and the folders in results of which it is made unless others are named."""
-ONE_FILE = {
-    "agreement": agreement.read,
-    **dict.fromkeys(
-        ("contamination", "contamination-pulls", "contamination-effects", "contamination-outliers"),
-        contamination_study.read,
-    ),
-    "hard": hard.read,
-    "few": few.read,
-    "textbook": textbook.read,
-    "misspecification": read,
-    "saturation": saturation.read,
-}
-"""The tables of a record that is a file of its own, with what reads it."""
+"""What makes each table, and of what: the record that is a file of its own, in results/studies, or all records of these
+folders in results, unless others are named."""
 
 
 def printed(name: str, folders: tuple[Path, ...] = ()) -> str:
     """A table of TABLES, to be read. Raises UsageError or StoreError where its records are missing."""
-    make, usual = TABLES[name]
-    chosen = folders or tuple(Path("results") / folder for folder in usual.split())
-    kept = [ONE_FILE[name](chosen[0])] if name in ONE_FILE else list(records_of(chosen).values())
-    frame = make(kept)
+    make, of = TABLES[name]
+    if isinstance(of, StudyFile):
+        frame = make([of.read(folders[0] if folders else Path("results/studies"))])
+    else:
+        usual = [Path("results") / folder for folder in of.split()]
+        frame = make(list(records_of(folders or usual).values()))
     named = not isinstance(frame.index, pd.RangeIndex)
     return frame.to_string(index=named, na_rep="-", float_format=lambda value: f"{value:.3g}")
 

@@ -1,23 +1,19 @@
 """What a diagnosis of the development data in `results/bank` costs and finds: `python -m paper.tables.bank`."""
 
-import json
 from statistics import median
 from typing import Any
 
 import click
 import pandas as pd
-from scipy.stats import binomtest
 
 from paper.studies.bank import FOLDER
+from paper.studies.files import read_lines
+from paper.tables.decide import share
 
 Row = dict[str, Any]
-FORMER, BANK, NOTHING = "hidden-4c8d801", "hidden-bank", "nothing-bank"
+FILES = ("hidden-4c8d801", "hidden-bank", "nothing-bank")
+"""With the search before, with that of now, and where nothing is hidden."""
 ALPHA = 0.05
-
-
-def rows_of(name: str) -> list[Row]:
-    """The records of a file of the folder."""
-    return [json.loads(line) for line in (FOLDER / f"{name}.jsonl").read_text().splitlines()]
 
 
 def first(row: Row) -> bool:
@@ -52,13 +48,11 @@ def alarms(rows: list[Row]) -> pd.DataFrame:
     lines = []
     for data in sorted({row["data"] for row in rows}):
         of = [row for row in rows if row["data"] == data]
-        wrong = sum(row["p_value"] < ALPHA for row in of)
-        interval = binomtest(wrong, len(of)).proportion_ci()
         calls = [row["calls_per_event"] for row in of]
         lines.append(
             {
                 "nothing hidden": data,
-                "alarms": f"{wrong} of {len(of)} ({100 * interval.low:.0f} to {100 * interval.high:.0f} %)",
+                "alarms": share([row["p_value"] < ALPHA for row in of]),
                 "calls per event": f"{median(calls):.0f} (at most {max(calls):.0f})",
             }
         )
@@ -68,9 +62,10 @@ def alarms(rows: list[Row]) -> pd.DataFrame:
 @click.command()
 def main() -> None:
     """Print both tables."""
-    click.echo(table(rows_of(FORMER), rows_of(BANK)).to_string(index=False))
+    former, bank, nothing = (read_lines(FOLDER / f"{name}.jsonl") for name in FILES)
+    click.echo(table(former, bank).to_string(index=False))
     click.echo()
-    click.echo(alarms(rows_of(NOTHING)).to_string(index=False))
+    click.echo(alarms(nothing).to_string(index=False))
 
 
 if __name__ == "__main__":

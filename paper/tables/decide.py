@@ -1,6 +1,5 @@
 """Whether what is said to decide does: `python -m paper.tables.decide` prints it, from `results/studies`."""
 
-import json
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -10,6 +9,7 @@ import pandas as pd
 from scipy.stats import binomtest
 
 from paper.studies.decide import FILE
+from paper.studies.files import read_lines
 
 Row = dict[str, Any]
 
@@ -52,7 +52,7 @@ def share(right: list[bool]) -> str:
 @click.option("--file", type=click.Path(path_type=Path, exists=True), default=FILE, show_default=True)
 def main(file: Path) -> None:
     """Print the table."""
-    rows = [json.loads(line) for line in file.read_text().splitlines()]
+    rows = read_lines(file)
     counted = pd.Series([row["task"] for row in rows]).value_counts()
     click.echo(", ".join(f"{name} {number}" for name, number in counted.items()))
     click.echo()

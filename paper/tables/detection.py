@@ -1,14 +1,14 @@
 """How often a right simulator is rejected and a wrong one is seen: `python -m paper.tables.detection`."""
 
-import json
 from statistics import median
 from typing import Any
 
 import click
 import pandas as pd
-from scipy.stats import binomtest
 
 from paper.studies.detection import FOLDER, LIMITS
+from paper.studies.files import read_lines
+from paper.tables.decide import share
 
 VERSIONS = ("former", "now")
 ALPHA, PLAINLY = 0.05, 0.001
@@ -20,14 +20,12 @@ def line(version: str, limit: int | None, rows: list[dict[str, Any]]) -> dict[st
     right, wrong = ([row for row in rows if (row["kind"] == "null") == null] for null in (True, False))
     p, p_wrong = ([row["p_value"] for row in some if "refused" not in row] for some in (right, wrong))
     calls = [[row["calls_per_event"] for row in some if "refused" not in row] for some in (right, wrong)]
-    alarms = sum(value < ALPHA for value in p)
-    interval = binomtest(alarms, len(p)).proportion_ci()
     return {
         "version": version,
         "limit": "none" if limit is None else str(limit),
         "calls": " and ".join(f"{median(some):.0f}" for some in calls),
         "right: refused": f"{len(right) - len(p)} of {len(right)}",
-        "alarms": f"{alarms} of {len(p)} ({100 * interval.low:.0f} to {100 * interval.high:.0f} %)",
+        "alarms": share([value < ALPHA for value in p]),
         "p < 0.001": str(sum(value < PLAINLY for value in p)),
         "wrong: refused": f"{len(wrong) - len(p_wrong)} of {len(wrong)}",
         "seen": f"{sum(value < ALPHA for value in p_wrong)} of {len(p_wrong)}",
@@ -39,7 +37,7 @@ def main() -> None:
     """Print the table."""
     lines = []
     for version in VERSIONS:
-        rows = [json.loads(each) for each in (FOLDER / f"{version}.jsonl").read_text().splitlines()]
+        rows = read_lines(FOLDER / f"{version}.jsonl")
         lines += [line(version, limit, [row for row in rows if row["limit"] == limit]) for limit in LIMITS]
     click.echo(pd.DataFrame(lines).to_string(index=False))
 

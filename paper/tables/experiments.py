@@ -5,10 +5,11 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import gmean
+from numpy.typing import NDArray
+from scipy.stats import gmean, norm
 
 from avobench.bench.store.status import ESTIMATED
-from avobench.reports.coverage import distances
+from avobench.reports.coverage import by_method, distances
 from avobench.reports.quantities import labelled, task_of
 from avobench.reports.style import METHOD_ORDER, TASK_ORDER, ordered
 from avobench.tasks import Task
@@ -31,12 +32,13 @@ from paper.quantities import (
     worst,
 )
 from paper.sbibm_tasks import SBIBM
-from paper.tables.coverage import within
 from paper.tables.targets import METHOD
 from paper.tasks import DEVELOPMENT as DEVELOPMENT_TASKS
 from paper.tasks import FRESH, FRESH_WARPED
 
 Records = list[dict[str, Any]]
+LEVELS = (0.68, 0.95)
+"""Of the intervals whose coverage is told."""
 
 
 def ablation(records: Records) -> pd.DataFrame:
@@ -119,7 +121,7 @@ def fresh(records: Records) -> pd.DataFrame:
 
     `mean / floor` is the mean squared error over the mean floor, on weinberg over the ideal posterior mean's; below 1
     is chance. `astray` counts runs above 100 floors, and `ok of these` those of them that the method vouched for. The
-    last columns are coverage, as in `paper.tables.coverage`.
+    last columns are coverage, as in the table of that name.
     """
     names = {task.name: task.of.name for task in (*FRESH, *FRESH_WARPED)}  # floors go by the task itself
     return pd.DataFrame(_fresh(labelled([{**record, "task": names[record["task"]]} for record in records])))
@@ -145,6 +147,21 @@ def _fresh(frame: pd.DataFrame) -> Iterator[dict[str, Any]]:
                 "seconds": cells["seconds"].mean(),
                 **within(np.concatenate(away) if away else np.empty(0)),
             }
+
+
+def within(away: NDArray[np.float64]) -> dict[str, str]:
+    """The share of distances (n,) that lie within the intervals of each of LEVELS, in words; a dash of none."""
+    return {
+        f"within {level:.0%}": f"{(away <= norm.ppf((1 + level) / 2)).mean():.0%}" if len(away) else "-"
+        for level in LEVELS
+    }
+
+
+def coverage(records: Records) -> pd.DataFrame:
+    """One row per task and method: how many true parameters, and which share of them each level's intervals hold."""
+    told = by_method(records).items()
+    rows = [{"task": task, "method": method, "parameters": len(away), **within(away)} for (task, method), away in told]
+    return pd.DataFrame(rows)
 
 
 def growth(records: Records) -> pd.DataFrame:

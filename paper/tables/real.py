@@ -55,12 +55,13 @@ def table(seeds: list[list[dict[str, Any]]]) -> pd.DataFrame:
         judgements = [judged(each["expected"], each["diagnosis"]) for each in (record, *others)]
         expected, diagnosis = record["expected"], record["diagnosis"]
         named = [effect["name"] for effect in diagnosis["effects"]]
+        unnamed = "nothing" if diagnosis["verdict"] == Verdict.NOTHING else "something, no name"
         gaps = [diagnosis["gap_before"], diagnosis["gap_after"]]
         row = {
             "data": record["name"],
             "events": diagnosis["num_events"],
             "known": " or ".join(expected["answer"]) or "nothing",
-            "named": ", then ".join(named) or _unnamed(diagnosis["verdict"]),
+            "named": ", then ".join(named) or unnamed,
             "tied": sum(len(effect["tied_with"]) for effect in diagnosis["effects"]),
             "p": p_value(diagnosis["p_value_before"]),
             "p after": p_value(diagnosis["p_value_after"]),
@@ -71,10 +72,6 @@ def table(seeds: list[list[dict[str, Any]]]) -> pd.DataFrame:
         }
         rows.append(row)
     return pd.DataFrame(rows)
-
-
-def _unnamed(verdict: str) -> str:
-    return "nothing" if verdict == Verdict.NOTHING else "something, no name"
 
 
 def format_table(seeds: list[list[dict[str, Any]]]) -> str:
@@ -115,8 +112,8 @@ def page(seeds: list[list[dict[str, Any]]]) -> str:
     for record in seeds[0]:
         expected, diagnosis = record["expected"], record["diagnosis"]
         about, lacks = " ".join(record["data_head"][:-1]), f"**Known:** {expected['lacks']}. {expected['why']}"
-        lines += ["", f"## {record['name'].replace('_', ' ').capitalize()}", "", _wrapped(about)]
-        lines += ["", _wrapped(lacks), "", _wrapped(f"**Said: {judged(expected, diagnosis)}.** {_said(diagnosis)}")]
+        lines += ["", f"## {record['name'].replace('_', ' ').capitalize()}", "", wrapped(about)]
+        lines += ["", wrapped(lacks), "", wrapped(f"**Said: {judged(expected, diagnosis)}.** {_said(diagnosis)}")]
     return "\n".join(lines) + "\n"
 
 
@@ -138,7 +135,8 @@ def _told(effect: dict[str, Any]) -> str:
     return f"`{effect['name']}` with {', '.join(values)}{tied}"
 
 
-def _wrapped(text: str) -> str:
+def wrapped(text: str) -> str:
+    """A paragraph of a page in lines of 120 letters at most."""
     return textwrap.fill(text, 120, break_long_words=False, break_on_hyphens=False)
 
 

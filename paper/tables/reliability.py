@@ -53,40 +53,33 @@ def table(cases: Iterable[tuple[str, Case]]) -> pd.DataFrame:
                 groups.setdefault(each, []).append(case)
     groups["all"] = groups.pop("all", [])
     for name, group in groups.items():
-        stated, hit, brier, logs, first, agrees, within, size = [], [], [], [], [], [], [], []
-        for case in group:
-            shares, true = names(case), truth(case)
-            stated += [share for share in shares.values() if share >= LEAST]
-            hit += [key in true for key, share in shares.items() if share >= LEAST]
-            brier.append(sum((share - (key in true)) ** 2 for key, share in shares.items()))
-            logs.append(np.log(max(of_truth(case), 1e-6)))
-            first.append(set(sorted(shares, key=shares.get)[-len(true) :]) == true)
-            agrees.append(not first[-1] and (case.diagnosis.get("p_value_after") or 0) >= ALPHA)
-            models = [{case.key(each) for each in model["effects"]} for model in case.diagnosis["models"]]
-            enough = sum(model["probability"] for model in case.diagnosis["models"]) + shares[OUTSIDE]
-            if shares[OUTSIDE] > 0.05 or enough < 0.95:
-                models.append({OUTSIDE})
-            within.append(any(true == model for model in models))
-            size.append(len(models))
-        others = [max((share for key, share in names(case).items() if key != OUTSIDE), default=0) for case in group]
-        rows.append(
-            {
-                "hidden": name,
-                "cases": len(group),
-                "most probable right": np.mean(first),
-                "wrong, yet agrees": np.mean(agrees),
-                "in the 95 % set": np.mean(within),
-                "size": np.mean(size),
-                "P(truth)": np.mean([of_truth(case) for case in group]),
-                "P(outside)": np.mean([names(case)[OUTSIDE] for case in group]),
-                "P(first name)": np.mean(others),
-                "Brier": np.mean(brier),
-                "log score": np.mean(logs),
-                "calibration error": calibration_error(np.array(stated), np.array(hit)),
-                "if they held": by_chance(np.array(stated)),
-            }
-        )
+        told = [(share, key in truth(case)) for case in group for key, share in names(case).items() if share >= LEAST]
+        stated, hit = np.array(told).T
+        row = {"hidden": name, "cases": len(group), **pd.DataFrame(map(scores, group)).mean()}
+        row |= {"calibration error": calibration_error(stated, hit), "if they held": by_chance(stated)}
+        rows.append(row)
     return pd.DataFrame(rows)
+
+
+def scores(case: Case) -> dict[str, float]:
+    """How good the probabilities of a case are, by columns of the table, which has the means."""
+    shares, true, diagnosis = names(case), truth(case), case.diagnosis
+    right = set(sorted(shares, key=shares.get)[-len(true) :]) == true
+    models = [{case.key(each) for each in model["effects"]} for model in diagnosis["models"]]
+    enough = sum(model["probability"] for model in diagnosis["models"]) + shares[OUTSIDE]
+    if shares[OUTSIDE] > 0.05 or enough < 0.95:
+        models.append({OUTSIDE})
+    return {
+        "most probable right": right,
+        "wrong, yet agrees": not right and (diagnosis.get("p_value_after") or 0) >= ALPHA,
+        "in the 95 % set": true in models,
+        "size": len(models),
+        "P(truth)": of_truth(case),
+        "P(outside)": shares[OUTSIDE],
+        "P(first name)": max((share for key, share in shares.items() if key != OUTSIDE), default=0),
+        "Brier": sum((share - (key in true)) ** 2 for key, share in shares.items()),
+        "log score": np.log(max(of_truth(case), 1e-6)),
+    }
 
 
 def calibration_error(stated: np.ndarray, hit: np.ndarray) -> float:

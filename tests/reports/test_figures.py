@@ -13,7 +13,7 @@ from avobench.reports.efficiency import errors_at
 from avobench.reports.figures import FIGURES, draw, drawn
 from avobench.reports.style import METHOD_COLOURS, PALETTE, colours
 from avobench.tasks.errors import StoreError
-from paper.tables.coverage import table as coverage_table
+from paper.tables.experiments import coverage as coverage_table
 
 
 def test_a_method_has_one_colour_in_every_figure():

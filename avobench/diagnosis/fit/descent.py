@@ -23,15 +23,13 @@ def refine(
     *,
     num_events: int,
     max_rounds: int = 10,
-    reference: ReferenceModel | None = None,
 ) -> Fit:
     """Fit from `start` (P,) in the unit cube, with designs that begin with half-width `half` and shrink.
 
-    `num_events` are simulated for each. `reference` is the model without its last effect, if that is known well.
+    `num_events` are simulated for each.
     """
-    half = np.broadcast_to(half, model.dim).astype(float)
-    design = Design.box(start, half) if reference is None else reference.design(start, half)
-    return descend(model, target, design, rng, num_events, max_rounds, reference)
+    design = Design.box(start, np.broadcast_to(half, model.dim).astype(float))
+    return descend(model, target, design, rng, num_events, max_rounds)
 
 
 def descend(
@@ -212,3 +210,12 @@ def scan(
         centre, alike = u[q.argmin()], u[q - q.min() <= error]
         half = np.maximum(half * 3 * points ** (-1 / p), np.abs(alike - centre).max(axis=0))
     return np.concatenate([centre, fixed]), half
+
+
+def seen_at(
+    model: Model, point: NDArray[np.float64], target: Target, rng: np.random.Generator, num_events: int
+) -> tuple[NDArray[np.float64], float]:
+    """The whitened residual (r,) of a model that is simulated at a point (P,) of the unit cube, and its noiseless Q."""
+    x = model.simulate(np.tile(model.from_cube(point), (num_events, 1)), rng)
+    residual = target.whiten(target.mean - target.summary.mean(x)[0])
+    return residual, float(residual @ residual) - target.num_events / num_events * target.rank

@@ -170,11 +170,11 @@ def from_events(model: Model, vectors: Vectors, design: Design, num_events: int,
         slopes = np.linalg.pinv(normal[1:, 1:], rcond=1e-12, hermitian=True)
         inverse[1:, 1:] = unlike * slopes
         coefficients = np.vstack([at_centre[0] / pairs, slopes @ (spread - at_centre)[1:]])
-        return Surrogate(design, coefficients, num_events, again * inverse, bend, again * bend_variance)
-    constant = np.eye(k)[0]  # the basis at the centre
-    inverse = np.linalg.pinv(normal + pairs * np.outer(constant, constant), rcond=1e-12, hermitian=True)
-    coefficients = inverse @ (spread + np.outer(constant, at_centre[0]))
-    bend, bend_variance = alone[0] @ spread - at_centre[0] / pairs, alone[0, 0] + 1 / pairs
+    else:
+        constant = np.eye(k)[0]  # the basis at the centre
+        inverse = np.linalg.pinv(normal + pairs * np.outer(constant, constant), rcond=1e-12, hermitian=True)
+        coefficients = inverse @ (spread + np.outer(constant, at_centre[0]))
+        bend, bend_variance = alone[0] @ spread - at_centre[0] / pairs, alone[0, 0] + 1 / pairs
     return Surrogate(design, coefficients, num_events, again * inverse, bend, again * bend_variance)
 
 

@@ -4,7 +4,6 @@ If they are, any order of the same events is as probable as the one that was mea
 feature the ranks are tested, so that no tail matters; given the ranks, all null distributions here are known.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -137,8 +136,9 @@ def findings_of(series: Series, score: NDArray[np.float64], level: float) -> tup
     values = series.values
     while True:
         kinds = {look.kind for look in findings}
-        looks = [look for look in tests_of(score, series.at) if look.kind not in kinds]
-        best = min(looks, key=lambda look: (look.p_value, -look.gain), default=None)
+        looks = drift(score), change_point(score, series.at), season(score, series.at), clustering(score)
+        untold = [look for look in looks if look.kind not in kinds]
+        best = min(untold, key=lambda look: (look.p_value, -look.gain), default=None)
         if best is None or best.p_value >= level or not score.any():
             return findings, values
         findings.append(best)
@@ -148,12 +148,7 @@ def findings_of(series: Series, score: NDArray[np.float64], level: float) -> tup
         score /= max(score.std(), 1e-12)
 
 
-def tests_of(s: NDArray[np.float64], at: NDArray[np.float64]) -> Iterator[Look]:
-    """The four tests of scores s (n,) of mean 0 and variance 1 at positions (n,)."""
-    yield drift(s)
-    yield change_point(s, at)
-    yield season(s, at)
-    yield clustering(s)
+# Each test is of scores s (n,) of mean 0 and variance 1, at positions (n,) where it needs them.
 
 
 def drift(s: NDArray[np.float64]) -> Look:

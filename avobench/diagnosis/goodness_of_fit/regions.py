@@ -9,8 +9,6 @@ from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.schema import Place, Region
 from avobench.diagnosis.settings import SEARCH, TEST
 from avobench.diagnosis.summary.bins import Bins, Span
-from avobench.diagnosis.summary.joint import StackedSummary
-from avobench.diagnosis.summary.table import TableSummary
 from avobench.diagnosis.summary.target import Target
 
 
@@ -115,15 +113,11 @@ def spots(fit: Fit, target: Target, x: NDArray, feature: int | str | None) -> li
     The ends and the feature of the interval of the largest excess, and of the largest deficit; nothing for images, nor
     for an effect on a parameter of the task.
     """
-    if not isinstance(target.summary, Bins | TableSummary | StackedSummary):
-        return []
     spans = [
         span
         for span in target.summary.view(x).spans
         if isinstance(span.feature, int) and feature in ("all", None, span.feature) and not span.of_missing
     ]
-    if not spans:
-        return []
     scan = intervals(fit, target, spans)
     if not scan.regions:
         return []

@@ -13,12 +13,11 @@ from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.null import Inferred
 from avobench.diagnosis.goodness_of_fit.gates import ExtendedModel
 from avobench.diagnosis.goodness_of_fit.held_out import HeldOut
-from avobench.diagnosis.goodness_of_fit.regions import regions
 from avobench.diagnosis.report.uncertainties import named
-from avobench.diagnosis.schema import Candidate, Gap, Region, Verdict
+from avobench.diagnosis.schema import Candidate, Gap, Verdict
 from avobench.diagnosis.search.posterior import Posterior
 from avobench.diagnosis.settings import REPORT, TEST
-from avobench.diagnosis.summary.bins import Bins, View
+from avobench.diagnosis.summary.bins import Bins
 from avobench.diagnosis.summary.target import Target
 from avobench.effects import Effect
 from avobench.effects.catalogue import domain
@@ -146,12 +145,6 @@ class Outcome:
             num_events = int(effort.sharpen * target.num_events)
             return settled(self.final.fit, target, rng, num_events, effort.settle)
         return self.final.efficient if self.effects else self.first
-
-    def regions(self, task: Task, target: Target, view: View, rng: np.random.Generator) -> list[Region]:
-        """The intervals in which the task alone disagrees with the events that were fitted; none where it does not."""
-        if not self.disagree:
-            return []
-        return regions(self.null.fit, target, view.spans, rng, self.alpha, to_choose_from(task))
 
 
 def to_choose_from(task: Task) -> tuple[str, ...]:

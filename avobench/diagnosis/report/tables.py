@@ -31,26 +31,24 @@ def _of_set(name: str, summary: Summary, part: slice, target: Target, before: Fi
     """Of the tables of one set, or of its events."""
     cov, directions = (target.cov / target.num_events)[part, part], whitening(target.cov[part, part])
 
-    def compared(fit: Fit) -> list[tuple[float, int]]:
+    def compared(fit: Fit) -> list[tuple[str, float, int]]:
         predicted: NDArray[np.float64] = fit.predicted[part]
         if isinstance(summary, TableSummary):
             errors = summary.simulated.errors_of(summary.tables, predicted)
             rows = Comparison.of(summary.tables, predicted, errors + fit.noise * cov, fit.num_events).rows
-            return [(row.chi_squared, row.dof) for row in rows]
+            return [(table.name, row.chi_squared, row.dof) for table, row in zip(summary.tables, rows, strict=True)]
         residual = np.sqrt(target.num_events) * (target.mean[part] - predicted) @ directions
-        return [(float(residual @ residual) / (1 + fit.noise), len(residual))]
+        return [("", float(residual @ residual) / (1 + fit.noise), len(residual))]
 
-    of_tables = isinstance(summary, TableSummary)
-    names = [table.name for table in summary.tables] if isinstance(summary, TableSummary) else [""]
     first = compared(before)
-    then = [q for q, _ in compared(after)] if after else [None] * len(first)
+    then = [q for _, q, _ in compared(after)] if after else [None] * len(first)
     return [
         TableGap(
             name=": ".join(filter(None, (name, label))),
-            kind="table" if of_tables else "events",
+            kind="table" if isinstance(summary, TableSummary) else "events",
             dof=dof,
             chi_squared_before=q,
             chi_squared_after=later,
         )
-        for label, (q, dof), later in zip(names, first, then, strict=True)
+        for (label, q, dof), later in zip(first, then, strict=True)
     ]

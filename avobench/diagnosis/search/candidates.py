@@ -18,7 +18,7 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from numpy.typing import NDArray
 
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit.descent import descend, refine, scan, sharpen
+from avobench.diagnosis.fit.descent import descend, refine, scan, seen_at, sharpen
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.surrogate import ReferenceModel
 from avobench.diagnosis.search.evidence import Weighed
@@ -234,15 +234,6 @@ def by_shape(starts: list[Start]) -> list[list[Start]]:
         effect = start.model.effects[-1]
         kept.setdefault((effect.key, effect.shape), []).append(start)
     return list(kept.values())
-
-
-def seen_at(
-    model: Model, point: NDArray[np.float64], target: Target, rng: np.random.Generator, num_events: int
-) -> tuple[NDArray[np.float64], float]:
-    """The whitened residual (r,) of a model that is simulated at a point (P,) of the unit cube, and its noiseless Q."""
-    x = model.simulate(np.tile(model.from_cube(point), (num_events, 1)), rng)
-    residual = target.whiten(target.mean - target.summary.mean(x)[0])
-    return residual, float(residual @ residual) - target.num_events / num_events * target.rank
 
 
 def check(start: Start, reference: ReferenceModel, target: Target, rng: np.random.Generator, num_events: int) -> Start:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avobench.diagnosis.effort import Effort
-from avobench.diagnosis.fit.descent import scan
+from avobench.diagnosis.fit.descent import scan, seen_at
 from avobench.diagnosis.fit.fit import Fit
 from avobench.diagnosis.fit.surrogate import ReferenceModel
 from avobench.diagnosis.goodness_of_fit.regions import spots
@@ -130,11 +130,6 @@ class Sample:
     ) -> "Look":
         """At points (m, q), with so many events each."""
         return Look(effect, points, *self.changes(effect, points, events, rng), events, guessed)
-
-    def again(self, look: "Look", most: int, share: float, events: int, rng: np.random.Generator) -> "Look":
-        """A look at the best points of another, at points next to them, and where the measured events disagree."""
-        points = np.concatenate([look.beside(self, most, share), self.places(look.effect)])
-        return self.look(look.effect, points, events, rng, look.guessed)
 
     def places(self, effect: Effect) -> NDArray[np.float64]:
         """Points (m, q) at which an effect acts where measured events and these disagree most; none without a place."""
@@ -284,7 +279,8 @@ def looked_again(sample: Sample, look: Look, rng: np.random.Generator) -> Look:
     finished = sample.fit.model.plus(look.effect).newest_acts_last
     events = (SEARCH.final_events if finished else SEARCH.dear_events) * look.events
     for most, share in SEARCH.looks:
-        look = sample.again(look, most, share, events, rng)
+        points = np.concatenate([look.beside(sample, most, share), sample.places(look.effect)])
+        look = sample.look(look.effect, points, events, rng, look.guessed)
     return look
 
 
@@ -340,6 +336,8 @@ def hidden(sample: Sample, start: Start, rng: np.random.Generator, effort: Effor
     strength, p = effect.parameters[0], fit.model.dim
     of_theta, _ = np.linalg.qr(fit.jacobian[:, : fit.model.num_theta])
     free, shape = fit.projector(), start.model.from_cube(start.point)[p + 1 :]
+    events = effort.fit // SEARCH.stepped
+    noise = target.num_events / events * target.rank
     starts = []
     for side in [side for side in (strength.high, strength.low) if side != strength.null]:
         near, points = (
@@ -357,11 +355,9 @@ def hidden(sample: Sample, start: Start, rng: np.random.Generator, effort: Effor
             phi = start.model.to_cube(np.concatenate([fit.params, values]))[p:]
             point, _ = scan(start.model, target, rng, fixed=phi, around=theta, size=size)
             for _ in range(SEARCH.stepped):
-                x = start.model.simulate(np.tile(start.model.from_cube(point), (effort.fit // SEARCH.stepped, 1)), rng)
-                residual = target.whiten(target.mean - target.summary.mean(x)[0])
+                residual, _ = seen_at(start.model, point, target, rng, events)
                 step = np.clip(fit.follow(residual), -SEARCH.stride, SEARCH.stride)
                 theta = point[:p] = np.clip(point[:p] + step, 0, 1)
-            noise = target.num_events / len(x) * target.rank
             row.append((point, float(((residual @ free) ** 2).sum()) - noise))
         places, expected = np.array([point for point, _ in row]), np.array([value for _, value in row])
         along = np.gradient(places[:, :p], places[:, p], axis=0)

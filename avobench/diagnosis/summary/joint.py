@@ -1,6 +1,6 @@
 """Several data sets with one theta: their summaries side by side, with a covariance in blocks."""
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -39,26 +39,27 @@ class StackedSummary(Summary):
         ends = np.cumsum([0, *(summary.size for summary in self.summaries)]).tolist()
         return [slice(a, b) for a, b in pairwise(ends)]
 
-    def _stacked(self, of: Callable[[Summary, NDArray], NDArray], x: NDArray) -> list[NDArray]:
-        return [of(s, np.ascontiguousarray(x[:, at])) for s, at in zip(self.summaries, self.columns, strict=True)]
+    def _sets(self, x: NDArray) -> Iterator[tuple[Summary, NDArray]]:
+        """The summary of each set with its features of events (n, d)."""
+        return zip(self.summaries, (np.ascontiguousarray(x[:, at]) for at in self.columns), strict=True)
 
     def mean(self, x: NDArray, pieces: int = 1) -> NDArray[np.float64]:
-        return np.hstack(self._stacked(lambda summary, events: summary.mean(events, pieces), x))
+        return np.hstack([summary.mean(events, pieces) for summary, events in self._sets(x)])
 
     def moments(self, x: NDArray, weights: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.hstack(self._stacked(lambda summary, events: summary.moments(events, weights), x))
+        return np.hstack([summary.moments(events, weights) for summary, events in self._sets(x)])
 
     def project(self, x: NDArray, direction: NDArray[np.float64]) -> NDArray[np.float64]:
-        each = zip(self.summaries, self.columns, self.parts, strict=True)
-        return sum(s.project(np.ascontiguousarray(x[:, at]), direction[part]) for s, at, part in each)
+        each = zip(self._sets(x), self.parts, strict=True)
+        return sum(summary.project(events, direction[part]) for (summary, events), part in each)
 
     def moved(self, before: NDArray, after: NDArray) -> NDArray[np.float64]:
-        each = zip(self.summaries, self.columns, strict=True)
-        moved = [s.moved(*(np.ascontiguousarray(x[:, at]) for x in (before, after))) for s, at in each]
+        each = zip(self._sets(before), self._sets(after), strict=True)
+        moved = [summary.moved(a, b) for (summary, a), (_, b) in each]
         return np.average(moved, axis=0, weights=[summary.size for summary in self.summaries])
 
     def covariance(self, x: NDArray) -> NDArray[np.float64]:
-        return block_diag(*self._stacked(lambda summary, events: summary.covariance(events), x))
+        return block_diag(*(summary.covariance(events) for summary, events in self._sets(x)))
 
     def linear(self, terms: NDArray[np.float64]) -> NDArray[np.float64]:
         each = zip(self.summaries, self.parts, strict=True)
@@ -66,9 +67,8 @@ class StackedSummary(Summary):
 
     def model_covariance(self, x: NDArray, num_events: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         blocks, lacking = [], []
-        for summary, at, weight in zip(self.summaries, self.columns, self.weights, strict=True):
-            of_one = max(round(num_events / weight), 1)
-            cov, more = summary.model_covariance(np.ascontiguousarray(x[:, at]), of_one)
+        for (summary, events), weight in zip(self._sets(x), self.weights, strict=True):
+            cov, more = summary.model_covariance(events, max(round(num_events / weight), 1))
             blocks.append(weight * cov)
             lacking.append(weight * more)
         return block_diag(*blocks), np.concatenate(lacking)

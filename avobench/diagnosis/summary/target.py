@@ -67,20 +67,13 @@ class Target:
 
 def whitening(cov: NDArray[np.float64]) -> NDArray[np.float64]:
     """W (K, r) with W^T cov W = 1, r the rank of cov: one less for each block of bins that sums to one."""
-    values, vectors = _directions(cov)
-    return vectors[:, values > 0] / np.sqrt(values[values > 0])
-
-
-def _directions(cov: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Combinations (K, k) that are uncorrelated, and their variances (k,), 0 where that is rounding."""
     filled = np.flatnonzero(np.diag(cov) > 0)  # a cell of a pair may be empty
-    w = np.zeros((len(cov), len(filled)))
-    if not len(filled):
-        return np.empty(0), w
     scale = np.sqrt(np.diag(cov)[filled])
     values, vectors = np.linalg.eigh(cov[np.ix_(filled, filled)] / np.outer(scale, scale))
+    w = np.zeros((len(cov), len(filled)))
     w[filled] = vectors / scale[:, None]
-    return np.where(values > SUMMARY.rank_tolerance * values[-1], values, 0), w
+    kept = values > SUMMARY.rank_tolerance * values.max(initial=0)  # what is less is rounding
+    return w[:, kept] / np.sqrt(values[kept])
 
 
 def summary_of(task: Task, x: NDArray, simulated: NDArray) -> Summary:

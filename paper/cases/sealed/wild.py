@@ -400,7 +400,7 @@ CASES = [
     waves_of_a_night_of_storm,
     waves_lost_in_the_ripple,
     waves_filled_in_between,
-    plain("fish_plain", FISH, 2500, 58.0, 0.4, 0.35, 1.15),
+    plain("fish_of_a_trawl_plain", FISH, 2500, 58.0, 0.4, 0.35, 1.15),
     fish_from_the_reserve,
     fish_that_slip_through_the_mesh,
     fish_before_spawning,

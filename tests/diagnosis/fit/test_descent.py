@@ -7,7 +7,7 @@ import pytest
 from measurements import LIGHT, entry, measured
 
 from avobench.diagnosis.fit import surrogate as surrogate_module
-from avobench.diagnosis.fit.descent import minimise, refine, scan, settled, sharpen
+from avobench.diagnosis.fit.descent import descend, minimise, refine, scan, settled, sharpen
 from avobench.diagnosis.fit.fit import fit_at
 from avobench.diagnosis.fit.null import fit_null
 from avobench.diagnosis.fit.surrogate import Design, surrogate
@@ -57,10 +57,10 @@ def test_a_known_base_leaves_only_the_noise_of_what_the_effect_changes(backgroun
 def test_a_fit_goes_to_the_optimum_from_far_off_and_with_few_events(background, start):
     model, fit, target = background
     base = fit.reference(target, 400_000, np.random.default_rng(0))
-    unit, half = model.to_cube(np.r_[fit.params, start]), [0.02, 0.03, 0.08]
+    design = base.design(model.to_cube(np.r_[fit.params, start]), np.array([0.02, 0.03, 0.08]))
     found = []
     for k in range(3):
-        one = refine(model, target, unit, half, np.random.default_rng(k), num_events=80_000, reference=base)
+        one = descend(model, target, design, np.random.default_rng(k), 80_000, 10, base)
         assert one.noiseless_q - 3 * one.noiseless_q_error < one.dof + 3 * np.sqrt(2 * one.dof) < fit.noiseless_q
         found.append(one.params)
     assert (np.abs(np.median(found, axis=0) - [1.0, 0.06, 6.0]) < [0.02, 0.03, 0.8]).all()

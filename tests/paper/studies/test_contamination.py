@@ -81,7 +81,7 @@ def test_the_table_of_outliers_counts_wrong_simulators_alone():
 
 
 def test_what_the_pages_say_of_outliers_is_what_the_record_holds():
-    record = study.read(Path("results/studies"))
+    record = study.FILE.read(Path("results/studies"))
     counted = report.outliers([record]).set_index("method")
     assert counted.loc[["avo-robust", "avo", "smm"], "beyond 4"].tolist() == [2, 20, 20]
     assert (counted["fits"]["avo"], counted["undoubted"]["avo-robust"]) == (41, 0)

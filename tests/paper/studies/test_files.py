@@ -3,7 +3,7 @@
 import pytest
 
 from avobench.tasks.errors import StoreError
-from paper.studies.files import StudyFile
+from paper.studies.files import StudyFile, add_lines, read_lines
 
 FILE = StudyFile("numbers")
 
@@ -19,7 +19,7 @@ def test_what_is_lacking_is_made_once_and_written_at_once(tmp_path):
             return {"square": n * n}
 
         wanted = [({"n": n}, lambda n=n: square(n)) for n in range(3)]
-        return FILE.completed(path, FILE.begun(path, "rows", seed=0), "rows", wanted)
+        return FILE.completed(path, "rows", wanted, seed=0)
 
     with pytest.raises(KeyboardInterrupt):
         made(stop=1)
@@ -38,8 +38,15 @@ def test_what_is_lacking_is_made_once_and_written_at_once(tmp_path):
 def test_a_row_takes_the_place_of_an_earlier_version(tmp_path):
     def made(version, names):
         wanted = [({"name": name, "version": version}, dict) for name in names]
-        return FILE.completed(path, FILE.begun(path, "rows"), "rows", wanted)["rows"]
+        return FILE.completed(path, "rows", wanted)["rows"]
 
     path = tmp_path / FILE.name
     made("1", "ab")
     assert made("2", "b") == [{"name": "a", "version": "1"}, {"name": "b", "version": "2"}]
+
+
+def test_lines_are_added_for_what_a_file_lacks(tmp_path):
+    path = tmp_path / "rows.jsonl"
+    for last in (2, 4):
+        add_lines(path, (({"n": n}, lambda n=n, last=last: {"n": n, "of": last}) for n in range(last)))
+    assert [row["of"] for row in read_lines(path)] == [2, 2, 4, 4]

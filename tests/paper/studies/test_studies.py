@@ -21,7 +21,7 @@ def test_what_is_lacking_is_made_and_counted(tmp_path, monkeypatch):
     monkeypatch.setattr(agreement, "cases", lambda: {"right": right, "wrong": wrong})
     record = agreement.made(tmp_path / agreement.FILE.name, num_seeds=2)
     assert record["fits"][:2] == first
-    assert agreement.read(tmp_path) == record
+    assert agreement.FILE.read(tmp_path) == record
     assert agreement.table([record])["doubted"].tolist() == [0, 2]
 
 
@@ -48,7 +48,7 @@ def test_what_is_lacking_is_made(tmp_path, monkeypatch):
     first = hard.made(path, num_targets=1, **small)["fits"]
     record = hard.made(path, num_targets=2, **small)
     assert record["fits"][:1] == first
-    assert hard.read(tmp_path) == record
+    assert hard.FILE.read(tmp_path) == record
     assert hard.table([record])["targets"].tolist() == ["seen", "unseen"]
 
 
@@ -67,7 +67,7 @@ def test_the_table_counts_what_is_far_off_without_a_doubt():
 def test_a_discriminator_is_looked_at_on_its_way(tmp_path, monkeypatch):
     monkeypatch.setattr(saturation, "NUM_OBSERVATIONS", 1000)
     record = saturation.made(tmp_path / saturation.FILE.name, iterations=(0, 2), num_targets=1)
-    assert saturation.read(tmp_path) == record
+    assert saturation.FILE.read(tmp_path) == record
     for run in record["runs"]:
         assert 0 < run["largest"][0] < run["largest"][1]  # an untrained network says next to nothing
         assert run["share"][0] == 0
@@ -99,6 +99,6 @@ def test_the_response_is_made_once(tmp_path, monkeypatch):
         assert (mean[np.unique(np.concatenate(response["events"]))] > 0).all()
     assert record["responses"][0]["events"] != record["responses"][1]["events"]
     monkeypatch.setattr(detector.Alignment, "simulate", None)
-    assert detector.made(path, num_events=60) == record == detector.read(tmp_path)
+    assert detector.made(path, num_events=60) == record == detector.FILE.read(tmp_path)
     with pytest.raises(TypeError):  # other events would have to be simulated
         detector.made(path, num_events=61)
