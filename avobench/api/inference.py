@@ -494,7 +494,10 @@ def by_method(
 
         def metered(what: str, task: Task, limit: int, reserve: int, before: int) -> MeteredSimulator:
             """A simulator of `limit` events with a stream of its own, `before` which so many were made."""
-            report = lambda used: tell(method.name, before + used, budget)  # noqa: E731
+
+            def report(used: int) -> None:
+                tell(method.name, before + used, budget)
+
             return MeteredSimulator(task, limit, stream(seed, what, *words), progress=report, reserve=reserve)
 
         # Events that are made in place of failed ones come out of what the test has, where more fail than expected.

@@ -38,7 +38,7 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
         )
     frame = pd.DataFrame(rows)
     frame["task"], frame["row"] = pd.Categorical(frame["task"], tasks), pd.Categorical(frame["row"], METHODS)
-    grouped = frame.groupby(["task", "share", "row"], observed=True)
+    grouped = frame.groupby(["task", "share", "row"], observed=True, dropna=False)
     medians = dict.fromkeys(("to theta", "to minimiser", "pull", "seconds"), "median")
     numbers = grouped.agg({**medians, "worst pull": "max", "doubtful": "sum"})
     numbers.insert(0, "targets", grouped.size())

@@ -33,7 +33,9 @@ def table(records: list[dict[str, Any]]) -> pd.DataFrame:
     frame["family"] = pd.Categorical(frame["family"], families)
     frame["method"] = pd.Categorical(frame["method"], ordered(frame["method"], METHOD_ORDER))
     rows = []
-    for (family, p, method), cells in frame.astype({"p": int}).groupby(["family", "p", "method"], observed=True):
+    for (family, p, method), cells in frame.astype({"p": int}).groupby(
+        ["family", "p", "method"], observed=True, dropna=False
+    ):
         ratios = cells["ratio"].to_numpy()
         rows.append(
             {

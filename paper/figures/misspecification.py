@@ -27,7 +27,7 @@ def medians(record: dict[str, Any]) -> pd.DataFrame:
     runs = pd.DataFrame(record["runs"])
     runs["width"] = [sum(width) / len(width) for width in runs["width"]]
     runs["task"] = pd.Categorical(runs["task"], TASKS)
-    grouped = runs.groupby(["task", "strength"], observed=True)
+    grouped = runs.groupby(["task", "strength"], observed=True, dropna=False)
     told = {"runs": ("width", "size"), "width": ("width", "median"), "p_value": ("p_value", "median")}
     return grouped.agg(**told).reset_index()
 
